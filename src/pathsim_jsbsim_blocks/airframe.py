@@ -1,0 +1,342 @@
+"""Open JSBSim aircraft models sealed and quiet, and check properties by name.
+
+The only place that knows JSBSim's loading traps. *Sealed*: unless asked otherwise a model opens no
+socket and writes no file, whatever its XML says, and the installed jsbsim package is never
+modified. *Quiet*: what JSBSim prints goes to the logger ``pathsim_jsbsim_blocks.jsbsim``.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import shutil
+import tempfile
+import threading
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import jsbsim
+
+from .checks import did_you_mean, nearest, number, positive
+from .errors import AircraftError, PropertyError
+
+log = logging.getLogger("pathsim_jsbsim_blocks.jsbsim")
+
+# no file can be made below a device, so JSBSim opens none while it loads
+SEALED_PATH = os.path.join(os.devnull, "sealed")
+
+_LEVELS = {
+    jsbsim.LogLevel.BULK: logging.DEBUG,
+    jsbsim.LogLevel.DEBUG: logging.DEBUG,
+    jsbsim.LogLevel.INFO: logging.INFO,
+    jsbsim.LogLevel.WARN: logging.WARNING,
+    jsbsim.LogLevel.ERROR: logging.ERROR,
+    jsbsim.LogLevel.FATAL: logging.CRITICAL,
+    jsbsim.LogLevel.STDOUT: logging.INFO,
+}
+
+_install_lock = threading.Lock()
+_thread = threading.local()
+
+
+class _Console(jsbsim.FGLogger):
+    """Takes JSBSim's console of one thread: forwards it to logging, or keeps it for a reader."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.level = logging.INFO
+        self.parts: list[str] = []
+        self.kept: list[str] | None = None
+
+    def set_level(self, level) -> None:
+        self.level = _LEVELS.get(level, logging.INFO)
+        self.parts.clear()
+
+    def file_location(self, filename: str, line: int) -> None:
+        self.parts.append(f"{filename}:{line}: ")
+
+    def message(self, message: str) -> None:
+        self.parts.append(message)
+
+    def format(self, format) -> None:
+        pass
+
+    def flush(self) -> None:
+        # an exception here would reach the caller as a SystemError without its cause
+        try:
+            text = " ".join("".join(self.parts).split())
+            if text and self.kept is not None:
+                self.kept.append(text)
+            if text:
+                log.log(logging.DEBUG if SEALED_PATH in text else self.level, text)
+        except Exception:
+            pass
+        self.parts.clear()
+
+
+def capture_console() -> _Console:
+    """Route JSBSim's console of the calling thread to the logger (once per thread)."""
+    console = getattr(_thread, "console", None)
+    if console is None:
+        # JSBSim aborts the process if two threads install at once
+        with _install_lock:
+            console = _thread.console = _Console()
+            jsbsim.set_logger(console)
+            jsbsim.FGJSBBase().debug_lvl = 0
+    return console
+
+
+def messages(action: Callable[[], Any]) -> tuple[Any, list[str]]:
+    """Result of ``action()`` and what JSBSim said meanwhile."""
+    console = capture_console()
+    console.kept = []
+    try:
+        return action(), console.kept
+    finally:
+        console.kept = None
+
+
+def aircraft_folder(root: str | None = None) -> Path:
+    """The folder with the aircraft models below a JSBSim root (default: jsbsim's own)."""
+    return Path(root if root is not None else jsbsim.get_default_root_dir()) / "aircraft"
+
+
+def aircraft_names(root: str | None = None) -> list[str]:
+    """Names of all aircraft models below a JSBSim root directory, sorted.
+
+    Parameters
+    ----------
+    root : str, optional
+        JSBSim root directory; default is the one that the jsbsim package brings
+    """
+    folder = aircraft_folder(root)
+    return sorted((p.name for p in folder.glob("*") if (p / f"{p.name}.xml").is_file()),
+                  key=str.lower)
+
+
+def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, float, float]:
+    """Empty-weight centre of gravity of a model, structural axes (x aft, y right, z up), inches."""
+    location = _cg_location(ET.parse(_model_file(aircraft, root)).getroot(), aircraft)
+    factor = _INCHES[location.get("unit", "IN").upper()]
+    x, y, z = (float(str(location.findtext(axis))) * factor for axis in "xyz")
+    return x, y, z
+
+
+_INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
+
+
+def _cg_location(model: ET.Element, aircraft: str) -> ET.Element:
+    for location in model.iterfind("mass_balance/location"):
+        if location.get("name", "").upper() == "CG":
+            return location
+    raise AircraftError(f"aircraft {aircraft!r} defines no empty-weight CG", aircraft=aircraft)
+
+
+def _model_file(aircraft: str, root: str | None) -> Path:
+    if not isinstance(aircraft, str):
+        raise AircraftError(f"the aircraft must be a model's name, not {aircraft!r}",
+                            aircraft=repr(aircraft))
+    names = aircraft_names(root)
+    if aircraft not in names:
+        close = nearest(aircraft, names)
+        where = aircraft_folder(root)
+        raise AircraftError(
+            f"no aircraft {aircraft!r} among the {len(names)} models in {where}"
+            + did_you_mean(close), aircraft=aircraft, nearest=close)
+    return aircraft_folder(root) / aircraft / f"{aircraft}.xml"
+
+
+class Airframe:
+    """One JSBSim aircraft, loaded sealed and quiet, not yet initialised.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model (its folder below ``aircraft/``)
+    dt : float
+        JSBSim's time step in s; it is set before the model is loaded, because filters and
+        actuators keep the step they were loaded with
+    root : str, optional
+        JSBSim root directory; default is the one that the jsbsim package brings
+    empty_cg_x : float, optional
+        x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
+        loaded from a private copy, which is removed again; the installed one is not touched
+    allow_network : bool
+        let the model open the sockets that its XML asks for (FlightGear, telnet input)
+    allow_files : bool
+        let the model write the output files that its XML asks for (CSV)
+
+    Attributes
+    ----------
+    fdm : jsbsim.FGFDMExec
+        the executive: one object, one model
+
+    Raises
+    ------
+    AircraftError
+        if the model is unknown or JSBSim cannot load it
+    """
+
+    def __init__(self, aircraft: str, dt: float = 1 / 120, *, root: str | None = None,
+                 empty_cg_x: float | None = None, allow_network: bool = False,
+                 allow_files: bool = False):
+        self.dt = positive("dt", dt)
+        self.root = root
+        self.aircraft = aircraft
+        model_file = _model_file(aircraft, root)
+        capture_console()
+        self.fdm = jsbsim.FGFDMExec(root)
+        if not allow_network:
+            self.fdm.disable_input()
+        if not allow_files:
+            self.fdm.disable_output()
+            self.fdm.set_output_path(SEALED_PATH)
+        self.fdm.set_dt(self.dt)
+        staged = None
+        if empty_cg_x is not None:
+            staged = _stage_with_cg(model_file, aircraft, number("empty_cg_x", empty_cg_x))
+            self.fdm.set_aircraft_path(staged)
+        try:
+            self._load()
+        finally:
+            if staged is not None:
+                shutil.rmtree(staged, ignore_errors=True)
+        if not allow_files:
+            for i in range(1000):
+                if not self.fdm.get_output_filename(i):
+                    break
+                self.fdm.set_output_filename(i, os.devnull)
+            self.fdm.disable_output()
+        self._properties = self.fdm.get_property_manager()
+        self._names: list[str] | None = None
+
+    def _load(self) -> None:
+        def load() -> str:
+            try:
+                return "" if self.fdm.load_model(self.aircraft) else "load_model failed"
+            except Exception as error:
+                return str(error)
+
+        failure, said = messages(load)
+        if failure:
+            raise AircraftError(
+                f"JSBSim cannot load aircraft {self.aircraft!r}: "
+                + " ".join([failure, *said])[:1000], aircraft=self.aircraft)
+
+    def run_ic(self) -> None:
+        """Initialise the model from its ``ic/`` properties; AircraftError if JSBSim cannot."""
+        def run() -> str:
+            try:
+                return "" if self.fdm.run_ic() else "run_ic failed"
+            except Exception as error:
+                return str(error)
+
+        failure, said = messages(run)
+        if failure:
+            raise AircraftError(
+                f"JSBSim cannot initialise aircraft {self.aircraft!r}: "
+                + " ".join([failure, *said])[:1000], aircraft=self.aircraft)
+
+    @property
+    def engines(self) -> int:
+        """Number of the model's engines."""
+        return self.fdm.get_propulsion().get_num_engines()
+
+    def has(self, name: str) -> bool:
+        """Whether a property exists; False for names that JSBSim would choke on."""
+        try:
+            return isinstance(name, str) and self._properties.hasNode(name)
+        except (RuntimeError, UnicodeError):
+            return False
+
+    def property_names(self, text: str = "") -> list[str]:
+        """Names of the model's properties that contain ``text``, sorted.
+
+        Indices are written out for every element (``propulsion/tank[0]/contents-lbs``).
+        """
+        if self._names is None:
+            self._names = sorted({re.sub(r" \([RW]+\)$", "", line)
+                                  for line in self.fdm.get_property_catalog()} - {""})
+        return [n for n in self._names if text.lower() in n.lower()]
+
+    def reader(self, name: str) -> Callable[[], float]:
+        """A function that reads a property.
+
+        Raises
+        ------
+        PropertyError
+            if the name is malformed or unknown, or the property cannot be read
+        """
+        return self._node(name, jsbsim.Attribute.READ, "read").get_double_value
+
+    def writer(self, name: str) -> Callable[[float], Any]:
+        """A function that writes a property; errors as in `reader`."""
+        return self._node(name, jsbsim.Attribute.WRITE, "written").set_double_value
+
+    def write(self, values: Mapping[str, float] | None, what: str = "properties") -> None:
+        """Write a dict of properties in its order, all checked first.
+
+        Raises
+        ------
+        PropertyError, ParameterError
+            for an unknown property or a value that is not a finite number; nothing is written then
+        """
+        items = [(self.writer(name), number(f"{what}[{name!r}]", value))
+                 for name, value in dict(values or {}).items()]
+        for write, value in items:
+            write(value)
+
+    def access(self, name: str) -> str:
+        """``"rw"``, ``"r-"`` or ``"-w"``: how a property can be used."""
+        node = self._properties.get_node(name)
+        return (("r" if node.get_attribute(jsbsim.Attribute.READ) else "-")
+                + ("w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"))
+
+    def _node(self, name: str, attribute: jsbsim.Attribute, verb: str) -> jsbsim.FGPropertyNode:
+        # hasNode is the one call that survives a malformed name; all others abort the process
+        try:
+            known = isinstance(name, str) and name.strip() != "" and self._properties.hasNode(name)
+        except (RuntimeError, UnicodeError) as error:
+            raise PropertyError(
+                f"{name!r} is not a valid property name: {error}" + did_you_mean(
+                    close := nearest(re.sub(r"[^\w/\[\]-]", "", name), self.property_names())),
+                aircraft=self.aircraft, name=name, nearest=close) from None
+        if not known:
+            close = nearest(str(name), self.property_names())
+            raise PropertyError(
+                f"aircraft {self.aircraft!r} has no property {name!r}" + did_you_mean(close),
+                aircraft=self.aircraft, name=str(name), nearest=close)
+        node = self._properties.get_node(name)
+        names = [n for n in self.property_names() if n.startswith(f"{name}/")]
+        if names and name not in self.property_names():
+            raise PropertyError(
+                f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}, not a "
+                "property" + did_you_mean(names[:3]),
+                aircraft=self.aircraft, name=name, nearest=names[:3])
+        if not node.get_attribute(attribute):
+            raise PropertyError(
+                f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}",
+                aircraft=self.aircraft, name=name)
+        return node
+
+
+def _stage_with_cg(model_file: Path, aircraft: str, x: float) -> str:
+    """A temporary aircraft path with a copy of one model, its empty-weight CG moved to ``x``."""
+    stage = tempfile.mkdtemp(prefix="jsbsim-aircraft-")
+    try:
+        copy = Path(stage) / aircraft
+        shutil.copytree(model_file.parent, copy)
+        tree = ET.parse(copy / model_file.name)
+        location = _cg_location(tree.getroot(), aircraft)
+        node = location.find("x")
+        assert node is not None
+        node.text = repr(x / _INCHES[location.get("unit", "IN").upper()])
+        (copy / model_file.name).chmod(0o644)
+        tree.write(copy / model_file.name, encoding="utf-8", xml_declaration=True)
+    except BaseException:
+        shutil.rmtree(stage, ignore_errors=True)
+        raise
+    return stage

@@ -1,0 +1,194 @@
+"""Blocks that turn vectors between axes inside a diagram."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pathsim.blocks import Function
+
+from ..checks import number
+from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
+from .earth import geodetic_to_ned
+
+
+class WindToBody(Function):
+    """Drag, side force and lift to forces along the body axes.
+
+    .. math::
+
+        x = -D \\cos\\alpha \\cos\\beta - Y \\cos\\alpha \\sin\\beta + L \\sin\\alpha
+
+        y = -D \\sin\\beta + Y \\cos\\beta
+
+        z = -D \\sin\\alpha \\cos\\beta - Y \\sin\\alpha \\sin\\beta - L \\cos\\alpha
+
+    The exact inverse of `BodyToWind`. With beta not wired it starts from the stability axes.
+
+    Inputs
+    ------
+    drag, side, lift : float
+        drag positive aft, side force positive to the right, lift positive up, lbf (any unit)
+    alpha, beta : float
+        angle of attack and sideslip angle (positive with the air from the right), deg
+
+    Outputs
+    -------
+    x, y, z : float
+        force forward, right, down, lbf (the unit of the inputs)
+
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """
+
+    input_port_labels = {"drag": 0, "side": 1, "lift": 2, "alpha": 3, "beta": 4}
+    output_port_labels = {"x": 0, "y": 1, "z": 2}
+
+    def __init__(self) -> None:
+        super().__init__(func=drag_side_lift_to_body)
+
+
+class BodyToWind(Function):
+    """Forces along the body axes to drag, side force and lift.
+
+    .. math::
+
+        D = -x \\cos\\alpha \\cos\\beta - y \\sin\\beta - z \\sin\\alpha \\cos\\beta
+
+        Y = -x \\cos\\alpha \\sin\\beta + y \\cos\\beta - z \\sin\\alpha \\sin\\beta
+
+        L = x \\sin\\alpha - z \\cos\\alpha
+
+    The exact inverse of `WindToBody`. With beta not wired it ends in the stability axes.
+
+    Inputs
+    ------
+    x, y, z : float
+        force forward, right, down, lbf (any unit)
+    alpha, beta : float
+        angle of attack and sideslip angle (positive with the air from the right), deg
+
+    Outputs
+    -------
+    drag, side, lift : float
+        drag positive aft, side force positive to the right, lift positive up, lbf (the unit of
+        the inputs)
+
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """
+
+    input_port_labels = {"x": 0, "y": 1, "z": 2, "alpha": 3, "beta": 4}
+    output_port_labels = {"drag": 0, "side": 1, "lift": 2}
+
+    def __init__(self) -> None:
+        super().__init__(func=body_to_drag_side_lift)
+
+
+class NEDToBody(Function):
+    """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
+
+    Through psi about the down axis, then theta about y, then phi about x. The exact inverse of
+    `BodyToNED`; it gives the wind in body axes, for example.
+
+    Inputs
+    ------
+    north, east, down : float
+        components along the local NED axes, any unit
+    phi, theta, psi : float
+        roll (right wing down), pitch (nose up) and true heading, deg
+
+    Outputs
+    -------
+    x, y, z : float
+        components forward, right, down, in the unit of the inputs
+
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """
+
+    input_port_labels = {"north": 0, "east": 1, "down": 2, "phi": 3, "theta": 4, "psi": 5}
+    output_port_labels = {"x": 0, "y": 1, "z": 2}
+
+    def __init__(self) -> None:
+        super().__init__(func=ned_to_body)
+
+
+class BodyToNED(Function):
+    """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
+
+    The exact inverse of `NEDToBody`; it gives the ground velocity from u, v, w, for example.
+
+    Inputs
+    ------
+    x, y, z : float
+        components forward, right, down, any unit
+    phi, theta, psi : float
+        roll (right wing down), pitch (nose up) and true heading, deg
+
+    Outputs
+    -------
+    north, east, down : float
+        components along the local NED axes, in the unit of the inputs
+
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """
+
+    input_port_labels = {"x": 0, "y": 1, "z": 2, "phi": 3, "theta": 4, "psi": 5}
+    output_port_labels = {"north": 0, "east": 1, "down": 2}
+
+    def __init__(self) -> None:
+        super().__init__(func=body_to_ned)
+
+
+class GeodeticToNED(Function):
+    """Position north, east and down of a reference point, such as a runway threshold.
+
+    The axes are tangent to JSBSim's ellipsoid (WGS84) at the reference.
+
+    Parameters
+    ----------
+    lat0 : float
+        geodetic latitude of the reference in [-90, 90], deg
+    lon0 : float
+        longitude of the reference, deg, east positive
+    h0 : float
+        height of the reference above the ellipsoid, ft
+
+    Inputs
+    ------
+    lat, lon : float
+        geodetic latitude and longitude, deg (``position/lat-geod-deg``, ``position/long-gc-deg``)
+    h : float
+        height above the ellipsoid, ft (``position/geod-alt-ft``)
+
+    Outputs
+    -------
+    north, east, down : float
+        ft
+
+    Raises
+    ------
+    ParameterError
+        for a reference that is not finite, or a latitude beyond 90 deg
+
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """
+
+    input_port_labels = {"lat": 0, "lon": 1, "h": 2}
+    output_port_labels = {"north": 0, "east": 1, "down": 2}
+
+    def __init__(self, lat0: float = 0.0, lon0: float = 0.0, h0: float = 0.0) -> None:
+        self.lat0 = number("lat0", lat0, low=-90.0, high=90.0)
+        self.lon0 = number("lon0", lon0)
+        self.h0 = number("h0", h0)
+        super().__init__(func=self._position)
+
+    def _position(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
+        return geodetic_to_ned(lat, lon, h, self.lat0, self.lon0, self.h0)

@@ -1,0 +1,133 @@
+"""Checks of parameters, shared by all blocks and functions: refuse early, name the nearest."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from .errors import ParameterError
+
+
+def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
+    """The names most like ``name``: those that contain it first, then by spelling."""
+    names = list(names)
+    low = str(name).lower()
+    holds = sorted((x for x in names if len(low) > 2 and low in x.lower()), key=len)
+    close = difflib.get_close_matches(str(name), names, n=n, cutoff=0.5)
+    return list(dict.fromkeys([*holds[:n], *close]))[:n]
+
+
+def did_you_mean(names: Iterable[str]) -> str:
+    """A tail for an error message, empty where there is nothing to offer."""
+    names = list(names)
+    return f"; did you mean {' or '.join(repr(x) for x in names)}?" if names else ""
+
+
+def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = math.inf,
+           above: float | None = None) -> float:
+    """``value`` as a finite float with ``low <= value <= high`` (and ``value > above``).
+
+    Raises
+    ------
+    ParameterError
+        for text, booleans, arrays, NaN, infinities and values out of range
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ParameterError(f"{parameter} must be a number, not {value!r}",
+                             parameter=parameter, value=value)
+    x = float(value)
+    if not math.isfinite(x):
+        raise ParameterError(f"{parameter} must be finite, not {x}",
+                             parameter=parameter, value=value)
+    if above is not None and not x > above:
+        raise ParameterError(f"{parameter} must be greater than {above:g}, not {x:g}",
+                             parameter=parameter, value=value)
+    if not low <= x <= high:
+        raise ParameterError(f"{parameter} must lie in [{low:g}, {high:g}], not {x:g}",
+                             parameter=parameter, value=value)
+    return x
+
+
+def positive(parameter: str, value: Any) -> float:
+    """``value`` as a finite float greater than 0."""
+    return number(parameter, value, above=0.0)
+
+
+def whole(parameter: str, value: Any, *, low: int) -> int:
+    """``value`` as an int of at least ``low``; 4.0 passes, 4.5 does not."""
+    x = number(parameter, value, low=low)
+    if x != int(x):
+        raise ParameterError(f"{parameter} must be a whole number, not {x:g}",
+                             parameter=parameter, value=value)
+    return int(x)
+
+
+def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
+    """``value`` if it is one of ``choices``; the error names them all and the nearest."""
+    choices = list(choices)
+    if isinstance(value, str) and value in choices:
+        return value
+    raise ParameterError(
+        f"{parameter} must be one of {', '.join(map(repr, choices))}, not {value!r}"
+        + did_you_mean(nearest(str(value), choices, 1)), parameter=parameter, value=value)
+
+
+def arrays(**values: Any) -> list[Any]:
+    """``values`` as floats or as float arrays of their common shape, copied.
+
+    Raises
+    ------
+    ParameterError
+        for text, booleans, None, complex numbers, and for shapes that do not broadcast
+    """
+    out, shape = _reals(values)
+    return [np.broadcast_to(x, shape).copy() for x in out] if shape else [x[()] for x in out]
+
+
+def finite(**values: Any) -> list[Any]:
+    """``values`` as finite floats or float arrays, each in its own shape, not copied.
+
+    Raises
+    ------
+    ParameterError
+        for NaN and infinities, and for what ``arrays`` refuses
+    """
+    for value in values.values():
+        if type(value) is not float or not math.isfinite(value):
+            break
+    else:
+        return list(values.values())
+    out, _ = _reals(values)
+    for parameter, x in zip(values, out, strict=True):
+        known = np.isfinite(x)
+        if not known.all():
+            raise ParameterError(f"{parameter} must be finite, not {x[~known].flat[0]}",
+                                 parameter=parameter, value=values[parameter])
+    return [x if x.ndim else float(x) for x in out]
+
+
+def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
+    """Float arrays, and the shape to which they broadcast."""
+    out = []
+    for parameter, value in values.items():
+        try:
+            x = np.asarray(value)
+        except ValueError:  # ragged
+            x = np.empty(0, object)
+        if x.dtype.kind not in "iuf":
+            raise ParameterError(f"{parameter} must be a real number or an array of them, "
+                                 f"not {value!r}", parameter=parameter, value=value)
+        out.append(x.astype(float, copy=False))
+    try:
+        return out, np.broadcast_shapes(*(x.shape for x in out))
+    except ValueError:
+        shapes = {parameter: x.shape for parameter, x in zip(values, out, strict=True)}
+        raise ParameterError(
+            "the arrays must broadcast to one shape, not "
+            + ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape),
+            parameter=", ".join(values), value=shapes) from None

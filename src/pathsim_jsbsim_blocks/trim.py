@@ -1,0 +1,388 @@
+"""Trim an aircraft: `TrimCondition` in, `TrimState` out. The only place that trims."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import jsbsim
+
+from .airframe import Airframe, messages
+from .checks import number, one_of, positive, whole
+from .errors import ParameterError, TrimError
+
+# JSBSim's numbers for simulation/do_simple_trim
+MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
+
+# ft above ground from which JSBSim's ground trim lets the wheels down
+_HEIGHT_BEFORE_SETTLING = 5.0
+
+# deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
+_ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
+
+_LIMITS = {  # the axis that JSBSim reports as not trimmable -> the control that ran out
+    "u": "thrust",
+    "w": "alpha limit",
+    "q": "elevator",
+    "v": "sideslip",
+    "p": "aileron",
+    "r": "rudder",
+}
+
+
+@dataclass(frozen=True)
+class TrimCondition:
+    """What to trim for.
+
+    Parameters
+    ----------
+    altitude : float
+        altitude above mean sea level in ft, geometric
+    speed : float
+        calibrated airspeed in kt; not used if ``mach`` is given
+    mach : float, optional
+        Mach number instead of ``speed``
+    gamma : float
+        flight path angle in deg, positive in a climb
+    heading : float
+        true heading in deg
+    bank : float
+        bank angle in deg, right wing down positive (mode "turn" only)
+    load_factor : float
+        normal load factor in g (mode "pull-up" only)
+    mode : str
+        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear), "pull-up",
+        "turn", or "none" (initialise only)
+    gear : float, optional
+        landing gear, 0 up to 1 down; default is the model's own setting (often down)
+    flaps : float, optional
+        flap command, 0 to 1; default is the model's own setting
+    alpha_min, alpha_max : float, optional
+        limits of the angle of attack in deg for the trim; default is the model's own
+    wind_north, wind_east, wind_down : float
+        wind in ft/s, the direction it blows to
+    payload : dict or list, optional
+        point masses in lb: ``{index: lb}`` or a list from index 0
+    fuel : dict or list, optional
+        contents of the tanks in lb: ``{index: lb}`` or a list from index 0
+    empty_cg_x : float, optional
+        x of the empty-weight CG in inches aft, structural axes; default is the model's own
+    properties : dict, optional
+        further properties to write before the model is initialised
+
+    Raises
+    ------
+    ParameterError
+        for values that no aircraft can have
+    """
+
+    altitude: float = 5000.0
+    speed: float = 100.0
+    mach: float | None = None
+    gamma: float = 0.0
+    heading: float = 0.0
+    bank: float = 0.0
+    load_factor: float = 1.0
+    mode: str = "full"
+    gear: float | None = None
+    flaps: float | None = None
+    alpha_min: float | None = None
+    alpha_max: float | None = None
+    wind_north: float = 0.0
+    wind_east: float = 0.0
+    wind_down: float = 0.0
+    payload: Mapping[int, float] | list[float] | None = None
+    fuel: Mapping[int, float] | list[float] | None = None
+    empty_cg_x: float | None = None
+    properties: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
+        one_of("mode", self.mode, [*MODES, "none"])
+        put("altitude", number("altitude", self.altitude, low=-2000.0, high=1e6))
+        on_ground = self.mode in ("ground", "none")
+        if self.mach is not None:
+            put("mach", positive("mach", self.mach))
+        elif on_ground:
+            put("speed", number("speed", self.speed, low=0.0))
+        else:
+            put("speed", positive("speed", self.speed))
+        put("gamma", number("gamma", self.gamma, low=-90.0, high=90.0))
+        put("heading", number("heading", self.heading))
+        put("bank", number("bank", self.bank, low=-89.0, high=89.0))
+        put("load_factor", number("load_factor", self.load_factor))
+        for name in ("gear", "flaps"):
+            if getattr(self, name) is not None:
+                put(name, number(name, getattr(self, name), low=0.0, high=1.0))
+        for name in ("alpha_min", "alpha_max"):
+            if getattr(self, name) is not None:
+                put(name, number(name, getattr(self, name), low=-90.0, high=90.0))
+        if None not in (self.alpha_min, self.alpha_max) and self.alpha_min >= self.alpha_max:  # type: ignore[operator]
+            raise ParameterError(
+                f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
+                f"{self.alpha_max:g} deg", parameter="alpha_min", value=self.alpha_min)
+        for name in ("wind_north", "wind_east", "wind_down"):
+            put(name, number(name, getattr(self, name)))
+        if self.empty_cg_x is not None:
+            put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
+        put("payload", _weights("payload", self.payload))
+        put("fuel", _weights("fuel", self.fuel))
+        if not isinstance(self.properties, Mapping):
+            raise ParameterError(f"properties must be a dict, not {self.properties!r}",
+                                 parameter="properties", value=self.properties)
+        put("properties", MappingProxyType(dict(self.properties)))
+        if self.bank != 0.0 and self.mode not in ("turn", "none"):
+            raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
+                                 f"{self.mode!r}", parameter="bank", value=self.bank)
+        if self.load_factor != 1.0 and self.mode != "pull-up":
+            raise ParameterError(f"a load factor of {self.load_factor:g} g needs mode='pull-up', "
+                                 f"not {self.mode!r}", parameter="load_factor",
+                                 value=self.load_factor)
+
+    def __reduce__(self):
+        # a mappingproxy cannot be pickled, and studies send conditions to other processes
+        values = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        for name in ("payload", "fuel", "properties"):
+            values[name] = dict(values[name])
+        return _condition, (values,)
+
+    def __str__(self) -> str:
+        said = [f"{f.name}={getattr(self, f.name)!r}" for f in dataclasses.fields(self)
+                if f.name not in ("payload", "fuel", "properties")
+                and (f.name in ("altitude", "gamma", "mode") or getattr(self, f.name) != f.default)
+                and not (f.name == "speed" and self.mach is not None)]
+        said += [f"{name}={dict(getattr(self, name))!r}"
+                 for name in ("payload", "fuel", "properties") if getattr(self, name)]
+        return ", ".join(said)
+
+
+def _condition(values: dict[str, Any]) -> TrimCondition:
+    return TrimCondition(**values)
+
+
+def _weights(name: str, value: Any) -> Mapping[int, float]:
+    if value is None:
+        value = {}
+    if isinstance(value, (list, tuple)):
+        value = dict(enumerate(value))
+    if not isinstance(value, Mapping):
+        raise ParameterError(f"{name} must be a list or a dict of weights in lb, not {value!r}",
+                             parameter=name, value=value)
+    return MappingProxyType({whole(f"{name} index", i, low=0): number(f"{name}[{i}]", w, low=0.0)
+                             for i, w in value.items()})
+
+
+@dataclass(frozen=True)
+class TrimState:
+    """What JSBSim found, and what it left.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    condition : TrimCondition
+        what was asked for
+    altitude, speed, mach, tas : float
+        ft above mean sea level, KCAS, Mach number, true airspeed in ft/s
+    alpha, beta, theta, phi, psi, gamma : float
+        deg
+    throttle : tuple[float, ...]
+        throttle command of each engine, 0 to 1
+    pitch_trim, elevator, aileron, rudder : float
+        commands, -1 to 1; the trim holds the pitch with the pitch trim, elevator stays 0
+    elevator_rad, elevator_norm : float
+        position of the elevator in rad and of its travel (0 where the model has none)
+    udot, vdot, wdot : float
+        residual body accelerations in ft/s2
+    pdot, qdot, rdot : float
+        residual angular accelerations in rad/s2
+    weight : float
+        lb
+    cg_x, cg_y, cg_z : float
+        centre of gravity in inches, structural axes
+    """
+
+    aircraft: str
+    condition: TrimCondition
+    altitude: float
+    speed: float
+    mach: float
+    tas: float
+    alpha: float
+    beta: float
+    theta: float
+    phi: float
+    psi: float
+    gamma: float
+    throttle: tuple[float, ...]
+    pitch_trim: float
+    elevator: float
+    aileron: float
+    rudder: float
+    elevator_rad: float
+    elevator_norm: float
+    udot: float
+    vdot: float
+    wdot: float
+    pdot: float
+    qdot: float
+    rdot: float
+    weight: float
+    cg_x: float
+    cg_y: float
+    cg_z: float
+
+
+_STATE = {
+    "altitude": "position/h-sl-ft", "speed": "velocities/vc-kts", "mach": "velocities/mach",
+    "tas": "velocities/vt-fps", "alpha": "aero/alpha-deg", "beta": "aero/beta-deg",
+    "theta": "attitude/theta-deg", "phi": "attitude/phi-deg", "psi": "attitude/psi-deg",
+    "gamma": "flight-path/gamma-deg", "pitch_trim": "fcs/pitch-trim-cmd-norm",
+    "elevator": "fcs/elevator-cmd-norm", "aileron": "fcs/aileron-cmd-norm",
+    "rudder": "fcs/rudder-cmd-norm", "elevator_rad": "fcs/elevator-pos-rad",
+    "elevator_norm": "fcs/elevator-pos-norm", "udot": "accelerations/udot-ft_sec2",
+    "vdot": "accelerations/vdot-ft_sec2", "wdot": "accelerations/wdot-ft_sec2",
+    "pdot": "accelerations/pdot-rad_sec2", "qdot": "accelerations/qdot-rad_sec2",
+    "rdot": "accelerations/rdot-rad_sec2", "weight": "inertia/weight-lbs",
+    "cg_x": "inertia/cg-x-in", "cg_y": "inertia/cg-y-in", "cg_z": "inertia/cg-z-in",
+}
+
+
+def trim(airframe: Airframe, condition: TrimCondition,
+         setup: Mapping[str, float] | None = None) -> TrimState:
+    """Initialise an airframe at a condition and trim it.
+
+    Parameters
+    ----------
+    airframe : Airframe
+        loaded with the condition's ``empty_cg_x``; it may be trimmed again and again
+    condition : TrimCondition
+        what to trim for
+    setup : dict, optional
+        further properties, written before the model is initialised
+
+    Returns
+    -------
+    TrimState
+        the state found, which the airframe is left in
+
+    Raises
+    ------
+    TrimError
+        if JSBSim finds no trim; the airframe stays usable
+    AircraftError
+        if the model cannot be initialised
+    PropertyError
+        for unknown properties in ``setup`` or the condition, or missing tanks or point masses
+    """
+    airframe.write({**_loading(airframe, condition), **condition.properties, **(setup or {})},
+                   "setup")
+    # some models trim only if the engines are started after run_ic, others only if before
+    _start_engines(airframe)
+    _initial_condition(airframe, condition)
+    airframe.run_ic()
+    _start_engines(airframe)
+    if condition.mode != "none":
+        _find(airframe, condition)
+    found = state(airframe, condition)
+    if not math.isfinite(found.alpha + found.theta + found.phi + found.tas + found.altitude):
+        raise _failure(airframe, condition, "no convergence")
+    return found
+
+
+def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
+    """The state that an initialised airframe is in now."""
+    fdm = airframe.fdm
+    return TrimState(
+        aircraft=airframe.aircraft, condition=condition,
+        throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
+        **{name: fdm[source] for name, source in _STATE.items()})
+
+
+def _start_engines(airframe: Airframe) -> None:
+    if airframe.engines:
+        airframe.fdm["propulsion/set-running"] = -1
+
+
+def _loading(airframe: Airframe, condition: TrimCondition) -> dict[str, float]:
+    """Mass, configuration and trim limits as properties."""
+    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in condition.payload.items()}
+    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in condition.fuel.items()}
+    if condition.gear is not None:
+        written |= {"gear/gear-cmd-norm": condition.gear, "gear/gear-pos-norm": condition.gear}
+    if condition.flaps is not None:
+        written |= {"fcs/flap-cmd-norm": condition.flaps, "fcs/flap-pos-norm": condition.flaps}
+    if condition.alpha_min is not None:
+        written["aero/alpha-min-rad"] = math.radians(condition.alpha_min)
+    if condition.alpha_max is not None:
+        written["aero/alpha-max-rad"] = math.radians(condition.alpha_max)
+    return written
+
+
+def _initial_condition(airframe: Airframe, condition: TrimCondition) -> None:
+    fdm = airframe.fdm
+
+    def put(name: str, value: float) -> None:
+        # a needless write moves the other initial conditions by a rounding error
+        if fdm[name] != value:
+            fdm[name] = value
+
+    put("ic/psi-true-deg", condition.heading)
+    if condition.mode == "ground":
+        put("ic/terrain-elevation-ft", condition.altitude)
+        fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
+    else:
+        fdm["ic/h-sl-ft"] = condition.altitude
+    # the order matters: JSBSim derives the speed from the wind, and height and speed zero gamma
+    put("ic/vw-north-fps", condition.wind_north)
+    put("ic/vw-east-fps", condition.wind_east)
+    put("ic/vw-down-fps", condition.wind_down)
+    if condition.mach is not None:
+        fdm["ic/mach"] = condition.mach
+    else:
+        fdm["ic/vc-kts"] = condition.speed
+    fdm["ic/gamma-deg"] = condition.gamma
+    put("ic/phi-deg", condition.bank)
+    if condition.mode == "pull-up":
+        fdm["ic/targetNlf"] = condition.load_factor
+
+
+def _find(airframe: Airframe, condition: TrimCondition) -> None:
+    def find() -> bool:
+        try:
+            airframe.fdm["simulation/do_simple_trim"] = MODES[condition.mode]
+        except jsbsim.TrimFailureError:
+            return False
+        return True
+
+    found, said = messages(find)
+    if not found:
+        axis = re.search(r"Sorry, ([uvwpqr])dot doesn't appear to be trimmable", " ".join(said))
+        raise _failure(airframe, condition, _LIMITS[axis[1]] if axis else "no convergence")
+
+
+def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimError:
+    fdm = airframe.fdm
+    residuals = {name: fdm[_STATE[name]] for name in ("udot", "vdot", "wdot", "pdot", "qdot",
+                                                      "rdot")}
+    alpha_min, alpha_max = (math.degrees(fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
+    if alpha_max <= alpha_min:
+        alpha_min, alpha_max = _ALPHA_RANGE_OF_MODELS_WITHOUT
+    limits = {
+        "thrust": "the throttle ran to the end of its range" if airframe.engines
+                  else "it has no engine to hold the speed with",
+        "alpha limit": f"alpha ran to the end of [{alpha_min:.3g}, {alpha_max:.3g}] deg",
+        "elevator": "the pitch trim ran to the end of [-1, 1]",
+        "no convergence": "no control ran out, but the search did not converge",
+    }
+    return TrimError(
+        f"aircraft {airframe.aircraft!r} does not trim at {condition}: "
+        f"{limits.get(reason, f'the {reason} ran to the end of its range')}; without trim "
+        + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
+        + " (ft/s2, rad/s2)",
+        aircraft=airframe.aircraft, condition=condition, reason=reason, residuals=residuals)
