@@ -1,12 +1,27 @@
 """Fly JSBSim aircraft in PathSim block diagrams.
 
-Every block can be imported from here. Where jsbsim is not installed (PathView's hosted editor, which
-runs in the browser), the aircraft blocks are absent and all others work.
+Every block can be imported from here. Where jsbsim is not installed (PathView's hosted editor runs
+in the browser), the aircraft blocks are absent and all others work.
 """
 
 import logging
 from importlib.util import find_spec
 
+from .airspeed_blocks import (
+    CAStoEAS,
+    CAStoMach,
+    CAStoTAS,
+    EAStoCAS,
+    EAStoMach,
+    EAStoTAS,
+    MachtoCAS,
+    MachtoEAS,
+    MachtoTAS,
+    TAStoCAS,
+    TAStoEAS,
+    TAStoMach,
+)
+from .atmosphere_blocks import ISAtmosphere
 from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
 from .errors import (
     AircraftError,
@@ -16,6 +31,7 @@ from .errors import (
     PropertyError,
     TrimError,
 )
+from .sources import DoubletSource, MultistepSource, RampSource
 
 if find_spec("jsbsim") is not None:
     from .fdm import Aircraft, JSBSimFDM

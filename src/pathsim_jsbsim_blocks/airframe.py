@@ -14,6 +14,7 @@ import shutil
 import tempfile
 import threading
 import xml.etree.ElementTree as ET
+from bisect import bisect_left
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -164,6 +165,9 @@ class Airframe:
     empty_cg_x : float, optional
         x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
         loaded from a private copy, which is removed again; the installed one is not touched
+    create : dict, optional
+        properties that the model expects from its surroundings (FlightGear) and that JSBSim does
+        not make, with their values; the error of a model that needs some names them
     allow_network : bool
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
@@ -181,8 +185,8 @@ class Airframe:
     """
 
     def __init__(self, aircraft: str, dt: float = 1 / 120, *, root: str | None = None,
-                 empty_cg_x: float | None = None, allow_network: bool = False,
-                 allow_files: bool = False):
+                 empty_cg_x: float | None = None, create: Mapping[str, float] | None = None,
+                 allow_network: bool = False, allow_files: bool = False):
         self.dt = positive("dt", dt)
         self.root = root
         self.aircraft = aircraft
@@ -212,33 +216,40 @@ class Airframe:
             self.fdm.disable_output()
         self._properties = self.fdm.get_property_manager()
         self._names: list[str] | None = None
+        self._create(create)
 
     def _load(self) -> None:
-        def load() -> str:
-            try:
-                return "" if self.fdm.load_model(self.aircraft) else "load_model failed"
-            except Exception as error:
-                return str(error)
-
-        failure, said = messages(load)
+        failure = _failure_of(lambda: self.fdm.load_model(self.aircraft))
         if failure:
-            raise AircraftError(
-                f"JSBSim cannot load aircraft {self.aircraft!r}: "
-                + " ".join([failure, *said])[:1000], aircraft=self.aircraft)
+            raise AircraftError(f"JSBSim cannot load aircraft {self.aircraft!r}: {failure}",
+                                aircraft=self.aircraft)
+
+    def _create(self, values: Mapping[str, float] | None) -> None:
+        for name, value in dict(values or {}).items():
+            x = number(f"create[{name!r}]", value)
+            try:
+                self._properties.hasNode(name)
+            except (RuntimeError, UnicodeError, TypeError) as error:
+                raise PropertyError(f"{name!r} is not a valid property name: {error}",
+                                    aircraft=self.aircraft, name=str(name)) from None
+            self.fdm[name] = x
 
     def run_ic(self) -> None:
-        """Initialise the model from its ``ic/`` properties; AircraftError if JSBSim cannot."""
-        def run() -> str:
-            try:
-                return "" if self.fdm.run_ic() else "run_ic failed"
-            except Exception as error:
-                return str(error)
+        """Initialise the model from its ``ic/`` properties.
 
-        failure, said = messages(run)
+        Raises
+        ------
+        AircraftError
+            if JSBSim cannot; where the model misses a property, the message says how to create it
+        """
+        failure = _failure_of(self.fdm.run_ic)
         if failure:
+            missing = re.search(r"property (\S+) does not exist", failure)
+            advice = (f". It expects this property from its surroundings; give it with "
+                      f"create={{{missing[1]!r}: 0.0}}" if missing else "")
             raise AircraftError(
-                f"JSBSim cannot initialise aircraft {self.aircraft!r}: "
-                + " ".join([failure, *said])[:1000], aircraft=self.aircraft)
+                f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
+                aircraft=self.aircraft)
 
     @property
     def engines(self) -> int:
@@ -257,10 +268,13 @@ class Airframe:
 
         Indices are written out for every element (``propulsion/tank[0]/contents-lbs``).
         """
+        return [n for n in self._catalogue() if text.lower() in n.lower()]
+
+    def _catalogue(self) -> list[str]:
         if self._names is None:
             self._names = sorted({re.sub(r" \([RW]+\)$", "", line)
                                   for line in self.fdm.get_property_catalog()} - {""})
-        return [n for n in self._names if text.lower() in n.lower()]
+        return self._names
 
     def reader(self, name: str) -> Callable[[], float]:
         """A function that reads a property.
@@ -290,8 +304,9 @@ class Airframe:
             write(value)
 
     def access(self, name: str) -> str:
-        """``"rw"``, ``"r-"`` or ``"-w"``: how a property can be used."""
+        """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""
         node = self._properties.get_node(name)
+        assert node is not None
         return (("r" if node.get_attribute(jsbsim.Attribute.READ) else "-")
                 + ("w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"))
 
@@ -310,17 +325,33 @@ class Airframe:
                 f"aircraft {self.aircraft!r} has no property {name!r}" + did_you_mean(close),
                 aircraft=self.aircraft, name=str(name), nearest=close)
         node = self._properties.get_node(name)
-        names = [n for n in self.property_names() if n.startswith(f"{name}/")]
-        if names and name not in self.property_names():
+        assert node is not None
+        # by bisection, because a trim map comes here thousands of times
+        names = self._catalogue()
+        i, j = bisect_left(names, name), bisect_left(names, f"{name}/")
+        below = [n for n in names[j:j + 3] if n.startswith(f"{name}/")]
+        if below and names[i] != name:
             raise PropertyError(
                 f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}, not a "
-                "property" + did_you_mean(names[:3]),
-                aircraft=self.aircraft, name=name, nearest=names[:3])
+                "property" + did_you_mean(below),
+                aircraft=self.aircraft, name=name, nearest=below)
         if not node.get_attribute(attribute):
             raise PropertyError(
                 f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}",
                 aircraft=self.aircraft, name=name)
         return node
+
+
+def _failure_of(action: Callable[[], bool]) -> str:
+    """Why an action of JSBSim failed, in one line; empty if it did not."""
+    def attempt() -> str:
+        try:
+            return "" if action() else "no"
+        except Exception as error:
+            return " ".join(str(error).split())
+
+    failure, said = messages(attempt)
+    return (" ".join(said) or failure)[:1000] if failure else ""
 
 
 def _stage_with_cg(model_file: Path, aircraft: str, x: float) -> str:

@@ -14,12 +14,16 @@ from .errors import ParameterError
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
-    """The names most like ``name``: those that contain it first, then by spelling."""
+    """The names most like ``name``: those that contain it first, then by spelling.
+
+    Names that are paths (``attitude/theta-deg``) are compared whole and by their last part.
+    """
     names = list(names)
     low = str(name).lower()
     holds = sorted((x for x in names if len(low) > 2 and low in x.lower()), key=len)
-    close = difflib.get_close_matches(str(name), names, n=n, cutoff=0.5)
-    return list(dict.fromkeys([*holds[:n], *close]))[:n]
+    tails = {x.rpartition("/")[2]: x for x in reversed(names)}
+    close = difflib.get_close_matches(str(name), [*names, *tails], n=n, cutoff=0.6)
+    return list(dict.fromkeys([*holds[:n], *(tails.get(x, x) for x in close)]))[:n]
 
 
 def did_you_mean(names: Iterable[str]) -> str:

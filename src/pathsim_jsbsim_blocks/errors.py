@@ -9,6 +9,16 @@ from typing import Any
 class BlocksError(Exception):
     """Base class: catches every error that this package raises on purpose."""
 
+    def __reduce__(self):
+        # the default calls the class with the message alone, and errors come back from workers
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _restored(kind: type[BlocksError], args: tuple[Any, ...], data: dict[str, Any]) -> BlocksError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(data)
+    return error
+
 
 class ParameterError(BlocksError, ValueError):
     """A parameter of a block or function has a value that it cannot take.
@@ -94,7 +104,7 @@ class FlightError(BlocksError, RuntimeError):
     Attributes
     ----------
     aircraft : str
-        the model's name
+        the model's name, empty for a block without one
     time : float
         simulated time in s
     name : str
@@ -109,3 +119,38 @@ class FlightError(BlocksError, RuntimeError):
         self.time = time
         self.name = name
         self.value = value
+
+
+class DiagramError(BlocksError, ValueError):
+    """A script or a model file cannot be read, or the other form has no way to say what it says.
+
+    Attributes
+    ----------
+    path : str
+        the file
+    line : int or None
+        line of the script
+    reason : str
+        what is wrong there
+    """
+
+    def __init__(self, reason: str, *, path: Any, line: int | None = None):
+        super().__init__(f"{path}:{line}: {reason}" if line else f"{path}: {reason}")
+        self.path = str(path)
+        self.line = line
+        self.reason = reason
+
+
+class MissingExtraError(BlocksError, ImportError):
+    """An optional package is not installed.
+
+    Attributes
+    ----------
+    extra : str
+        name of the extra that brings it
+    """
+
+    def __init__(self, package: str, extra: str):
+        super().__init__(f'{package} is not installed; it comes with '
+                         f'pip install "pathsim-jsbsim-blocks[{extra}]"')
+        self.extra = extra

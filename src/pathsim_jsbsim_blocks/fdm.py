@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
+from threading import get_ident
 from typing import Any
 
 from pathsim.utils.register import Register
@@ -15,8 +16,8 @@ from .errors import FlightError, ParameterError, PropertyError
 from .sampling import SampledPlant
 from .trim import TrimCondition, TrimState, trim
 
-# if these are finite, so is the whole state of the equations of motion
-_WATCHED = ("velocities/vt-fps", "position/h-sl-ft", "attitude/phi-rad", "attitude/theta-rad")
+# whatever is not finite in the state reaches these within a step
+_WATCHED = ("velocities/vt-fps", "position/h-sl-ft")
 
 
 class _FlightBlock(SampledPlant):
@@ -52,9 +53,11 @@ class _FlightBlock(SampledPlant):
                   properties: Mapping[str, float] | None) -> None:
         self.airframe = self._airframe()
         self.trim = trim(self.airframe, self._condition(), setup)
-        self._watch = [self.airframe.reader(name) for name in _WATCHED]
+        self._speed, self._height = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
         self.airframe.write(properties, "properties")
+        self._thread = get_ident()
+        self._substeps = self.substeps
         self._n_inputs = len(self.inputs._mapping)
         self._u: list[float] = []
         self.publish()
@@ -96,24 +99,27 @@ class _FlightBlock(SampledPlant):
         self._u = u
 
     def advance(self) -> None:
-        capture_console()
+        if get_ident() != self._thread:
+            # a diagram may go on in another thread, where JSBSim's console is another one
+            self._thread = get_ident()
+            capture_console()
         self._write(self._u)
         run = self.airframe.fdm.run
-        for _ in range(self.substeps):
+        for _ in range(self._substeps):
             run()
 
     def publish(self) -> None:
         y = self._read()
-        if not math.isfinite(sum(y) + sum([read() for read in self._watch])):
+        if not math.isfinite(sum(y) + self._speed() + self._height()):
             for name, value in [*zip(self.outputs._mapping, y, strict=False),
                                 *((name, self.airframe.fdm[name]) for name in _WATCHED)]:
                 if not math.isfinite(value):
                     self._fail(name, value, "state")
-        self.outputs._data[:len(y)] = y
+        self.outputs._data[:] = y
 
     def _fail(self, name: str, value: float, what: str) -> None:
         # the last period flown ended at the instant before the next one
-        time = self.clock.instant(self.clock.index - (what == "input"))
+        time = self.clock.next - (what == "input") * self.clock.period
         raise FlightError(
             f"aircraft {self.airframe.aircraft!r}: {what} {name!r} is {value} at t = {time:.9g} s",
             aircraft=self.airframe.aircraft, time=time, name=name, value=value)
@@ -190,6 +196,8 @@ class JSBSimFDM(_FlightBlock):
         properties written after the trim (turbulence)
     substeps : int
         JSBSim steps per sample period
+    create : dict, optional
+        properties that the model expects from its surroundings (FlightGear), with their values
     allow_network, allow_files : bool
         let the model open sockets or write files that its XML asks for
 
@@ -223,7 +231,7 @@ class JSBSimFDM(_FlightBlock):
     def __init__(self, T=1 / 120, input_properties=None, output_properties=None,
                  JSBSim_path=None, aircraft_model="737", trim_airspeed=200, trim_altitude=1000,
                  trim_gamma=0, trim_heading=0.0, trim_mode="full", gear=None, flaps=None,
-                 condition=None, setup=None, properties=None, substeps=1,
+                 condition=None, setup=None, properties=None, substeps=1, create=None,
                  allow_network=False, allow_files=False):
         super().__init__(T, substeps)
         self.input_properties = _names("input_properties", input_properties)
@@ -240,6 +248,7 @@ class JSBSimFDM(_FlightBlock):
         self.condition = condition
         self.setup = setup
         self.properties = properties
+        self.create = create
         self.allow_network = allow_network
         self.allow_files = allow_files
         self.inputs = Register(len(self.input_properties),
@@ -250,7 +259,7 @@ class JSBSimFDM(_FlightBlock):
 
     def _airframe(self) -> Airframe:
         return Airframe(self.aircraft_model, self.T / self.substeps, root=self.JSBSim_path,
-                        empty_cg_x=self._condition().empty_cg_x,
+                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
                         allow_network=self.allow_network, allow_files=self.allow_files)
 
     def _condition(self) -> TrimCondition:
@@ -340,6 +349,8 @@ class Aircraft(_FlightBlock):
         properties written after the trim (turbulence)
     JSBSim_path : str, optional
         JSBSim root directory; default is the one that the jsbsim package brings
+    create : dict, optional
+        properties that the model expects from its surroundings (FlightGear), with their values
     allow_network, allow_files : bool
         let the model open sockets or write files that its XML asks for
 
@@ -387,7 +398,7 @@ class Aircraft(_FlightBlock):
     def __init__(self, aircraft="c172p", altitude=5000.0, speed=100.0, mach=None, gamma=0.0,
                  heading=0.0, bank=0.0, mode="full", gear=None, flaps=None, T=1 / 120, substeps=1,
                  condition=None, setup=None, properties=None, JSBSim_path=None,
-                 allow_network=False, allow_files=False):
+                 create=None, allow_network=False, allow_files=False):
         super().__init__(T, substeps)
         self.aircraft = aircraft
         self.altitude = altitude
@@ -403,13 +414,14 @@ class Aircraft(_FlightBlock):
         self.setup = setup
         self.properties = properties
         self.JSBSim_path = JSBSim_path
+        self.create = create
         self.allow_network = allow_network
         self.allow_files = allow_files
         self._take_off(setup, properties)
 
     def _airframe(self) -> Airframe:
         return Airframe(self.aircraft, self.T / self.substeps, root=self.JSBSim_path,
-                        empty_cg_x=self._condition().empty_cg_x,
+                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
                         allow_network=self.allow_network, allow_files=self.allow_files)
 
     def _condition(self) -> TrimCondition:

@@ -11,12 +11,15 @@ step, and again after every event. A sampled block must act on its sample instan
 
 Instants are counted by an integer, never by adding T. A plant acts once and for good. A law may
 be evaluated several times at one instant, always from the state before that instant; the last
-result is kept when the next step begins, so the order of blocks and events does not matter.
+result is kept when the step is over, so the order of blocks and events does not matter.
 
 In a step without solver stages the first evaluation of the graph is the one at the step's end, and
-both kinds act there: one pass through the graph instead of two. Whether a step has stages is known
-only to the `Simulation`; blocks inside a `Subsystem`, in adaptive runs and in diagrams with
-continuous states act in the resolution of an event, which is always right.
+both kinds act there: one pass through the graph instead of two, and no event. Whether a step has
+stages is known only to the `Simulation`; blocks inside a `Subsystem`, in adaptive runs and in
+diagrams with continuous states act in the resolution of an event, which is always right.
+
+A `Subsystem` without direct feed-through is evaluated before its surroundings, so what enters it
+needs one more pass for each level to reach a block inside; `Settling` events ask for these.
 """
 
 from __future__ import annotations
@@ -27,7 +30,7 @@ import warnings
 import weakref
 from typing import Any
 
-from pathsim import Simulation
+from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 
@@ -37,7 +40,7 @@ BEFORE_OTHER_EVENTS = math.nextafter(1.0, 0.0)
 
 
 class SampleClock(Event):
-    """Event on the sample instants of one block.
+    """Event on the sample instants of one block, and the count of them.
 
     Parameters
     ----------
@@ -50,57 +53,76 @@ class SampleClock(Event):
     def __init__(self, block: SampledBlock, first: int):
         self._block = block
         self._first = first
+        self.due_from = self.due_until = 0.0
         super().__init__()
         self.reset()
 
     def __bool__(self) -> bool:
-        return self._active and self._block._active
+        return not self.dormant and self._active and self._block._active
 
     def reset(self) -> None:
         super().reset()
         self.period = self._block.T
-        self.start = 0.0
-        self.index = self._first
+        # while the block acts in update(), there is nothing to detect
+        self.dormant = False
         self.step_start = 0.0
+        # between the start of a step and its end; a run begins outside of any step
+        self.in_step = False
+        # the graph's values at this time may still be on their way to the block
+        self.settling = False
         self._detected_at = 0.0
+        self.begin_at(0.0, self._first)
 
-    def instant(self, index: int) -> float:
-        """Time of sample ``index`` in s."""
-        return self.start + index * self.period
+    def begin_at(self, t: float, index: int) -> None:
+        """Let the sample before ``index`` be at ``t`` (the first, if there is none before)."""
+        self.start = t - max(index - 1, 0) * self.period
+        self.go_to(max(index - 1, 0))
+        self.go_to(index)
 
-    def slack(self, t: float) -> float:
-        """How far the diagram's accumulated clock may be from an instant, in s."""
-        return max(1e-13, min(1e-9 * abs(t), 0.01 * self.period))
+    def go_to(self, index: int) -> None:
+        """Wait for sample ``index``, the one after that waited for until now."""
+        self.latest_from, self.latest_until = self.due_from, self.due_until
+        self.index = index
+        self.next = self.start + index * self.period
+        # how far the diagram's accumulated clock may be from an instant
+        slack = min(1e-13 + 1e-9 * self.next, 0.01 * self.period)
+        self.due_from = self.next - slack
+        self.due_until = self.next + slack
 
     def due(self, t: float) -> int:
         """Number of instants up to ``t`` at which the block has not acted yet."""
-        limit = t + self.slack(t)
-        n = 0
-        while self.start + (self.index + n) * self.period <= limit:
-            n += 1
-        return n
+        if t < self.due_from:
+            return 0
+        return 1 + math.floor((t - self.due_from) / self.period)
+
+    def step_starts(self, t: float) -> None:
+        """All blocks hold their values at ``t``, where the next step starts."""
+        self.step_start = t
+        self._block.commit(t)
+        if t > self.due_until:
+            # switched off for a while, or reset to a later time: go on from here
+            self.begin_at(t, self.index)
+        self._block.armed = True
 
     def buffer(self, t: float) -> None:
-        self.step_start = t
-        self._block.begin_step(t)
-        if t > self.instant(self.index) + self.slack(t):
-            # switched off for a while, or reset to a later time: go on from here
-            self.start = t - (self.index - 1) * self.period
+        self.in_step = True
+        self.step_starts(t)
 
     def estimate(self, t: float) -> float:
-        return self.instant(self.index) - t
+        return self.next - t
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
-        if self._block.acted_in_update:
+        if not self.in_step:
+            self.settling = True
             return False, False, 1.0
-        instant = self.instant(self.index)
-        tol = self.slack(t)
-        if instant > t + tol:
+        self.in_step = self.settling = False
+        if t < self.due_from:
             return False, False, 1.0
         self._detected_at = t
-        if abs(instant - t) <= tol:
+        self.settling = True
+        if t <= self.due_until:
             return True, True, BEFORE_OTHER_EVENTS
-        return True, False, (instant - self.step_start) / (t - self.step_start)
+        return True, False, (self.next - self.step_start) / (t - self.step_start)
 
     def resolve(self, t: float) -> None:
         self._block.act(self._detected_at)
@@ -112,8 +134,24 @@ class SampleClock(Event):
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
-        self.period, self.start = json_data["period"], json_data["start"]
-        self.index = json_data["index"]
+        self.period = json_data["period"]
+        index = json_data["index"]
+        self.begin_at(json_data["start"] + max(index - 1, 0) * self.period, index)
+
+
+class Settling(Event):
+    """One more pass through the graph whenever a block in a `Subsystem` has acted."""
+
+    def __init__(self, clock: SampleClock):
+        super().__init__()
+        self._clock = clock
+
+    def detect(self, t: float) -> tuple[bool, bool, float]:
+        settling = self._clock.settling and bool(self._clock)
+        return settling, settling, 1.0
+
+    def resolve(self, t: float) -> None:
+        """Nothing: the pass that follows every event is all there is to it."""
 
 
 class SampledBlock(Block):
@@ -127,42 +165,51 @@ class SampledBlock(Block):
         self.clock = SampleClock(self, first)
         self.events = [self.clock]
         self._simulation: weakref.ref[Simulation] | None = None
-        self._one_pass = False
-        self._armed = False
-        self.acted_in_update = False
+        self.armed = False
         self._warned = False
 
     def set_solver(self, Solver, parent, **solver_args) -> None:
-        # Only a block that stands in a Simulation itself, not in a Subsystem, may act in update()
-        owner = sys._getframe(1).f_locals.get("self")
-        self._simulation = weakref.ref(owner) if isinstance(owner, Simulation) else None
+        # the calls come down from the Simulation through each Subsystem around this block
+        levels, frame = 0, sys._getframe(1)
+        while isinstance(owner := frame.f_locals.get("self"), Subsystem) and frame.f_back:
+            levels, frame = levels + 1, frame.f_back
+        alone = levels == 0 and isinstance(owner, Simulation)
+        self._simulation = weakref.ref(owner) if alone else None
+        self.events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
 
     def reset(self) -> None:
         super().reset()
-        self._armed = False
-        self.acted_in_update = False
+        self.armed = False
 
-    def begin_step(self, t: float) -> None:
-        """A step of the diagram starts at ``t``; all blocks hold their values at ``t``."""
+    def sample(self, t: float, dt: float) -> None:
+        """PathSim calls this once when a run begins and at the end of every step."""
         simulation = self._simulation() if self._simulation is not None else None
-        self._one_pass = (simulation is not None and not simulation._blocks_dyn
-                          and not simulation.engine.is_adaptive)
-        self._armed = True
-        self.acted_in_update = False
+        one_pass = (simulation is not None and not simulation._blocks_dyn
+                    and not simulation.engine.is_adaptive)
+        clock = self.clock
+        clock.dormant = one_pass
+        if one_pass:
+            clock.step_starts(t)
+            self.hold(t)
+
+    def hold(self, t: float) -> None:
+        """The inputs, which are final at ``t``, act from now on."""
+
+    def commit(self, t: float) -> None:
+        """What was computed at the instants up to ``t`` is final."""
 
     def act(self, t: float) -> None:
         """Act on all instants up to ``t``."""
         raise NotImplementedError
 
     def _warn_of_late_instants(self, t: float) -> None:
-        clock = self.clock
-        if self._warned or abs(clock.instant(clock.index) - t) <= clock.slack(t):
+        if self._warned:
             return
         self._warned = True
         warnings.warn(
-            f"{type(self).__name__} samples every {clock.period:.9g} s, but the diagram's step "
-            f"from {clock.step_start:.9g} s to {t:.9g} s jumps over a sample instant: time is "
-            "kept, but the inputs there are not known. Use a dt that divides T.",
+            f"{type(self).__name__} samples every {self.clock.period:.9g} s, but the diagram's "
+            f"step from {self.clock.step_start:.9g} s to {t:.9g} s jumps over a sample instant: "
+            "time is kept, but the inputs there are not known. Use a dt that divides T.",
             RuntimeWarning, stacklevel=2)
 
 
@@ -190,27 +237,31 @@ class SampledPlant(SampledBlock):
         self._latched = False
 
     def update(self, t: float) -> None:
-        if not self._armed:
+        if not self.armed:
             return
-        self._armed = False
-        clock = self.clock
-        if not self._latched:
-            start = clock.step_start
-            if start >= clock.instant(clock.index - 1) - clock.slack(start):
-                self.latch()
-                self._latched = True
-        if self._one_pass:
-            self.acted_in_update = True
+        self.armed = False
+        if self.clock.dormant:
             self.act(t)
+        else:
+            # the first evaluation in a step: the inputs still hold their values at its start
+            self.hold(self.clock.step_start)
+
+    def hold(self, t: float) -> None:
+        clock = self.clock
+        # at the instant itself the latest values count: they may be edited between two runs
+        if t >= clock.latest_from and (not self._latched or t <= clock.latest_until):
+            self.latch()
+            self._latched = True
 
     def act(self, t: float) -> None:
-        n = self.clock.due(t)
-        if not n:
+        clock = self.clock
+        if t < clock.due_from:
             return
-        self._warn_of_late_instants(t)
-        for _ in range(n):
+        if t > clock.due_until:
+            self._warn_of_late_instants(t)
+        while t >= clock.due_from:
             self.advance()
-            self.clock.index += 1
+            clock.go_to(clock.index + 1)
         self._latched = False
         self.publish()
 
@@ -227,7 +278,7 @@ class SampledPlant(SampledBlock):
 class SampledLaw(SampledBlock):
     """Base of sampled blocks with direct feed-through: y[k], x[k+1] = f(u[k], x[k]).
 
-    A subclass implements `initial_state` and the pure function `sample`.
+    A subclass implements `initial_state` and the pure function `law`.
     """
 
     def __init__(self, T: float):
@@ -236,14 +287,14 @@ class SampledLaw(SampledBlock):
 
     def _start_law(self) -> None:
         self._state = self._next_state = self.initial_state()
-        # the first instant is t = 0, which every first evaluation of the graph belongs to
+        # the first instant is the first evaluation of the graph
         self._due = 1
 
     def initial_state(self) -> Any:
         """State before the first sample."""
         raise NotImplementedError
 
-    def sample(self, u: list[float], state: Any) -> tuple[list[float], Any]:
+    def law(self, u: list[float], state: Any) -> tuple[list[float], Any]:
         """Outputs at an instant and the state after it, from the inputs and the state before."""
         raise NotImplementedError
 
@@ -251,31 +302,30 @@ class SampledLaw(SampledBlock):
         super().reset()
         self._start_law()
 
-    def begin_step(self, t: float) -> None:
+    def commit(self, t: float) -> None:
         if self._due:
             clock = self.clock
             # a step that starts before the instant is a rejected one taken anew
-            if t >= clock.instant(clock.index) - clock.slack(t):
+            if t >= clock.due_from:
                 self._state = self._next_state
-                clock.index += self._due
+                for _ in range(self._due):
+                    clock.go_to(clock.index + 1)
             self._due = 0
-        super().begin_step(t)
 
     def update(self, t: float) -> None:
-        if self._armed:
-            self._armed = False
-            if self._one_pass:
-                self.acted_in_update = True
+        if self.armed:
+            self.armed = False
+            if self.clock.dormant:
                 self.act(t)
         if self._due:
             state = self._state
             u = self.inputs._data.tolist()
             for _ in range(self._due):
-                y, state = self.sample(u, state)
+                y, state = self.law(u, state)
             self._next_state = state
             self.outputs.update_from_array(y)
 
     def act(self, t: float) -> None:
         self._due = self.clock.due(t)
-        if self._due:
+        if self._due and t > self.clock.due_until:
             self._warn_of_late_instants(t)

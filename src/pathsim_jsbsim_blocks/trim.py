@@ -154,7 +154,7 @@ class TrimCondition:
     def __str__(self) -> str:
         said = [f"{f.name}={getattr(self, f.name)!r}" for f in dataclasses.fields(self)
                 if f.name not in ("payload", "fuel", "properties")
-                and (f.name in ("altitude", "gamma", "mode") or getattr(self, f.name) != f.default)
+                and (f.name in ("altitude", "speed", "gamma", "mode") or getattr(self, f.name) != f.default)
                 and not (f.name == "speed" and self.mach is not None)]
         said += [f"{name}={dict(getattr(self, name))!r}"
                  for name in ("payload", "fuel", "properties") if getattr(self, name)]
@@ -193,6 +193,8 @@ class TrimState:
         deg
     throttle : tuple[float, ...]
         throttle command of each engine, 0 to 1
+    thrust : float
+        lb, sum of the engines
     pitch_trim, elevator, aileron, rudder : float
         commands, -1 to 1; the trim holds the pitch with the pitch trim, elevator stays 0
     elevator_rad, elevator_norm : float
@@ -220,6 +222,7 @@ class TrimState:
     psi: float
     gamma: float
     throttle: tuple[float, ...]
+    thrust: float
     pitch_trim: float
     elevator: float
     aileron: float
@@ -301,6 +304,8 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     return TrimState(
         aircraft=airframe.aircraft, condition=condition,
         throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
+        thrust=math.fsum(fdm[f"propulsion/engine[{i}]/thrust-lbs"]
+                         for i in range(airframe.engines)),
         **{name: fdm[source] for name, source in _STATE.items()})
 
 
@@ -311,8 +316,10 @@ def _start_engines(airframe: Airframe) -> None:
 
 def _loading(airframe: Airframe, condition: TrimCondition) -> dict[str, float]:
     """Mass, configuration and trim limits as properties."""
-    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in condition.payload.items()}
-    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in condition.fuel.items()}
+    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in
+               _weights("payload", condition.payload).items()}
+    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in
+                _weights("fuel", condition.fuel).items()}
     if condition.gear is not None:
         written |= {"gear/gear-cmd-norm": condition.gear, "gear/gear-pos-norm": condition.gear}
     if condition.flaps is not None:

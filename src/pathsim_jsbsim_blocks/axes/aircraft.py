@@ -96,10 +96,11 @@ def body_to_structural(x: Values, y: Values, z: Values,
 
 
 def _reference(reference: Sequence[Values]) -> dict[str, Values]:
-    if isinstance(reference, str) or not hasattr(reference, "__len__") or len(reference) != 3:
+    parts = list(reference) if np.iterable(reference) else []
+    if len(parts) != 3:
         raise ParameterError(f"reference must be the three coordinates x, y, z, not {reference!r}",
                              parameter="reference", value=reference)
-    return {f"reference[{i}]": part for i, part in enumerate(reference)}
+    return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 
 def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:

@@ -133,8 +133,8 @@ def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
     Returns
     -------
     north, east, down : float or ndarray
-        in the tangent axes of the reference, ft; the ground falls away below that plane by 1 ft
-        at a distance of 1.2 statute miles and by 670 ft at 32
+        in the tangent axes of the reference, ft; the ground falls away from their plane by 1 ft
+        at a distance of 6500 ft, and with the distance's square
 
     Raises
     ------

@@ -1,0 +1,116 @@
+"""Cost of one step of the c172p pitch loop: our block, pathsim-flight's, and none at all.
+
+    python benchmarks/fdm_block.py
+
+One process flies the same diagram in turn with `JSBSimFDM`, with pathsim-flight's `JSBSimWrapper`
+and with a block that does nothing ("empty"), and beside it a plain JSBSim loop without PathSim. The
+diagram: 4 inputs, 12 outputs, a proportional pitch law, one Scope, 120 Hz. Each figure is the
+median over the repetitions of the time per JSBSim step; the ratios are formed within a repetition.
+"""
+
+import statistics
+import time
+
+import jsbsim
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, Constant, Scope
+from pathsim.blocks import Block as PathSimBlock
+from pathsim.utils.register import Register
+from pathsim_flight.jsbsim import JSBSimWrapper
+
+from pathsim_jsbsim_blocks import JSBSimFDM
+
+T = 1 / 120
+STEPS = 12_000
+REPETITIONS = 9
+INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm",
+          "fcs/steer-cmd-norm"]
+OUTPUTS = ["attitude/theta-deg", "attitude/phi-deg", "attitude/psi-deg", "velocities/p-rad_sec",
+           "velocities/q-rad_sec", "velocities/r-rad_sec", "aero/alpha-deg", "aero/beta-deg",
+           "position/h-sl-ft", "velocities/h-dot-fps", "velocities/vc-kts", "velocities/vt-fps"]
+FLIGHT = {"aircraft_model": "c172p", "trim_airspeed": 90, "trim_altitude": 5000}
+
+
+class Empty(PathSimBlock):
+    """As many ports as the aircraft, and nothing behind them."""
+
+    def __init__(self, **_):
+        super().__init__()
+        self.inputs, self.outputs = Register(len(INPUTS)), Register(len(OUTPUTS))
+
+    def __len__(self):
+        return 0
+
+    def update(self, t):
+        pass
+
+
+def diagram(block, T=T, **options):
+    fdm = block(T=T, input_properties=INPUTS, output_properties=OUTPUTS, **FLIGHT, **options)
+    error, gain = Adder("-+"), Amplifier(-0.02)
+    reference, zeros = Constant(1.28), Constant(0.0)
+    scope = Scope()
+    n = len(OUTPUTS)
+    return Simulation(
+        [fdm, error, gain, reference, zeros, scope],
+        [Connection(fdm[0], error[0]), Connection(reference, error[1]), Connection(error, gain),
+         Connection(gain, fdm[0]), Connection(zeros, fdm[1], fdm[2], fdm[3]),
+         Connection(fdm[:n], scope[:n])],
+        dt=T, log=False)
+
+
+def time_diagram(block, steps=STEPS, **options):
+    """Seconds per step."""
+    sim = diagram(block, **options)
+    start = time.perf_counter()
+    sim.run(steps * sim.dt)
+    return (time.perf_counter() - start) / steps
+
+
+def time_plain_loop(steps=STEPS, dt=T):
+    """Seconds per JSBSim step of a plain loop with the same inputs, law and outputs."""
+    fdm = JSBSimFDM(T=dt, input_properties=INPUTS, output_properties=OUTPUTS, **FLIGHT).fdm
+    nodes = fdm.get_property_manager()
+    write = [nodes.get_node(name).set_double_value for name in INPUTS]
+    read = [nodes.get_node(name).get_double_value for name in OUTPUTS]
+    rows = []
+    run = fdm.run
+    y = [get() for get in read]
+    start = time.perf_counter()
+    for _ in range(steps):
+        u = [-0.02 * (1.28 - y[0]), 0.0, 0.0, 0.0]
+        for put, value in zip(write, u, strict=True):
+            put(value)
+        run()
+        y = [get() for get in read]
+        rows.append(y)
+    return (time.perf_counter() - start) / steps
+
+
+def main():
+    jsbsim.FGJSBBase().debug_lvl = 0
+    figures = {name: [] for name in ("ours", "wrapper", "empty", "plain", "ours 30 Hz x 4")}
+    for _ in range(REPETITIONS):
+        figures["ours"].append(time_diagram(JSBSimFDM))
+        figures["wrapper"].append(time_diagram(JSBSimWrapper))
+        figures["empty"].append(time_diagram(Empty))
+        figures["plain"].append(time_plain_loop())
+        figures["ours 30 Hz x 4"].append(
+            time_diagram(JSBSimFDM, STEPS // 4, T=4 * T, substeps=4) / 4)
+    for name, values in figures.items():
+        print(f"{name:<16}{1e6 * statistics.median(values):8.1f} us per JSBSim step")
+
+    def ratio(text, pairs, target):
+        value = statistics.median(pairs)
+        print(f"{text:<48}{value:6.2f}   (target at most {target})")
+
+    ours, wrapper, empty, plain, slow = figures.values()
+    ratio("ours / JSBSimWrapper", [a / b for a, b in zip(ours, wrapper, strict=True)], 0.65)
+    ratio("ours / (empty diagram + plain loop)",
+          [a / (b + c) for a, b, c in zip(ours, empty, plain, strict=True)], 1.15)
+    ratio("ours at 30 Hz with 4 substeps / plain loop",
+          [a / b for a, b in zip(slow, plain, strict=True)], 2.2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,182 @@
+"""Conversions between calibrated, equivalent and true airspeed and Mach number.
+
+Each takes a speed and the air in which it is flown: ``cas_to_tas(120.0, isa(5000.0))`` in the
+standard atmosphere, ``cas_to_tas(120.0, Air(pressure, temperature))`` in any other. Speeds are in
+m/s. Floats in give floats out; arrays broadcast. A negative speed stays negative.
+
+The impact pressure qc at a static pressure p is that of a pitot tube::
+
+    M <= 1:  qc/p = (1 + 0.2 M^2)^3.5 - 1                  isentropic compression
+    M > 1:   qc/p = 166.9216 M^7 / (7 M^2 - 1)^2.5 - 1     behind a normal shock (Rayleigh)
+
+CAS is the speed that has the same qc at sea level, where M = CAS/a0 and p = p0. From Mach follow
+EAS = M a0 sqrt(p/p0) and TAS = M a. The temperature enters only in TAS.
+
+References
+----------
+Aiken, NACA Report 837 (1946); Olson, Aircraft Performance Flight Testing, AFFTC-TIH-99-01,
+sections 4.6 to 4.8.
+"""
+
+from __future__ import annotations
+
+from math import copysign, expm1, isfinite, log1p, sqrt
+from typing import Any
+
+import numpy as np
+
+from .atmosphere import A0, P0, Air, positive_finite, pressure_altitude
+from .checks import finite
+from .errors import ParameterError
+
+RAYLEIGH = 1.2**3.5 * (6 / 7) ** 2.5  # of qc/p + 1 = RAYLEIGH x (1 - 1/(7 x))^-2.5, x = M^2
+SONIC = 1.2**3.5 - 1  # qc/p at Mach 1, in both formulas
+
+
+def _impact_ratio(mach: float) -> float:
+    """qc/p at a Mach number of either sign."""
+    x = mach * mach
+    # expm1 and log1p keep all digits at low speed
+    return expm1(3.5 * log1p(0.2 * x)) if x <= 1 else _rayleigh(x)
+
+
+def _mach_number(ratio: float) -> float:
+    """The positive Mach number at a qc/p."""
+    return sqrt(5 * expm1(log1p(ratio) / 3.5) if ratio <= SONIC else _rayleigh_inverse(ratio))
+
+
+def _impact_ratios(mach: np.ndarray) -> np.ndarray:
+    x = mach * mach
+    ratio = np.expm1(3.5 * np.log1p(0.2 * x))
+    fast = x > 1
+    ratio[fast] = _rayleigh(x[fast])
+    return ratio
+
+
+def _mach_numbers(ratio: np.ndarray) -> np.ndarray:
+    x = 5 * np.expm1(np.log1p(ratio) / 3.5)
+    fast = ratio > SONIC
+    x[fast] = _rayleigh_inverse(ratio[fast])
+    return np.sqrt(x)
+
+
+def _rayleigh(x: Any) -> Any:
+    return RAYLEIGH * x * (1 - 1 / (7 * x)) ** -2.5 - 1
+
+
+def _rayleigh_inverse(ratio: Any) -> Any:
+    """x = M^2 > 1 at a qc/p > SONIC: Newton's method, exact to rounding after four steps."""
+    z = (ratio + 1) / RAYLEIGH
+    b = z - 5 / 14  # x (1 - 1/(7 x))^-2.5 = x + 5/14 + (5/56)/x + ...
+    x = (b + (b * b - 5 / 14) ** 0.5) / 2
+    for _ in range(4):
+        u = 1 - 1 / (7 * x)
+        x = x - (x - z * u**2.5) * u / (1 - 0.5 / x)
+    return x
+
+
+def _at_other_pressure(mach: Any, ratio: Any) -> Any:
+    """The Mach number with the impact pressure of ``mach`` where p is less by ``ratio``."""
+    if isinstance(mach, float) and isinstance(ratio, float):
+        return copysign(_mach_number(_impact_ratio(mach) * ratio), mach)
+    mach, ratio = np.broadcast_arrays(mach, ratio)
+    return np.copysign(_mach_numbers(_impact_ratios(mach) * ratio), mach)
+
+
+def _speed(parameter: str, value: Any, air: Air) -> Any:
+    """``value`` as a finite float, or as a float array that fits the air's shape."""
+    if not isinstance(air, Air):
+        raise ParameterError("air must be that of isa(altitude) or Air(pressure, temperature), "
+                             f"not {air!r}", parameter="air", value=air)
+    if type(value) is float and isfinite(value):
+        return value
+    return finite(**{parameter: value, **air._asdict()})[0]
+
+
+def cas_to_mach(cas: Any, air: Air) -> Any:
+    """Mach number at a calibrated airspeed in m/s."""
+    return _at_other_pressure(_speed("cas", cas, air) / A0, P0 / air.pressure)
+
+
+def cas_to_eas(cas: Any, air: Air) -> Any:
+    """Equivalent airspeed in m/s at a calibrated airspeed in m/s."""
+    return mach_to_eas(cas_to_mach(cas, air), air)
+
+
+def cas_to_tas(cas: Any, air: Air) -> Any:
+    """True airspeed in m/s at a calibrated airspeed in m/s."""
+    return cas_to_mach(cas, air) * air.speed_of_sound
+
+
+def eas_to_mach(eas: Any, air: Air) -> Any:
+    """Mach number at an equivalent airspeed in m/s."""
+    return _speed("eas", eas, air) / (A0 * (air.pressure / P0) ** 0.5)
+
+
+def eas_to_cas(eas: Any, air: Air) -> Any:
+    """Calibrated airspeed in m/s at an equivalent airspeed in m/s."""
+    return mach_to_cas(eas_to_mach(eas, air), air)
+
+
+def eas_to_tas(eas: Any, air: Air) -> Any:
+    """True airspeed in m/s at an equivalent airspeed in m/s."""
+    return eas_to_mach(eas, air) * air.speed_of_sound
+
+
+def tas_to_mach(tas: Any, air: Air) -> Any:
+    """Mach number at a true airspeed in m/s."""
+    return _speed("tas", tas, air) / air.speed_of_sound
+
+
+def tas_to_cas(tas: Any, air: Air) -> Any:
+    """Calibrated airspeed in m/s at a true airspeed in m/s."""
+    return mach_to_cas(tas_to_mach(tas, air), air)
+
+
+def tas_to_eas(tas: Any, air: Air) -> Any:
+    """Equivalent airspeed in m/s at a true airspeed in m/s."""
+    return mach_to_eas(tas_to_mach(tas, air), air)
+
+
+def mach_to_cas(mach: Any, air: Air) -> Any:
+    """Calibrated airspeed in m/s at a Mach number."""
+    return A0 * _at_other_pressure(_speed("mach", mach, air), air.pressure / P0)
+
+
+def mach_to_eas(mach: Any, air: Air) -> Any:
+    """Equivalent airspeed in m/s at a Mach number."""
+    return _speed("mach", mach, air) * (A0 * (air.pressure / P0) ** 0.5)
+
+
+def mach_to_tas(mach: Any, air: Air) -> Any:
+    """True airspeed in m/s at a Mach number."""
+    return _speed("mach", mach, air) * air.speed_of_sound
+
+
+def impact_pressure(mach: Any, air: Air) -> Any:
+    """Impact pressure in Pa, total behind the pitot tube's shock minus static, at a Mach number."""
+    mach = _speed("mach", mach, air)
+    ratio = _impact_ratio(mach) if isinstance(mach, float) else _impact_ratios(mach)
+    return ratio * air.pressure
+
+
+def dynamic_pressure(mach: Any, air: Air) -> Any:
+    """Dynamic pressure in Pa, ``0.7 p M^2 = rho TAS^2 / 2``, at a Mach number."""
+    return 0.7 * air.pressure * _speed("mach", mach, air) ** 2
+
+
+def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") -> Any:
+    """Altitude in m at which a CAS in m/s and a Mach number are the same speed.
+
+    A climb at constant CAS changes to constant Mach there: above, the CAS would exceed the Mach
+    number. It depends on the pressure only; as a flight level it is of the kind "geopotential".
+
+    Raises
+    ------
+    ParameterError
+        for what is not a finite, positive number, and for shapes that do not fit
+    """
+    cas, mach = positive_finite(cas=cas, mach=mach)
+    ratios = [_impact_ratio(x) if isinstance(x, float) else _impact_ratios(x)
+              for x in (cas / A0, mach)]
+    return pressure_altitude(P0 * ratios[0] / ratios[1], altitude_kind)

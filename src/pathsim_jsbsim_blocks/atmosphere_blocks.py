@@ -1,0 +1,182 @@
+"""The block ISAtmosphere, and what it shares with the airspeed blocks."""
+
+from __future__ import annotations
+
+import warnings
+from bisect import bisect_right
+from itertools import pairwise
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pathsim_flight.atmosphere as flight
+from pathsim.blocks import Function
+from pathsim.optim.operator import Operator
+
+from .atmosphere import (
+    A0,
+    ALTITUDE_KINDS,
+    EARTH_RADIUS,
+    G0,
+    GAMMA,
+    LAYERS,
+    LIMITS,
+    P0,
+    Air,
+    R,
+    pressure_temperature,
+    unchecked_air,
+    viscosity,
+)
+from .checks import finite, one_of
+from .errors import FlightError, ParameterError
+
+OUT_OF_RANGE = ("extrapolate", "clamp", "error")
+
+
+class AirDataBlock(Function):
+    """Algebraic block with an ``altitude`` port and a rule for the ends of the standard's range.
+
+    Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
+    """
+
+    def __init__(self, altitude_kind: str = "geometric", out_of_range: str = "extrapolate"):
+        # past the constructors of pathsim-flight's classes, which take no parameters
+        Function.__init__(self, self._outputs)
+        # an array, which PathSim can differentiate, where Function's own operator gives a tuple
+        self.op_alg = Operator(lambda inputs: np.atleast_1d(self._outputs(*inputs.tolist())))
+        self.altitude_kind = altitude_kind
+        self.out_of_range = out_of_range
+        self._warned = False
+
+    @property
+    def altitude_kind(self) -> str:
+        return self._altitude_kind
+
+    @altitude_kind.setter
+    def altitude_kind(self, kind: str) -> None:
+        self._altitude_kind = one_of("altitude_kind", kind, ALTITUDE_KINDS)
+        self._geometric = kind == "geometric"
+        self._low, self._high = LIMITS[kind]
+
+    @property
+    def out_of_range(self) -> str:
+        return self._out_of_range
+
+    @out_of_range.setter
+    def out_of_range(self, rule: str) -> None:
+        self._out_of_range = one_of("out_of_range", rule, OUT_OF_RANGE)
+
+    def reset(self) -> None:
+        super().reset()
+        self._warned = False
+
+    def update(self, t: Any) -> None:
+        if self.op_alg.f0 is not None:  # linearized
+            super().update(t)
+            return
+        try:  # Python floats, without the operator between: twice as fast
+            self.outputs.update_from_array(self._outputs(*self.inputs.to_array().tolist()))
+        except ParameterError as error:
+            raise FlightError(f"{type(self).__name__} at t = {t} s: {error}", aircraft="", time=t,
+                              name=error.parameter, value=error.value) from error
+
+    def _outputs(self, *inputs: float) -> Any:
+        return self._eval(*inputs)
+
+    def _isa(self, altitude: float, temp_deviation: float = 0.0) -> Air:
+        if not self._low <= altitude <= self._high:
+            altitude = self._beyond(altitude)
+        return unchecked_air(pressure_temperature(altitude, temp_deviation, self._geometric))
+
+    def _beyond(self, altitude: float) -> float:
+        """The altitude to take where the given one is outside of the standard's range."""
+        finite(altitude=altitude)
+        if self.out_of_range == "clamp":
+            return min(max(altitude, self._low), self._high)
+        message = (f"{self.altitude_kind} altitude {altitude:g} m is outside of the standard "
+                   f"atmosphere's range, {self._low:.0f} m to {self._high:.0f} m")
+        if self.out_of_range == "error" or altitude <= -EARTH_RADIUS:
+            raise ParameterError(message, parameter="altitude", value=altitude)
+        if not self._warned:
+            self._warned = True
+            warnings.warn(f"{type(self).__name__}: {message}; extrapolated", RuntimeWarning,
+                          stacklevel=2)
+        return altitude
+
+
+class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
+    r"""International Standard Atmosphere (ICAO Doc 7488/3 = ISO 2533) at an altitude.
+
+    .. math::
+
+        T = T_b + L (H - H_b), \qquad
+        p = p_b \left(\frac{T}{T_b}\right)^{-g_0 / (R L)}, \qquad
+        \rho = \frac{p}{R (T + \Delta T)}, \qquad
+        a = \sqrt{\gamma R (T + \Delta T)}
+
+    in each layer of the geopotential altitude ``H``. The temperature deviation shifts the
+    temperature and leaves the pressure as it is, the convention of performance manuals; JSBSim's
+    ``atmosphere/delta-T`` integrates the pressure anew.
+
+    Stands in for pathsim-flight's block of this name: its ports, units and ``_eval``, with the
+    standard's exact constants, and viscosity as a fifth output. The plain function is
+    ``pathsim_jsbsim_blocks.atmosphere.isa``.
+
+    Parameters
+    ----------
+    altitude_kind : str
+        what the altitude input is: "geometric" (height) or "geopotential"
+    out_of_range : str
+        for an altitude beyond -5 km or 80 km: "extrapolate" (with one warning; with the last
+        lapse rates, from 84.852 km up isothermally), "clamp" (to that limit) or "error"
+
+    Inputs
+    ------
+    altitude : above mean sea level, m
+    temp_deviation : from the standard temperature, K
+
+    Outputs
+    -------
+    pressure : static, Pa
+    density : kg/m3
+    temperature : static, K
+    speed_of_sound : m/s
+    viscosity : dynamic (Sutherland), Pa s
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, for no positive temperature, for an
+        altitude below the Earth's centre, and out of range if ``out_of_range`` is "error"
+    """
+
+    input_port_labels = {"altitude": 0, "temp_deviation": 1}
+    output_port_labels = {"pressure": 0, "density": 1, "temperature": 2, "speed_of_sound": 3,
+                          "viscosity": 4}
+
+    R = R
+    g0 = G0
+    gamma = GAMMA
+    r0 = EARTH_RADIUS
+    StdSL_pressure = P0
+    StdSL_speed_of_sound = A0
+    atmosphere_bands = [
+        flight.ISAtmosphere.AtmosphereBand(
+            layer.base, above.base, layer.temperature, layer.pressure, layer.lapse_rate)
+        for layer, above in pairwise(LAYERS)]
+
+    def get_atmosphere_band(self, geopot_altitude: float) -> Any:
+        above = [band.end_alt for band in self.atmosphere_bands[:-1]]
+        return self.atmosphere_bands[bisect_right(above, geopot_altitude)]
+
+    def _eval(self, altitude: float, temp_deviation: float = 0.0) -> tuple[float, ...]:
+        if not self._low <= altitude <= self._high:
+            altitude = self._beyond(altitude)
+        pressure, temperature = pressure_temperature(altitude, temp_deviation, self._geometric)
+        rt = R * temperature
+        return pressure, pressure / rt, temperature, sqrt(GAMMA * rt)
+
+    def _outputs(self, *inputs: float) -> tuple[float, ...]:
+        pressure, density, temperature, speed_of_sound = self._eval(*inputs)
+        return pressure, density, temperature, speed_of_sound, viscosity(temperature)

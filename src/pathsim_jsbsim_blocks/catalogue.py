@@ -1,0 +1,51 @@
+"""Where the diagrams are: beside the package when it is installed, in the repository otherwise."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+from .checks import did_you_mean, nearest
+from .errors import ParameterError
+
+
+def diagram_folder() -> Path:
+    """The folder that holds ``NAME.py`` and ``NAME.pvm`` of every diagram."""
+    here = Path(__file__).resolve().parent
+    installed = here / "diagrams"
+    return installed if installed.is_dir() else here.parents[1] / "diagrams"
+
+
+def diagram_names() -> list[str]:
+    """Names of all diagrams, sorted."""
+    return sorted(p.stem for p in diagram_folder().glob("*.py"))
+
+
+def find_diagram(name: str) -> Path:
+    """The script of a diagram, by its name in the catalogue or its path.
+
+    Raises
+    ------
+    ParameterError
+        if there is neither; the message names the nearest diagrams
+    """
+    path = Path(name)
+    if path.suffix == ".py" and path.is_file():
+        return path
+    names = diagram_names()
+    if name in names:
+        return diagram_folder() / f"{name}.py"
+    raise ParameterError(f"no diagram {name!r}" + did_you_mean(nearest(name, names)),
+                         parameter="name", value=name)
+
+
+def load_diagram(name: str) -> ModuleType:
+    """Import a diagram's script, which builds ``sim`` and does not run it."""
+    path = find_diagram(name)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

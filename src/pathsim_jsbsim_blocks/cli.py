@@ -1,0 +1,186 @@
+"""The command ``pathsim-jsbsim``."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import contextlib
+import csv
+import dataclasses
+import runpy
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import __version__
+from .catalogue import diagram_folder, diagram_names, find_diagram
+from .errors import BlocksError, ParameterError
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status (0 done, 1 failed with a message, 2 usage)."""
+    args = _parser().parse_args(argv)
+    try:
+        return args.command(args) or 0
+    except BlocksError as error:
+        print(f"pathsim-jsbsim: {error}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        # the reader of a pipe (head) has seen enough
+        sys.stderr.close()
+        return 1
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="pathsim-jsbsim",
+        description="Fly JSBSim aircraft in PathSim block diagrams, and open them in PathView.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    def command(name: str, function: Callable, text: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        sub.set_defaults(command=function)
+        return sub
+
+    command("list", _list, "the diagrams of the catalogue")
+
+    sub = command("run", _run, "run a diagram: print its results and show its figures")
+    sub.add_argument("name", help="a diagram of the catalogue, or the path of a script")
+    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
+    sub.add_argument("--csv", metavar="FILE", type=Path, help="write all recorded signals")
+
+    command("aircraft", _aircraft, "the aircraft models, and which of them load")
+
+    sub = command("properties", _properties,
+                  "the properties of an aircraft: name, access, value as initialised")
+    sub.add_argument("aircraft")
+    sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
+
+    sub = command("trim", _trim, "trim an aircraft and print the state found")
+    sub.add_argument("aircraft")
+    sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
+    sub.add_argument("--speed", type=float, default=100.0, help="KCAS (default %(default)g)")
+    sub.add_argument("--mach", type=float, help="instead of --speed")
+    sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
+    sub.add_argument("--heading", type=float, default=0.0, help="deg")
+    sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
+    sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
+    sub.add_argument("--mode", default="full",
+                     help="full, longitudinal, ground, pull-up, turn or none")
+    sub.add_argument("--gear", type=float, help="0 up to 1 down")
+    sub.add_argument("--flaps", type=float, help="0 to 1")
+    sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
+                     help="a property to write before the trim (repeatable)")
+    return parser
+
+
+def _list(args: argparse.Namespace) -> None:
+    names = diagram_names()
+    width = max(map(len, names))
+    for name in names:
+        text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
+        summary = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+        print(f"{name:<{width}}  {summary}")
+
+
+def _run(args: argparse.Namespace) -> None:
+    from .plots import saving_to
+
+    script = find_diagram(args.name)
+    for target in (args.save, args.csv):
+        if target is not None and not target.resolve().parent.is_dir():
+            raise ParameterError(f"no directory {str(target.resolve().parent)!r} to write "
+                                 f"{target.name!r} in", parameter="save", value=str(target))
+    with saving_to(args.save) if args.save else contextlib.nullcontext():
+        namespace = runpy.run_path(str(script), run_name="__main__")
+    if args.csv is not None:
+        _write_csv(namespace.get("sim"), args.csv)
+
+
+def _write_csv(simulation: Any, path: Path) -> None:
+    from pathsim.blocks import Scope
+
+    scopes = [b for b in getattr(simulation, "blocks", ()) if isinstance(b, Scope)]
+    columns: list[tuple[str, dict[float, float]]] = []
+    for scope in scopes:
+        time, data = scope.read()
+        for i, values in enumerate(data if data is not None else ()):
+            label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
+            columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=True))))
+    if not columns:
+        raise ParameterError("the script leaves no recorded simulation named 'sim'",
+                             parameter="csv", value=str(path))
+    times = sorted({t for _, column in columns for t in column})
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time [s]", *(label for label, _ in columns)])
+        writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)
+    print(f"signals saved: {path}")
+
+
+def _aircraft(args: argparse.Namespace) -> None:
+    from .airframe import Airframe, aircraft_names
+
+    for name in aircraft_names():
+        try:
+            airframe = Airframe(name)
+            airframe.run_ic()
+            n = airframe.engines
+            print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
+        except BlocksError as error:
+            print(f"{name:<14} {error}")
+
+
+def _properties(args: argparse.Namespace) -> None:
+    from .airframe import Airframe
+
+    airframe = Airframe(args.aircraft)
+    airframe.run_ic()
+    names = airframe.property_names(args.text)
+    if not names:
+        # refuses the name and offers the nearest
+        airframe.reader(args.text)
+    for name in names:
+        access = airframe.access(name)
+        value = f"{airframe.reader(name)():.10g}" if "r" in access else ""
+        print(f"{name:<60} {access}  {value}".rstrip())
+
+
+def _trim(args: argparse.Namespace) -> None:
+    from .airframe import Airframe
+    from .trim import TrimCondition, trim
+
+    setup = {}
+    for item in args.set:
+        name, _, value = item.partition("=")
+        try:
+            setup[name] = float(value)
+        except ValueError:
+            raise ParameterError(f"--set wants PROPERTY=VALUE with a number, not {item!r}",
+                                 parameter="set", value=item) from None
+    condition = TrimCondition(
+        altitude=args.altitude, speed=args.speed, mach=args.mach, gamma=args.gamma,
+        heading=args.heading, bank=args.bank, load_factor=args.load_factor, mode=args.mode,
+        gear=args.gear, flaps=args.flaps)
+    state = trim(Airframe(args.aircraft), condition, setup)
+    units = {"altitude": "ft", "speed": "KCAS", "tas": "ft/s", "elevator_rad": "rad",
+             "weight": "lb",
+             **dict.fromkeys(("alpha", "beta", "theta", "phi", "psi", "gamma"), "deg"),
+             **dict.fromkeys(("udot", "vdot", "wdot"), "ft/s2"),
+             **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"),
+             **dict.fromkeys(("cg_x", "cg_y", "cg_z"), "in")}
+    print(f"{args.aircraft}: {condition}")
+    for field in dataclasses.fields(state):
+        value = getattr(state, field.name)
+        if isinstance(value, tuple):
+            print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value))
+        elif isinstance(value, float):
+            print(f"  {field.name:<13}{value:14.6f} {units.get(field.name, '')}".rstrip())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

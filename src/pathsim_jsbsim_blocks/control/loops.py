@@ -1,0 +1,169 @@
+"""The loops of the holds and the autopilot, as plain classes made of the sampled PI-D law.
+
+Every loop is a pure function of its state, a tuple of floats and tuples, and returns the next one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .gains import AltitudeGains, HeadingGains, YawGains
+from .pid import PID
+
+State = tuple
+
+
+class ReferenceLoop:
+    """Holds a measured value at a reference that moves no faster than a ramp.
+
+    At engagement the reference starts from the measured value and the output from where it is, so
+    neither jumps; then the reference moves to its target.
+
+    Parameters
+    ----------
+    pid : PID
+        law from the reference and the measured value to the output
+    ramp : float
+        largest rate of the reference, unit per s
+    sign : float
+        -1 where a positive actuator command lowers the measured value
+    """
+
+    START: State = (0.0, 0.0, PID.START)  # value found at engagement, reference, law
+
+    def __init__(self, pid: PID, ramp: float, sign: float = 1.0):
+        self.pid = pid
+        self.sign = sign
+        self._step = ramp * pid.T
+
+    @staticmethod
+    def reference(state: State, y: float) -> float:
+        """Where the reference is: on its ramp, or at the measured value while off."""
+        return state[1] if state[2][0] > 0.0 else y
+
+    def sample(self, state: State, y: float, rate: float, target: float | None, increment: float,
+               short: float, off: bool) -> tuple[float, float, State]:
+        """Actuator increment, reference and next state.
+
+        Parameters
+        ----------
+        y, rate : float
+            measured value and its rate
+        target : float, optional
+            reference; None for the value found at engagement
+        increment : float
+            added to the reference
+        short : float
+            actuator increment of the last period less what was applied
+        off : bool
+            hold the output
+        """
+        found, reference, law = state
+        if law[0] <= 0.0 or off:
+            found = reference = y
+        else:
+            if target is not None:
+                found = y
+            goal = (found if target is None else target) + increment
+            reference += min(max(goal - reference, -self._step), self._step)
+        u, law = self.pid.sample(law, reference, y, rate, self.sign * short, off)
+        return self.sign * u, reference, (found, reference, law)
+
+
+class HeadingLoop:
+    """Bank reference from the heading error, the short way round.
+
+    .. math::
+        \\phi_\\mathrm{cmd} = K_p \\, e + K_i \\int e \\, dt, \\quad
+        e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
+        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+    """
+
+    START: State = (0.0, PID.START)  # heading found at engagement, law
+
+    def __init__(self, T: float, gains: HeadingGains, bank_max: float):
+        self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
+
+    def sample(self, state: State, psi: float, target: float | None,
+               increment: float) -> tuple[float, State]:
+        """Bank reference in deg and next state; ``target`` None is the heading found."""
+        found, law = state
+        engaged = law[0] > 0.0
+        if target is not None or not engaged:
+            found = psi
+        error = wrap((found if target is None else target) + increment - psi)
+        if not engaged:
+            law = PID.holding(self.pid.Kp * error)  # an integral of 0
+        phi, law = self.pid.sample(law, error, 0.0)
+        return phi, (found, law)
+
+
+class AltitudeLoop:
+    """Pitch reference from the altitude error over the rate of climb.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} = K_h (h_\\mathrm{ref} - h), \\quad
+        |\\dot h_\\mathrm{cmd}| \\le \\dot h_\\mathrm{max} \\\\
+        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt, \\quad
+        \\theta_\\mathrm{min} \\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
+    """
+
+    START: State = (0.0, PID.START)  # altitude found at engagement, law
+
+    def __init__(self, T: float, gains: AltitudeGains, hdot_max: float, theta_min: float,
+                 theta_max: float):
+        self.Kh = gains.Kh
+        self.hdot_max = hdot_max
+        self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
+
+    def sample(self, state: State, h: float, hdot: float, target: float | None, increment: float,
+               theta: float) -> tuple[float, float, State]:
+        """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
+
+        ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
+        which the loop goes on at its engagement.
+        """
+        found, law = state
+        engaged = law[0] > 0.0
+        if target is not None or not engaged:
+            found = h
+        if not engaged:
+            law = PID.holding(theta)
+        error = (found if target is None else target) + increment - h
+        hdot_cmd = min(max(self.Kh * error, -self.hdot_max), self.hdot_max)
+        theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot)
+        return theta_cmd, hdot_cmd, (found, law)
+
+
+class WashoutLoop:
+    """Rudder against the yaw rate, but not against that of a steady turn.
+
+    .. math::
+        \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
+
+    At engagement the output goes on from where it is; while off it fades with tau.
+    """
+
+    START: State = (0.0, 0.0, 0.0)  # engaged, low-passed yaw rate, output
+
+    def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
+        self.K = gains.K
+        self.low, self.high = authority
+        self._fade = math.exp(-T / gains.tau) if gains.tau else 0.0
+
+    def sample(self, state: State, r: float, off: bool) -> tuple[float, State]:
+        """Rudder increment and next state, from the yaw rate in deg/s."""
+        engaged, slow, u = state
+        if off:
+            u *= self._fade
+            return u, (0.0, 0.0, u)
+        if not engaged:
+            slow = r - u / self.K if self.K else r
+        u = min(max(self.K * (r - slow), self.low), self.high)
+        return u, (1.0, slow + (1.0 - self._fade) * (r - slow), u)
+
+
+def wrap(angle: float) -> float:
+    """The same angle in [-180, 180) deg."""
+    return (angle + 180.0) % 360.0 - 180.0

@@ -1,0 +1,203 @@
+"""The sampled PI-D law, as a plain class and as a block."""
+
+from __future__ import annotations
+
+import math
+
+from ..checks import number, positive
+from ..errors import ParameterError
+from .controller import Controller
+
+State = tuple[float, float, float, float, float, float]
+
+
+class PID:
+    """Sampled PI-D law with output limits, back-calculation, tracking and bumpless engagement.
+
+    .. math::
+        v_k &= K_p (b r_k - y_k) + I_k - K_d d_k - K_r \\omega_k, \\qquad
+        u_k = \\min(\\max(v_k, u_\\mathrm{low}), u_\\mathrm{high}) \\\\
+        I_{k+1} &= I_k + K_i T (r_k - y_k) + (1 - e^{-T/T_t}) (u_k - v_k - s_k) \\\\
+        d_k &= d_{k-1} + (1 - e^{-T/T_f}) \\left(\\frac{y_k - y_{k-1}}{T} - d_{k-1}\\right)
+
+    with the reference r, the measured value y, its measured rate omega, and s, by how much the
+    actuator fell short of the output it was last given. The law keeps no state of its own:
+    `sample` takes the state and returns the next, a tuple of floats.
+
+    While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
+    move it. At engagement the integral is set so that the output goes on from where it is.
+
+    Parameters
+    ----------
+    T : float
+        sample period in s
+    Kp : float
+        proportional gain
+    Ki : float
+        integral gain, 1/s
+    Kd : float
+        gain on the filtered derivative of y, s
+    Kr : float
+        gain on the measured rate of y, s
+    b : float
+        weight of the reference in the proportional part: less overshoot than 1, same damping
+    Tf : float
+        time constant of the derivative's filter in s; 0 for none
+    Tt : float, optional
+        tracking time constant of the back-calculation in s; default Kp / Ki, or T where that is
+        not positive
+    low, high : float
+        limits of the output
+
+    References
+    ----------
+    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
+    """
+
+    # phase (-1 never sampled, 0 off, 1 engaged), integral, output, output less track when off, y, d
+    START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def __init__(self, T: float, *, Kp: float = 0.0, Ki: float = 0.0, Kd: float = 0.0,
+                 Kr: float = 0.0, b: float = 1.0, Tf: float = 0.0, Tt: float | None = None,
+                 low: float = -math.inf, high: float = math.inf):
+        self.T = positive("T", T)
+        self.Kp = number("Kp", Kp)
+        self.Ki = number("Ki", Ki)
+        self.Kd = number("Kd", Kd)
+        self.Kr = number("Kr", Kr)
+        self.b = number("b", b)
+        Tf = number("Tf", Tf, low=0.0)
+        if Tt is None:
+            Tt = self.Kp / self.Ki if self.Kp * self.Ki > 0.0 else self.T
+        if not low <= high:
+            raise ParameterError(f"the lower limit {low!r} must not be above the upper, {high!r}",
+                                 parameter="low", value=low)
+        self.low, self.high = float(low), float(high)
+        self._KiT = self.Ki * self.T
+        self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
+        self._track = -math.expm1(-self.T / positive("Tt", Tt))
+
+    @staticmethod
+    def holding(u: float) -> State:
+        """State of a law that is off and whose output is ``u``."""
+        return (-1.0, 0.0, u, u, 0.0, 0.0)
+
+    def sample(self, state: State, r: float, y: float, rate: float = 0.0, short: float = 0.0,
+               off: bool = False, track: float = 0.0) -> tuple[float, State]:
+        """Output at one instant and the state after it.
+
+        Parameters
+        ----------
+        state : tuple of float
+            `START`, or what the last sample returned
+        r, y, rate : float
+            reference, measured value, measured rate
+        short : float
+            last output less what the actuator applied of it; 0 while it is not saturated
+        off : bool
+            hold the output instead
+        track : float
+            added to the output held
+        """
+        phase, integral, u, base, y_last, slope = state
+        if phase >= 0.0:
+            slope += self._filter * ((y - y_last) / self.T - slope)
+        low, high = self.low, self.high
+        if off:
+            if phase > 0.0:
+                base = u - track
+            u = min(max(base + track, low), high)
+            return u, (0.0, 0.0, u, base, y, slope)
+        rest = self.Kp * (self.b * r - y) - self.Kd * slope - self.Kr * rate
+        if phase <= 0.0:
+            integral = u - rest
+        v = rest + integral
+        u = min(max(v, low), high)
+        integral += self._KiT * (r - y) + self._track * (u - v - short)
+        return u, (1.0, integral, u, 0.0, y, slope)
+
+
+class DiscretePID(Controller):
+    """Sampled PI-D controller with anti-windup and bumpless engagement.
+
+    .. math::
+        u = K_p (b r - y) + K_i \\int (r - y) \\, dt - K_d \\frac{dy}{dt} - K_r \\omega
+
+    limited to [low, high], sampled at T and held between samples; the output at t_k follows from
+    the inputs at t_k. Where the output is limited, by the limits here or (``short``) by the
+    actuator, the integral is led back with the time constant Tt. See the class ``PID`` for the
+    difference equation. All parameters may be changed while the diagram runs; T with the next reset.
+
+    Parameters
+    ----------
+    Kp : float
+        proportional gain; all gains may be negative
+    Ki : float
+        integral gain, 1/s
+    Kd : float
+        gain on the filtered derivative of y, s
+    Kr : float
+        gain on the measured rate, s
+    b : float
+        weight of the reference in the proportional part, 0 to 1
+    Tf : float
+        time constant of the derivative's filter in s; 0 for none
+    Tt : float, optional
+        time constant of the back-calculation in s; default Kp / Ki
+    low, high : float
+        limits of the output
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    r : reference
+    y : measured value, in the unit of r
+    rate : measured rate of y, its unit per s
+    short : last output less what the actuator applied of it (an ``Aircraft`` output such as
+        ``elev_sat``); 0 while it is not saturated
+    off : 0 engaged; otherwise the output holds its last value
+    track : while off, added to the output held: a command that goes through while off
+
+    Outputs
+    -------
+    u : controller output
+
+    Raises
+    ------
+    ParameterError
+        for a parameter that is not a number or out of range, when it is set
+
+    References
+    ----------
+    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
+    """
+
+    input_port_labels = {"r": 0, "y": 1, "rate": 2, "short": 3, "off": 4, "track": 5}
+    output_port_labels = {"u": 0}
+
+    def __init__(self, Kp=1.0, Ki=0.0, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0, Tt=None, low=-1.0, high=1.0,
+                 T=1 / 120):
+        super().__init__(T)
+        self.Kp = Kp
+        self.Ki = Ki
+        self.Kd = Kd
+        self.Kr = Kr
+        self.b = b
+        self.Tf = Tf
+        self.Tt = Tt
+        self.low = low
+        self.high = high
+        self.configure()
+
+    def build(self) -> None:
+        self._pid = PID(self.clock.period, Kp=self.Kp, Ki=self.Ki, Kd=self.Kd, Kr=self.Kr,
+                        b=self.b, Tf=self.Tf, Tt=self.Tt, low=self.low, high=self.high)
+
+    def initial_state(self) -> State:
+        return PID.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        r, y, rate, short, off, track = u[:6]
+        output, state = self._pid.sample(state, r, y, rate, short, off != 0.0, track)
+        return [output], state

@@ -1,0 +1,60 @@
+"""A block diagram as plain data: what a script says, before it becomes a model file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from .toolboxes import Toolbox
+
+
+class Wire(NamedTuple):
+    """From an output of a node to an input of a node, each by its index in the graph."""
+
+    source: int
+    output: int
+    target: int
+    input: int
+
+
+@dataclass
+class Node:
+    """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem."""
+
+    name: str
+    type: str
+    params: dict[str, str] = field(default_factory=dict)
+    inputs: list[str] = field(default_factory=list)
+    outputs: list[str] = field(default_factory=list)
+    graph: Graph | None = None
+
+
+@dataclass
+class Event:
+    """One event. ``type`` is the class with its module, as PathView writes it."""
+
+    name: str
+    type: str
+    params: dict[str, str]
+
+
+@dataclass
+class Graph:
+    """The nodes of one level and the wires between them."""
+
+    nodes: list[Node]
+    wires: list[Wire]
+    events: list[Event]
+
+
+@dataclass
+class Diagram:
+    """All of a diagram script that PathView can hold."""
+
+    path: Path
+    docstring: str
+    graph: Graph
+    context: str
+    settings: dict[str, str]
+    toolboxes: list[Toolbox]

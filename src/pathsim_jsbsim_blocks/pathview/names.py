@@ -1,0 +1,120 @@
+"""Which names a piece of Python source uses, binds and changes, by Python's scoping rules."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
+_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+
+
+def references(node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[ast.Name]:
+    """The ``Name`` nodes in ``node`` that mean names of the module, not of an inner scope."""
+    if isinstance(node, ast.Name):
+        if node.id not in local:
+            yield node
+    elif isinstance(node, _FUNCTIONS):
+        args = node.args
+        every = [*args.posonlyargs, *args.args, *args.kwonlyargs, *filter(None, (args.vararg, args.kwarg))]
+        body = node.body if isinstance(node.body, list) else [node.body]
+        outer = [*args.defaults, *filter(None, args.kw_defaults),
+                 *(a.annotation for a in every if a.annotation)]
+        if not isinstance(node, ast.Lambda):
+            outer += [*node.decorator_list, *filter(None, (node.returns,))]
+        yield from _all(outer, local)
+        yield from _all(body, local | {a.arg for a in every} | bound(body))
+    elif isinstance(node, ast.ClassDef):
+        yield from _all([*node.bases, *node.keywords, *node.decorator_list], local)
+        yield from _all(node.body, local | bound(node.body))
+    elif isinstance(node, _COMPREHENSIONS):
+        # the first iterable belongs to the scope around the comprehension
+        yield from references(node.generators[0].iter, local)
+        inner = local | bound(g.target for g in node.generators)
+        for field in ast.iter_child_nodes(node):
+            if field is node.generators[0]:
+                yield from _all(node.generators[0].ifs, inner)
+            else:
+                yield from references(field, inner)
+    else:
+        yield from _all(ast.iter_child_nodes(node), local)
+
+
+def _all(nodes: Iterable[ast.AST], local: frozenset[str]) -> Iterator[ast.Name]:
+    for node in nodes:
+        yield from references(node, local)
+
+
+def used(node: ast.AST) -> set[str]:
+    """Names of the module that ``node`` reads, now or when a function in it is called."""
+    return {n.id for n in references(node) if isinstance(n.ctx, ast.Load)}
+
+
+def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
+    """Names that ``nodes`` bind in their own scope."""
+    names: set[str] = set()
+    elsewhere: set[str] = set()
+    todo = list(nodes)
+    while todo:
+        node = todo.pop()
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, (ast.Lambda, *_COMPREHENSIONS)):
+            pass
+        elif isinstance(node, (ast.Global, ast.Nonlocal)):
+            elsewhere.update(node.names)
+        else:
+            if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+                names.add(node.id)
+            elif isinstance(node, ast.alias):
+                names.add((node.asname or node.name).partition(".")[0])
+            elif isinstance(node, (ast.ExceptHandler, ast.MatchAs, ast.MatchStar)) and node.name:
+                names.add(node.name)
+            todo.extend(ast.iter_child_nodes(node))
+    return frozenset(names - elsewhere)
+
+
+def changes(statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
+    """Names of the module whose values ``statement`` changes in place, and where.
+
+    That is ``x`` in ``x[0] = 1``, ``x.y = 1``, ``x += 1``, ``del x[0]`` and ``x.append(1)``.
+    """
+    for node in _own(statement):
+        name = None
+        if isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(node.ctx, ast.Load):
+            name = root(node)
+        elif isinstance(node, ast.AugAssign):
+            name = root(node.target)
+        elif (call := _call(node)) and isinstance(call.func, ast.Attribute):
+            name = root(call.func)
+        if name is not None:
+            yield name, node
+
+
+def passed(statement: ast.stmt) -> set[str]:
+    """Arguments of calls that stand alone and so may change them: ``x`` in ``shuffle(x)``."""
+    names: set[str | None] = set()
+    for node in _own(statement):
+        if (call := _call(node)) and root(call.func) != "print":
+            names.update(root(a) for a in (*call.args, *(k.value for k in call.keywords)))
+    return {n for n in names if n is not None}
+
+
+def _call(node: ast.AST) -> ast.Call | None:
+    """The call in a statement that is nothing but a call."""
+    return node.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) else None
+
+
+def root(node: ast.AST) -> str | None:
+    """``x`` of ``x``, ``x.y[0]`` and the like; None of anything else."""
+    while isinstance(node, (ast.Attribute, ast.Subscript, ast.Starred)):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else None
+
+
+def _own(node: ast.AST) -> Iterator[ast.AST]:
+    """``node`` and what is in it, without the bodies of functions and classes."""
+    yield node
+    if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
+        for child in ast.iter_child_nodes(node):
+            yield from _own(child)

@@ -1,0 +1,244 @@
+"""Write a diagram as a PathView model file (.pvm)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import stat
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import DiagramError
+from .diagram import Diagram, Event, Graph, Node
+from .layout import GRID, arrange, size
+
+VERSION = "1.0.0"
+# a fixed time, so that the same script always gives the same file
+_TIME = "1970-01-01T00:00:00.000Z"
+_PINNED, _PINNED_LENGTH = 3, 18  # fields shown on a block, characters that fit into one
+_EVENT = 80  # px
+_RECORDERS = {"Scope", "Spectrum"}
+_NOTE_WIDTH = (420, 760)  # px
+_NOTE_LINE, _NOTE_CHARACTER = 18, 5.6  # px, at PathView's default font size
+
+Existing = Mapping[str, Any]
+
+
+def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
+    """The content of a model file; positions in an existing one are kept by name."""
+    old = existing or {}
+    graph, box = _graph(diagram.graph, "", old.get("graph") or {})
+    events = _events(diagram.graph.events, "", box, old.get("events") or [])
+    notes = _annotations(diagram.docstring, box, (old.get("graph") or {}).get("annotations") or [])
+    return {
+        "version": VERSION,
+        "metadata": {"created": _TIME, "modified": _TIME, "name": diagram.path.stem},
+        "graph": {**graph, "annotations": notes},
+        "events": events,
+        "codeContext": {"code": diagram.context},
+        "simulationSettings": {**diagram.settings, "adaptive": True, "ghostTraces": 0,
+                               "plotResults": True},
+        **({"requiredToolboxes": [t.requirement() for t in diagram.toolboxes]}
+           if diagram.toolboxes else {}),
+    }
+
+
+def text(content: Mapping[str, Any]) -> str:
+    """A model file's text."""
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def read(path: Path) -> dict[str, Any]:
+    """The content of a model file.
+
+    Raises
+    ------
+    DiagramError
+        if it cannot be read or is not a model of a version that is known
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DiagramError(f"cannot be read ({error.strerror})", path=path) from error
+    except ValueError as error:
+        raise DiagramError(f"not a PathView model: {error}", path=path) from error
+    if not isinstance(content, dict):
+        raise DiagramError("not a PathView model: no JSON object", path=path)
+    if content.get("type") in ("block", "subsystem"):
+        raise DiagramError(f"a PathView {content['type']}, not a model; open it in PathView and "
+                           "save the model", path=path)
+    if not isinstance(content.get("graph"), dict) or not isinstance(
+            content["graph"].get("nodes"), list):
+        raise DiagramError("not a PathView model: it has no graph", path=path)
+    version = content.get("version")
+    if not isinstance(version, str) or version.split(".")[0] != VERSION.split(".")[0]:
+        raise DiagramError(f"a model of version {version!r}; this package reads {VERSION}",
+                           path=path)
+    return content
+
+
+def write(path: Path, content: str) -> None:
+    """Write a whole file or nothing.
+
+    Raises
+    ------
+    DiagramError
+        if it cannot be written; what was there before is left as it was
+    """
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else 0o644
+        handle, temporary = tempfile.mkstemp(dir=path.resolve().parent, prefix=f".{path.name}.")
+        try:
+            with open(handle, "w", encoding="utf-8", newline="\n") as file:
+                file.write(content)
+            os.chmod(temporary, mode)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
+
+
+def plain(name: str) -> str:
+    """The variable that PathView makes of a name."""
+    variable = re.sub(r"[^a-zA-Z0-9_]", "", name.replace(" ", "_"))
+    return ("n_" + variable if variable[:1].isdigit() else variable).lower()
+
+
+class _Box:
+    """Where the blocks of a graph are: the smallest rectangle around them, in px."""
+
+    def __init__(self) -> None:
+        self.left = self.top = math.inf
+        self.right = self.bottom = -math.inf
+
+    def add(self, x: float, y: float, width: float, height: float) -> None:
+        self.left, self.right = min(self.left, x - width / 2), max(self.right, x + width / 2)
+        self.top, self.bottom = min(self.top, y - height / 2), max(self.bottom, y + height / 2)
+
+
+def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _Box]:
+    pins = [_pinned(n) for n in graph.nodes]
+    sizes = [size(n, len(p)) for n, p in zip(graph.nodes, pins, strict=True)]
+    layout = arrange(graph, sizes)
+    kept = {plain(str(n.get("name", ""))): n for n in reversed(old.get("nodes") or [])}
+    olds = [kept.get(plain(n.name), {}) for n in graph.nodes]
+    centres = _kept_centres(layout.centres, olds)
+    ids = [prefix + plain(n.name) for n in graph.nodes]
+    box = _Box()
+    nodes = []
+    for i, node in enumerate(graph.nodes):
+        box.add(*centres[i], *sizes[i])
+        turned = 2 if i in layout.turned else 0
+        rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
+        nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
+    connections = [
+        {"id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
+         "sourceNodeId": ids[w.source], "sourcePortIndex": w.output,
+         "targetNodeId": ids[w.target], "targetPortIndex": w.input} for w in graph.wires]
+    return {"nodes": nodes, "connections": connections}, box
+
+
+def _kept_centres(auto: Sequence[tuple[int, int]],
+                  olds: Sequence[Existing]) -> list[tuple[int, int]]:
+    """Positions of an existing model; new blocks stand beside them as in the automatic layout."""
+    known = {i: (o["position"]["x"], o["position"]["y"]) for i, o in enumerate(olds)
+             if isinstance(o.get("position"), dict)}
+    if not known:
+        return list(auto)
+    dx, dy = (GRID * round(sum(known[i][k] - auto[i][k] for i in known) / len(known) / GRID)
+              for k in (0, 1))
+    return [known.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
+
+
+def _node(node: Node, name: str, centre: tuple[int, int], rotation: int, pinned: list[str],
+          old: Existing) -> dict[str, Any]:
+    params: dict[str, Any] = dict(node.params)
+    if rotation:
+        params["_rotation"] = rotation
+    for side, ports in (("Input", node.inputs), ("Output", node.outputs)):
+        if node.type not in _RECORDERS and any(not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p)
+                                               for p in ports):
+            params[f"_show{side}Labels"] = True
+    out: dict[str, Any] = {
+        "id": name, "type": node.type, "name": node.name,
+        "position": {"x": centre[0], "y": centre[1]},
+        "inputs": _ports(name, "input", node.inputs),
+        "outputs": _ports(name, "output", node.outputs),
+        "params": params,
+    }
+    if pinned:
+        out["pinnedParams"] = pinned
+    if node.graph is not None:
+        inside = old.get("graph") or {}
+        graph, box = _graph(node.graph, f"{name}.", inside)
+        out["graph"] = {**graph, "annotations": [],
+                        "events": _events(node.graph.events, f"{name}.", box,
+                                          inside.get("events") or [])}
+    return out
+
+
+def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, Any]]:
+    return [{"id": f"{node}-{direction}-{i}", "nodeId": node, "name": name,
+             "direction": direction, "index": i, "color": "#969696"}
+            for i, name in enumerate(names)]
+
+
+def _pinned(node: Node) -> list[str]:
+    """The parameters that a reader wants to see: those the script gives, as far as they are short."""
+    if node.type in _RECORDERS:
+        return []
+    short = [k for k, v in node.params.items() if len(v) <= _PINNED_LENGTH]
+    return short[:_PINNED]
+
+
+def _events(events: Sequence[Event], prefix: str, box: _Box,
+            old: Sequence[Existing]) -> list[dict[str, Any]]:
+    kept = {plain(str(e.get("name", ""))): e.get("position") for e in old}
+    out = []
+    for i, event in enumerate(events):
+        x = GRID * round((box.left + (1.5 * i + 0.5) * _EVENT) / GRID)
+        y = GRID * round((box.bottom + _EVENT) / GRID) + _EVENT // 2
+        out.append({"id": prefix + plain(event.name), "type": event.type, "name": event.name,
+                    "position": kept.get(plain(event.name)) or {"x": x, "y": y},
+                    "params": dict(event.params)})
+        box.add(out[-1]["position"]["x"], out[-1]["position"]["y"], _EVENT, _EVENT)
+    return out
+
+
+def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
+    """What the script's docstring says, above the diagram; and the notes of an existing model."""
+    mine, others = "docstring", [dict(a) for a in old if a.get("id") != "docstring"]
+    content = _markdown(docstring)
+    if not content:
+        return others
+    kept = next((a for a in old if a.get("id") == mine), {})
+    span = box.right - box.left
+    width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
+    lines = sum(math.ceil(max(len(p), 1) * _NOTE_CHARACTER / (width - 30))
+                for p in content.split("\n"))
+    height = GRID * math.ceil((_NOTE_LINE * lines + 40) / GRID)
+    note = {"id": mine,
+            "position": {"x": GRID * round(box.left / GRID),
+                         "y": GRID * round((box.top - height) / GRID) - 4 * GRID},
+            "content": content, "width": width, "height": height}
+    return [{**note, **{k: kept[k] for k in ("position", "width", "height") if k in kept}}, *others]
+
+
+def _markdown(docstring: str) -> str:
+    """A docstring as Markdown: its first line as a title, each paragraph in one line."""
+    paragraphs = [" ".join(line.strip() for line in p.splitlines()
+                           if not re.fullmatch(r"[=~\-^\"]{3,}", line.strip()))
+                  for p in re.split(r"\n\s*\n", docstring.strip())]
+    paragraphs = [p for p in paragraphs if p]
+    if not paragraphs:
+        return ""
+    title = paragraphs[0].lstrip("# ").rstrip(".")
+    head, colon, rest = title.partition(": ")
+    body = ([rest[0].upper() + rest[1:] + "."] if colon else []) + paragraphs[1:]
+    return "\n\n".join([f"# {head}", *(p.replace("``", "`") for p in body)])

@@ -1,0 +1,264 @@
+"""Run a diagram script up to its ``run``, and remember which line built what."""
+
+from __future__ import annotations
+
+import ast
+import logging
+import sys
+import types
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+from unittest.mock import patch
+
+from pathsim import Simulation
+from pathsim.blocks import Block
+from pathsim.events._event import Event
+
+from ..errors import DiagramError
+
+_RECORD = "__built__"
+_SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
+_RUNS = ("run", "run_streaming", "run_realtime")
+
+
+@dataclass
+class Construction:
+    """The expression that made an object.
+
+    Attributes
+    ----------
+    node : ast.Call or ast.FunctionDef
+        a call, or the function that a block class decorates
+    value : object
+        what it made
+    around : str
+        "a loop", "a comprehension", "a condition", or empty
+    direct : bool
+        the call is one of the object's class, not of a function that builds it
+    """
+
+    node: ast.Call | ast.FunctionDef
+    value: Any
+    around: str
+    direct: bool
+
+
+class Script:
+    """A diagram script, run with ``Simulation.run`` held back.
+
+    Attributes
+    ----------
+    path : Path
+        the file
+    source : str
+        its text
+    tree : ast.Module
+        its syntax tree
+    namespace : dict
+        the names that it has bound
+    simulation : Simulation
+        the diagram
+    run_call : ast.Call or None
+        the call that runs the simulation
+    statements : list of ast.stmt
+        the statements that come before the run, those of the main guard included
+    """
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+        try:
+            self.source = self.path.read_text(encoding="utf-8")
+            self.tree = ast.parse(self.source, str(self.path))
+        except OSError as error:
+            self.refuse(f"cannot be read ({error.strerror})")
+        except SyntaxError as error:
+            raise DiagramError(f"not Python: {error.msg}", path=path, line=error.lineno) from error
+        except ValueError as error:  # not UTF-8, null bytes
+            self.refuse(f"not a Python script ({error})")
+        self.namespace: dict[str, Any] = {}
+        self._built: dict[int, Construction] = {}
+        lines = self._execute()
+        self.simulation = self._the_simulation()
+        self.run_call = self._find_run(lines[-1] if lines else None)
+        self.statements = self._before_run(lines[0] if lines else None)
+
+    def refuse(self, reason: str, node: ast.AST | None = None) -> NoReturn:
+        """Raise the error that names the script and the line."""
+        raise DiagramError(reason, path=self.path, line=getattr(node, "lineno", None))
+
+    def construction(self, value: Any) -> Construction | None:
+        """Where an object was built; None if no expression of the module's own level did."""
+        return self._built.get(id(value))
+
+    def _execute(self) -> list[int]:
+        """Run the script; the lines of its frames at the held-back run, outermost first."""
+        recorder = _Recorder(self.tree)
+        code = compile(recorder.visit(ast.parse(self.source)), str(self.path), "exec",
+                       dont_inherit=True)
+        module = types.ModuleType(f"_diagram_{self.path.stem}")
+        module.__file__ = str(self.path)
+        setattr(module, _RECORD, lambda i, value: self._record(*recorder.calls[i], value))
+        self.namespace = vars(module)
+        try:
+            with _as_main_program(module, self.path), _runs_held_back(self._reached):
+                exec(code, self.namespace)
+        except _RunReached as reached:
+            return self._lines(reached)
+        except (Exception, SystemExit) as error:
+            raise DiagramError(f"the script fails: {type(error).__name__}: {error}", path=self.path,
+                               line=(self._lines(error) or [None])[-1]) from error
+        finally:
+            del self.namespace[_RECORD]
+            self._record_decorated()
+        return []
+
+    def _reached(self, simulation: Simulation) -> None:
+        self._running = simulation
+        raise _RunReached
+
+    def _record(self, node: ast.Call, around: str, value: Any) -> Any:
+        if isinstance(value, (Block, Event, Simulation)) and id(value) not in self._built:
+            try:
+                maker = eval(ast.unparse(node.func), self.namespace)
+            except Exception:
+                maker = None
+            self._built[id(value)] = Construction(node, value, around, maker is type(value))
+        return value
+
+    def _record_decorated(self) -> None:
+        for node in self.tree.body:
+            if isinstance(node, ast.FunctionDef):
+                value = self.namespace.get(node.name)
+                if isinstance(value, (Block, Event)) and id(value) not in self._built:
+                    self._built[id(value)] = Construction(
+                        node, value, "", len(node.decorator_list) == 1)
+
+    def _lines(self, error: BaseException) -> list[int]:
+        lines = []
+        trace = error.__traceback__
+        while trace is not None:
+            if trace.tb_frame.f_code.co_filename == str(self.path):
+                lines.append(trace.tb_lineno)
+            trace = trace.tb_next
+        return lines
+
+    def _the_simulation(self) -> Simulation:
+        if hasattr(self, "_running"):
+            return self._running
+        found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
+        if not found:
+            self.refuse("importing the script builds no Simulation; build it at the top level, "
+                        "outside functions and the main guard")
+        if len(found) == 1:
+            return next(iter(found.values()))
+        if isinstance(self.namespace.get("sim"), Simulation):
+            return self.namespace["sim"]
+        self.refuse(f"the script builds {len(found)} simulations; name the one to show 'sim'")
+
+    def _find_run(self, line: int | None) -> ast.Call | None:
+        def is_it(node: ast.AST) -> bool:
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+                    and node.func.attr in _RUNS):
+                return False
+            if line is not None:
+                return node.lineno <= line <= (node.end_lineno or 0)
+            owner = node.func.value
+            return (isinstance(owner, ast.Name)
+                    and self.namespace.get(owner.id) is self.simulation)
+
+        calls = [n for n in ast.walk(self.tree) if is_it(n)]
+        return min(calls, key=lambda n: n.lineno, default=None)  # type: ignore[attr-defined, return-value]
+
+    def _before_run(self, line: int | None) -> list[ast.stmt]:
+        statements: list[ast.stmt] = []
+        for statement in self.tree.body:
+            if line is not None and line <= (statement.end_lineno or 0):
+                break
+            if not _is_main_guard(statement):
+                statements.append(statement)
+            elif self.run_call in ast.walk(statement):
+                for inner in statement.body:  # type: ignore[attr-defined]
+                    if self.run_call in ast.walk(inner):
+                        break
+                    statements.append(inner)
+        return statements
+
+
+def _is_main_guard(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.If) and any(
+        isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test))
+
+
+class _RunReached(BaseException):
+    """The script runs its simulation: all is built."""
+
+
+_AROUND = {
+    "a loop": (ast.For, ast.AsyncFor, ast.While),
+    "a comprehension": (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp),
+    "a condition": (ast.If, ast.IfExp, ast.BoolOp, ast.Try, ast.Match),
+}
+
+
+class _Recorder(ast.NodeTransformer):
+    """Wraps every call outside functions: ``f(x)`` becomes ``__built__(i, f(x))``."""
+
+    def __init__(self, original: ast.Module):
+        self.calls: list[tuple[ast.Call, str]] = []
+        self._originals = {_span(n): n for n in ast.walk(original) if isinstance(n, ast.Call)}
+        self._around = [""]
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        if isinstance(node.func, ast.Name) and node.func.id in _SCOPE_READERS:
+            return node
+        self.calls.append((self._originals[_span(node)], self._around[-1]))
+        index = len(self.calls) - 1
+        self.generic_visit(node)
+        wrapped = ast.Call(ast.Name(_RECORD, ast.Load()), [ast.Constant(index), node], [])
+        return ast.fix_missing_locations(ast.copy_location(wrapped, node))
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
+            return node
+        around = next((text for text, types in _AROUND.items() if isinstance(node, types)), None)
+        if around is None:
+            return super().visit(node)
+        self._around.append(around)
+        try:
+            return super().visit(node)
+        finally:
+            self._around.pop()
+
+
+def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:
+    return node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
+
+
+@contextmanager
+def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
+    """Python's surroundings of a script: its folder first in ``sys.path``, no arguments."""
+    with ExitStack() as stack:
+        stack.enter_context(patch.object(sys, "path", [str(path.resolve().parent), *sys.path]))
+        stack.enter_context(patch.object(sys, "argv", [str(path)]))
+        # classes that the script defines look their module up
+        sys.modules[module.__name__] = module
+        stack.callback(sys.modules.pop, module.__name__, None)
+        before = logging.root.manager.disable
+        stack.callback(logging.disable, before)
+        # PathSim announces every simulation that it builds
+        logging.disable(max(before, logging.INFO))
+        yield
+
+
+@contextmanager
+def _runs_held_back(reached: Callable[[Simulation], None]) -> Iterator[None]:
+    def run(self: Simulation, *args: Any, **kwargs: Any) -> None:
+        reached(self)
+
+    with ExitStack() as stack:
+        for name in _RUNS:
+            stack.enter_context(patch.object(Simulation, name, run))
+        yield

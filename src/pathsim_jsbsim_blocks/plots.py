@@ -1,0 +1,221 @@
+"""Figures of flights: time histories from scopes, ground tracks, phase portraits.
+
+Every function returns a matplotlib Figure and shows nothing; `show` opens a window where there is
+a display and writes a file where there is none.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .checks import did_you_mean, nearest
+from .errors import ParameterError
+
+_save_to: list[Path] = []
+
+
+def time_histories(*scopes, title: str = ""):
+    """Time histories of scopes, one panel for each unit.
+
+    Parameters
+    ----------
+    *scopes : pathsim.blocks.Scope
+        with recorded data and labels of the form ``"pitch angle [deg]"``; consecutive signals of
+        one scope with the same unit share a panel
+    title : str
+        headline of the figure
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    import matplotlib.pyplot as plt
+
+    panels: list[tuple[str, list]] = []
+    for scope in scopes:
+        time, data = _recording(scope)
+        first = True
+        for i, y in enumerate(data):
+            label, unit = _label(scope, i)
+            if first or panels[-1][0] != unit:
+                panels.append((unit, []))
+            panels[-1][1].append((time, y, label))
+            first = False
+    figure, axes = plt.subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
+                                figsize=(8, 1.2 + 1.7 * len(panels)))
+    for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
+        for time, y, label in signals:
+            ax.plot(time, _unwound(y) if unit == "deg" else y, label=label, linewidth=1.3)
+        _readable(ax, np.concatenate([y for _, y, _ in signals]))
+        if len(signals) == 1:
+            ax.set_ylabel(f"{signals[0][2]}\n[{unit}]" if unit else signals[0][2])
+        else:
+            ax.set_ylabel(f"[{unit}]" if unit else "")
+            ax.legend(loc="best", fontsize="small")
+        ax.grid(alpha=0.4)
+    axes[-1, 0].set_xlabel("time [s]")
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def signal(scope, label: str) -> tuple[np.ndarray, np.ndarray]:
+    """Time and values of one recorded signal, by its label with or without the unit.
+
+    Raises
+    ------
+    ParameterError
+        if the scope has no such label; the message names the nearest
+    """
+    time, data = _recording(scope)
+    names = [_label(scope, i)[0] for i in range(len(data))]
+    wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
+    if wanted not in names:
+        raise ParameterError(f"the scope has no signal {label!r}"
+                             + did_you_mean(nearest(label, names)), parameter="label", value=label)
+    return time, data[names.index(wanted)]
+
+
+def ground_track(time, latitude, longitude, title: str = "ground track"):
+    """Ground track coloured by time, in nautical miles from the start.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        s
+    latitude, longitude : arrays, shape (n,)
+        deg; a local, spherical picture: 1 minute of latitude is 1 nautical mile
+    title : str
+        headline of the figure
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    time, latitude, longitude = map(np.asarray, (time, latitude, longitude))
+    north = 60.0 * (latitude - latitude[0])
+    east = 60.0 * (longitude - longitude[0]) * math.cos(math.radians(latitude[0]))
+    points = np.column_stack([east, north])
+    figure, ax = plt.subplots(figsize=(6.5, 5.5), layout="constrained")
+    track = LineCollection(list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1],
+                           linewidths=2.5)
+    ax.add_collection(track)
+    ax.plot(east[0], north[0], "ko", label="start")
+    # a straight track must not become a sliver: keep the picture at least a third as high as wide
+    size = max(np.ptp(east), np.ptp(north), 1e-6)
+    for centre, extent, limit in ((np.mean([east.min(), east.max()]), np.ptp(east), ax.set_xlim),
+                                  (np.mean([north.min(), north.max()]), np.ptp(north),
+                                   ax.set_ylim)):
+        half = 0.55 * max(extent, size / 3)
+        limit(centre - half, centre + half)
+    ax.set_aspect("equal")
+    _readable(ax, np.array([0.0]))
+    ax.set_xlabel("east [NM]")
+    ax.set_ylabel("north [NM]")
+    ax.grid(alpha=0.4)
+    ax.legend(loc="best")
+    ax.set_title(title)
+    figure.colorbar(track, label="time [s]", location="bottom", shrink=0.6)
+    return figure
+
+
+def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
+    """One signal over another, with the start marked.
+
+    Parameters
+    ----------
+    x, y : arrays, shape (n,)
+    labels : (str, str)
+        axis labels with units
+    title : str
+        headline of the figure
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    import matplotlib.pyplot as plt
+
+    figure, ax = plt.subplots(figsize=(6, 5), layout="constrained")
+    ax.plot(x, y, linewidth=1.3)
+    ax.plot(x[0], y[0], "ko", label="start")
+    ax.set_xlabel(labels[0])
+    ax.set_ylabel(labels[1])
+    ax.grid(alpha=0.4)
+    ax.legend(loc="best")
+    ax.set_title(title)
+    return figure
+
+
+def show(figure, name: str) -> None:
+    """Show a figure in a window where there is a display; else write ``name.png`` here.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    name : str
+        name of the file without its ending
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.backends import backend_registry
+    from matplotlib.backends.registry import BackendFilter
+
+    interactive = plt.get_backend().lower() in {
+        b.lower() for b in backend_registry.list_builtin(BackendFilter.INTERACTIVE)}
+    if interactive and not _save_to:
+        plt.show()
+        return
+    target = _save_to[-1] if _save_to else Path(f"{name}.png")
+    figure.savefig(target, dpi=110)
+    plt.close(figure)
+    print(f"figure saved: {target}")
+
+
+@contextlib.contextmanager
+def saving_to(path: str | Path) -> Iterator[None]:
+    """Within this context `show` writes to ``path``, display or not."""
+    _save_to.append(Path(path))
+    try:
+        yield
+    finally:
+        _save_to.pop()
+
+
+def _recording(scope) -> tuple[np.ndarray, np.ndarray]:
+    time, data = scope.read()
+    if time is None:
+        raise ParameterError("the scope holds no recording: run the simulation first",
+                             parameter="scope", value=scope)
+    return time, data
+
+
+def _label(scope, i: int) -> tuple[str, str]:
+    """Label and unit of a scope's signal; ``port i`` where it has none."""
+    text = scope.labels[i] if i < len(scope.labels) else f"port {i}"
+    found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
+    return (found[1], found[2]) if found else (text, "")
+
+
+def _unwound(y: np.ndarray) -> np.ndarray:
+    """The curve with a gap where an angle wraps round, not a line across the panel."""
+    y = np.array(y, dtype=float)
+    y[1:][np.abs(np.diff(y)) > 180.0] = np.nan
+    return y
+
+
+def _readable(ax, y: np.ndarray) -> None:
+    """Plain tick labels, and no zoom into rounding noise."""
+    ax.ticklabel_format(useOffset=False, style="plain")
+    extent, size = float(np.ptp(y)), float(np.max(np.abs(y)))
+    if extent < 1e-4 * size:
+        centre = float(np.mean([y.min(), y.max()]))
+        ax.set_ylim(centre - 5e-5 * size, centre + 5e-5 * size)

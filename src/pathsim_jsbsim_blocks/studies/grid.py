@@ -1,0 +1,171 @@
+"""Points of a study: expanded from a grid, checked one by one before any work begins."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Integral, Real
+from typing import Any
+
+from ..checks import did_you_mean, nearest, number
+from ..errors import ParameterError
+from ..trim import TrimCondition
+
+# unit of each field of TrimCondition, as the tail of a column's name
+CONDITION_UNITS = {
+    "altitude": "ft", "speed": "kcas", "mach": "", "gamma": "deg", "heading": "deg",
+    "bank": "deg", "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
+    "alpha_min": "deg", "alpha_max": "deg", "wind_north": "fps", "wind_east": "fps",
+    "wind_down": "fps", "payload": "lb", "fuel": "lb", "empty_cg_x": "in",
+}
+
+
+def column(name: str, unit: str) -> str:
+    """Name of a table's column: the quantity, then its unit."""
+    return f"{name}_{unit}" if unit else name
+
+
+def expand(name: str, grid: Any) -> list[dict[str, Any]]:
+    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it stands.
+
+    Raises
+    ------
+    ParameterError
+        for an empty grid or axis, and for values that are no plain data
+    """
+    if hasattr(grid, "columns") and hasattr(grid, "to_dict"):
+        grid = grid.to_dict("records")
+    if isinstance(grid, Mapping):
+        axes = {key: _axis(name, key, values) for key, values in grid.items()}
+        rows = [dict(zip(axes, values, strict=True)) for values in
+                itertools.product(*axes.values())] if axes else []
+    elif isinstance(grid, Iterable) and not isinstance(grid, (str, bytes)):
+        rows = list(grid)
+        for row in rows:
+            if not isinstance(row, Mapping):
+                raise ParameterError(f"{name} must hold one dict for each point, not {row!r}",
+                                     parameter=name, value=grid)
+    else:
+        raise ParameterError(f"{name} must be a dict of axes, a table or a list of dicts, not "
+                             f"{grid!r}", parameter=name, value=grid)
+    if not rows:
+        raise ParameterError(f"{name} is empty", parameter=name, value=grid)
+    return [{str(key): plain(f"{name} point {i}: {key}", value) for key, value in row.items()}
+            for i, row in enumerate(rows)]
+
+
+def _axis(name: str, key: str, values: Any) -> list[Any]:
+    if values is None or isinstance(values, (str, Real, Mapping)):
+        return [values]
+    try:
+        values = list(values)
+    except TypeError:
+        raise ParameterError(f"{name}: {key} must be a value or a list of values, not {values!r}",
+                             parameter=str(key), value=values) from None
+    if not values:
+        raise ParameterError(f"{name} is empty: {key} has no values", parameter=str(key),
+                             value=values)
+    return values
+
+
+def plain(name: str, value: Any) -> Any:
+    """``value`` as plain Python data, the same before and after a file or another process.
+
+    Raises
+    ------
+    ParameterError
+        for NaN and infinities, and for objects that are no numbers, text, lists or dicts
+    """
+    if hasattr(value, "tolist"):  # numpy
+        value = value.tolist()
+    if value is None or isinstance(value, (bool, str)):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, Real):
+        return number(name, value)
+    if isinstance(value, Mapping):
+        return {key: plain(f"{name}[{key!r}]", item) for key, item in value.items()}
+    if isinstance(value, Sequence):
+        return [plain(f"{name}[{i}]", item) for i, item in enumerate(value)]
+    raise ParameterError(f"{name} must be a number, text, a list or a dict, not {value!r}",
+                         parameter=name, value=value)
+
+
+def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:
+    """The condition of each point; columns with a slash are JSBSim properties.
+
+    Raises
+    ------
+    ParameterError
+        for unknown columns and values that no aircraft can have; the message names the point
+    """
+    return [_condition(i, point) for i, point in enumerate(points)]
+
+
+def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
+    fields = {key: value for key, value in point.items() if "/" not in key}
+    for key in fields:
+        if key not in CONDITION_UNITS:
+            raise ParameterError(
+                f"the grid has a column {key!r} that no trim condition has"
+                + did_you_mean(nearest(key, CONDITION_UNITS))
+                + f" (columns: {', '.join(CONDITION_UNITS)}, and JSBSim properties by their path)",
+                parameter=key, value=point[key])
+    try:
+        if fields.get("mach") is not None and fields.get("speed") is not None:
+            raise ParameterError("both mach and speed are given", parameter="mach",
+                                 value=fields["mach"])
+        return TrimCondition(
+            **{key: value for key, value in fields.items() if value is not None},
+            properties={key: number(key, value) for key, value in point.items() if "/" in key})
+    except ParameterError as error:
+        raise ParameterError(f"grid point {i}: {error}", parameter=error.parameter,
+                             value=error.value) from None
+
+
+def structure(condition: TrimCondition) -> tuple[Any, ...]:
+    """What a condition writes to an aircraft, whatever the values.
+
+    Two conditions with the same structure can follow one another on one aircraft, because the
+    second overwrites all that the first has set.
+    """
+    return (condition.mode, *(value is None for value in (
+        condition.mach, condition.gear, condition.flaps, condition.alpha_min, condition.alpha_max)),
+        *(tuple(_shown(condition, name)) for name in ("payload", "fuel", "properties")))
+
+
+def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
+    """The table's columns of what was asked for, filled in where the grid did not say."""
+    given = {key for point in points for key in point}
+    shown = [name for name in CONDITION_UNITS if name in given
+             or name in ("altitude", "speed", "gamma")]
+    columns: dict[str, list] = {}
+    for name in shown:
+        values = [_shown(condition, name) for condition in conditions]
+        title = f"requested_{column(name, CONDITION_UNITS[name])}"
+        if name in ("payload", "fuel"):
+            for index in sorted({index for value in values for index in value}):
+                columns[f"{title}[{index}]"] = [value.get(index) for value in values]
+        else:
+            columns[title] = values
+    for name in dict.fromkeys(key for point in points for key in point if "/" in key):
+        columns[f"requested_{name}"] = [condition.properties.get(name) for condition in conditions]
+    return columns
+
+
+def _shown(condition: TrimCondition, name: str) -> Any:
+    value = getattr(condition, name)
+    if name == "speed" and condition.mach is not None:
+        return None
+    if name in ("payload", "fuel"):
+        return dict(enumerate(value)) if isinstance(value, (list, tuple)) else dict(value or {})
+    return value
+
+
+def as_dict(condition: TrimCondition) -> dict[str, Any]:
+    """A condition as plain data."""
+    values = {f.name: getattr(condition, f.name) for f in dataclasses.fields(condition)}
+    return {name: dict(value) if isinstance(value, Mapping) else value
+            for name, value in values.items()}

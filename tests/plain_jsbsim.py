@@ -1,0 +1,82 @@
+"""Plain JSBSim loops, written without this package: what the blocks are compared with."""
+
+import os
+import threading
+
+import jsbsim
+import numpy as np
+
+# aircraft: (altitude ft, speed KCAS, inputs that a random test may move)
+FLIGHTS = {
+    "c172p": (5000.0, 90.0),
+    "c172x": (5000.0, 90.0),
+    "737": (10000.0, 280.0),
+    "global5000": (15000.0, 250.0),
+    "A4": (10000.0, 300.0),
+    "f16": (10000.0, 350.0),
+}
+
+
+class _Silence(jsbsim.FGLogger):
+    def set_level(self, level):
+        pass
+
+    def file_location(self, filename, line):
+        pass
+
+    def message(self, message):
+        pass
+
+    def format(self, format):
+        pass
+
+    def flush(self):
+        pass
+
+
+_quiet = threading.local()
+
+
+def open_fdm(aircraft, dt, setup=None):
+    """A loaded model that opens no socket and writes no file."""
+    if not hasattr(_quiet, "logger") and jsbsim.get_logger() is not None:
+        _quiet.logger = _Silence()
+        jsbsim.set_logger(_quiet.logger)
+    jsbsim.FGJSBBase().debug_lvl = 0
+    fdm = jsbsim.FGFDMExec(None)
+    fdm.disable_input()
+    fdm.disable_output()
+    fdm.set_output_path(os.path.join(os.devnull, "none"))
+    fdm.set_dt(dt)
+    fdm.load_model(aircraft)
+    fdm.disable_output()
+    for name, value in (setup or {}).items():
+        fdm[name] = value
+    return fdm
+
+
+def trimmed(aircraft, altitude, speed, dt=1 / 120, gamma=0.0, heading=0.0, setup=None):
+    """A trimmed model, as the published examples do it."""
+    fdm = open_fdm(aircraft, dt, setup)
+    fdm["propulsion/set-running"] = -1
+    if heading:
+        fdm["ic/psi-true-deg"] = heading
+    fdm["ic/h-sl-ft"] = altitude
+    fdm["ic/vc-kts"] = speed
+    fdm["ic/gamma-deg"] = gamma
+    fdm.run_ic()
+    fdm["propulsion/set-running"] = -1
+    fdm["simulation/do_simple_trim"] = 1
+    return fdm
+
+
+def fly(fdm, inputs, u, outputs, substeps=1):
+    """Write u[k], run, read y[k+1]; returns y of shape (len(u) + 1, len(outputs))."""
+    y = [[fdm[name] for name in outputs]]
+    for row in np.asarray(u, dtype=float).tolist():
+        for name, value in zip(inputs, row, strict=True):
+            fdm[name] = value
+        for _ in range(substeps):
+            fdm.run()
+        y.append([fdm[name] for name in outputs])
+    return np.array(y)

@@ -1,0 +1,478 @@
+"""The standard atmosphere against tables, other programs and its own differential equation."""
+
+import csv
+import math
+import warnings
+from pathlib import Path
+
+import ambiance
+import numpy as np
+import pathsim_flight
+import pytest
+from fluids.atmosphere import ATMOSPHERE_1976
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
+from pathsim_jsbsim_blocks.atmosphere import (
+    ALTITUDE_KINDS,
+    EARTH_RADIUS,
+    G0,
+    LAYERS,
+    LIMITS,
+    Air,
+    density_altitude,
+    geometric_altitude,
+    geopotential_altitude,
+    isa,
+    pressure_altitude,
+)
+
+QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
+
+with (Path(__file__).parent / "data" / "isa_reference.csv").open() as _file:
+    TABLE = np.array([[float(x) for x in row] for row in list(csv.reader(_file))[1:]]).T
+HEIGHT, GEOPOTENTIAL, DEVIATION = TABLE[:3]
+EXPECTED = dict(zip(("temperature", "pressure", "density", "speed_of_sound", "viscosity"),
+                    TABLE[3:], strict=True))
+TABLE_RTOL = 1e-11  # twelve digits are printed: up to 5e-12 of the value is rounding
+
+
+def relative_difference(a, b):
+    return np.max(np.abs(np.asarray(a) / np.asarray(b) - 1))
+
+
+# the reference table
+
+
+def test_table_spans_the_standard():
+    assert TABLE.shape == (8, 213)
+    assert (HEIGHT.min(), HEIGHT.max()) == (-5000.0, 80000.0)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize("altitude_kind", ALTITUDE_KINDS)
+def test_table_from_arrays(quantity, altitude_kind):
+    altitude = HEIGHT if altitude_kind == "geometric" else GEOPOTENTIAL
+    air = isa(altitude, DEVIATION, altitude_kind)
+    # the geopotential altitudes are printed to 12 digits too: 5e-8 m of 80 km, 1e-11 in pressure
+    rtol = TABLE_RTOL if altitude_kind == "geometric" else 2 * TABLE_RTOL
+    np.testing.assert_allclose(getattr(air, quantity), EXPECTED[quantity], rtol=rtol)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_table_from_floats(quantity):
+    values = [getattr(isa(h, dt), quantity)
+              for h, dt in zip(HEIGHT.tolist(), DEVIATION.tolist(), strict=True)]
+    assert all(type(value) is float for value in values)
+    np.testing.assert_allclose(values, EXPECTED[quantity], rtol=TABLE_RTOL)
+
+
+@pytest.mark.parametrize("altitude_kind", ALTITUDE_KINDS)
+def test_table_from_the_block(altitude_kind):
+    block = ISAtmosphere(altitude_kind=altitude_kind, out_of_range="error")
+    rtol = TABLE_RTOL if altitude_kind == "geometric" else 2 * TABLE_RTOL
+    for i, altitude in enumerate(HEIGHT if altitude_kind == "geometric" else GEOPOTENTIAL):
+        # as geopotential altitude the table's lowest rows are 3e-9 m below -5000 m geometric
+        block.inputs[0] = max(altitude, LIMITS[altitude_kind][0])
+        block.inputs[1] = DEVIATION[i]
+        block.update(0.0)
+        np.testing.assert_allclose(
+            block.outputs.to_array(), [EXPECTED[q][i] for q in QUANTITIES], rtol=rtol)
+
+
+def test_table_geopotential_altitude():
+    np.testing.assert_allclose(geopotential_altitude(HEIGHT), GEOPOTENTIAL, rtol=TABLE_RTOL)
+    np.testing.assert_allclose(geometric_altitude(GEOPOTENTIAL), HEIGHT, rtol=TABLE_RTOL)
+
+
+# other sources
+
+
+@pytest.mark.parametrize(("geopotential", "temperature", "pressure"), [
+    # ICAO Doc 7488/3, table D; its pressures are chained with six digits: 2e-6 off at 32 km
+    (-5000.0, 320.65, 1.77687e5),
+    (0.0, 288.15, 1.01325e5),
+    (11000.0, 216.65, 2.26320e4),
+    (20000.0, 216.65, 5.47487e3),
+    (32000.0, 228.65, 8.68014e2),
+    (47000.0, 270.65, 1.10906e2),
+    (51000.0, 270.65, 6.69384e1),
+    (71000.0, 214.65, 3.95639),
+    (80000.0, 196.65, 8.86272e-1),
+])
+def test_printed_layer_bases(geopotential, temperature, pressure):
+    air = isa(geopotential, altitude_kind="geopotential")
+    assert air.temperature == pytest.approx(temperature, abs=1e-9)
+    assert air.pressure == pytest.approx(pressure, rel=3e-6)
+
+
+@pytest.mark.parametrize("deviation", [0.0, -20.0, 15.0])
+def test_fluids_agrees(deviation):
+    heights = np.linspace(-600.0, 80000.0, 97)  # fluids goes down to -610 m
+    other = [ATMOSPHERE_1976(h, deviation) for h in heights.tolist()]
+    air = isa(heights, deviation)
+    # the US Standard Atmosphere 1976 has R = 287.05307: 8e-6 in pressure at 80 km
+    for quantity, name, rtol in [("pressure", "P", 1e-5), ("density", "rho", 1e-5),
+                                 ("temperature", "T", 1e-14), ("speed_of_sound", "v_sonic", 1e-6),
+                                 ("viscosity", "mu", 1e-14)]:
+        assert relative_difference(
+            getattr(air, quantity), [getattr(x, name) for x in other]) < rtol
+
+
+def test_ambiance_agrees():
+    heights = np.linspace(-5000.0, 81000.0, 97)
+    other, air = ambiance.Atmosphere(heights), isa(heights)
+    # ambiance starts from the base pressures of table D, with their six digits
+    for quantity, name, rtol in [("pressure", "pressure", 3e-6), ("density", "density", 3e-6),
+                                 ("temperature", "temperature", 1e-14),
+                                 ("speed_of_sound", "speed_of_sound", 1e-14),
+                                 ("viscosity", "dynamic_viscosity", 1e-14)]:
+        assert relative_difference(getattr(air, quantity), getattr(other, name)) < rtol
+
+
+# continuity and consistency
+
+
+@pytest.mark.parametrize("base", [layer.base for layer in LAYERS[1:]])
+def test_continuous_at_layer_boundaries(base):
+    for altitude, kind in ((base, "geopotential"), (geometric_altitude(base), "geometric")):
+        below, at, above = (isa(x, altitude_kind=kind) for x in (
+            np.nextafter(altitude, -np.inf), altitude, np.nextafter(altitude, np.inf)))
+        arrays = isa(np.array([np.nextafter(altitude, -np.inf), altitude]), altitude_kind=kind)
+        for quantity in QUANTITIES:
+            values = [getattr(below, quantity), getattr(above, quantity),
+                      *getattr(arrays, quantity)]
+            assert relative_difference(values, getattr(at, quantity)) < 1e-14
+
+
+def test_hydrostatic_equilibrium():
+    h = np.linspace(-4990.0, 79990.0, 501)
+    h = h[np.abs(h[:, np.newaxis] - [layer.base for layer in LAYERS]).min(axis=1) > 2.0]
+    step = 1.0  # m; the central difference is 1e-8 off, p's rounding 1e-11
+    slope = (isa(h + step, altitude_kind="geopotential").pressure
+             - isa(h - step, altitude_kind="geopotential").pressure) / (2 * step)
+    assert relative_difference(-isa(h, altitude_kind="geopotential").density * G0, slope) < 1e-7
+
+
+def test_scalar_array_and_block_are_one_atmosphere():
+    heights = np.linspace(-6000.0, 100_000.0, 301)
+    arrays = isa(heights, 7.0)
+    floats = [isa(h, 7.0) for h in heights.tolist()]
+    for quantity in QUANTITIES:
+        # exp(n log x) and x**n differ by rounding only
+        assert relative_difference(
+            getattr(arrays, quantity), [getattr(x, quantity) for x in floats]) < 1e-14
+    assert ISAtmosphere()._eval(5000.0, 7.0) == pytest.approx(
+        [getattr(isa(5000.0, 7.0), q) for q in QUANTITIES[:4]], rel=1e-15)
+
+
+def test_a_deviation_shifts_the_temperature_only():
+    hot, standard = isa(9000.0, 15.0), isa(9000.0)
+    assert hot.pressure == standard.pressure
+    assert hot.temperature == standard.temperature + 15.0
+    assert hot.density * hot.temperature == pytest.approx(
+        standard.density * standard.temperature, rel=1e-15)
+
+
+def test_shapes():
+    heights = np.linspace(0.0, 20000.0, 6).reshape(2, 3)
+    assert isa(heights).density.shape == (2, 3)
+    assert isa(heights.T[:, :1], [0.0, 5.0]).density.shape == (3, 2)
+    assert isa(5000.0, np.array([0.0, 5.0])).density.shape == (2,)
+    np.testing.assert_array_equal(isa(np.asfortranarray(heights)).pressure, isa(heights).pressure)
+    np.testing.assert_array_equal(isa([0, 5000]).pressure, [isa(0).pressure, isa(5000).pressure])
+    assert isa([]).density.shape == (0,)
+    many = np.linspace(0.0, 80000.0, 40_001)  # several of the pieces it works in
+    np.testing.assert_array_equal(isa(many).pressure[::100], isa(many[::100]).pressure)
+    for number in (5000, np.float64(5000.0), np.int32(5000), np.array(5000.0)):
+        assert isa(number) == isa(5000.0)
+        assert type(isa(number).density) is float
+
+
+# altitudes in the air
+
+
+@pytest.mark.parametrize("altitude_kind", ALTITUDE_KINDS)
+def test_pressure_and_density_altitude_are_inverse(altitude_kind):
+    altitudes = np.linspace(-8000.0, 120_000.0, 1301)
+    air = isa(altitudes, altitude_kind=altitude_kind)
+    # 1e-9 m: p's last digit is worth up to 1e-12 m times the altitude's scale of some km
+    for inverse, values in ((pressure_altitude, air.pressure), (density_altitude, air.density)):
+        np.testing.assert_allclose(inverse(values, altitude_kind), altitudes, rtol=0, atol=1e-9)
+        one = inverse(float(values[500]), altitude_kind)
+        assert type(one) is float
+        assert one == pytest.approx(altitudes[500], abs=1e-9)
+
+
+def test_pressure_altitude_of_printed_pressures():
+    # ICAO Doc 7488/3 to six digits: 0.01 Pa is 0.05 m at 11 km
+    assert pressure_altitude(101325.0) == 0.0
+    assert pressure_altitude(22632.0, "geopotential") == pytest.approx(11000.0, abs=0.05)
+    assert pressure_altitude(5474.87, "geopotential") == pytest.approx(20000.0, abs=0.05)
+
+
+def test_density_altitude_on_a_hot_day():
+    # the pilot's rule of 118.8 ft for each kelvin above standard is linear: 1.2 % off at +5 K
+    rise = density_altitude(isa(1524.0, 5.0).density) - 1524.0
+    assert rise == pytest.approx(5 * 118.8 * 0.3048, rel=0.015)
+
+
+# beyond the standard
+
+
+def test_extrapolation_goes_on_smoothly():
+    heights = np.linspace(-20_000.0, 1_000_000.0, 5001)
+    air = isa(heights)
+    assert np.all(np.diff(air.pressure) < 0)
+    assert np.all(air.pressure > 0)
+    assert np.all(air.temperature > 180.0)
+    # US Standard Atmosphere 1976: the layer of -2 K/km ends at 84.852 km with 186.946 K, 0.3734 Pa
+    top = isa(84_852.0, altitude_kind="geopotential")
+    assert top.temperature == pytest.approx(186.946, abs=1e-9)
+    assert top.pressure == pytest.approx(0.37338, rel=2e-5)
+
+
+def test_both_kinds_of_minus_5_km_are_inside():
+    for kind in ALTITUDE_KINDS:
+        block = ISAtmosphere(altitude_kind=kind, out_of_range="error")
+        assert block._eval(-5000.0)[0] == isa(-5000.0, altitude_kind=kind).pressure
+        assert block._eval(80_000.0)[0] == isa(80_000.0, altitude_kind=kind).pressure
+
+
+# bad input to the functions
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, "5000", None, True, [0.0, math.nan],
+                                 [[1.0], [1.0, 2.0]], [1j], -EARTH_RADIUS, -7e6, [0.0, -7e6]])
+def test_bad_altitudes_are_refused(bad):
+    with pytest.raises(ParameterError, match="altitude") as caught:
+        isa(bad)
+    assert caught.value.parameter == "altitude"
+    with pytest.raises(ParameterError, match="altitude"):
+        geopotential_altitude(bad)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, "0", None, -300.0, [0.0, -300.0], [math.nan]])
+def test_bad_deviations_are_refused(bad):
+    with pytest.raises(ParameterError, match="temp_deviation"):
+        isa(0.0, bad)
+    with pytest.raises(ParameterError, match="temp_deviation"):
+        isa([0.0, 1.0], bad)
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    with pytest.raises(ParameterError, match=r"altitude \(3,\), temp_deviation \(2,\)"):
+        isa([0.0, 1.0, 2.0], [0.0, 1.0])
+    with pytest.raises(ParameterError, match="pressure"):
+        Air([1e5, 9e4, 8e4], [280.0, 270.0])
+
+
+def test_unknown_kind_names_the_right_ones():
+    with pytest.raises(ParameterError, match="did you mean 'geopotential'"):
+        isa(0.0, altitude_kind="geopotental")
+    with pytest.raises(ParameterError, match="'geometric', 'geopotential'"):
+        pressure_altitude(1e5, "pressure")
+
+
+def test_other_bad_input_is_refused():
+    for bad in (0.0, -1.0, math.nan, "1e5", [1e5, 0.0]):
+        with pytest.raises(ParameterError, match="pressure"):
+            pressure_altitude(bad)
+        with pytest.raises(ParameterError, match="density"):
+            density_altitude(bad)
+        with pytest.raises(ParameterError, match="pressure"):
+            Air(bad, 288.15)
+        with pytest.raises(ParameterError, match="temperature"):
+            Air(101325.0, bad)
+    with pytest.raises(ParameterError, match="geopotential altitude is less than 6356766 m"):
+        geometric_altitude(7e6)
+
+
+# the block
+
+
+def set_inputs(block, *values):
+    for i, value in enumerate(values):
+        block.inputs[i] = value
+    block.update(0.0)
+    return block.outputs.to_array()
+
+
+def test_extrapolating_block_warns_once_and_goes_on():
+    block = ISAtmosphere()
+    with pytest.warns(RuntimeWarning, match=r"-5001 m is outside .*-5000 m to 81020 m.*extrap"):
+        out = set_inputs(block, -5001.0)
+    assert out[0] == isa(-5001.0).pressure
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert set_inputs(block, 90_000.0)[0] == isa(90_000.0).pressure
+        set_inputs(block, -1e-9)
+        set_inputs(ISAtmosphere(), -4999.0)
+    block.reset()
+    with pytest.warns(RuntimeWarning):
+        set_inputs(block, -5001.0)
+
+
+def test_clamping_block_stays_at_the_ends():
+    block = ISAtmosphere(out_of_range="clamp")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for altitude in (-5001.0, -EARTH_RADIUS, -1e9):
+            assert set_inputs(block, altitude)[0] == isa(-5000.0).pressure
+        for altitude in (81_020.0, 1e9):
+            np.testing.assert_allclose(set_inputs(block, altitude)[0], 0.88627223857908, rtol=1e-11)
+
+
+def test_strict_block_refuses():
+    block = ISAtmosphere(out_of_range="error")
+    with pytest.raises(FlightError, match=r"t = 0.0 s.*81021 m.*-5000 m to 81020 m") as caught:
+        set_inputs(block, 81_021.0)
+    assert (caught.value.name, caught.value.value) == ("altitude", 81_021.0)
+    block.altitude_kind = "geopotential"
+    with pytest.raises(FlightError, match="geopotential altitude 80001 m"):
+        set_inputs(block, 80_001.0)
+
+
+@pytest.mark.parametrize("out_of_range", ["extrapolate", "clamp", "error"])
+@pytest.mark.parametrize(("inputs", "port"), [
+    ((math.nan, 0.0), "altitude"), ((math.inf, 0.0), "altitude"),
+    ((0.0, math.nan), "temp_deviation"), ((0.0, -300.0), "temp_deviation")])
+def test_no_block_goes_on_with_nan(out_of_range, inputs, port):
+    with pytest.raises(FlightError) as caught:
+        set_inputs(ISAtmosphere(out_of_range=out_of_range), *inputs)
+    assert (caught.value.name, caught.value.time) == (port, 0.0)
+
+
+def test_below_the_centre_of_the_earth_ends_the_run():
+    with pytest.raises(FlightError, match="altitude"):
+        set_inputs(ISAtmosphere(), -7e6)
+
+
+@pytest.mark.parametrize(("parameter", "bad", "right"), [
+    ("altitude_kind", "geometrical", "geometric"), ("out_of_range", "clip", "clamp"),
+    ("out_of_range", True, "error"), ("altitude_kind", None, "geopotential")])
+def test_bad_parameters_are_refused_when_built_and_when_edited(parameter, bad, right):
+    with pytest.raises(ParameterError, match=right):
+        ISAtmosphere(**{parameter: bad})
+    block = ISAtmosphere()
+    before = getattr(block, parameter)
+    with pytest.raises(ParameterError, match=right):
+        setattr(block, parameter, bad)
+    assert getattr(block, parameter) == before
+
+
+def test_parameters_can_be_edited_while_the_diagram_runs():
+    block = ISAtmosphere()
+    assert set_inputs(block, 11_000.0)[0] == isa(11_000.0).pressure
+    block.altitude_kind = "geopotential"
+    assert set_inputs(block, 11_000.0)[0] == isa(11_000.0, altitude_kind="geopotential").pressure
+    block.out_of_range = "clamp"
+    assert set_inputs(block, 1e6)[2] == 196.65
+
+
+def test_linear_model_is_the_hydrostatic_equation():
+    block = ISAtmosphere()
+    set_inputs(block, 5000.0, 10.0)
+    pressure, density, temperature, speed_of_sound, _ = block.outputs.to_array()
+    _, _, _, d = block.to_statespace(0.0)
+    stretch = (EARTH_RADIUS / (EARTH_RADIUS + 5000.0)) ** 2
+    standard_density = density * temperature / (temperature - 10.0)
+    assert d.shape == (5, 2)
+    # PathSim differentiates numerically: 1e-6 of the value
+    assert d[0, 0] == pytest.approx(-standard_density * G0 * stretch, rel=1e-6)
+    assert d[2] == pytest.approx([-0.0065 * stretch, 1.0], rel=1e-6)
+    assert d[3, 1] == pytest.approx(speed_of_sound / (2 * temperature), rel=1e-6)
+    assert d[1, 1] == pytest.approx(-density / temperature, rel=1e-6)
+    assert d[0, 1] == pytest.approx(0.0, abs=1e-9 * pressure)
+
+
+def test_linearized_block_is_linear_until_delinearized():
+    block = ISAtmosphere()
+    set_inputs(block, 5000.0)
+    _, _, _, d = block.linearize(0.0)
+    start = block.outputs.to_array()
+    np.testing.assert_allclose(set_inputs(block, 6000.0), start + 1000.0 * d[:, 0], rtol=1e-12)
+    block.delinearize()
+    assert set_inputs(block, 6000.0)[0] == isa(6000.0).pressure
+
+
+def test_a_diagram_crosses_the_end_of_the_standard():
+    altitude, block, scope = Source(lambda t: 79_000.0 + 100.0 * t), ISAtmosphere(), Scope()
+    sim = Simulation([altitude, block, scope], [Connection(altitude, block),
+                                                Connection(block["pressure"], scope)],
+                     dt=1.0, log=False)
+    with pytest.warns(RuntimeWarning) as caught:
+        sim.run(60.0)
+    assert len(caught) == 1
+    time, (pressure,) = scope.read()
+    np.testing.assert_allclose(pressure, isa(79_000.0 + 100.0 * time).pressure, rtol=1e-13)
+
+
+# pathsim-flight's own tests: tests/atmosphere/test_international_standard_atmosphere.py in
+# https://github.com/pathsim/pathsim-flight, written anew. Exceptions: it expects an IndexError for
+# -100 m and for 90,000 m, and a rounded StdSL_speed_of_sound of 340.294 m/s.
+
+
+def test_stands_in_for_pathsim_flight():
+    assert issubclass(ISAtmosphere, pathsim_flight.ISAtmosphere)
+    assert ISAtmosphere.input_port_labels == pathsim_flight.ISAtmosphere.input_port_labels
+    assert (pathsim_flight.ISAtmosphere.output_port_labels.items()
+            <= ISAtmosphere.output_port_labels.items())
+    assert len(ISAtmosphere()._eval(1000.0)) == 4
+
+
+def test_flight_sea_level_constants():
+    assert ISAtmosphere().StdSL_pressure == 101325
+    # exception: 340.294 there
+    assert ISAtmosphere().StdSL_speed_of_sound == pytest.approx(340.293988026, abs=5e-10)
+
+
+@pytest.mark.parametrize(("geopotential", "temperature", "pressure"), [
+    (0, 288.15, 101325.0), (11000, 216.65, 22632.0), (20000, 216.65, 5474.9),
+    (32000, 228.65, 868.02), (47000, 270.65, 110.91), (51000, 270.65, 66.939),
+    (71000, 214.65, 3.9564)])
+def test_flight_band_boundaries(geopotential, temperature, pressure):
+    block = ISAtmosphere()
+    out = set_inputs(block, block.geometric_altitude(geopotential), 0)
+    assert out[0] == pytest.approx(pressure, abs=0.05)
+    assert out[2] == pytest.approx(temperature, abs=0.05)
+    band = block.get_atmosphere_band(geopotential)
+    assert band.base_pressure == pytest.approx(pressure, rel=5e-5)
+
+
+@pytest.mark.parametrize(("height", "there"), [(-100, "IndexError"), (90000, "IndexError")])
+def test_flight_exceptions_for_altitudes(height, there):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        assert ISAtmosphere()._eval(height)[0] == isa(height).pressure
+    with pytest.raises(IndexError):
+        pathsim_flight.ISAtmosphere()._eval(height)
+
+
+def test_flight_port_labels():
+    assert ISAtmosphere.input_port_labels["altitude"] == 0
+    assert ISAtmosphere.input_port_labels["temp_deviation"] == 1
+    assert [ISAtmosphere.output_port_labels[q] for q in QUANTITIES] == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("height", [0, 5_000, 15_000, 25_000, 35_000, 49_000, 65_000, 75_000])
+def test_flight_temperature_deviation(height):
+    standard, hot, cold = (set_inputs(ISAtmosphere(), height, dt) for dt in (0, 10, -10))
+    assert hot[2] == pytest.approx(standard[2] + 10, abs=5e-8)
+    assert cold[2] == pytest.approx(standard[2] - 10, abs=5e-8)
+    assert hot[0] == cold[0] == standard[0]
+    assert hot[1] < standard[1] < cold[1]
+
+
+@pytest.mark.parametrize(("height", "pressure", "density", "temperature", "speed_of_sound"), [
+    (0, 101325, 1.2250, 288.15, 340.294), (5000, 54048, 0.7364, 255.68, 320.545),
+    (15000, 12112, 0.1948, 216.65, 295.069), (25000, 2549.2, 0.0401, 221.55, 298.389),
+    (35000, 574.59, 0.0085, 236.51, 308.299), (49000, 90.337, 0.0012, 270.65, 329.799),
+    (65000, 10.930, 0.00016, 233.29, 306.193), (75000, 2.388, 0.0000399, 208.40, 289.396)])
+def test_flight_spot_altitudes(height, pressure, density, temperature, speed_of_sound):
+    out = set_inputs(ISAtmosphere(), height, 0)
+    assert out[0] == pytest.approx(pressure, abs=0.5)
+    assert out[1] == pytest.approx(density, abs=5e-5)
+    assert out[2] == pytest.approx(temperature, abs=5e-3)
+    assert out[3] == pytest.approx(speed_of_sound, abs=5e-4)

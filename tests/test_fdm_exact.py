@@ -1,0 +1,355 @@
+"""The time contract: a block's flight is a plain JSBSim loop's, bit for bit.
+
+The loop is fed with the inputs that the diagram itself recorded at t_k, so the comparison holds
+whatever the inputs are: random from sample to sample, or moving all the time.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Adder, Amplifier, Constant, Function, Integrator, Scope, Source
+from pathsim.events import Condition
+from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
+from plain_jsbsim import FLIGHTS, fly, trimmed
+
+from pathsim_jsbsim_blocks import DoubletSource, JSBSimFDM
+
+T = 1 / 120
+INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm"]
+OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "attitude/psi-deg",
+           "velocities/q-rad_sec", "velocities/p-rad_sec", "velocities/vt-fps",
+           "position/h-sl-ft", "position/lat-geod-deg", "simulation/sim-time-sec"]
+
+
+def noise(seed, amplitude=0.02):
+    """Random from sample to sample, constant between."""
+    values = np.random.default_rng(seed).uniform(-amplitude, amplitude, 5000)
+    return Source(lambda t: values[math.floor(t / T + 1e-6)])
+
+
+def sine(frequency, phase, amplitude=0.02):
+    return Source(lambda t: amplitude * math.sin(2 * math.pi * frequency * t + phase))
+
+
+def sines():
+    return [sine(0.7, 0.1), sine(1.3, 0.7), sine(0.4, 1.9)]
+
+
+def block(aircraft="c172p", **more):
+    altitude, speed = FLIGHTS[aircraft]
+    return JSBSimFDM(**{"T": T, "input_properties": INPUTS, "output_properties": OUTPUTS,
+                        "aircraft_model": aircraft, "trim_airspeed": speed,
+                        "trim_altitude": altitude, **more})
+
+
+def wire(fdm, sources, others=(), connections=(), events=(), dt=T, backwards=False, **more):
+    scope = Scope()
+    n = len(sources)
+    blocks = [*sources, fdm, scope, *others]
+    return scope, Simulation(
+        blocks[::-1] if backwards else blocks,
+        [*(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
+         *(Connection(fdm[i], scope[n + i]) for i in range(len(OUTPUTS))), *connections],
+        list(events), dt=dt, log=False, **more)
+
+
+def samples(scope, T=T, n_inputs=3):
+    """Inputs and outputs recorded at the sample instants."""
+    time, data = scope.read()
+    k = np.round(time / T).astype(int)
+    at = np.flatnonzero(np.abs(time - k * T) < 1e-9)
+    _, first = np.unique(k[at], return_index=True)
+    at = at[first]
+    assert np.array_equal(k[at], np.arange(len(at)))
+    return data[:n_inputs, at].T, data[n_inputs:, at].T
+
+
+def loop(u, aircraft="c172p", T=T, substeps=1):
+    altitude, speed = FLIGHTS[aircraft]
+    return fly(trimmed(aircraft, altitude, speed, T / substeps), INPUTS, u[:-1], OUTPUTS, substeps)
+
+
+@pytest.mark.parametrize("aircraft", FLIGHTS)
+@pytest.mark.parametrize("sources", [lambda: [noise(1), noise(2), noise(3)], sines],
+                         ids=["random", "sines"])
+def test_bit_for_bit_at_dt_equal_T(aircraft, sources):
+    fdm = block(aircraft)
+    scope, sim = wire(fdm, sources())
+    sim.run(5.0)
+    u, y = samples(scope)
+    assert len(y) == 601
+    assert np.ptp(u, axis=0).min() > 0.03
+    assert np.array_equal(y, loop(u, aircraft))
+
+
+@pytest.mark.parametrize("aircraft", FLIGHTS)
+@pytest.mark.parametrize("parts", [2, 4])
+def test_a_step_that_divides_T(aircraft, parts):
+    fdm = block(aircraft)
+    scope, sim = wire(fdm, sines(), dt=T / parts)
+    sim.run(3.0)
+    u, y = samples(scope)
+    assert len(y) == 361
+    # relative to the largest value of each output: the inputs of both loops are the same floats,
+    # recorded at the same instants, so nothing but equality is expected
+    assert np.max(np.abs(y - loop(u, aircraft)) / np.abs(y).max(axis=0)) <= 1e-12
+
+
+def test_a_step_of_two_T_keeps_the_clock_and_warns():
+    fdm = block()
+    scope, sim = wire(fdm, sines(), dt=2 * T)
+    with pytest.warns(RuntimeWarning, match="jumps over a sample instant"):
+        sim.run(5.0)
+    assert fdm.samples == 600
+    assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(5.0, abs=1e-12)
+    time, data = scope.read()
+    u = np.repeat(data[:3].T, 2, axis=0)[:-1]
+    assert np.array_equal(data[3:].T, loop(u)[::2])
+
+
+STATES = {
+    "no state": (0, SSPRK22),
+    "SSPRK22": (1, SSPRK22),
+    "RK4": (1, RK4),
+    "RKBS32": (1, RKBS32),
+    "RKCK54": (1, RKCK54),
+    "ESDIRK43": (1, ESDIRK43),
+    "RKBS32 without state": (0, RKBS32),
+    "three states": (3, RK4),
+}
+
+
+@pytest.mark.parametrize(("states", "solver"), STATES.values(), ids=STATES)
+@pytest.mark.parametrize("backwards", [False, True], ids=["", "backwards"])
+def test_every_solver(states, solver, backwards):
+    fdm = block()
+    # continuous states driven by the aircraft, so that the stages see its outputs
+    integrators = [Integrator(0.0) for _ in range(states)]
+    options = {"dt_max": T / 3} if solver in (RKBS32, RKCK54, ESDIRK43) else {}
+    scope, sim = wire(fdm, sines(), integrators,
+                      [Connection(fdm[1], *integrators)] if states else [],
+                      Solver=solver, backwards=backwards, **options)
+    sim.run(1.0)
+    u, y = samples(scope)
+    assert len(y) == 121
+    assert np.max(np.abs(y - loop(u)) / np.abs(y).max(axis=0)) <= 1e-12
+
+
+def test_outputs_at_zero_are_the_trim():
+    fdm = block()
+    scope, sim = wire(fdm, sines())
+    sim.run(0.1)
+    _, y = samples(scope)
+    reference = trimmed("c172p", *FLIGHTS["c172p"])
+    assert y[0].tolist() == [reference[name] for name in OUTPUTS]
+
+
+@pytest.mark.parametrize("pieces", [[2.5, 2.5], [0.1] * 50, [T] * 600], ids=["2", "50", "600"])
+def test_runs_in_pieces(pieces):
+    fdm = block()
+    scope, sim = wire(fdm, sines())
+    for duration in pieces:
+        sim.run(duration)
+    u, y = samples(scope)
+    assert len(y) == 601
+    assert np.array_equal(y, loop(u))
+
+
+@pytest.mark.parametrize("states", [0, 1])
+def test_values_edited_between_two_runs_count_from_then_on(states):
+    fdm = block()
+    constant = Constant(0.01)
+    integrators = [Integrator(0.0)] * states
+    scope, sim = wire(fdm, [constant, sine(1.0, 0.0), sine(0.5, 1.0)], integrators,
+                      [Connection(fdm[1], *integrators)] if states else [])
+    sim.run(1.0)
+    constant.value = -0.02
+    sim.run(1.0)
+    u, y = samples(scope)
+    # the scope has recorded the sample at 1 s before the edit
+    assert u[120, 0] == 0.01
+    u[120, 0] = -0.02
+    assert np.array_equal(y, loop(u))
+
+
+def test_reset_flies_the_same_again():
+    fdm = block()
+    scope, sim = wire(fdm, sines())
+    sim.run(3.0)
+    first = scope.read()[1]
+    sim.run(3.0, reset=True)
+    assert np.array_equal(scope.read()[1], first)
+    sim.reset()
+    sim.run(3.0)
+    assert np.array_equal(scope.read()[1], first)
+
+
+def test_two_aircraft_at_two_rates():
+    slow_T = T * 4
+    fast, slow = block(), block("737", T=slow_T, substeps=4)
+    sources = sines()
+    scope, slow_scope = Scope(), Scope()
+    sim = Simulation(
+        [slow, *sources, fast, scope, slow_scope],
+        [*(Connection(s, fast[i], slow[i], scope[i], slow_scope[i])
+           for i, s in enumerate(sources)),
+         *(Connection(fast[i], scope[3 + i]) for i in range(len(OUTPUTS))),
+         *(Connection(slow[i], slow_scope[3 + i]) for i in range(len(OUTPUTS)))],
+        dt=T, log=False)
+    sim.run(4.0)
+    u, y = samples(scope)
+    assert np.array_equal(y, loop(u))
+    u, y = samples(slow_scope, slow_T)
+    assert np.array_equal(y, loop(u, "737", slow_T, substeps=4))
+
+
+@pytest.mark.parametrize("substeps", [2, 5])
+def test_substeps(substeps):
+    long_T = 1 / 30
+    fdm = block(T=long_T, substeps=substeps)
+    scope, sim = wire(fdm, sines(), dt=long_T)
+    sim.run(5.0)
+    u, y = samples(scope, long_T)
+    assert len(y) == 151
+    assert np.array_equal(y, loop(u, T=long_T, substeps=substeps))
+
+
+def nested(fdm, depth, gain):
+    """The aircraft inside subsystems, with or without algebraic blocks between the levels."""
+    inner = fdm
+    for _ in range(depth):
+        interface = Interface()
+        blocks = [interface, inner]
+        wires = [Connection(interface[i], inner[i]) for i in (1, 2)]
+        if gain:
+            amplifier = Amplifier(1.0)
+            blocks.append(amplifier)
+            wires += [Connection(interface[0], amplifier), Connection(amplifier, inner[0])]
+        else:
+            wires.append(Connection(interface[0], inner[0]))
+        wires += [Connection(inner[i], interface[i]) for i in range(len(OUTPUTS))]
+        inner = Subsystem(blocks, wires)
+    return inner
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("states", [0, 1])
+@pytest.mark.parametrize("gain", [False, True], ids=["wired", "through gains"])
+def test_inside_subsystems(depth, states, gain):
+    fdm = block()
+    system = nested(fdm, depth, gain)
+    integrators = [Integrator(0.0)] * states
+    scope, sim = wire(system, sines(), integrators,
+                      [Connection(system[1], *integrators)] if states else [])
+    sim.run(2.0)
+    u, y = samples(scope)
+    assert len(y) == 241
+    assert np.array_equal(y, loop(u))
+    first = scope.read()[1]
+    sim.run(2.0, reset=True)
+    assert np.array_equal(scope.read()[1], first)
+
+
+def test_feedback_through_algebraic_blocks_has_no_delay():
+    # P control of the pitch angle, summed with a sine: u at t_k uses theta at t_k
+    fdm = block()
+    gain, total, source = Amplifier(0.02), Adder("++"), sine(0.5, 0.0)
+    zeros = [Source(lambda t: 0.0), Source(lambda t: 0.0)]
+    scope = Scope()
+    sim = Simulation(
+        [fdm, gain, total, source, *zeros, scope],
+        [Connection(fdm["attitude/theta-deg"], gain), Connection(gain, total[0]),
+         Connection(source, total[1]), Connection(total, fdm[0], scope[0]),
+         Connection(zeros[0], fdm[1], scope[1]), Connection(zeros[1], fdm[2], scope[2]),
+         *(Connection(fdm[i], scope[3 + i]) for i in range(len(OUTPUTS)))],
+        dt=T, log=False)
+    sim.run(3.0)
+    u, y = samples(scope)
+    time = np.arange(len(u)) * T
+    law = 0.02 * y[:, 1] + 0.02 * np.sin(math.pi * time)
+    assert np.allclose(u[:, 0], law, rtol=0, atol=1e-15 * 100)
+    assert np.array_equal(y, loop(u))
+
+
+def test_events_of_other_blocks_do_not_disturb():
+    # a doublet off the sample grid and a condition that is met in flight
+    fdm = block()
+    doublet = DoubletSource(amplitude=0.05, start=0.51234, width=0.3)
+    met = []
+    condition = Condition(lambda t: fdm.outputs["attitude/theta-deg"] > 1.5, met.append)
+    scope, sim = wire(fdm, [doublet, noise(4), noise(5)], events=[condition])
+    sim.run(3.0)
+    u, y = samples(scope)
+    assert met
+    assert np.ptp(u[:, 0]) == pytest.approx(0.1)
+    assert np.array_equal(y, loop(u))
+
+
+def test_a_function_block_sees_every_sample():
+    # a direct check of the order of evaluation: what a Function computes belongs to t_k
+    fdm = block()
+    difference = Function(lambda theta, alpha: theta - alpha)
+    scope, sim = wire(fdm, sines(), [difference, seen := Scope()],
+                      [Connection(fdm["attitude/theta-deg"], difference[0]),
+                       Connection(fdm["aero/alpha-deg"], difference[1]),
+                       Connection(difference, seen)])
+    sim.run(1.0)
+    _, y = samples(scope)
+    assert np.array_equal(seen.read()[1][0], y[:, 1] - y[:, 0])
+
+
+def test_a_plain_diagram_acts_in_one_pass_through_the_graph():
+    # pins what the fast way rests on: without continuous states Simulation._blocks_dyn is empty and
+    # a step evaluates the graph once, at its end; any of these absent, the slow way must be taken
+    fdm = block()
+    _, sim = wire(fdm, sines())
+    sim.run(1.0)
+    assert sim._blocks_dyn == []
+    times, update = [], sim._update
+    sim._update = lambda t: (times.append(t), update(t))
+    start = sim.time
+    sim.timestep()
+    assert times == [start + T]
+    assert fdm.clock.dormant
+    for others in ({"others": [Integrator()]}, {"Solver": RKBS32}):
+        other = block()
+        _, sim = wire(other, sines(), **others)
+        sim.run(1.0)
+        assert not other.clock.dormant
+        assert other.samples == 120
+
+
+def test_switched_off_and_on_again_starts_anew():
+    fdm = block()
+    _, sim = wire(fdm, sines())
+    sim.run(1.0)
+    fdm.off()
+    sim.run(1.0)
+    fdm.on()
+    sim.run(1.0)
+    assert fdm.samples == 120
+    assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_reset_to_another_time_flies_from_there():
+    fdm = block()
+    _, sim = wire(fdm, sines())
+    sim.reset(time=10.0)
+    sim.run(2.0)
+    assert fdm.samples == 240
+
+
+def test_a_million_samples_are_counted_exactly():
+    # the diagram's clock has drifted by then; the sample count must not have
+    fdm = JSBSimFDM(T=T, aircraft_model="ball", trim_mode="none", trim_altitude=1e5,
+                    trim_airspeed=0, output_properties=["simulation/sim-time-sec"])
+    fdm.advance = lambda: None  # the count is under test, not the flight
+    sim = Simulation([fdm], dt=T, log=False)
+    sim._update(0.0)
+    step = sim.timestep
+    for _ in range(1_000_000):
+        step()
+    assert abs(sim.time - 1_000_000 * T) > 1e-9
+    assert fdm.samples == 1_000_000
