@@ -1,7 +1,6 @@
 """Plain JSBSim loops, written without this package: what the blocks are compared with."""
 
 import os
-import threading
 
 import jsbsim
 import numpy as np
@@ -17,31 +16,8 @@ FLIGHTS = {
 }
 
 
-class _Silence(jsbsim.FGLogger):
-    def set_level(self, level):
-        pass
-
-    def file_location(self, filename, line):
-        pass
-
-    def message(self, message):
-        pass
-
-    def format(self, format):
-        pass
-
-    def flush(self):
-        pass
-
-
-_quiet = threading.local()
-
-
 def open_fdm(aircraft, dt, setup=None):
     """A loaded model that opens no socket and writes no file."""
-    if not hasattr(_quiet, "logger") and jsbsim.get_logger() is not None:
-        _quiet.logger = _Silence()
-        jsbsim.set_logger(_quiet.logger)
     jsbsim.FGJSBBase().debug_lvl = 0
     fdm = jsbsim.FGFDMExec(None)
     fdm.disable_input()

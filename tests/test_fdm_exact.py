@@ -104,7 +104,7 @@ def test_a_step_of_two_T_keeps_the_clock_and_warns():
         sim.run(5.0)
     assert fdm.samples == 600
     assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(5.0, abs=1e-12)
-    time, data = scope.read()
+    _, data = scope.read()
     u = np.repeat(data[:3].T, 2, axis=0)[:-1]
     assert np.array_equal(data[3:].T, loop(u)[::2])
 

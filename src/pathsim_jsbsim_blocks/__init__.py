@@ -7,22 +7,27 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
-from .airspeed_blocks import (
+from .airspeed_blocks import EAStoMach, EAStoTAS, MachtoEAS, MachtoTAS, TAStoEAS, TAStoMach
+from .atmosphere_blocks import ISAtmosphere
+from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
+from .calibrated_airspeed_blocks import (
     CAStoEAS,
     CAStoMach,
     CAStoTAS,
     EAStoCAS,
-    EAStoMach,
-    EAStoTAS,
     MachtoCAS,
-    MachtoEAS,
-    MachtoTAS,
     TAStoCAS,
-    TAStoEAS,
-    TAStoMach,
 )
-from .atmosphere_blocks import ISAtmosphere
-from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
+from .control.autopilot import Autopilot
+from .control.holds import (
+    AirspeedHold,
+    AltitudeHold,
+    HeadingHold,
+    PitchHold,
+    RollHold,
+    YawDamper,
+)
+from .control.pid import DiscretePID
 from .errors import (
     AircraftError,
     BlocksError,

@@ -82,22 +82,32 @@ def capture_console() -> _Console:
     """Route JSBSim's console of the calling thread to the logger (once per thread)."""
     console = getattr(_thread, "console", None)
     if console is None:
-        # JSBSim aborts the process if two threads install at once
-        with _install_lock:
-            console = _thread.console = _Console()
-            jsbsim.set_logger(console)
-            jsbsim.FGJSBBase().debug_lvl = 0
+        console = _thread.console = _Console()
+        _install(console)
+        jsbsim.FGJSBBase().debug_lvl = 0
     return console
 
 
 def messages(action: Callable[[], Any]) -> tuple[Any, list[str]]:
     """Result of ``action()`` and what JSBSim said meanwhile."""
     console = capture_console()
+    previous = jsbsim.get_logger()
+    if previous is not console:
+        # somebody else listens to this thread; he gets it back
+        _install(console)
     console.kept = []
     try:
         return action(), console.kept
     finally:
         console.kept = None
+        if previous is not console:
+            _install(previous)
+
+
+def _install(logger: jsbsim.FGLogger) -> None:
+    # JSBSim aborts the process if two threads install at once
+    with _install_lock:
+        jsbsim.set_logger(logger)
 
 
 def aircraft_folder(root: str | None = None) -> Path:

@@ -1,8 +1,8 @@
-"""Blocks that convert between calibrated, equivalent and true airspeed and Mach number.
+"""Blocks that convert between equivalent airspeed, true airspeed and Mach number.
 
-Thin shells over the functions of ``airspeed``, in the standard atmosphere at the altitude. In their
-equations, p and a are static pressure and speed of sound there, p0 and a0 those at sea level. Six
-of them stand in for pathsim-flight's of the same name.
+Thin shells over the functions of ``airspeed``, in the standard atmosphere at an altitude; those
+from and to calibrated airspeed are in ``calibrated_airspeed_blocks``. ``EAStoTAS`` stands in for
+pathsim-flight's.
 """
 
 from __future__ import annotations
@@ -13,139 +13,6 @@ from . import airspeed
 from .atmosphere_blocks import AirDataBlock
 
 
-class CAStoEAS(AirDataBlock, flight.CAStoEAS):
-    r"""Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0), \qquad EAS = M a_0 \sqrt{p / p_0}
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    cas : calibrated airspeed, m/s
-    altitude : pressure altitude, m
-
-    Outputs
-    -------
-    eas : equivalent airspeed, m/s
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1}
-    output_port_labels = {"eas": 0}
-
-    def _eval(self, cas: float, altitude: float) -> float:
-        return airspeed.cas_to_eas(cas, self._isa(altitude))
-
-
-class CAStoTAS(AirDataBlock, flight.CAStoTAS):
-    r"""True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0), \qquad TAS = M a
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    cas : calibrated airspeed, m/s
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
-
-    Outputs
-    -------
-    tas : true airspeed, m/s
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"tas": 0}
-
-    def _eval(self, cas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.cas_to_tas(cas, self._isa(altitude, temp_deviation))
-
-
-class CAStoMach(AirDataBlock, flight.CAStoMach):
-    """Mach number at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0)
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    cas : calibrated airspeed, m/s
-    altitude : pressure altitude, m
-
-    Outputs
-    -------
-    mach : Mach number
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1}
-    output_port_labels = {"mach": 0}
-
-    def _eval(self, cas: float, altitude: float) -> float:
-        return airspeed.cas_to_mach(cas, self._isa(altitude))
-
-
-class EAStoCAS(AirDataBlock):
-    r"""Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude.
-
-    .. math::
-
-        M = \frac{EAS}{a_0} \sqrt{p_0 / p}, \qquad p_0 f(CAS / a_0) = p f(M)
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    eas : equivalent airspeed, m/s
-    altitude : pressure altitude, m
-
-    Outputs
-    -------
-    cas : calibrated airspeed, m/s
-    """
-
-    input_port_labels = {"eas": 0, "altitude": 1}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, eas: float, altitude: float) -> float:
-        return airspeed.eas_to_cas(eas, self._isa(altitude))
-
-
 class EAStoTAS(AirDataBlock, flight.EAStoTAS):
     r"""True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude.
 
@@ -153,6 +20,8 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
 
         TAS = EAS \sqrt{\rho_0 / \rho} = \frac{EAS}{a_0} \sqrt{p_0 / p}\, a
 
+    Index 0 is sea level. A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -162,13 +31,23 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
 
     Inputs
     ------
-    eas : equivalent airspeed, m/s
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
+    eas
+        equivalent airspeed, m/s
+    altitude
+        pressure altitude, m
+    temp_deviation
+        from the standard temperature, K
 
     Outputs
     -------
-    tas : true airspeed, m/s
+    tas
+        true airspeed, m/s
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"eas": 0, "altitude": 1, "temp_deviation": 2}
@@ -185,6 +64,8 @@ class EAStoMach(AirDataBlock):
 
         M = \frac{EAS}{a_0} \sqrt{p_0 / p}
 
+    Index 0 is sea level. A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -194,12 +75,21 @@ class EAStoMach(AirDataBlock):
 
     Inputs
     ------
-    eas : equivalent airspeed, m/s
-    altitude : pressure altitude, m
+    eas
+        equivalent airspeed, m/s
+    altitude
+        pressure altitude, m
 
     Outputs
     -------
-    mach : Mach number
+    mach
+        Mach number
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"eas": 0, "altitude": 1}
@@ -209,40 +99,6 @@ class EAStoMach(AirDataBlock):
         return airspeed.eas_to_mach(eas, self._isa(altitude))
 
 
-class TAStoCAS(AirDataBlock, flight.TAStoCAS):
-    r"""Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude.
-
-    .. math::
-
-        M = TAS / a, \qquad p_0 f(CAS / a_0) = p f(M)
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    tas : true airspeed, m/s
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
-
-    Outputs
-    -------
-    cas : calibrated airspeed, m/s
-    """
-
-    input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, tas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.tas_to_cas(tas, self._isa(altitude, temp_deviation))
-
-
 class TAStoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude.
 
@@ -250,6 +106,8 @@ class TAStoEAS(AirDataBlock):
 
         EAS = TAS \sqrt{\rho / \rho_0} = \frac{TAS}{a} a_0 \sqrt{p / p_0}
 
+    Index 0 is sea level. A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -259,13 +117,23 @@ class TAStoEAS(AirDataBlock):
 
     Inputs
     ------
-    tas : true airspeed, m/s
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
+    tas
+        true airspeed, m/s
+    altitude
+        pressure altitude, m
+    temp_deviation
+        from the standard temperature, K
 
     Outputs
     -------
-    eas : equivalent airspeed, m/s
+    eas
+        equivalent airspeed, m/s
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -282,6 +150,8 @@ class TAStoMach(AirDataBlock):
 
         M = TAS / a
 
+    A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -291,13 +161,23 @@ class TAStoMach(AirDataBlock):
 
     Inputs
     ------
-    tas : true airspeed, m/s
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
+    tas
+        true airspeed, m/s
+    altitude
+        pressure altitude, m
+    temp_deviation
+        from the standard temperature, K
 
     Outputs
     -------
-    mach : Mach number
+    mach
+        Mach number
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -307,39 +187,6 @@ class TAStoMach(AirDataBlock):
         return airspeed.tas_to_mach(tas, self._isa(altitude, temp_deviation))
 
 
-class MachtoCAS(AirDataBlock, flight.MachtoCAS):
-    """Calibrated airspeed (CAS) at a Mach number and an altitude.
-
-    .. math::
-
-        p_0 f(CAS / a_0) = p f(M)
-
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1, above Mach 1 Rayleigh's formula.
-
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-
-    Inputs
-    ------
-    mach : Mach number
-    altitude : pressure altitude, m
-
-    Outputs
-    -------
-    cas : calibrated airspeed, m/s
-    """
-
-    input_port_labels = {"mach": 0, "altitude": 1}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, mach: float, altitude: float) -> float:
-        return airspeed.mach_to_cas(mach, self._isa(altitude))
-
-
 class MachtoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a Mach number and an altitude.
 
@@ -347,6 +194,8 @@ class MachtoEAS(AirDataBlock):
 
         EAS = M a_0 \sqrt{p / p_0}
 
+    Index 0 is sea level. A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -356,12 +205,21 @@ class MachtoEAS(AirDataBlock):
 
     Inputs
     ------
-    mach : Mach number
-    altitude : pressure altitude, m
+    mach
+        Mach number
+    altitude
+        pressure altitude, m
 
     Outputs
     -------
-    eas : equivalent airspeed, m/s
+    eas
+        equivalent airspeed, m/s
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"mach": 0, "altitude": 1}
@@ -378,6 +236,8 @@ class MachtoTAS(AirDataBlock):
 
         TAS = M a
 
+    A negative speed stays negative.
+
     Parameters
     ----------
     altitude_kind : str
@@ -387,13 +247,23 @@ class MachtoTAS(AirDataBlock):
 
     Inputs
     ------
-    mach : Mach number
-    altitude : pressure altitude, m
-    temp_deviation : from the standard temperature, K
+    mach
+        Mach number
+    altitude
+        pressure altitude, m
+    temp_deviation
+        from the standard temperature, K
 
     Outputs
     -------
-    tas : true airspeed, m/s
+    tas
+        true airspeed, m/s
+
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
     """
 
     input_port_labels = {"mach": 0, "altitude": 1, "temp_deviation": 2}

@@ -111,6 +111,7 @@ def _lowest(x: Any) -> float:
 
 
 def positive_finite(**values: Any) -> list[Any]:
+    """As ``finite``, for quantities that are positive by nature."""
     out = finite(**values)
     for (parameter, value), x in zip(values.items(), out, strict=True):
         if not _lowest(x) > 0:

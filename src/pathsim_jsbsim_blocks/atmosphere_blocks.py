@@ -133,16 +133,23 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
 
     Inputs
     ------
-    altitude : above mean sea level, m
-    temp_deviation : from the standard temperature, K
+    altitude
+        above mean sea level, m
+    temp_deviation
+        from the standard temperature, K
 
     Outputs
     -------
-    pressure : static, Pa
-    density : kg/m3
-    temperature : static, K
-    speed_of_sound : m/s
-    viscosity : dynamic (Sutherland), Pa s
+    pressure
+        static, Pa
+    density
+        kg/m3
+    temperature
+        static, K
+    speed_of_sound
+        m/s
+    viscosity
+        dynamic (Sutherland), Pa s
 
     Raises
     ------

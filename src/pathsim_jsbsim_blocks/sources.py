@@ -1,7 +1,7 @@
 """Test inputs with events at their edges: doublet, multistep (3-2-1-1) and ramp.
 
-Each edge is an event, as in PathSim's own StepSource: an adaptive solver lands on it and a fixed step
-sees it at the step's end, so no part of an input is lost between two steps.
+Each edge is an event, as in PathSim's own StepSource: an adaptive solver lands on it and a fixed
+step sees it at the step's end, so no part of an input is lost between two steps.
 """
 
 from __future__ import annotations

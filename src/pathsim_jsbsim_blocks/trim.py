@@ -64,8 +64,9 @@ class TrimCondition:
         flap command, 0 to 1; default is the model's own setting
     alpha_min, alpha_max : float, optional
         limits of the angle of attack in deg for the trim; default is the model's own
-    wind_north, wind_east, wind_down : float
-        wind in ft/s, the direction it blows to
+    wind_north, wind_east : float
+        steady wind in ft/s, the direction it blows to; speed and path angle are those through the
+        air
     payload : dict or list, optional
         point masses in lb: ``{index: lb}`` or a list from index 0
     fuel : dict or list, optional
@@ -95,7 +96,6 @@ class TrimCondition:
     alpha_max: float | None = None
     wind_north: float = 0.0
     wind_east: float = 0.0
-    wind_down: float = 0.0
     payload: Mapping[int, float] | list[float] | None = None
     fuel: Mapping[int, float] | list[float] | None = None
     empty_cg_x: float | None = None
@@ -126,7 +126,7 @@ class TrimCondition:
             raise ParameterError(
                 f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
                 f"{self.alpha_max:g} deg", parameter="alpha_min", value=self.alpha_min)
-        for name in ("wind_north", "wind_east", "wind_down"):
+        for name in ("wind_north", "wind_east"):
             put(name, number(name, getattr(self, name)))
         if self.empty_cg_x is not None:
             put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
@@ -152,12 +152,14 @@ class TrimCondition:
         return _condition, (values,)
 
     def __str__(self) -> str:
-        said = [f"{f.name}={getattr(self, f.name)!r}" for f in dataclasses.fields(self)
-                if f.name not in ("payload", "fuel", "properties")
-                and (f.name in ("altitude", "speed", "gamma", "mode") or getattr(self, f.name) != f.default)
-                and not (f.name == "speed" and self.mach is not None)]
-        said += [f"{name}={dict(getattr(self, name))!r}"
-                 for name in ("payload", "fuel", "properties") if getattr(self, name)]
+        always = ("altitude", "gamma", "mode", "speed" if self.mach is None else "mach")
+        said = []
+        for f in dataclasses.fields(self):
+            value = getattr(self, f.name)
+            if isinstance(value, Mapping):
+                said += [f"{f.name}={dict(value)!r}"] * bool(value)
+            elif f.name in always or (value != f.default and f.name != "speed"):
+                said.append(f"{f.name}={value!r}")
         return ", ".join(said)
 
 
@@ -345,15 +347,21 @@ def _initial_condition(airframe: Airframe, condition: TrimCondition) -> None:
         fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
     else:
         fdm["ic/h-sl-ft"] = condition.altitude
-    # the order matters: JSBSim derives the speed from the wind, and height and speed zero gamma
-    put("ic/vw-north-fps", condition.wind_north)
-    put("ic/vw-east-fps", condition.wind_east)
-    put("ic/vw-down-fps", condition.wind_down)
+    # the order matters: a height or a speed zeroes gamma
+    put("ic/vw-mag-fps", 0.0)
+    put("ic/beta-deg", 0.0)
     if condition.mach is not None:
         fdm["ic/mach"] = condition.mach
     else:
         fdm["ic/vc-kts"] = condition.speed
     fdm["ic/gamma-deg"] = condition.gamma
+    if condition.wind_north or condition.wind_east:
+        # JSBSim subtracts a wind set before the speed from the ground speed; so set the speed in
+        # still air, let the air carry the aircraft along, and tell of the wind last
+        fdm["ic/vn-fps"] = fdm["ic/vn-fps"] + condition.wind_north
+        fdm["ic/ve-fps"] = fdm["ic/ve-fps"] + condition.wind_east
+        fdm["ic/vw-mag-fps"] = math.hypot(condition.wind_north, condition.wind_east)
+        fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(condition.wind_east, condition.wind_north))
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
         fdm["ic/targetNlf"] = condition.load_factor
@@ -370,7 +378,9 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
     found, said = messages(find)
     if not found:
         axis = re.search(r"Sorry, ([uvwpqr])dot doesn't appear to be trimmable", " ".join(said))
-        raise _failure(airframe, condition, _LIMITS[axis[1]] if axis else "no convergence")
+        if axis:
+            raise _failure(airframe, condition, _LIMITS[axis[1]])
+        raise _failure(airframe, condition, "no convergence" if airframe.engines else "thrust")
 
 
 def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimError:

@@ -1,1 +1,1 @@
-
+"""Controllers: the sampled PI-D law, one block per hold, and the autopilot."""

@@ -6,8 +6,11 @@ Every loop is a pure function of its state, a tuple of floats and tuples, and re
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from .gains import AltitudeGains, HeadingGains, YawGains
+from ..checks import number, positive
+from ..errors import ParameterError
+from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID
 
 State = tuple
@@ -82,6 +85,7 @@ class HeadingLoop:
     START: State = (0.0, PID.START)  # heading found at engagement, law
 
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
+        bank_max = positive("bank_max", bank_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
 
     def sample(self, state: State, psi: float, target: float | None,
@@ -111,10 +115,11 @@ class AltitudeLoop:
 
     START: State = (0.0, PID.START)  # altitude found at engagement, law
 
-    def __init__(self, T: float, gains: AltitudeGains, hdot_max: float, theta_min: float,
-                 theta_max: float):
+    def __init__(self, T: float, gains: AltitudeGains, hdot_max: float | None,
+                 theta_min: float, theta_max: float):
         self.Kh = gains.Kh
-        self.hdot_max = hdot_max
+        self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
+        theta_min, theta_max = number("theta_min", theta_min), number("theta_max", theta_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
     def sample(self, state: State, h: float, hdot: float, target: float | None, increment: float,
@@ -167,3 +172,41 @@ class WashoutLoop:
 def wrap(angle: float) -> float:
     """The same angle in [-180, 180) deg."""
     return (angle + 180.0) % 360.0 - 180.0
+
+
+def optional(parameter: str, value: Any) -> float | None:
+    """A number, or None."""
+    return None if value is None else number(parameter, value)
+
+
+def limits(parameter: str, value: Any) -> tuple[float, float]:
+    """Lower and upper limit of an actuator increment, from one number or from both."""
+    if isinstance(value, (list, tuple)):
+        if len(value) != 2:
+            raise ParameterError(
+                f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
+                parameter=parameter, value=value)
+        return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
+    most = number(parameter, value, low=0.0)
+    return -most, most
+
+
+def pitch_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) -> ReferenceLoop:
+    """Elevator from pitch angle; positive elevator is nose down, so the law's sign turns."""
+    low, high = authority
+    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=-high, high=-low)
+    return ReferenceLoop(pid, gains.ramp, sign=-1.0)
+
+
+def roll_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) -> ReferenceLoop:
+    """Aileron from roll angle."""
+    low, high = authority
+    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high)
+    return ReferenceLoop(pid, gains.ramp)
+
+
+def speed_loop(T: float, gains: SpeedGains, authority: tuple[float, float]) -> ReferenceLoop:
+    """Throttle from airspeed."""
+    low, high = authority
+    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high)
+    return ReferenceLoop(pid, gains.ramp)

@@ -15,17 +15,20 @@ class PID:
     """Sampled PI-D law with output limits, back-calculation, tracking and bumpless engagement.
 
     .. math::
-        v_k &= K_p (b r_k - y_k) + I_k - K_d d_k - K_r \\omega_k, \\qquad
+        v_k &= K_p (b r_k - y_k) + I_k - K_d d_k - K_r \\omega_k + F_k, \\qquad
         u_k = \\min(\\max(v_k, u_\\mathrm{low}), u_\\mathrm{high}) \\\\
         I_{k+1} &= I_k + K_i T (r_k - y_k) + (1 - e^{-T/T_t}) (u_k - v_k - s_k) \\\\
-        d_k &= d_{k-1} + (1 - e^{-T/T_f}) \\left(\\frac{y_k - y_{k-1}}{T} - d_{k-1}\\right)
+        d_k &= d_{k-1} + (1 - e^{-T/T_f}) \\left(\\frac{y_k - y_{k-1}}{T} - d_{k-1}\\right), \\qquad
+        F_{k+1} = e^{-T/T_e} F_k
 
     with the reference r, the measured value y, its measured rate omega, and s, by how much the
     actuator fell short of the output it was last given. The law keeps no state of its own:
     `sample` takes the state and returns the next, a tuple of floats.
 
     While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
-    move it. At engagement the integral is set so that the output goes on from where it is.
+    move it. At engagement the output goes on from where it is: the integral is set so that it takes
+    the place of what was held, and F so that it cancels the damping terms at first. F fades, for
+    an integral that took up the rate of a passing motion would have to be unlearnt.
 
     Parameters
     ----------
@@ -46,6 +49,8 @@ class PID:
     Tt : float, optional
         tracking time constant of the back-calculation in s; default Kp / Ki, or T where that is
         not positive
+    Te : float
+        time constant in s with which the damping terms come in after engagement
     low, high : float
         limits of the output
 
@@ -54,12 +59,13 @@ class PID:
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
     """
 
-    # phase (-1 never sampled, 0 off, 1 engaged), integral, output, output less track when off, y, d
+    # phase (-1 never sampled, 0 off, 1 engaged), integral, output, what is added to track while off
+    # and F while engaged, y, d
     START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def __init__(self, T: float, *, Kp: float = 0.0, Ki: float = 0.0, Kd: float = 0.0,
                  Kr: float = 0.0, b: float = 1.0, Tf: float = 0.0, Tt: float | None = None,
-                 low: float = -math.inf, high: float = math.inf):
+                 Te: float = 0.3, low: float = -math.inf, high: float = math.inf):
         self.T = positive("T", T)
         self.Kp = number("Kp", Kp)
         self.Ki = number("Ki", Ki)
@@ -75,6 +81,7 @@ class PID:
         self.low, self.high = float(low), float(high)
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
+        self._fade = math.exp(-self.T / positive("Te", Te))
         self._track = -math.expm1(-self.T / positive("Tt", Tt))
 
     @staticmethod
@@ -99,22 +106,22 @@ class PID:
         track : float
             added to the output held
         """
-        phase, integral, u, base, y_last, slope = state
+        phase, integral, u, offset, y_last, slope = state
         if phase >= 0.0:
             slope += self._filter * ((y - y_last) / self.T - slope)
-        low, high = self.low, self.high
         if off:
             if phase > 0.0:
-                base = u - track
-            u = min(max(base + track, low), high)
-            return u, (0.0, 0.0, u, base, y, slope)
-        rest = self.Kp * (self.b * r - y) - self.Kd * slope - self.Kr * rate
+                offset = u - track
+            u = min(max(offset + track, self.low), self.high)
+            return u, (0.0, 0.0, u, offset, y, slope)
+        proportional = self.Kp * (self.b * r - y)
+        damping = self.Kd * slope + self.Kr * rate
         if phase <= 0.0:
-            integral = u - rest
-        v = rest + integral
-        u = min(max(v, low), high)
+            integral, offset = u - proportional, damping
+        v = proportional + integral + (offset - damping)
+        u = min(max(v, self.low), self.high)
         integral += self._KiT * (r - y) + self._track * (u - v - short)
-        return u, (1.0, integral, u, 0.0, y, slope)
+        return u, (1.0, integral, u, self._fade * offset, y, slope)
 
 
 class DiscretePID(Controller):
@@ -126,7 +133,8 @@ class DiscretePID(Controller):
     limited to [low, high], sampled at T and held between samples; the output at t_k follows from
     the inputs at t_k. Where the output is limited, by the limits here or (``short``) by the
     actuator, the integral is led back with the time constant Tt. See the class ``PID`` for the
-    difference equation. All parameters may be changed while the diagram runs; T with the next reset.
+    difference equation. Parameters may be changed while the diagram runs; a new T counts from the
+    next reset.
 
     Parameters
     ----------
@@ -144,6 +152,8 @@ class DiscretePID(Controller):
         time constant of the derivative's filter in s; 0 for none
     Tt : float, optional
         time constant of the back-calculation in s; default Kp / Ki
+    Te : float
+        time constant in s with which the damping terms come in after engagement
     low, high : float
         limits of the output
     T : float
@@ -176,8 +186,8 @@ class DiscretePID(Controller):
     input_port_labels = {"r": 0, "y": 1, "rate": 2, "short": 3, "off": 4, "track": 5}
     output_port_labels = {"u": 0}
 
-    def __init__(self, Kp=1.0, Ki=0.0, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0, Tt=None, low=-1.0, high=1.0,
-                 T=1 / 120):
+    def __init__(self, Kp=1.0, Ki=0.0, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0, Tt=None, Te=0.3, low=-1.0,
+                 high=1.0, T=1 / 120):
         super().__init__(T)
         self.Kp = Kp
         self.Ki = Ki
@@ -186,13 +196,14 @@ class DiscretePID(Controller):
         self.b = b
         self.Tf = Tf
         self.Tt = Tt
+        self.Te = Te
         self.low = low
         self.high = high
         self.configure()
 
     def build(self) -> None:
         self._pid = PID(self.clock.period, Kp=self.Kp, Ki=self.Ki, Kd=self.Kd, Kr=self.Kr,
-                        b=self.b, Tf=self.Tf, Tt=self.Tt, low=self.low, high=self.high)
+                        b=self.b, Tf=self.Tf, Tt=self.Tt, Te=self.Te, low=self.low, high=self.high)
 
     def initial_state(self) -> State:
         return PID.START

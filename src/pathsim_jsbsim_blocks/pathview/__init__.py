@@ -1,1 +1,10 @@
+"""Diagram scripts in PathView and back.
 
+PathView (the package ``pathview``) is needed only when one of these functions is called.
+"""
+
+from .convert import convert_model
+from .export import export_script
+from .view import view
+
+__all__ = ["convert_model", "export_script", "view"]

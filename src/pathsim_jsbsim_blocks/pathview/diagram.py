@@ -20,7 +20,10 @@ class Wire(NamedTuple):
 
 @dataclass
 class Node:
-    """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem."""
+    """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem.
+
+    ``line`` is where the script builds it.
+    """
 
     name: str
     type: str
@@ -28,6 +31,7 @@ class Node:
     inputs: list[str] = field(default_factory=list)
     outputs: list[str] = field(default_factory=list)
     graph: Graph | None = None
+    line: int | None = None
 
 
 @dataclass

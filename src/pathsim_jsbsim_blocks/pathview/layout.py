@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
+from statistics import median_low
 
 from .diagram import Graph, Node
 
@@ -13,7 +14,7 @@ GRID = 10  # PathView's grid, px
 _PORT = 20  # between ports
 _ROW = 60  # free height between blocks
 _GAP = 90  # free width between columns, and more for each wire that turns there
-_SWEEPS = 12
+_SWEEPS = 13  # the last one forward: a block lines up with what feeds it
 _BIG = 4  # outputs: a plant, from which the loops of a diagram go back
 
 Edge = tuple[int, int]
@@ -179,7 +180,8 @@ def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
             wished = []
             for i in columns[number]:
                 sides = [y[j] + s for j, s in pulls[i] if (layer[j] < layer[i]) == forward]
-                wished.append((sum(sides) / len(sides) if sides else y[i], i))
+                # one straight wire reads better than two that are nearly so
+                wished.append((median_low(sides) if sides else y[i], i))
             y.update(_spread(wished, sizes))
     return y
 

@@ -203,11 +203,10 @@ def _events(events: Sequence[Event], prefix: str, box: _Box,
     out = []
     for i, event in enumerate(events):
         x = GRID * round((box.left + (1.5 * i + 0.5) * _EVENT) / GRID)
-        y = GRID * round((box.bottom + _EVENT) / GRID) + _EVENT // 2
+        y = GRID * round((box.bottom + 1.5 * _EVENT) / GRID)
         out.append({"id": prefix + plain(event.name), "type": event.type, "name": event.name,
                     "position": kept.get(plain(event.name)) or {"x": x, "y": y},
                     "params": dict(event.params)})
-        box.add(out[-1]["position"]["x"], out[-1]["position"]["y"], _EVENT, _EVENT)
     return out
 
 

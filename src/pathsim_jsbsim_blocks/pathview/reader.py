@@ -10,7 +10,6 @@ import keyword
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pathsim.solvers
@@ -33,7 +32,7 @@ _SETTINGS = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_
              "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
 
 
-def read_script(path: str | Path) -> Diagram:
+def read_diagram(script: Script) -> Diagram:
     """Everything that a model file can hold of a diagram script.
 
     Raises
@@ -41,7 +40,7 @@ def read_script(path: str | Path) -> Diagram:
     DiagramError
         for what PathView has no place for, with file, line and reason
     """
-    return _Reader(Script(path)).diagram()
+    return _Reader(script).diagram()
 
 
 @dataclass
@@ -117,7 +116,7 @@ class _Reader:
                            index[id(target.block)], target.block.inputs._map(into))
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: _Part | None) -> Node:
-        node = Node("", type(block).__name__)
+        node = Node("", type(block).__name__, line=getattr(self._node(block), "lineno", None))
         n_in = max((w.input + 1 for w in wires if w.target == i), default=0)
         n_out = max((w.output + 1 for w in wires if w.source == i), default=0)
         part = self._add(_Part(node, block, {}, parent=parent))
@@ -382,7 +381,9 @@ def _port_names(block: Block, side: str, wired: int) -> list[str]:
         n = max(len(labels), wired)
     else:
         n = max(len(register), wired)
-    names = {i: name for name, i in (register._mapping or labels or {}).items()}
+    # PathView shows eight characters: of a path, the last part says more than the first
+    names = {i: name.rpartition("/")[2] or name
+             for name, i in (register._mapping or labels or {}).items()}
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
         if type(block).__name__ in ("Scope", "Spectrum", "Adder", "Divider"):

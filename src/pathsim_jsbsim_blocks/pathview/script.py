@@ -246,11 +246,19 @@ def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
         # classes that the script defines look their module up
         sys.modules[module.__name__] = module
         stack.callback(sys.modules.pop, module.__name__, None)
-        before = logging.root.manager.disable
-        stack.callback(logging.disable, before)
-        # PathSim announces every simulation that it builds
-        logging.disable(max(before, logging.INFO))
+        stack.enter_context(quiet())
         yield
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Without the announcement that PathSim logs for every simulation it builds."""
+    before = logging.root.manager.disable
+    logging.disable(max(before, logging.INFO))
+    try:
+        yield
+    finally:
+        logging.disable(before)
 
 
 @contextmanager

@@ -1,1 +1,17 @@
+"""Trim maps and batches: functions that return tables, use all cores, and scale out to clusters.
 
+Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
+"""
+
+from .batch import run_batch
+from .figures import alpha_elevator_chart, climb_chart, envelope_map, thrust_chart
+from .published import (
+    STUDIES,
+    Study,
+    aoa_vs_cas,
+    aoa_vs_cas_loading,
+    climb_schedule,
+    thrust_vectoring,
+    trim_envelope,
+)
+from .sweep import trim_sweep

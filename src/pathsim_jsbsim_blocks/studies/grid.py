@@ -17,7 +17,7 @@ CONDITION_UNITS = {
     "altitude": "ft", "speed": "kcas", "mach": "", "gamma": "deg", "heading": "deg",
     "bank": "deg", "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
     "alpha_min": "deg", "alpha_max": "deg", "wind_north": "fps", "wind_east": "fps",
-    "wind_down": "fps", "payload": "lb", "fuel": "lb", "empty_cg_x": "in",
+    "payload": "lb", "fuel": "lb", "empty_cg_x": "in",
 }
 
 

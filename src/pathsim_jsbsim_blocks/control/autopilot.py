@@ -1,0 +1,150 @@
+"""All holds in one block."""
+
+from __future__ import annotations
+
+from .controller import Controller
+from .gains import loop_gains
+from .loops import (
+    AltitudeLoop,
+    HeadingLoop,
+    ReferenceLoop,
+    State,
+    WashoutLoop,
+    limits,
+    optional,
+    pitch_loop,
+    roll_loop,
+    speed_loop,
+)
+
+
+class Autopilot(Controller):
+    """Autopilot with autothrottle and yaw damper in one block, the cheapest way to fly a mission.
+
+    The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
+    ``AirspeedHold`` and ``YawDamper``, sampled at T. With every port at 0 it holds the altitude,
+    heading and airspeed found at engagement. A change of mode, on or off, makes no output jump; a
+    mode that takes over holds what it finds, plus its reference port.
+
+    Parameters
+    ----------
+    gains : str, AircraftGains or dict
+        "c172p", "737" or "global5000", or {"pitch": ..., "roll": ..., "heading": ...,
+        "altitude": ..., "speed": ..., "yaw": ...}, each of them the name of a table or numbers as
+        in the holds
+    theta_ref, h_ref, phi_ref, psi_ref, vc_ref : float, optional
+        what to hold: pitch angle in deg, altitude in ft, roll angle in deg, heading in deg,
+        airspeed in KCAS; default is the value found at engagement of the mode
+    bank_max : float
+        largest bank reference of the heading hold in deg
+    hdot_max : float, optional
+        largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's
+    theta_min, theta_max : float
+        limits of the altitude hold's pitch reference in deg
+    elevator_authority, aileron_authority, rudder_authority, throttle_authority : float or pair
+        largest increment of each command, of full travel
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    theta, phi, psi : pitch, roll and heading angle in deg
+    p, q, r : body rates in deg/s
+    h, hdot, vc : altitude in ft, rate of climb in ft/s, calibrated airspeed in kt
+    theta_ref, h_ref, phi_ref, psi_ref, vc_ref : added to the parameters, same units
+    pitch_mode : 0 altitude hold; otherwise pitch hold
+    roll_mode : 0 heading hold; otherwise roll hold
+    pitch_off, roll_off, speed_off : 0 engaged; otherwise the command stays where it is
+    yaw_off : 0 engaged; otherwise the rudder increment fades out
+    elev_sat, ail_sat, thr_sat : ``Aircraft`` outputs of these names, against wind-up
+
+    Outputs
+    -------
+    elevator, aileron, rudder, throttle : increments of the commands; positive elevator is nose
+        **down**, positive aileron rolls right
+    theta_cmd, phi_cmd, vc_cmd : references on their ramps, deg, deg and kt
+    hdot_cmd : rate of climb demanded, ft/s; 0 in pitch hold
+
+    Raises
+    ------
+    ParameterError
+        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    """
+
+    input_port_labels = {name: i for i, name in enumerate((
+        "theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc",
+        "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref",
+        "pitch_mode", "roll_mode", "pitch_off", "roll_off", "speed_off", "yaw_off",
+        "elev_sat", "ail_sat", "thr_sat"))}
+    output_port_labels = {name: i for i, name in enumerate((
+        "elevator", "aileron", "rudder", "throttle", "theta_cmd", "phi_cmd", "vc_cmd",
+        "hdot_cmd"))}
+
+    def __init__(self, gains="c172p", theta_ref=None, h_ref=None, phi_ref=None, psi_ref=None,
+                 vc_ref=None, bank_max=25.0, hdot_max=None, theta_min=-10.0, theta_max=15.0,
+                 elevator_authority=1.0, aileron_authority=1.0, rudder_authority=1.0,
+                 throttle_authority=1.0, T=1 / 120):
+        super().__init__(T)
+        self.gains = gains
+        self.theta_ref = theta_ref
+        self.h_ref = h_ref
+        self.phi_ref = phi_ref
+        self.psi_ref = psi_ref
+        self.vc_ref = vc_ref
+        self.bank_max = bank_max
+        self.hdot_max = hdot_max
+        self.theta_min = theta_min
+        self.theta_max = theta_max
+        self.elevator_authority = elevator_authority
+        self.aileron_authority = aileron_authority
+        self.rudder_authority = rudder_authority
+        self.throttle_authority = throttle_authority
+        self.configure()
+
+    def build(self) -> None:
+        T = self.clock.period
+        pitch, roll, heading, altitude, speed, yaw = loop_gains(
+            self.gains, "pitch", "roll", "heading", "altitude", "speed", "yaw")
+        self._targets = [optional(name, getattr(self, name)) for name in (
+            "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")]
+        self._pitch = pitch_loop(T, pitch, limits("elevator_authority", self.elevator_authority))
+        self._roll = roll_loop(T, roll, limits("aileron_authority", self.aileron_authority))
+        self._speed = speed_loop(T, speed, limits("throttle_authority", self.throttle_authority))
+        self._yaw = WashoutLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
+        self._heading = HeadingLoop(T, heading, self.bank_max)
+        self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
+
+    def initial_state(self) -> State:
+        return (AltitudeLoop.START, ReferenceLoop.START, HeadingLoop.START, ReferenceLoop.START,
+                ReferenceLoop.START, WashoutLoop.START)
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        (theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref,
+         pitch_mode, roll_mode, pitch_off, roll_off, speed_off, yaw_off,
+         elev_sat, ail_sat, thr_sat) = u[:23]
+        altitude, pitch, heading, roll, speed, yaw = state
+        theta_target, h_target, phi_target, psi_target, vc_target = self._targets
+
+        hdot_cmd = 0.0
+        if pitch_mode or pitch_off:
+            altitude = AltitudeLoop.START
+        else:
+            theta_ref = 0.0
+            theta_target, hdot_cmd, altitude = self._altitude.sample(
+                altitude, h, hdot, h_target, h_ref, ReferenceLoop.reference(pitch, theta))
+        elevator, theta_cmd, pitch = self._pitch.sample(
+            pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0)
+
+        if roll_mode or roll_off:
+            heading = HeadingLoop.START
+        else:
+            phi_ref = 0.0
+            phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
+        aileron, phi_cmd, roll = self._roll.sample(
+            roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0)
+
+        throttle, vc_cmd, speed = self._speed.sample(
+            speed, vc, 0.0, vc_target, vc_ref, thr_sat, speed_off != 0.0)
+        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
+        return ([elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
+                (altitude, pitch, heading, roll, speed, yaw))

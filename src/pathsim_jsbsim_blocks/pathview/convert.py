@@ -1,0 +1,199 @@
+"""Turn a PathView model into a Python script, with PathView's own converter."""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pathsim.solvers
+
+from ..checks import did_you_mean, nearest
+from ..errors import DiagramError
+from .pvm import read, write
+from .toolboxes import FLIGHT, OURS, Toolbox, core_registry, unknown_block, with_toolboxes
+
+_EDITOR_BLOCKS = {"Subsystem", "Interface", "BusCreator", "BusSelector"}
+_NUMBERS = ("duration", "dt", "atol", "rtol", "ftol", "dt_min", "dt_max")
+
+Json = dict[str, Any]
+
+
+def convert_model(path: str | Path, out: str | Path | None = None,
+                  toolboxes: Sequence[str] = ()) -> Path:
+    """Write a PathView model as a Python script.
+
+    Parameters
+    ----------
+    path : str or Path
+        a model file, .pvm or .json
+    out : str or Path, optional
+        the script; default is the model's name with .py
+    toolboxes : sequence of str
+        toolboxes that the model does not name itself, ``PACKAGE`` or ``PACKAGE:IMPORT.PATH``;
+        this package, pathsim-flight and the model's ``requiredToolboxes`` are known already
+
+    Returns
+    -------
+    Path
+        the script
+
+    Raises
+    ------
+    DiagramError
+        if the file is not a model, has blocks or events that nobody knows, broken connections or
+        parameters that are not Python expressions, or the script cannot be written
+    """
+    path = Path(path)
+    content = read(path)
+    code = to_python(content, registry_for(content, path, toolboxes), path)
+    out = path.with_suffix(".py") if out is None else Path(out)
+    write(out, code)
+    return out
+
+
+def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = ()) -> Json:
+    """The blocks that a model may use; of one class name, its own toolboxes' last one counts."""
+    required = required_toolboxes(content, path)
+    others = [t for t in (FLIGHT, OURS, *map(Toolbox.parse, toolboxes)) if t not in required]
+    return with_toolboxes(core_registry(), [*others, *required])
+
+
+def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
+    """The toolboxes that a model names itself."""
+    return [_required(entry, path) for entry in content.get("requiredToolboxes") or []]
+
+
+def to_python(content: Json, registry: Json, path: Path) -> str:
+    """A model's script. All is checked before: PathView's converter drops what it does not know."""
+    from pathview.converter import generate_python
+
+    content = _with_current_types(content)
+    try:
+        _Check(content, registry, path).all()
+    except (KeyError, TypeError, AttributeError) as error:
+        raise DiagramError(f"damaged: {type(error).__name__}: {error}", path=path) from error
+    code = generate_python(content, registry, source_name=path.name)
+    try:
+        ast.parse(code)
+    except SyntaxError as error:
+        # parameters and code have been parsed one by one: what is left are the names
+        line = code.splitlines()[(error.lineno or 1) - 1].strip()
+        raise DiagramError(f"a name makes no Python: {line!r}", path=path) from error
+    return code
+
+
+def _required(entry: Any, path: Path) -> Toolbox:
+    source = entry.get("source") if isinstance(entry, dict) else None
+    if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
+        raise DiagramError(f"requires a toolbox that is not a package: {entry!r}", path=path)
+    return Toolbox.parse(f"{source.get('pkg') or entry.get('displayName')}:"
+                         f"{entry.get('importPath') or ''}")
+
+
+def _with_current_types(content: Json) -> Json:
+    """As PathView reads old files: "pathsim.sources.StepSource" is ``StepSource``."""
+    def graph(old: Json) -> Json:
+        nodes = []
+        for node in old.get("nodes") or []:
+            new = dict(node)
+            if new["type"].startswith("pathsim."):
+                new["type"] = new["type"].rpartition(".")[2]
+            if new.get("graph"):
+                new["graph"] = graph(new["graph"])
+            nodes.append(new)
+        return {**old, "nodes": nodes, "connections": old.get("connections") or [],
+                "events": old.get("events") or []}
+
+    return {**content, "graph": graph(content["graph"]),
+            **{k: content.get(k) or empty for k, empty in (
+                ("events", []), ("codeContext", {}), ("simulationSettings", {}))}}
+
+
+class _Check:
+    """Whether every part of a model reaches its script."""
+
+    def __init__(self, content: Json, registry: Json, path: Path):
+        self.content, self.registry, self.path = content, registry, path
+
+    def all(self) -> None:
+        settings = self.content["simulationSettings"]
+        self._parsed("the code", self.content["codeContext"].get("code") or "", "exec")
+        for name in _NUMBERS:
+            if settings.get(name) not in (None, ""):
+                self._parsed(f"setting {name!r}", settings[name])
+        solver = settings.get("solver")
+        if solver and not hasattr(pathsim.solvers, solver):
+            self._refuse(f"unknown solver {solver!r}"
+                         + did_you_mean(nearest(solver, dir(pathsim.solvers))))
+        self._graph(self.content["graph"], None)
+        for event in self.content["events"]:
+            self._event(event)
+
+    def _refuse(self, reason: str) -> NoReturn:
+        raise DiagramError(reason, path=self.path)
+
+    def _graph(self, graph: Json, parent: Json | None) -> None:
+        for node in graph["nodes"]:
+            if node["type"] in _EDITOR_BLOCKS:
+                if node.get("graph"):
+                    self._graph(node["graph"], node)
+                continue
+            entry = self.registry["blocks"].get(node["type"])
+            if entry is None:
+                self._refuse(f"block {node['name']!r}: "
+                             + unknown_block(node["type"], self.registry))
+            self._parameters(f"block {node['name']!r}", node["params"], entry["params"])
+        for event in graph["events"]:
+            if parent is not None:
+                self._event(event)
+        ends = set()
+        for connection in graph["connections"]:
+            self._end(graph, parent, connection, "source", "output")
+            end = self._end(graph, parent, connection, "target", "input")
+            if end in ends:
+                self._refuse(f"connection {connection['id']!r}: input {end[1]} of {end[0]!r} has "
+                             "another wire already")
+            ends.add(end)
+
+    def _end(self, graph: Json, parent: Json | None, connection: Json, end: str,
+             side: str) -> tuple[str, int]:
+        name, port = connection[f"{end}NodeId"], connection[f"{end}PortIndex"]
+        node = next((n for n in graph["nodes"] if n["id"] == name), None)
+        if node is None:
+            self._refuse(f"connection {connection['id']!r}: no block {name!r}")
+        ports = node[f"{side}s"]
+        if node["type"] == "Interface" and parent is not None:
+            # the ports of an interface are those of its subsystem, seen from inside
+            ports = parent["inputs" if side == "output" else "outputs"]
+        if not isinstance(port, int) or not 0 <= port < len(ports):
+            self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} {port!r}")
+        return node["name"], port
+
+    def _event(self, event: Json) -> None:
+        name = event["type"].rpartition(".")[2]
+        entry = self.registry["events"].get(name)
+        if entry is None:
+            self._refuse(f"event {event['name']!r}: PathView does not know {event['type']!r}"
+                         + did_you_mean(nearest(name, self.registry["events"])))
+        self._parameters(f"event {event['name']!r}", event["params"], entry["params"])
+
+    def _parameters(self, what: str, params: Json, known: Sequence[str]) -> None:
+        for name, value in params.items():
+            if value in (None, "") or name.startswith("_"):
+                continue
+            if name not in known:
+                # PathView, too, leaves such leftovers of older versions out
+                warnings.warn(f"{self.path}: {what}: no parameter {name!r}; left out", stacklevel=2)
+            else:
+                self._parsed(f"{what}: parameter {name!r}", value)
+
+    def _parsed(self, what: str, value: Any, mode: str = "eval") -> None:
+        try:
+            ast.parse(str(value).strip() if mode == "eval" else value, mode=mode)
+        except (SyntaxError, ValueError) as error:
+            kind = "expression" if mode == "eval" else "code"
+            self._refuse(f"{what} is not a Python {kind}: {str(value)!r} "
+                         f"({getattr(error, 'msg', error)})")

@@ -1,0 +1,159 @@
+"""The figures of the trim studies. Each takes a table and returns a matplotlib Figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+_MARKERS = "osD^vPX*"
+
+# what keeps a point from being trimmed: its mark in a map
+_REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
+
+
+def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
+    """Angle of attack and elevator deflection in trim against airspeed, in three panels.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `aoa_vs_cas`, `aoa_vs_cas_loading` or `trim_sweep`; one line for each altitude and, where
+        the table has them, weight case and CG shift
+    title : str
+        headline
+    """
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(3, 1, sharex=True, figsize=(8, 9), layout="constrained")
+    for label, style, rows in _lines(table[table.trimmed]):
+        for ax, y in zip(axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm),
+                         strict=True):
+            ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
+    for ax, name in zip(axes, ("angle of attack [deg]", "elevator deflection [deg]",
+                               "elevator deflection [-]"), strict=True):
+        ax.set_ylabel(name)
+        ax.grid(alpha=0.4)
+    axes[-1].set_xlabel("calibrated airspeed [kt]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3,
+                  fontsize="small")
+    figure.suptitle(title or "Trim: angle of attack, and elevator (trailing edge down positive)")
+    return figure
+
+
+def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFrame]]:
+    """Label, style and rows of each line: colour by weight, marker by CG, dashes by altitude."""
+    keys = [key for key in ("weight_case", "cg_shift_percent", "requested_altitude_ft")
+            if key in table]
+    values = [list(table[key].unique()) for key in keys]
+    for group, rows in table.groupby(keys, sort=False):
+        at = dict(zip(keys, group, strict=True))
+        index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
+        said = [f"{at['weight_case']}" if "weight_case" in at else "",
+                f"CG {at['cg_shift_percent']:+g} %" if "cg_shift_percent" in at else "",
+                f"{at['requested_altitude_ft']:,.0f} ft"]
+        style = {"color": f"C{index.get('weight_case', 0)}",
+                 "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
+                 "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4]}
+        yield ", ".join(filter(None, said)), style, rows
+
+
+def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
+    """Thrust and angle of attack over airspeed and flight path angle, in two panels.
+
+    Points without trim carry the mark of their reason, so that the map shows what bounds it.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `trim_envelope`, or of `trim_sweep` over speed and gamma
+    title : str
+        headline; default is the number of points that trim
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.ticker import MaxNLocator
+
+    figure, axes = plt.subplots(1, 2, sharey=True, figsize=(12, 5.2), layout="constrained")
+    trimmed = table[table.trimmed]
+    for ax, values, label in ((axes[0], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
+                              (axes[1], trimmed.alpha_deg, "angle of attack [deg]")):
+        points = ax.scatter(trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values,
+                            marker="s", s=36)
+        figure.colorbar(points, ax=ax, label=label)
+        for reason, rows in table[~table.trimmed].groupby("reason"):
+            ax.scatter(rows.requested_speed_kcas, rows.requested_gamma_deg, s=18, color="0.55",
+                       linewidths=0.8, marker=_REASONS.get(str(reason), "."),
+                       label=f"no trim: {reason}")
+        ax.set_xlabel("calibrated airspeed [kt]")
+        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes[0].set_ylabel("flight path angle [deg]")
+    if not table.trimmed.all():
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5,
+                      fontsize="small")
+    figure.suptitle(title or f"Trim envelope: {len(trimmed)} of {len(table)} points trim")
+    return figure
+
+
+def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
+    """Thrust and angle of attack against the thrust angle, the least thrust marked.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `thrust_vectoring`; one panel for each case
+    title : str
+        headline
+    """
+    import matplotlib.pyplot as plt
+
+    trimmed = table[table.trimmed]
+    cases = list(trimmed.groupby("case", sort=False))
+    figure, axes = plt.subplots(1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5),
+                                layout="constrained")
+    for ax, (case, rows) in zip(axes[0], cases, strict=True):
+        best = rows.loc[rows.thrust_lb.idxmin()]
+        ax.plot(rows.thrust_angle_deg, rows.thrust_lb, color="C0")
+        ax.plot(best.thrust_angle_deg, best.thrust_lb, "o", color="C3",
+                label=f"least: {best.thrust_lb:,.0f} lbf at {best.thrust_angle_deg:.2f} deg")
+        ax.set_title(case)
+        ax.set_xlabel("thrust angle, up positive [deg]")
+        ax.set_ylabel("thrust [lbf]", color="C0")
+        ax.ticklabel_format(useOffset=False)
+        ax.grid(alpha=0.4)
+        ax.legend(loc="upper center")
+        alpha = ax.twinx()
+        alpha.plot(rows.thrust_angle_deg, rows.alpha_deg, "--", color="C2")
+        alpha.set_ylabel("angle of attack [deg]", color="C2")
+    figure.suptitle(title or "Thrust in trim against the angle of the engines")
+    return figure
+
+
+def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
+    """Throttle and pitch trim of a steady climb against altitude, in two panels.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `climb_schedule`, or of `trim_sweep` over altitude
+    title : str
+        headline
+    """
+    import matplotlib.pyplot as plt
+
+    trimmed = table[table.trimmed]
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+    for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
+                              (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]")):
+        ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)
+        ax.set_xlabel("altitude [ft]")
+        ax.set_ylabel(label)
+        ax.grid(alpha=0.4)
+    first = table.iloc[0]
+    figure.suptitle(title or f"Steady climb at {first.requested_speed_kcas:g} KCAS, "
+                             f"{first.requested_gamma_deg:g} deg")
+    return figure

@@ -1,0 +1,169 @@
+"""The published trim studies, each a function that returns its table.
+
+They follow the notebooks of jsbsim-python-examples (De Marco, McLeod, da Silva), with their
+settings. Those loops take one step before some of the trims, which moves results by up to 1e-6.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..airframe import empty_weight_cg
+from . import figures
+from .sweep import trim_sweep
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_FULL_TANK = 8097.63  # lb, each of the global5000's three tanks
+_FULL_PAYLOAD = 15172.0  # lb
+
+# weight case: payload in lb, fuel in each tank in lb
+_WEIGHTS = {"light": (1500.0, 1000.0), "mid": (_FULL_PAYLOAD / 2, _FULL_TANK / 2),
+            "heavy": (_FULL_PAYLOAD, _FULL_TANK)}
+
+_SPEEDS = range(90, 550, 10)  # KCAS
+
+_ALPHA_LIMITS = {"alpha_min": -4.0, "alpha_max": 12.0}  # deg, of the published loops
+
+
+def aoa_vs_cas(*, jobs: int = -1, resume: str | Path | None = None,
+               progress: bool = True) -> pd.DataFrame:
+    """Angle of attack and elevator of a business jet in level flight, against airspeed.
+
+    A Global 5000 with half payload and half fuel at 15,000 ft, 90 to 540 KCAS. Parameters and
+    result as in `trim_sweep`.
+    """
+    payload, fuel = _WEIGHTS["mid"]
+    return trim_sweep(
+        "global5000",
+        {"altitude": 15000.0, "payload": [[payload]], "fuel": [[fuel] * 3], "speed": _SPEEDS},
+        jobs=jobs, resume=resume, progress=progress)
+
+
+def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path | None = None,
+                       progress: bool = True) -> pd.DataFrame:
+    """Angle of attack and elevator against airspeed for three weights and two CG positions.
+
+    A Global 5000 in level flight with its empty-weight CG really moved. (The published notebook
+    loads the model before it edits the CG: its forward case flies with the original CG, its aft
+    case with the forward one.)
+
+    Parameters
+    ----------
+    wide : bool
+        False: the published six cases, CG 5 % forward at 8000 ft and 5 % aft at 30,000 ft, of x
+        from the nose's datum. True: both positions at both altitudes
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        that of `trim_sweep`, and in front of it ``cg_shift_percent`` and ``weight_case``
+    """
+    cg_x = empty_weight_cg("global5000")[0]
+    cases = [(shift, weight, altitude) for shift, published_altitude in ((-5, 8000), (5, 30000))
+             for weight in _WEIGHTS for altitude in (8000, 30000)
+             if wide or altitude == published_altitude]
+    grid = [{"altitude": altitude, "speed": speed, "empty_cg_x": (1 + shift / 100) * cg_x,
+             "payload": [_WEIGHTS[weight][0]], "fuel": [_WEIGHTS[weight][1]] * 3}
+            for shift, weight, altitude in cases for speed in _SPEEDS]
+    table = trim_sweep("global5000", grid, jobs=jobs, resume=resume, progress=progress)
+    table.insert(0, "cg_shift_percent", [shift for shift, _, _ in cases for _ in _SPEEDS])
+    table.insert(1, "weight_case", [weight for _, weight, _ in cases for _ in _SPEEDS])
+    return table
+
+
+def thrust_vectoring(*, jobs: int = -1, resume: str | Path | None = None,
+                     progress: bool = True) -> pd.DataFrame:
+    """Thrust of an airliner against the pitch angle of its engines: where is the least?
+
+    A 737 in cruise (30,000 ft, Mach 0.8) and in climb (15,000 ft, 300 KCAS, 3 deg), 100 angles
+    from 0 to 10 deg.
+
+    Parameters
+    ----------
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        that of `trim_sweep`, and in front of it ``case`` and ``thrust_angle_deg``
+
+    References
+    ----------
+    G. B. Gilyard, A. Bolonkin, "Optimal Pitch Thrust-Vector Angle and Benefits for all Flight
+    Regimes", NASA/TM-2000-209021, 2000
+    """
+    cases = {"cruise": {"altitude": 30000.0, "mach": 0.8},
+             "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0}}
+    angles = np.linspace(0.0, 10.0, 100).tolist()
+    grid = [{**condition, **{f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(angle)
+                             for i in (0, 1)}}
+            for condition in cases.values() for angle in angles]
+    table = trim_sweep("737", grid, jobs=jobs, resume=resume, progress=progress)
+    table.insert(0, "case", [case for case in cases for _ in angles])
+    table.insert(1, "thrust_angle_deg", angles * len(cases))
+    return table
+
+
+def trim_envelope(*, wide: bool = False, jobs: int = -1, resume: str | Path | None = None,
+                  progress: bool = True) -> pd.DataFrame:
+    """Envelope of steady flight of an airliner: airspeed against flight path angle.
+
+    A 737 at 15,000 ft, 120 to 450 KCAS, -10 to 9 deg.
+
+    Parameters
+    ----------
+    wide : bool
+        False: the published settings, gear down (the model's own setting) and alpha within
+        [-4, 12] deg. True: gear up and alpha within [-5, 15] deg
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        that of `trim_sweep`, 680 rows
+    """
+    settings = {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0} if wide else _ALPHA_LIMITS
+    return trim_sweep(
+        "737", {"altitude": 15000.0, **settings, "speed": range(120, 460, 10),
+                "gamma": range(-10, 10)},
+        jobs=jobs, resume=resume, progress=progress)
+
+
+def climb_schedule(*, jobs: int = -1, resume: str | Path | None = None,
+                   progress: bool = True) -> pd.DataFrame:
+    """Throttle and pitch trim of a jet in a steady climb, against altitude.
+
+    An A-4 at 300 KCAS and 5 deg, 1000 to 20,000 ft: the tables that the diagram ``scheduled_climb``
+    flies by. Parameters and result as in `trim_sweep`.
+    """
+    return trim_sweep(
+        "A4", {"speed": 300.0, "gamma": 5.0, **_ALPHA_LIMITS, "altitude": range(1000, 21000, 1000)},
+        jobs=jobs, resume=resume, progress=progress)
+
+
+class Study(NamedTuple):
+    """A study of the catalogue: its table, the table's figure, and whether it takes ``wide``."""
+
+    table: Callable[..., pd.DataFrame]
+    figure: Callable[[pd.DataFrame], Any]
+    wide: bool
+
+
+STUDIES = {
+    "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart, False),
+    "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart, True),
+    "climb_schedule": Study(climb_schedule, figures.climb_chart, False),
+    "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart, False),
+    "trim_envelope": Study(trim_envelope, figures.envelope_map, True),
+}

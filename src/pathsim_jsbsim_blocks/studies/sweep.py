@@ -1,0 +1,163 @@
+"""Trim maps: one aircraft trimmed at every point of a grid."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.metadata
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..airframe import Airframe
+from ..checks import whole
+from ..errors import ParameterError, TrimError
+from ..trim import TrimCondition, TrimState, trim
+from .grid import as_dict, column, expand, requested, structure, trim_conditions
+from .workers import WORKER_DIED, require, run_parts
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# quantity of TrimState: unit, in the order of the table
+_FOUND = {
+    "altitude": "ft", "speed": "kcas", "mach": "", "tas": "fps", "gamma": "deg", "alpha": "deg",
+    "beta": "deg", "theta": "deg", "phi": "deg", "psi": "deg", "throttle": "norm", "thrust": "lb",
+    "pitch_trim": "norm", "elevator_rad": "", "elevator_norm": "", "elevator": "cmd_norm",
+    "aileron": "cmd_norm", "rudder": "cmd_norm", "udot": "fps2", "vdot": "fps2", "wdot": "fps2",
+    "pdot": "radps2", "qdot": "radps2", "rdot": "radps2", "weight": "lb", "cg_x": "in",
+    "cg_y": "in", "cg_z": "in",
+}
+
+
+def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: str | None = None,
+               chunk: int = 40, jobs: int = -1, resume: str | Path | None = None,
+               progress: bool = True) -> pd.DataFrame:
+    """Trim an aircraft at every point of a grid.
+
+    The table does not depend on the number of workers, bit for bit: a loaded aircraft is used again
+    only along a chunk of points, and the chunks are fixed by the grid.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model
+    grid : dict, DataFrame or list of dicts
+        a dict of axes, ``{"altitude": 15000, "speed": range(120, 460, 10), "gamma": [0, 3]}``,
+        means their product, the last axis fastest; a table or a list of dicts is taken row by row.
+        Columns are the parameters of `TrimCondition`, in its units (for ``payload`` and ``fuel``
+        each value is a list or dict), and JSBSim properties by their path, which are written
+        before the trim
+    outputs : list of str
+        further JSBSim properties to read at each trimmed point
+    root : str, optional
+        JSBSim root directory; default is the one that the jsbsim package brings
+    chunk : int
+        points that share a loaded aircraft; 1 loads a fresh one for each point. Results agree to
+        rounding (2e-13 in alpha) whatever it is
+    jobs : int
+        worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
+        workers are used instead
+    resume : path, optional
+        file that keeps finished chunks: the same call with the same file goes on where a killed one
+        stopped
+    progress : bool
+        show a progress bar on stderr
+
+    Returns
+    -------
+    pandas.DataFrame
+        one row for each point, in the grid's order: what was asked for (``requested_...``),
+        ``trimmed``, ``reason`` (empty, or "thrust", "alpha limit", "elevator", "no convergence",
+        "worker died" or another end of a range) and what was found, NaN where there is no trim.
+        Each column ends with its unit (kcas: calibrated airspeed in kt, fps: ft/s, norm: fraction
+        of the range). ``throttle_norm`` is that of the first engine: the trim moves all together;
+        ``thrust_lb`` is their sum
+
+    Raises
+    ------
+    ParameterError
+        before the work begins: empty grid, unknown column, values that no aircraft can have, a file
+        that cannot be written or belongs to another study
+    AircraftError, PropertyError
+        before the work begins: unknown aircraft, property, tank or point mass
+    """
+    require("pandas")
+    require("joblib")
+    require("tqdm")
+    import pandas as pd
+
+    points = expand("grid", grid)
+    conditions = trim_conditions(points)
+    outputs = _names(outputs)
+    chunk = whole("chunk", chunk, low=1)
+    _try_out(aircraft, root, conditions, outputs)
+    title = f"trim_sweep {aircraft}, {len(points)} points"
+    job = {"aircraft": aircraft, "root": root, "outputs": outputs, "chunk": chunk,
+           "conditions": [as_dict(condition) for condition in conditions],
+           "jsbsim": importlib.metadata.version("jsbsim")}
+    rows = run_parts(
+        partial(_trim_points, aircraft, root, tuple(outputs)), _chunks(conditions, chunk),
+        died={"trimmed": False, "reason": WORKER_DIED},
+        describe=lambda condition: f"{aircraft}: {condition}",
+        title=title, job=job, jobs=jobs, resume=resume, progress=progress)
+    found = [column(name, unit) for name, unit in _FOUND.items()] + outputs
+    return pd.concat([
+        pd.DataFrame(requested(conditions, points)),
+        pd.DataFrame(rows, columns=["trimmed", "reason"]),
+        pd.DataFrame([[row.get(name) for name in found] for row in rows], columns=found,
+                     dtype=float),
+    ], axis=1)
+
+
+def _names(outputs: Sequence[str]) -> list[str]:
+    if isinstance(outputs, str) or not isinstance(outputs, Sequence):
+        raise ParameterError(f"outputs must be a list of property names, not {outputs!r}",
+                             parameter="outputs", value=outputs)
+    return list(dict.fromkeys(outputs))
+
+
+def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:
+    """The conditions in order, cut so that each chunk can be trimmed on one aircraft."""
+    chunks: list[list[TrimCondition]] = []
+    before = None
+    for condition in conditions:
+        now = (structure(condition), condition.empty_cg_x)
+        if now != before or len(chunks[-1]) == size:
+            chunks.append([])
+        chunks[-1].append(condition)
+        before = now
+    return chunks
+
+
+def _try_out(aircraft: str, root: str | None, conditions: list[TrimCondition],
+             outputs: list[str]) -> None:
+    """Trim one point of each structure, so that what cannot work fails before the work begins."""
+    for condition in {structure(condition): condition for condition in conditions}.values():
+        airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
+        for name in outputs:
+            airframe.reader(name)
+        with contextlib.suppress(TrimError):
+            trim(airframe, condition)
+
+
+def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
+                 conditions: list[TrimCondition]) -> list[dict[str, Any]]:
+    airframe = Airframe(aircraft, root=root, empty_cg_x=conditions[0].empty_cg_x)
+    readers = {name: airframe.reader(name) for name in outputs}
+    rows: list[dict[str, Any]] = []
+    for condition in conditions:
+        try:
+            state = trim(airframe, condition)
+        except TrimError as error:
+            rows.append({"trimmed": False, "reason": error.reason})
+        else:
+            rows.append({"trimmed": True, "reason": "", **_found(state),
+                         **{name: read() for name, read in readers.items()}})
+    return rows
+
+
+def _found(state: TrimState) -> dict[str, float | None]:
+    values = {name: getattr(state, name) for name in _FOUND}
+    values["throttle"] = state.throttle[0] if state.throttle else None
+    return {column(name, _FOUND[name]): value for name, value in values.items()}

@@ -1,0 +1,175 @@
+"""Run the parts of a study on all cores or on a cluster, and survive what kills a worker.
+
+Work goes through joblib: to local processes, or under ``joblib.parallel_config("dask")`` to the
+cluster of that context. A study is cut into parts by its points alone, so that its table does not
+depend on who computed what.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import Any
+
+from ..checks import whole
+from ..errors import MissingExtraError, ParameterError
+from .journal import Journal
+
+Row = dict[str, Any]
+Part = list[Any]
+Work = Callable[[Part], list[Row]]
+
+WORKER_DIED = "worker died"
+
+# what a part yields whose worker did not come back
+_DIED = object()
+
+
+def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[Any], str],
+              title: str, job: Any, jobs: int, resume: str | Path | None,
+              progress: bool) -> list[Row]:
+    """Rows of all points, in the order of the points.
+
+    Parameters
+    ----------
+    work : callable
+        computes the rows of one part; it must not raise for a point that merely fails
+    parts : list of lists
+        the points of each part, which one worker computes in their order
+    died : dict
+        the row of a point that kills its worker
+    describe : callable
+        a point in words, for messages
+    title, job
+        the study in words, and all its results depend on (see `Journal`)
+    jobs : int
+        worker processes; -1 for all cores. Not used on a cluster
+    resume : path, optional
+        file that keeps finished parts
+    progress : bool
+        show a progress bar on stderr
+    """
+    jobs = _count(jobs)
+    journal = Journal(resume, title, job) if resume is not None else None
+    try:
+        return _run(work, parts, died, describe, journal, jobs,
+                    _bar(title, parts, journal.finished if journal else {}, progress))
+    finally:
+        if journal:
+            journal.close()
+
+
+def require(package: str) -> None:
+    """MissingExtraError unless a package of the extra ``studies`` is installed."""
+    from importlib.util import find_spec
+
+    if find_spec(package) is None:
+        raise MissingExtraError(package, "studies")
+
+
+def _count(jobs: int) -> int:
+    if jobs == -1:
+        return -1
+    try:
+        return whole("jobs", jobs, low=1)
+    except ParameterError as error:
+        raise ParameterError(f"{error} (-1: all cores)", parameter="jobs", value=jobs) from None
+
+
+def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress: bool) -> Any:
+    from tqdm import tqdm
+
+    return tqdm(total=sum(map(len, parts)), initial=sum(map(len, finished.values())),
+                desc=title, unit="point", disable=not progress)
+
+
+def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str],
+         journal: Journal | None, jobs: int, bar: Any) -> list[Row]:
+    rows: dict[int, list[Row]] = dict(journal.finished) if journal else {}
+
+    def keep(index: int, result: list[Row]) -> None:
+        rows[index] = result
+        if journal:
+            journal.add(index, result)
+        bar.update(len(result))
+
+    with bar:
+        while pending := [i for i in range(len(parts)) if i not in rows]:
+            suspects = []
+            # a single part gains nothing from a second process
+            for index, result in _results(work, parts, pending, 1 if len(parts) == 1 else jobs):
+                if result is _DIED:
+                    suspects.append(index)
+                else:
+                    keep(index, result)
+            if suspects:
+                n = sum(len(parts[i]) for i in suspects)
+                warnings.warn(
+                    f"a worker process died while {n} points were under way, from "
+                    f"{describe(parts[suspects[0]][0])} to {describe(parts[suspects[-1]][-1])}; "
+                    "they are computed again one part at a time", RuntimeWarning, stacklevel=4)
+            for index in suspects:
+                keep(index, _alone(work, parts[index], died, describe))
+    return [row for index in range(len(parts)) for row in rows[index]]
+
+
+def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) -> list[Row]:
+    """Rows of a part computed with nothing beside it, to find the point that kills its worker."""
+    [(_, result)] = _results(work, [part], [0], 2)
+    if result is not _DIED:
+        return result
+    if len(part) == 1:
+        warnings.warn(f"{WORKER_DIED} at {describe(part[0])}", RuntimeWarning, stacklevel=5)
+        return [died]
+    return [row for point in part for row in _alone(work, [point], died, describe)]
+
+
+def _results(work: Work, parts: list[Part], pending: list[int],
+             jobs: int) -> Iterator[tuple[int, Any]]:
+    """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
+    import joblib
+    from joblib.parallel import get_active_backend
+
+    backend, _ = get_active_backend()
+    if hasattr(backend, "client"):
+        # joblib waits for ever for a task whose Dask workers died, so it is asked only where to run
+        yield from _on_dask(backend.client, work, parts, pending)
+        return
+    under_way: list[int] = []
+
+    def tasks() -> Iterator[Any]:
+        for index in pending:
+            under_way.append(index)
+            yield joblib.delayed(_indexed)(work, index, parts[index])
+
+    parallel = joblib.Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
+    try:
+        for index, rows in parallel(tasks()):
+            under_way.remove(index)
+            yield index, rows
+    except BrokenProcessPool:
+        yield from ((index, _DIED) for index in under_way)
+
+
+def _indexed(work: Work, index: int, part: Part) -> tuple[int, list[Row]]:
+    return index, work(part)
+
+
+def _on_dask(client: Any, work: Work, parts: list[Part],
+             pending: list[int]) -> Iterator[tuple[int, Any]]:
+    from distributed import KilledWorker, as_completed
+
+    futures = {client.submit(work, parts[index], pure=False): index for index in pending}
+    try:
+        for future in as_completed(list(futures)):
+            error = future.exception()
+            if error is None:
+                yield futures[future], future.result()
+            elif isinstance(error, KilledWorker):
+                yield futures[future], _DIED
+            else:
+                raise error
+    finally:
+        client.cancel(list(futures))

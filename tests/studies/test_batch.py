@@ -1,0 +1,151 @@
+"""Batches of whole diagrams."""
+
+import math
+import random
+
+import numpy as np
+import pandas as pd
+import plain_jsbsim
+import pytest
+
+from pathsim_jsbsim_blocks import Aircraft, FlightError, ParameterError, TrimCondition
+from pathsim_jsbsim_blocks.studies import batch, run_batch
+
+
+def quiet(*args, **options):
+    return run_batch(*args, **{"jobs": 1, "progress": False, **options})
+
+
+def pull(elevator, fuel):
+    """Pitch angle of a c172p 2 s after its elevator moved."""
+    from pathsim import Connection, Simulation
+    from pathsim.blocks import Constant
+
+    from pathsim_jsbsim_blocks import Aircraft, TrimCondition
+
+    step = Constant(elevator)
+    aircraft = Aircraft("c172p", condition=TrimCondition(speed=90, fuel=[fuel, fuel]))
+    sim = Simulation([step, aircraft], [Connection(step, aircraft["elevator"])], dt=1 / 120,
+                     log=False)
+    sim.run(2.0)
+    return {"pitch_deg": aircraft["theta"].get_outputs()[0], "alpha_trim_deg": aircraft.trim.alpha}
+
+
+def noise(gain, seed=None):
+    return {"draw": gain * random.random(), "numpy": np.random.rand(), "mine": seed}  # noqa: NPY002
+
+
+def test_a_diagram_is_flown_for_every_case():
+    table = quiet(pull, {"elevator": [-0.1, 0.1], "fuel": [40.0, 120.0]})
+    assert table.columns.tolist() == ["elevator", "fuel", "seed", "completed", "reason",
+                                      "pitch_deg", "alpha_trim_deg"]
+    assert table.completed.all()
+    for row in table.itertuples():
+        fdm = plain_jsbsim.trimmed("c172p", 5000.0, 90.0, setup={
+            f"propulsion/tank[{i}]/contents-lbs": row.fuel for i in (0, 1)})
+        elevator = fdm["fcs/elevator-cmd-norm"] + row.elevator
+        pitch = plain_jsbsim.fly(fdm, ["fcs/elevator-cmd-norm"], [[elevator]] * 240,
+                                 ["attitude/theta-deg"])[-1, 0]
+        # the plain loop's trim differs by rounding
+        assert row.pitch_deg == pytest.approx(pitch, abs=1e-6)
+
+
+def test_the_number_of_workers_does_not_change_a_bit():
+    cases = {"gain": [1.0, 2.0, 3.0]}
+    pd.testing.assert_frame_equal(quiet(noise, cases), quiet(noise, cases, jobs=2),
+                                  check_exact=True)
+
+
+def test_seeds_are_recorded_and_reproduce_a_case():
+    table = quiet(noise, {"gain": [1.0, 1.0, 1.0]}, seed=7)
+    assert table.seed.nunique() == 3
+    assert table.draw.nunique() == 3
+    assert table.numpy.nunique() == 3
+    assert table.mine.tolist() == table.seed.tolist()
+    again = quiet(noise, [{"gain": 1.0, "seed": int(table.seed[1])}])
+    assert again.draw[0] == table.draw[1]
+    assert again.numpy[0] == table.numpy[1]
+    assert quiet(noise, {"gain": [1.0] * 3}, seed=8).seed.tolist() != table.seed.tolist()
+
+
+def test_the_generators_of_the_caller_are_left_alone():
+    random.seed(1)
+    expected = random.random()
+    random.seed(1)
+    quiet(noise, {"gain": [1.0]})
+    assert random.random() == expected
+
+
+def test_a_case_that_fails_says_why_and_the_others_go_on():
+    def build(speed):
+        if speed == 300:
+            raise FlightError("state is nan", aircraft="c172p", time=1.0, name="x", value=math.nan)
+        aircraft = Aircraft("c172p", condition=TrimCondition(speed=speed))
+        return {"alpha_deg": aircraft.trim.alpha}
+
+    table = quiet(build, {"speed": [90, 20, 300, 100]})
+    assert table.completed.tolist() == [True, False, False, True]
+    assert table.reason[1].startswith("TrimError: aircraft 'c172p' does not trim at")
+    assert table.reason[2] == "FlightError: state is nan"
+    assert table.alpha_deg.isna().tolist() == [False, True, True, False]
+
+
+@pytest.mark.parametrize(("result", "message"), [
+    (3.0, "must return a dict"),
+    ({"gain": 1.0}, "is a column of the cases"),
+    ({"x": object()}, "must be a number, text"),
+])
+def test_a_result_that_is_no_row_is_the_reason(result, message):
+    table = quiet(lambda gain: result, {"gain": [1.0]})
+    assert not table.completed[0]
+    assert message in table.reason[0]
+
+
+def test_a_case_that_kills_its_worker_is_named():
+    def build(x):
+        import os
+        import signal
+
+        if x == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return {"y": x}
+
+    with pytest.warns(RuntimeWarning, match="worker died at x=2, seed="):
+        table = quiet(build, {"x": [1, 2, 3]}, jobs=2)
+    assert table.completed.tolist() == [True, False, True]
+    assert table.reason[1] == "worker died"
+
+
+def test_a_batch_resumes_from_its_file(tmp_path):
+    path = tmp_path / "batch.jsonl"
+    table = quiet(noise, {"gain": [1.0, 2.0]}, resume=path)
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(lines[:2]))
+    pd.testing.assert_frame_equal(quiet(noise, {"gain": [1.0, 2.0]}, resume=path), table,
+                                  check_exact=True)
+    with pytest.raises(ParameterError, match="holds another study"):
+        quiet(noise, {"gain": [1.0, 3.0]}, resume=path)
+
+
+def test_a_build_function_that_holds_an_aircraft_is_refused():
+    aircraft = Aircraft("c172p")
+
+    def build(gain):
+        return {"theta": aircraft.outputs["theta"]}
+
+    with pytest.raises(ParameterError, match="build cannot be sent to other processes"):
+        quiet(build, {"gain": [1.0]})
+
+
+@pytest.mark.parametrize(("build", "cases", "message"), [
+    (noise, {}, "cases is empty"),
+    (noise, {"gan": [1.0]}, "case 0 has 'gan', which build does not take; did you mean 'gain'"),
+    (noise, [{"gain": 1.0}, {}], "case 1 has no 'gain'"),
+    (noise, {"gain": [math.nan]}, "must be finite"),
+    (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
+    ("noise", {"gain": [1.0]}, "build must be a function"),
+])
+def test_bad_input_is_refused_before_the_work_begins(monkeypatch, build, cases, message):
+    monkeypatch.setattr(batch, "run_parts", None)
+    with pytest.raises(ParameterError, match=message):
+        quiet(build, cases)

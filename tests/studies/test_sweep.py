@@ -1,0 +1,176 @@
+"""Trim maps: what they hold, that they leave nothing behind, and what they refuse."""
+
+import hashlib
+import math
+from pathlib import Path
+
+import jsbsim
+import numpy as np
+import pandas as pd
+import plain_jsbsim
+import pytest
+
+from pathsim_jsbsim_blocks import AircraftError, ParameterError, PropertyError
+from pathsim_jsbsim_blocks.studies import sweep, trim_sweep
+
+GRID = {"altitude": 15000, "alpha_min": -4, "alpha_max": 12, "speed": [120, 200, 300, 450],
+        "gamma": [-8, 0, 3]}
+
+UNITS = ("ft", "kcas", "fps", "deg", "norm", "lb", "rad", "fps2", "radps2", "in", "mach")
+
+
+def quiet(*args, **options):
+    return trim_sweep(*args, **{"jobs": 1, "progress": False, **options})
+
+
+def test_a_dict_of_axes_is_their_product_and_the_last_axis_is_the_fastest():
+    table = quiet("737", GRID)
+    assert table.requested_speed_kcas.tolist() == [v for v in (120, 200, 300, 450) for _ in "abc"]
+    assert table.requested_gamma_deg.tolist() == [-8, 0, 3] * 4
+    assert (table.requested_altitude_ft == 15000).all()
+
+
+def test_rows_are_taken_as_they_stand_from_a_list_or_a_table():
+    rows = [{"speed": 200.0, "gamma": 3.0}, {"speed": 300.0, "gamma": 0.0}]
+    table = quiet("737", rows)
+    assert table.requested_gamma_deg.tolist() == [3, 0]
+    pd.testing.assert_frame_equal(table, quiet("737", pd.DataFrame(rows)), check_exact=True)
+
+
+def test_every_number_has_its_unit_in_the_name_of_its_column():
+    table = quiet("737", GRID)
+    for name in table.select_dtypes("number").columns:
+        assert name.rpartition("_")[2] in UNITS, name
+    assert table.trimmed.dtype == bool
+
+
+def test_points_that_do_not_trim_say_why_and_hold_no_numbers():
+    table = quiet("737", GRID)
+    failed = table[~table.trimmed]
+    assert set(failed.reason) == {"alpha limit", "thrust", "no convergence"}
+    assert failed.loc[:, "altitude_ft":].isna().all(axis=None)
+    assert table[table.trimmed].loc[:, "altitude_ft":].notna().all(axis=None)
+
+
+def test_gear_fuel_and_wind_reach_the_aircraft():
+    gear = {"gear/gear-cmd-norm": 0.0, "gear/gear-pos-norm": 0.0}
+    fdm = plain_jsbsim.trimmed("737", 15000.0, 250.0, gamma=3.0, setup=gear)
+    [row] = quiet("737", {"altitude": 15000, "speed": 250, "gamma": 3, "gear": 0}).itertuples()
+    assert row.thrust_lb == pytest.approx(
+        sum(fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in (0, 1)), rel=1e-9)
+    assert row.alpha_deg == pytest.approx(fdm["aero/alpha-deg"], rel=1e-9)
+
+    fuel = {f"propulsion/tank[{i}]/contents-lbs": w for i, w in enumerate((50.0, 120.0))}
+    fdm = plain_jsbsim.trimmed("c172p", 5000.0, 90.0, setup=fuel)
+    [row] = quiet("c172p", {"speed": 90, "fuel": [[50, 120]]}).itertuples()
+    assert row.weight_lb == pytest.approx(fdm["inertia/weight-lbs"], rel=1e-9)
+    assert row.pitch_trim_norm == pytest.approx(fdm["fcs/pitch-trim-cmd-norm"], rel=1e-6)
+
+    # a tail wind from the south adds to the ground speed of an aircraft heading north
+    table = quiet("737", {"altitude": 15000, "speed": 250, "wind_north": [0, 50]},
+                  outputs=["velocities/vg-fps"])
+    assert table["velocities/vg-fps"].diff()[1] == pytest.approx(50, abs=0.5)
+
+
+def test_a_jsbsim_property_can_be_an_axis():
+    angle = "propulsion/engine[0]/pitch-angle-rad"
+    table = quiet("737", {"altitude": 15000, "speed": 300, angle: [0.0, 0.1]})
+    assert table[f"requested_{angle}"].tolist() == [0.0, 0.1]
+    assert table.alpha_deg[1] < table.alpha_deg[0]
+
+
+def test_what_one_point_sets_does_not_reach_the_next():
+    rows = [{"speed": 250}, {"speed": 250, "gear": 0}, {"speed": 250, "fuel": [1000, 1000, 1000]}]
+    forward, backward = quiet("737", rows), quiet("737", rows[::-1])[::-1]
+    assert forward.thrust_lb.tolist() == backward.thrust_lb.tolist()
+    assert forward.thrust_lb.nunique() == 3
+
+
+def test_a_reused_aircraft_trims_like_a_fresh_one():
+    fresh, reused = quiet("737", GRID, chunk=1), quiet("737", GRID)
+    assert fresh.trimmed.tolist() == reused.trimmed.tolist()
+    # facts of JSBSim: 2e-13 in alpha
+    np.testing.assert_allclose(fresh.alpha_deg, reused.alpha_deg, rtol=1e-11)
+
+
+def test_the_number_of_workers_does_not_change_a_bit():
+    one, two, three = (quiet("737", GRID, chunk=3, jobs=jobs) for jobs in (1, 2, 3))
+    pd.testing.assert_frame_equal(one, two, check_exact=True)
+    pd.testing.assert_frame_equal(one, three, check_exact=True)
+
+
+def test_nothing_is_printed_but_the_progress_bar(capfd):
+    table = trim_sweep("737", {"speed": [60, 70, 80], "altitude": 15000}, jobs=1)
+    assert not table.trimmed.any()
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.split("\r")[-1].startswith("trim_sweep 737, 3 points: 100%")
+    assert "trimmable" not in err
+    quiet("737", {"speed": [60, 200]})
+    assert capfd.readouterr() == ("", "")
+
+
+def test_no_file_is_left_and_the_jsbsim_package_is_not_touched(tmp_path, monkeypatch):
+    def checksum():
+        digest = hashlib.sha256()
+        for path in sorted(Path(jsbsim.get_default_root_dir()).rglob("*")):
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
+        return digest.hexdigest()
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    before = checksum()
+    # this model writes a CSV file, and a moved CG needs a copy of it
+    quiet("global5000", {"altitude": 15000, "speed": [100, 250], "empty_cg_x": [760, 830]})
+    quiet("737", GRID)
+    assert checksum() == before
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("grid", "message"), [
+    ({}, "grid is empty"),
+    ([], "grid is empty"),
+    ({"speed": []}, "grid is empty: speed has no values"),
+    (None, "must be a dict of axes"),
+    ([1, 2], "one dict for each point"),
+    ({"sped": [200]}, "did you mean 'speed'"),
+    ({"speed": [200, math.nan]}, r"grid point 1: speed must be finite"),
+    ({"speed": [200, 0]}, r"grid point 1: speed must be greater than 0"),
+    ({"speed": [-1]}, "speed must be greater than 0"),
+    ({"speed": ["fast"]}, "speed must be a number"),
+    ({"speed": [200], "fuel": [[-1, 5]]}, r"fuel\[0\] must lie in"),
+    ({"speed": [200], "payload": [[-1]]}, r"payload\[0\] must lie in"),
+    ({"speed": [200], "fuel": [100, 200]}, "fuel must be a list or a dict of weights"),
+    ({"speed": [200], "mach": [0.5]}, "both mach and speed"),
+    ({"speed": [200], "mode": ["hover"]}, "mode must be one of"),
+    ({"speed": [object()]}, "must be a number, text"),
+    ({"speed": [200], "gear/gear-cmd-norm": ["up"]}, "gear/gear-cmd-norm must be a number"),
+    (pd.DataFrame({"speed": [200.0, math.nan]}), "grid point 1: speed must be finite"),
+])
+def test_a_bad_grid_is_refused_before_the_work_begins(monkeypatch, grid, message):
+    monkeypatch.setattr(sweep, "run_parts", None)
+    with pytest.raises(ParameterError, match=message):
+        quiet("737", grid)
+
+
+@pytest.mark.parametrize(("aircraft", "grid", "options", "error", "message"), [
+    ("73", {"speed": [200]}, {}, AircraftError, "did you mean '737'"),
+    ("737", {"gear/gear-cmd-nrm": [1]}, {}, PropertyError, "gear/gear-cmd-norm"),
+    ("737", {"fuel": [[1, 1, 1, 1, 1, 1, 1]]}, {}, PropertyError, r"tank\[6\]"),
+    ("737", {"speed": [200]}, {"outputs": ["aero/alfa-deg"]}, PropertyError, "aero/alpha-deg"),
+    ("737", {"speed": [200]}, {"outputs": "aero/alpha-deg"}, ParameterError, "must be a list"),
+    ("737", {"speed": [200]}, {"chunk": 0}, ParameterError, "chunk"),
+])
+def test_bad_parameters_are_refused_before_the_work_begins(monkeypatch, aircraft, grid, options,
+                                                           error, message):
+    monkeypatch.setattr(sweep, "run_parts", None)
+    with pytest.raises(error, match=message):
+        quiet(aircraft, grid, **options)
+
+
+@pytest.mark.parametrize("jobs", [0, -2, 1.5, "all"])
+def test_a_bad_number_of_workers_is_refused(jobs):
+    with pytest.raises(ParameterError, match=r"jobs .*-1: all cores"):
+        quiet("737", {"speed": [200]}, jobs=jobs)

@@ -1,0 +1,180 @@
+"""Workers: what a kill leaves, what a dying worker says, and the same work on a Dask cluster."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from functools import partial
+
+import pandas as pd
+import pytest
+
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.studies import trim_sweep
+from pathsim_jsbsim_blocks.studies.workers import run_parts
+
+GRID = {"altitude": 15000, "speed": range(160, 460, 50), "gamma": range(-6, 6, 2)}
+
+run = partial(run_parts, describe="point {}".format, title="numbers", job="numbers", jobs=2,
+              resume=None, progress=False, died={"square": None})
+
+PARTS = [[1, 2], [3, 4, 5], [6], [7, 8]]
+
+
+def squares(part):
+    return [{"square": x * x} for x in part]
+
+
+def killer(x):
+    """Work that a worker does not survive at the point x."""
+    def work(part):
+        if x in part:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return [{"square": y * y} for y in part]
+
+    return work
+
+
+def test_rows_come_in_the_order_of_the_points():
+    assert run(squares, PARTS) == [{"square": x * x} for x in range(1, 9)]
+
+
+def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed():
+    with pytest.warns(RuntimeWarning) as said:
+        rows = run(killer(4), PARTS)
+    assert rows == [{"square": x * x if x != 4 else None} for x in range(1, 9)]
+    assert [str(w.message) for w in said][-1] == "worker died at point 4"
+
+
+def test_a_worker_killed_from_outside_costs_nothing(tmp_path):
+    marker = tmp_path / "killed"
+
+    def work(part):
+        if 4 in part and not marker.exists():
+            marker.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return [{"square": y * y} for y in part]
+
+    with pytest.warns(RuntimeWarning, match=r"died while \d points were under way, from point \d"):
+        rows = run(work, PARTS)
+    assert rows == [{"square": x * x} for x in range(1, 9)]
+
+
+KILLED_AGAIN_AND_AGAIN = """
+import os, random, signal, sys, time
+import pandas as pd
+from pathsim_jsbsim_blocks.studies import trim_sweep
+
+GRID = {"altitude": 15000, "speed": range(160, 460, 50), "gamma": range(-6, 6, 2)}
+
+def sweep(path=None):
+    return trim_sweep("737", GRID, chunk=3, jobs=1, resume=path, progress=False)
+
+start = time.perf_counter()
+whole = sweep()
+duration = time.perf_counter() - start
+random.seed(1)
+midway = 0
+for i in range(20):
+    path = os.path.join(sys.argv[1], f"{i}.jsonl")
+    child = os.fork()
+    if child == 0:
+        sweep(path)
+        os._exit(0)
+    time.sleep(random.uniform(0, duration))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    lines = open(path).read().count("\\n") if os.path.exists(path) else 0
+    midway += 1 < lines < 13
+    pd.testing.assert_frame_equal(sweep(path), whole, check_exact=True)
+    pd.testing.assert_frame_equal(sweep(path), whole, check_exact=True)
+print(midway)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_sweep_killed_at_a_random_moment_resumes_to_the_identical_table(tmp_path):
+    done = subprocess.run([sys.executable, "-c", KILLED_AGAIN_AND_AGAIN, str(tmp_path)], check=True,
+                          capture_output=True, text=True, timeout=300)
+    assert int(done.stdout) >= 5  # else the kills came too early or too late to test anything
+
+
+def test_a_resumed_sweep_does_not_repeat_what_is_finished(tmp_path, monkeypatch):
+    path = tmp_path / "squares.jsonl"
+    run(squares, PARTS, resume=path)
+    lines = path.read_text().splitlines()
+    assert [json.loads(line)["part"] for line in sorted(lines[1:])] == [0, 1, 2, 3]
+
+    path.write_text("\n".join(lines[:3]) + "\n" + lines[3][:20])  # cut off in the fourth line
+    computed = []
+    rows = run(lambda part: computed.append(part) or squares(part), PARTS, resume=path, jobs=1)
+    assert rows == [{"square": x * x} for x in range(1, 9)]
+    assert len(computed) == 2
+    assert sorted(path.read_text().splitlines()) == sorted(lines)
+
+
+def test_an_interrupted_sweep_keeps_what_is_finished(tmp_path):
+    path = tmp_path / "squares.jsonl"
+
+    def interrupted(part):
+        if 6 in part:
+            raise KeyboardInterrupt
+        return squares(part)
+
+    with pytest.raises(KeyboardInterrupt):
+        run(interrupted, PARTS, resume=path, jobs=1)
+    assert len(path.read_text().splitlines()) == 3
+    assert run(squares, PARTS, resume=path) == [{"square": x * x} for x in range(1, 9)]
+
+
+def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
+    path = tmp_path / "sweep.jsonl"
+    run(squares, PARTS, resume=path)
+    with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
+        run(squares, PARTS, resume=path, job="other numbers")
+    with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
+        trim_sweep("737", GRID, resume=path, progress=False)
+    notes = tmp_path / "notes.txt"
+    notes.write_text("my notes\n")
+    with pytest.raises(ParameterError, match="holds other data"):
+        run(squares, PARTS, resume=notes)
+    assert notes.read_text() == "my notes\n"
+
+
+@pytest.mark.parametrize("path", ["no/such/folder/sweep.jsonl", "."])
+def test_a_file_that_cannot_be_written_is_refused_before_the_work_begins(tmp_path, path):
+    def never(part):
+        raise AssertionError
+
+    with pytest.raises(ParameterError, match="cannot write"):
+        run(never, PARTS, resume=tmp_path / path, jobs=1)
+
+
+@pytest.fixture(scope="module")
+def dask_client():
+    if not os.environ.get("CI"):
+        pytest.importorskip("distributed", reason="Dask is not installed")
+    from distributed import Client, LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
+            Client(cluster) as client:
+        yield client
+
+
+def test_a_dask_cluster_gives_the_same_table(dask_client):
+    import joblib
+
+    local = trim_sweep("737", GRID, chunk=5, jobs=1, progress=False)
+    with joblib.parallel_config("dask"):
+        remote = trim_sweep("737", GRID, chunk=5, progress=False)
+    pd.testing.assert_frame_equal(local, remote, check_exact=True)
+
+
+def test_on_a_dask_cluster_a_point_that_kills_its_workers_is_named(dask_client):
+    import joblib
+
+    with joblib.parallel_config("dask"), pytest.warns(RuntimeWarning) as said:
+        rows = run(killer(4), PARTS)
+    assert rows == [{"square": x * x if x != 4 else None} for x in range(1, 9)]
+    assert "worker died at point 4" in [str(w.message) for w in said]

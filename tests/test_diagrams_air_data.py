@@ -1,0 +1,115 @@
+"""The diagrams isa_profile and constant_cas_climb against printed answers and the table."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import find_diagram, load_diagram
+
+
+@pytest.fixture(scope="module")
+def profile():
+    diagram = load_diagram("isa_profile")
+    assert diagram.sim.time == 0.0
+    diagram.sim.run(diagram.DURATION)
+    return diagram
+
+
+@pytest.fixture(scope="module")
+def climb():
+    diagram = load_diagram("constant_cas_climb")
+    assert diagram.sim.time == 0.0
+    diagram.sim.run(diagram.DURATION)
+    return diagram
+
+
+def test_profile_passes_through_the_table(profile):
+    _, (height,) = profile.height.read()
+    _, air = profile.air.read()
+    assert (height[0], height[-1]) == (0.0, 80_000.0)
+    with (Path(__file__).parent / "data" / "isa_reference.csv").open() as file:
+        rows = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    on_the_way = [row for row in rows if row[2] == 0.0 and row[0] in height]
+    assert len(on_the_way) >= 10
+    for h, _, _, temperature, pressure, density, speed_of_sound, viscosity in on_the_way:
+        recorded = air[:, np.flatnonzero(height == h)[0]]
+        # the table has twelve digits
+        assert recorded == pytest.approx(
+            [pressure, density, temperature, speed_of_sound, viscosity], rel=1e-11)
+
+
+def test_profile_prints_the_published_values(profile):
+    _, air = profile.air.read()
+    assert f"{air[0, 0]:.1f} Pa" == "101325.0 Pa"
+    assert f"{air[2, 0] - 273.15:.2f} °C" == "15.00 °C"
+    assert f"{air[3, 0]:.3f} m/s" == "340.294 m/s"
+
+
+def test_profile_layers_end_where_the_docstring_says(profile):
+    _, (height,) = profile.height.read()
+    _, air = profile.air.read()
+    for celsius, bottom, top in ((-56.5, 11.0, 20.1), (-2.5, 47.4, 51.4)):
+        isothermal = height[np.abs(air[2] - 273.15 - celsius) < 1e-9] / 1000
+        # sampled every 50 m
+        assert (isothermal[0], isothermal[-1]) == pytest.approx((bottom, top), abs=0.1)
+
+
+def test_climb_holds_cas_then_mach(climb):
+    _, (feet,) = climb.height.read()
+    _, (tas, cas, eas) = climb.airspeeds.read()
+    _, (mach,) = climb.machs.read()
+    assert feet[-1] == pytest.approx(45_000.0, abs=1e-6)
+    # BADA's transition altitude gives 32,259.7 ft geopotential, 32,309.7 ft of height
+    below, above = feet < 32_309.0, feet > 32_310.5
+    np.testing.assert_allclose(cas[below], 250.0, rtol=1e-14)
+    np.testing.assert_allclose(mach[above], 0.70, rtol=1e-14)
+    assert np.all(mach[below] < 0.70)
+    assert np.all(cas[above] < 250.0)
+    assert np.all(eas[1:] < cas[1:])
+    # 0.70 a(216.65 K) = 0.70 * 295.0695 m/s, with ICAO's six digits
+    np.testing.assert_allclose(tas[feet > 36_160.0], 0.70 * 295.069 * 3600 / 1852, rtol=3e-6)
+
+
+def test_climb_at_10_000_ft(climb):
+    _, (feet,) = climb.height.read()
+    _, (tas, _, _) = climb.airspeeds.read()
+    _, (mach,) = climb.machs.read()
+    i = np.flatnonzero(np.abs(feet - 10_000.0) < 1e-6)[0]
+    # printed with the gas constant of 1976: 4e-6
+    assert mach[i] == pytest.approx(0.452236, rel=4e-6)
+    assert tas[i] == pytest.approx(288.682, rel=4e-6)
+
+
+@pytest.mark.parametrize("name", ["isa_profile", "constant_cas_climb"])
+def test_script_runs_anywhere_without_a_display(name, tmp_path):
+    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment["MPLBACKEND"] = "agg"
+    done = subprocess.run([sys.executable, find_diagram(name)], cwd=tmp_path, env=environment,
+                          capture_output=True, text=True, check=True)
+    assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert done.stderr == ""
+    lines = {line.split()[0]: line.split() for line in done.stdout.splitlines()}
+    if name == "constant_cas_climb":
+        assert "crossover altitude 32310 ft" in done.stdout
+        # 241.4 is EAS to TAS; CAS to TAS at 40,000 ft is 237.3
+        assert lines["40,000"][2] == "237.3"
+        assert "241.4" not in done.stdout
+    else:
+        assert lines["80"][2:4] == ["1.05", "Pa"]
+        assert (tmp_path / "isa_profile_troposphere.png").exists()
+
+
+def test_figures(profile, climb):
+    import matplotlib.pyplot as plt
+
+    figures = profile.figure(), profile.figure_troposphere(), climb.figure()
+    assert [len(figure.axes) for figure in figures] == [4, 4, 2]
+    whole, lowest = (figure.axes[2].lines[0].get_ydata()[-1] for figure in figures[:2])
+    assert (whole, lowest) == (80.0, 11.0)
+    for figure in figures:
+        plt.close(figure)

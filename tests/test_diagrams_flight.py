@@ -1,0 +1,99 @@
+"""The introductory flight diagrams against plain JSBSim loops.
+
+The tables in tests/data/studies carry 12 digits, so rtol 1e-11 is their rounding; the atol of 1e-9
+covers values that are zero but for rounding.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.plots import signal
+
+DATA = Path(__file__).parent / "data" / "studies"
+
+
+def table(name):
+    with (DATA / name).open() as file:
+        rows = list(csv.DictReader(file))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+def flown(name):
+    module = load_diagram(name)
+    module.sim.run(module.DURATION)
+    return module
+
+
+def at(time, values, wanted):
+    k = np.round(wanted * 120).astype(int)
+    assert np.abs(time[k] - wanted).max() < 1e-9
+    return values[k]
+
+
+def close(values, expected):
+    np.testing.assert_allclose(values, expected, rtol=1e-11, atol=1e-9)
+
+
+def test_hello_jsbsim():
+    module = flown("hello_jsbsim")
+    with (DATA / "01_hello_world.csv").open() as file:
+        expected = {(r["when"], r["property"]): float(r["value"]) for r in csv.DictReader(file)}
+    trim = module.aircraft.trim
+    close(trim.throttle[0], expected["trim", "fcs/throttle-cmd-norm[0]"])
+    close(trim.pitch_trim, expected["trim", "fcs/pitch-trim-cmd-norm"])
+    close(trim.alpha, expected["trim", "aero/alpha-deg"])
+    for label, name in (("altitude", "position/h-sl-ft"), ("true airspeed", "velocities/vt-fps"),
+                        ("pitch angle", "attitude/theta-deg"), ("roll angle", "attitude/phi-deg"),
+                        ("heading", "attitude/psi-deg")):
+        close(signal(module.scope, label)[1][-1], expected["t=1s", name])
+
+
+def test_elevator_doublet():
+    module = flown("elevator_doublet")
+    expected = table("04_elevator_doublet.csv")
+    time, command = signal(module.scope, "elevator command")
+    _, alpha = signal(module.scope, "angle of attack")
+    t = expected["t_s"]
+    # the table shows the property after the step that ended at t, so the input of that step
+    close(at(time, command, t[1:] - 1 / 120), 100 * expected["fcs/elevator-cmd-norm"][1:])
+    close(at(time, alpha, t), expected["aero/alpha-deg"])
+
+
+def test_trimmed_flight():
+    module = flown("trimmed_flight")
+    expected = table("02_trimmed_flight.csv")
+    t = expected["t_s"]
+    for scope, label, name in (
+            ("flight", "altitude", "position/h-sl-ft"),
+            ("flight", "calibrated airspeed", "velocities/vc-kts"),
+            ("attitude", "angle of attack", "aero/alpha-deg"),
+            ("attitude", "pitch angle", "attitude/theta-deg"),
+            ("attitude", "roll angle", "attitude/phi-deg"),
+            ("heading", "heading", "attitude/psi-deg"),
+            ("load", "load factor nx", "accelerations/Nx"),
+            ("load", "load factor nz", "accelerations/Nz"),
+            ("track", "latitude", "position/lat-geod-deg"),
+            ("track", "longitude", "position/long-gc-deg")):
+        time, values = signal(getattr(module, scope), label)
+        close(at(time, values, t), expected[name])
+
+
+def test_aileron_turn_is_no_ten_degree_turn():
+    module = flown("aileron_turn")
+    expected = table("02_aileron_turn.csv")
+    t = expected["t_s"]
+    for scope, label, name in (
+            ("scope", "roll angle", "attitude/phi-deg"), ("scope", "heading", "attitude/psi-deg"),
+            ("scope", "altitude", "position/h-sl-ft"), ("flow", "angle of attack",
+                                                        "aero/alpha-deg"),
+            ("flow", "sideslip angle", "aero/beta-deg")):
+        time, values = signal(getattr(module, scope), label)
+        close(at(time, values, t), expected[name])
+    time, phi = signal(module.scope, "roll angle")
+    assert at(time, phi, np.array([5.0]))[0] == pytest.approx(-56.8, abs=0.05)
+    _, psi = signal(module.scope, "heading")
+    assert np.unwrap(psi, period=360.0)[-1] - 90.0 == pytest.approx(-286, abs=1.0)

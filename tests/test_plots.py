@@ -1,0 +1,89 @@
+"""Figures: the right curves in the right panels, and what `show` does without a display."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.plots import (
+    ground_track,
+    phase_portrait,
+    saving_to,
+    show,
+    signal,
+    time_histories,
+)
+
+
+@pytest.fixture(autouse=True)
+def _close_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture
+def scope():
+    scope = Scope(labels=["height [ft]", "pitch [deg]", "heading [deg]", "plain"])
+    sources = [Source(lambda t: 100 + t), Source(lambda t: 2 * t),
+               Source(lambda t: (350 + 10 * t) % 360), Source(lambda t: -t)]
+    sim = Simulation([*sources, scope],
+                     [Connection(s, scope[i]) for i, s in enumerate(sources)], dt=0.1, log=False)
+    sim.run(3.0)
+    return scope
+
+
+def test_one_panel_for_each_unit(scope):
+    figure = time_histories(scope, title="a flight")
+    height, angles, plain = figure.axes
+    assert height.get_ylabel() == "height\n[ft]"
+    assert angles.get_ylabel() == "[deg]"
+    assert [t.get_text() for t in angles.get_legend().get_texts()] == ["pitch", "heading"]
+    assert plain.get_ylabel() == "plain"
+    assert plain.get_xlabel() == "time [s]"
+    assert figure.get_suptitle() == "a flight"
+    assert height.get_lines()[0].get_ydata()[-1] == pytest.approx(103.0)
+    # an angle that wraps round leaves a gap, not a line across the panel
+    assert np.isnan(angles.get_lines()[1].get_ydata()).sum() == 1
+
+
+def test_signal_by_its_label(scope):
+    time, pitch = signal(scope, "pitch")
+    assert pitch == pytest.approx(2 * time)
+    assert np.array_equal(signal(scope, "pitch [deg]")[1], pitch)
+    with pytest.raises(ParameterError, match="did you mean 'pitch'"):
+        signal(scope, "pich")
+
+
+def test_an_empty_scope_is_refused():
+    with pytest.raises(ParameterError, match="run the simulation first"):
+        time_histories(Scope())
+
+
+def test_ground_track_is_in_nautical_miles():
+    time = np.linspace(0, 10, 11)
+    figure = ground_track(time, 60.0 + time / 60, 10.0 + time / 60)
+    track = figure.axes[0].collections[0]
+    end = track.get_segments()[-1][-1]
+    # 10 minutes of latitude are 10 NM; at 60 deg north a minute of longitude is half as long
+    assert end == pytest.approx([5.0, 10.0])
+    assert np.array_equal(track.get_array(), time[:-1])
+
+
+def test_phase_portrait_shows_one_over_the_other():
+    figure = phase_portrait(np.array([1.0, 2.0]), np.array([3.0, 4.0]), ("x", "y"))
+    ax = figure.axes[0]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x", "y")
+    assert ax.get_lines()[0].get_xydata().tolist() == [[1.0, 3.0], [2.0, 4.0]]
+
+
+def test_show_writes_a_file_where_there_is_no_display(scope, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    plt.switch_backend("agg")
+    show(time_histories(scope), "flight")
+    assert (tmp_path / "flight.png").read_bytes().startswith(b"\x89PNG")
+    assert capsys.readouterr().out == "figure saved: flight.png\n"
+    with saving_to(tmp_path / "b.png"):
+        show(time_histories(scope), "flight")
+    assert (tmp_path / "b.png").exists()

@@ -1,0 +1,155 @@
+"""Test inputs: shape, edges in adaptive runs, editing while running, bad input."""
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Integrator, Scope, StepSource
+from pathsim.solvers import RKBS32, RKCK54
+
+from pathsim_jsbsim_blocks import DoubletSource, MultistepSource, ParameterError, RampSource
+
+SOURCES = {
+    "doublet": (lambda: DoubletSource(amplitude=2.0, start=0.5, width=0.7),
+                [0.5, 1.2, 1.9]),
+    "doublet with gap": (lambda: DoubletSource(start=0.5, width=0.7, gap=0.31, polarity=-1),
+                         [0.5, 1.2, 1.51, 2.21]),
+    "3-2-1-1": (lambda: MultistepSource(start=0.25, step=0.3), [0.25, 1.15, 1.75, 2.05, 2.35]),
+    "ramp": (lambda: RampSource(final=3.0, start=0.4, rise_time=1.1), [0.4, 1.5]),
+    "ramp with hold": (lambda: RampSource(start=0.4, rise_time=1.1, hold=0.6), [0.4, 1.5, 2.1]),
+}
+
+
+def record(source, duration=3.0, **options):
+    scope = Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)],
+                     **{"dt": 0.01, "log": False, **options})
+    sim.run(duration)
+    time, data = scope.read()
+    return time, data[0]
+
+
+def test_doublet_has_its_shape():
+    time, y = record(DoubletSource(amplitude=0.1, start=1.0, width=0.5, gap=0.25, polarity=-1))
+    inside = [(0.2, 0.0), (1.25, -0.1), (1.6, 0.0), (2.0, 0.1), (2.5, 0.0)]
+    for t, expected in inside:
+        assert y[abs(time - t).argmin()] == expected
+    # equal areas of both pulses: the net impulse is zero
+    assert abs(np.sum(y)) < 1e-12
+    assert np.sum(abs(y)) * 0.01 == pytest.approx(0.1, abs=1e-12)
+
+
+def test_doublet_without_gap_goes_straight_over():
+    time, y = record(DoubletSource(amplitude=1.0, start=1.0, width=0.5))
+    assert set(y) == {0.0, 1.0, -1.0}
+    assert y[abs(time - 1.49).argmin()] == 1.0
+    assert y[abs(time - 1.5).argmin()] == -1.0
+
+
+def test_multistep_is_a_3211_by_default():
+    time, y = record(MultistepSource(amplitude=0.5, start=0.0, step=0.2))
+    durations = [np.sum(y == v) * 0.01 for v in (0.5, -0.5)]
+    assert durations == pytest.approx([0.8, 0.6])
+    assert [y[abs(time - t).argmin()] for t in (0.3, 0.8, 1.1, 1.3, 1.5)] == [
+        0.5, -0.5, 0.5, -0.5, 0.0]
+
+
+def test_multistep_takes_any_widths_and_signs():
+    time, y = record(MultistepSource(amplitude=2.0, start=1.0, widths=[0.5, 0.25, 1.0],
+                                     signs=[-1, 0, 0.5]))
+    assert [y[abs(time - t).argmin()] for t in (0.5, 1.2, 1.6, 2.0, 2.9)] == [
+        0.0, -2.0, 0.0, 1.0, 0.0]
+
+
+def test_ramp_rises_straight_and_holds():
+    time, y = record(RampSource(final=-2.0, start=0.5, rise_time=1.5))
+    assert y == pytest.approx(-2.0 * np.clip((time - 0.5) / 1.5, 0.0, 1.0), abs=1e-12)
+
+
+def test_ramp_drops_after_its_hold():
+    time, y = record(RampSource(final=1.0, start=0.5, rise_time=0.5, hold=1.0))
+    assert y[abs(time - 1.99).argmin()] == 1.0
+    assert y[time > 2.005] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("solver", [RKBS32, RKCK54])
+@pytest.mark.parametrize("name", SOURCES)
+def test_adaptive_runs_land_on_every_edge(name, solver):
+    make, edges = SOURCES[name]
+    source, state, scope = make(), Integrator(0.0), Scope()
+    sim = Simulation([source, state, scope],
+                     [Connection(source, state, scope[0]), Connection(state, scope[1])],
+                     Solver=solver, dt=0.2, dt_max=0.5, log=False)
+    sim.run(3.0)
+    time, _ = scope.read()
+    assert [abs(time - edge).min() for edge in edges] == pytest.approx([0.0] * len(edges),
+                                                                       abs=1e-12)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_the_integral_is_exact_because_no_edge_is_missed(name):
+    # the area under the source, by a solver that would smear a missed edge over its step of 0.5 s
+    make, _ = SOURCES[name]
+    area = {"doublet": 0.0, "doublet with gap": 0.0, "3-2-1-1": 0.1 * 0.3,
+            "ramp": 3.0 * (0.55 + 1.5), "ramp with hold": 0.55 + 0.6}[name]
+    source, state = make(), Integrator(0.0)
+    sim = Simulation([source, state], [Connection(source, state)], Solver=RKCK54, dt=0.5,
+                     dt_max=0.5, log=False)
+    sim.run(3.0)
+    # the last stage before an edge is evaluated with the value after the edge only if it is missed
+    assert float(state.outputs[0]) == pytest.approx(area, abs=1e-9)
+
+
+def test_doublet_is_the_step_source_with_its_levels():
+    _, ours = record(DoubletSource(amplitude=0.1, start=1.0, width=0.5, gap=0.2))
+    _, theirs = record(StepSource(amplitude=[0.1, 0.0, -0.1, 0.0], tau=[1.0, 1.5, 1.7, 2.2]))
+    assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_reset_and_runs_in_pieces(name):
+    source, scope = SOURCES[name][0](), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
+    sim.run(3.0)
+    first = scope.read()[1]
+    sim.run(3.0, reset=True)
+    assert np.array_equal(scope.read()[1], first)
+    sim.reset()
+    for _ in range(3):
+        sim.run(1.0)
+    assert np.array_equal(scope.read()[1], first)
+
+
+def test_parameters_can_be_edited_while_it_runs():
+    source, scope = DoubletSource(amplitude=1.0, start=1.0, width=1.0), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
+    sim.run(1.5)
+    source.amplitude = 3.0
+    sim.run(2.0)
+    time, data = scope.read()
+    assert data[0][abs(time - 1.5).argmin()] == 1.0
+    assert data[0][abs(time - 2.5).argmin()] == -3.0
+
+
+@pytest.mark.parametrize(("make", "parameter"), [
+    (lambda: DoubletSource(amplitude="big"), "amplitude"),
+    (lambda: DoubletSource(width=0.0), "width"),
+    (lambda: DoubletSource(width=-1.0), "width"),
+    (lambda: DoubletSource(gap=-0.1), "gap"),
+    (lambda: DoubletSource(start=float("nan")), "start"),
+    (lambda: DoubletSource(start=-1.0), "start"),
+    (lambda: DoubletSource(polarity=0), "polarity"),
+    (lambda: DoubletSource(amplitude=True), "amplitude"),
+    (lambda: MultistepSource(widths=[1, 2], signs=[1]), "signs"),
+    (lambda: MultistepSource(widths=[], signs=[]), "signs"),
+    (lambda: MultistepSource(widths="321"), "widths"),
+    (lambda: MultistepSource(widths=[1, 0, 1, 1]), "widths[1]"),
+    (lambda: MultistepSource(step=float("inf")), "step"),
+    (lambda: RampSource(rise_time=0.0), "rise_time"),
+    (lambda: RampSource(final=None), "final"),
+    (lambda: RampSource(hold=-1.0), "hold"),
+])
+def test_bad_parameters_are_refused_by_name(make, parameter):
+    with pytest.raises(ParameterError) as error:
+        make()
+    assert error.value.parameter == parameter
+    assert parameter in str(error.value)

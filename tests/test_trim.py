@@ -1,0 +1,207 @@
+"""Trim: the published states, every mode and option, failures that say why."""
+
+import math
+import pickle
+
+import pytest
+from plain_jsbsim import trimmed
+
+from pathsim_jsbsim_blocks import ParameterError, PropertyError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.trim import trim
+
+
+def found(aircraft, setup=None, **condition):
+    return trim(Airframe(aircraft), TrimCondition(**condition), setup)
+
+
+def test_the_published_trim_of_the_global5000():
+    # a plain JSBSim loop (tests/data/studies/04_doublet_trim.csv) prints 12 digits
+    state = found("global5000", altitude=15000, speed=250, payload=[7586.0],
+                  fuel=[4048.815, 4048.815, 4048.815])
+    assert state.alpha == pytest.approx(4.31758372367, rel=1e-11)
+    assert state.elevator_rad == pytest.approx(-0.0517213350122, rel=1e-11)
+    assert state.elevator_norm == pytest.approx(-0.147775242892, rel=1e-11)
+    assert state.throttle == pytest.approx((0.772610011742, 0.772610011742), rel=1e-11)
+    assert state.weight == pytest.approx(67967.445, rel=1e-11)
+    assert state.cg_x == pytest.approx(790.81419356, rel=1e-11)
+
+
+def test_the_published_hello_world():
+    state = found("c172p", altitude=3000, speed=80, heading=45)
+    assert 100 * state.throttle[0] == pytest.approx(62.157, abs=5e-4)
+    assert 100 * state.pitch_trim == pytest.approx(5.2799, abs=5e-5)
+    assert state.alpha == pytest.approx(2.53, abs=5e-3)
+    assert state.psi == pytest.approx(45.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("aircraft", "altitude", "speed", "gamma"), [
+    ("c172p", 5000.0, 90.0, 0.0), ("737", 15000.0, 300.0, 3.0), ("A4", 1000.0, 300.0, 5.0),
+    ("f16", 10000.0, 350.0, 0.0)])
+def test_the_same_state_as_a_plain_trim(aircraft, altitude, speed, gamma):
+    state = found(aircraft, altitude=altitude, speed=speed, gamma=gamma)
+    fdm = trimmed(aircraft, altitude, speed, gamma=gamma)
+    assert state.alpha == fdm["aero/alpha-deg"]
+    assert state.throttle[0] == fdm["fcs/throttle-cmd-norm"]
+    assert state.pitch_trim == fdm["fcs/pitch-trim-cmd-norm"]
+    assert state.aileron == fdm["fcs/aileron-cmd-norm"]
+    # JSBSim's own tolerance: 1e-3 ft/s2 and 1e-4 rad/s2
+    assert max(abs(a) for a in (state.udot, state.vdot, state.wdot)) < 1e-3
+    assert max(abs(a) for a in (state.pdot, state.qdot, state.rdot)) < 1e-4
+
+
+def test_what_is_asked_for_is_what_comes_out():
+    state = found("737", altitude=30000, mach=0.8, gear=0, heading=123)
+    assert state.mach == pytest.approx(0.8, abs=1e-9)
+    assert state.altitude == pytest.approx(30000, abs=1e-6)
+    assert state.gamma == pytest.approx(0.0, abs=1e-6)
+    assert state.psi == pytest.approx(123, abs=1e-6)
+
+
+def test_gear_up_takes_less_thrust_than_gear_down():
+    up, down = (found("737", altitude=10000, speed=250, gear=gear) for gear in (0, 1))
+    assert up.throttle[0] < down.throttle[0] - 0.05
+
+
+def test_flaps_lower_the_angle_of_attack():
+    clean, flapped = (found("c172p", altitude=3000, speed=70, flaps=flaps) for flaps in (0, 0.5))
+    assert flapped.alpha < clean.alpha - 1.0
+
+
+def test_a_turn_holds_its_bank():
+    state = found("c172p", altitude=5000, speed=90, mode="turn", bank=20)
+    assert state.phi == pytest.approx(20.0, abs=1e-6)
+    level = found("c172p", altitude=5000, speed=90)
+    assert state.alpha > level.alpha + 0.1
+
+
+def test_a_pull_up_takes_more_alpha():
+    one, half_more = (found("c172p", altitude=5000, speed=90, mode="pull-up", load_factor=n)
+                      for n in (1.0001, 1.5))
+    # lift is nearly proportional to alpha above the zero-lift angle of about -4 deg
+    assert half_more.alpha - one.alpha > 1.5
+
+
+def test_ground_trim_stands_on_the_gear():
+    airframe = Airframe("c172p")
+    state = trim(airframe, TrimCondition(altitude=500, speed=0, mode="ground"))
+    assert airframe.fdm["gear/unit[0]/WOW"] == 1.0
+    assert airframe.fdm["gear/unit[1]/WOW"] == 1.0
+    assert state.altitude - 500 == pytest.approx(airframe.fdm["position/h-agl-ft"], abs=5e-3)
+    assert abs(state.wdot) < 1e-3
+
+
+def test_none_only_initialises():
+    state = found("c172p", altitude=5000, speed=90, mode="none")
+    assert state.throttle == (0.0,)
+    assert state.speed == pytest.approx(90)
+
+
+def test_longitudinal_trim_leaves_the_wings_alone():
+    state = found("737", altitude=15000, speed=250, mode="longitudinal")
+    assert state.aileron == 0.0
+    assert abs(state.wdot) < 1e-3
+
+
+@pytest.mark.parametrize(("heading", "north", "east"), [(0, -30, 0), (45, -20, 10), (270, 0, 25)])
+def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
+    airframe = Airframe("c172p")
+    state = trim(airframe, TrimCondition(altitude=5000, speed=90, heading=heading,
+                                         wind_north=north, wind_east=east))
+    still = found("c172p", altitude=5000, speed=90, heading=heading)
+    fdm = airframe.fdm
+    course = math.radians(heading)
+    for _ in range(2):
+        assert fdm["velocities/vc-kts"] == pytest.approx(90.0, abs=0.01)
+        assert fdm["atmosphere/total-wind-north-fps"] == pytest.approx(north, abs=1e-9)
+        assert fdm["atmosphere/total-wind-east-fps"] == pytest.approx(east, abs=1e-9)
+        # the aircraft's heading differs from its path through the air by a sideslip of 0.001 deg
+        assert fdm["velocities/v-north-fps"] == pytest.approx(
+            still.tas * math.cos(course) + north, abs=0.02)
+        assert fdm["velocities/v-east-fps"] == pytest.approx(
+            still.tas * math.sin(course) + east, abs=0.02)
+        for _ in range(600):
+            fdm.run()
+    assert state.alpha == pytest.approx(still.alpha, abs=0.01)
+    # and a trim in still air after it, with the same airframe, is not blown about
+    calm = trim(airframe, TrimCondition(altitude=5000, speed=90, heading=heading))
+    assert fdm["atmosphere/total-wind-north-fps"] == pytest.approx(0.0, abs=1e-9)
+    # 10 s of fuel lighter
+    assert calm.alpha == pytest.approx(still.alpha, abs=5e-3)
+
+
+def test_payload_and_fuel_move_the_weight():
+    light = found("c172p", altitude=5000, speed=90, payload={0: 0.0, 1: 0.0}, fuel=[50.0, 50.0])
+    heavy = found("c172p", altitude=5000, speed=90, payload={0: 180.0, 1: 180.0},
+                  fuel=[100.0, 100.0])
+    assert heavy.weight - light.weight == pytest.approx(460.0)
+
+
+def test_the_cg_really_moves_and_the_installed_model_stays():
+    x = empty_weight_cg("global5000")[0]
+    condition = {"altitude": 15000, "speed": 250}
+    here = trim(Airframe("global5000"), TrimCondition(**condition))
+    ahead = trim(Airframe("global5000", empty_cg_x=0.95 * x), TrimCondition(**condition))
+    assert here.cg_x - ahead.cg_x == pytest.approx(0.05 * x * 50300 / here.weight, rel=0.05)
+    # CG ahead: more nose-up elevator (negative is trailing edge up)
+    assert ahead.elevator_rad < here.elevator_rad - 0.01
+    assert empty_weight_cg("global5000")[0] == x
+
+
+@pytest.mark.parametrize(("aircraft", "condition", "reason", "text"), [
+    ("737", {"altitude": 15000, "speed": 120}, "alpha limit", "alpha ran to the end of"),
+    ("737", {"altitude": 15000, "speed": 450, "gamma": 9}, "thrust", "throttle"),
+    ("SGS", {"altitude": 5000, "speed": 60}, "thrust", "no engine"),
+])
+def test_a_failed_trim_says_why(aircraft, condition, reason, text):
+    condition = TrimCondition(**condition)
+    airframe = Airframe(aircraft)
+    with pytest.raises(TrimError, match=text) as error:
+        trim(airframe, condition)
+    assert error.value.reason == reason
+    assert error.value.condition is condition
+    assert error.value.aircraft == aircraft
+    assert set(error.value.residuals) == {"udot", "vdot", "wdot", "pdot", "qdot", "rdot"}
+    assert max(map(abs, error.value.residuals.values())) > 1e-3
+
+
+def test_after_a_failed_trim_the_airframe_is_usable():
+    airframe = Airframe("737")
+    with pytest.raises(TrimError):
+        trim(airframe, TrimCondition(altitude=15000, speed=120))
+    again = trim(airframe, TrimCondition(altitude=15000, speed=300))
+    fresh = found("737", altitude=15000, speed=300)
+    # the search starts from other controls, and stops within its tolerance
+    assert again.alpha == pytest.approx(fresh.alpha, abs=1e-5)
+
+
+def test_alpha_limits_count():
+    with pytest.raises(TrimError) as error:
+        found("737", altitude=15000, speed=200, alpha_min=-4, alpha_max=3)
+    assert "[-4, 3] deg" in str(error.value)
+
+
+@pytest.mark.parametrize(("values", "parameter"), [
+    ({"speed": -10}, "speed"), ({"speed": 0}, "speed"), ({"altitude": float("nan")}, "altitude"),
+    ({"mach": 0}, "mach"), ({"gamma": 100}, "gamma"), ({"mode": "level"}, "mode"),
+    ({"gear": 2}, "gear"), ({"bank": 30}, "bank"), ({"load_factor": 2}, "load_factor"),
+    ({"payload": [-1]}, "payload[0]"), ({"fuel": {"left": 3}}, "fuel index"),
+    ({"fuel": 100}, "fuel"), ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
+    ({"properties": ["a"]}, "properties"), ({"speed": "fast"}, "speed"),
+])
+def test_impossible_conditions_are_refused(values, parameter):
+    with pytest.raises(ParameterError) as error:
+        TrimCondition(**values)
+    assert error.value.parameter == parameter
+
+
+def test_missing_tanks_are_named():
+    with pytest.raises(PropertyError, match=r"tank\[7\]"):
+        found("c172p", fuel={7: 10})
+
+
+def test_conditions_can_be_sent_to_other_processes():
+    condition = TrimCondition(altitude=1000, speed=80, payload=[10.0], properties={"a/b": 1.0})
+    copy = pickle.loads(pickle.dumps(condition))
+    assert copy == condition
+    assert dict(copy.payload) == {0: 10.0}
