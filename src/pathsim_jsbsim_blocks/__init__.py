@@ -39,7 +39,8 @@ from .errors import (
 from .sources import DoubletSource, MultistepSource, RampSource
 
 if find_spec("jsbsim") is not None:
-    from .fdm import Aircraft, JSBSimFDM
+    from .aircraft import Aircraft
+    from .fdm import JSBSimFDM
     from .trim import TrimCondition, TrimState
 
 __version__ = "0.1.0"

@@ -1,16 +1,18 @@
-"""The aircraft blocks: `JSBSimFDM` with any property as a port, `Aircraft` with fixed, short ones."""
+"""`FlightBlock`, what all aircraft blocks share, and `JSBSimFDM`, with any property as a port."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
+import time
+from array import array
 from collections.abc import Mapping, Sequence
 from threading import get_ident
 from typing import Any
 
+import numpy as np
 from pathsim.utils.register import Register
 
-from .airframe import Airframe, capture_console
+from .airframe import Airframe, capture_console, log
 from .checks import did_you_mean, nearest, whole
 from .errors import FlightError, ParameterError, PropertyError
 from .sampling import SampledPlant
@@ -20,11 +22,15 @@ from .trim import TrimCondition, TrimState, trim
 _WATCHED = ("velocities/vt-fps", "position/h-sl-ft")
 
 
-class _FlightBlock(SampledPlant):
+class FlightBlock(SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
-    def __init__(self, T: float, substeps: int):
+    setup: Mapping[str, float] | None
+    properties: Mapping[str, float] | None
+
+    def __init__(self, T: float, substeps: int, record_inputs: bool):
         self.substeps = whole("substeps", substeps, low=1)
+        self.record_inputs = record_inputs
         super().__init__(T)
         self.airframe: Airframe
         self.trim: TrimState
@@ -49,17 +55,19 @@ class _FlightBlock(SampledPlant):
         """Read the outputs."""
         raise NotImplementedError
 
-    def _take_off(self, setup: Mapping[str, float] | None,
-                  properties: Mapping[str, float] | None) -> None:
+    def take_off(self) -> None:
+        """Load, initialise and trim a fresh aircraft and show its state."""
         self.airframe = self._airframe()
-        self.trim = trim(self.airframe, self._condition(), setup)
+        self.trim = trim(self.airframe, self._condition(), self.setup)
         self._speed, self._height = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
-        self.airframe.write(properties, "properties")
+        self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
         self._substeps = self.substeps
         self._n_inputs = len(self.inputs._mapping)
+        self._n_outputs = len(self.outputs._mapping)
         self._u: list[float] = []
+        self._flown = array("d")
         self.publish()
 
     @property
@@ -68,23 +76,24 @@ class _FlightBlock(SampledPlant):
         return self.airframe.fdm
 
     def __getitem__(self, key):
-        if isinstance(key, int) and key >= max(len(self.inputs), len(self.outputs)):
-            raise PropertyError(
-                f"{type(self).__name__} has {len(self.inputs)} inputs and {len(self.outputs)} "
-                f"outputs, no port {key}", aircraft=self.airframe.aircraft, name=str(key))
-        if isinstance(key, str):
-            ports = [*self.inputs._mapping, *self.outputs._mapping]
-            if key not in ports:
-                close = nearest(key, ports)
+        reference = super().__getitem__(key)
+        names = [*self.inputs._mapping, *self.outputs._mapping]
+        for port in reference.ports:
+            if isinstance(port, str) and port not in names:
+                close = nearest(port, names)
                 raise PropertyError(
-                    f"{type(self).__name__} has no port {key!r}" + did_you_mean(close),
-                    aircraft=self.airframe.aircraft, name=key, nearest=close)
-        return super().__getitem__(key)
+                    f"{type(self).__name__} has no port {port!r}" + did_you_mean(close),
+                    aircraft=self.airframe.aircraft, name=port, nearest=close)
+            if isinstance(port, int) and not 0 <= port < max(self._n_inputs, self._n_outputs):
+                raise PropertyError(
+                    f"{type(self).__name__} has {self._n_inputs} inputs and {self._n_outputs} "
+                    f"outputs, no port {port}", aircraft=self.airframe.aircraft, name=str(port))
+        return reference
 
     def reset(self) -> None:
         """Fly the same flight again: a fresh aircraft, loaded and trimmed as at first."""
         super().reset()
-        self._take_off(self.setup, self.properties)
+        self.take_off()
 
     def latch(self) -> None:
         u = self.inputs._data.tolist()
@@ -103,6 +112,8 @@ class _FlightBlock(SampledPlant):
             # a diagram may go on in another thread, where JSBSim's console is another one
             self._thread = get_ident()
             capture_console()
+        if self.record_inputs:
+            self._flown.extend(self._u)
         self._write(self._u)
         run = self.airframe.fdm.run
         for _ in range(self._substeps):
@@ -115,17 +126,70 @@ class _FlightBlock(SampledPlant):
                                 *((name, self.airframe.fdm[name]) for name in _WATCHED)]:
                 if not math.isfinite(value):
                     self._fail(name, value, "state")
-        self.outputs._data[:] = y
+        self.outputs._data[:self._n_outputs] = y
 
     def _fail(self, name: str, value: float, what: str) -> None:
-        # the last period flown ended at the instant before the next one
-        time = self.clock.next - (what == "input") * self.clock.period
+        # the last instant reached is the one before that waited for
+        t = self.clock.next - self.clock.period
         raise FlightError(
-            f"aircraft {self.airframe.aircraft!r}: {what} {name!r} is {value} at t = {time:.9g} s",
-            aircraft=self.airframe.aircraft, time=time, name=name, value=value)
+            f"aircraft {self.airframe.aircraft!r}: {what} {name!r} is {value} at t = {t:.9g} s",
+            aircraft=self.airframe.aircraft, time=t, name=name, value=value)
+
+    def _flight(self) -> str:
+        """What must be the same for a flight to be flown again."""
+        return (f"{self.airframe.aircraft} at {self.trim.condition}, T={self.clock.period!r}, "
+                f"substeps={self._substeps}, setup={self.setup}, properties={self.properties}")
+
+    def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
+        """Save the flight as the inputs flown: JSBSim's state itself cannot be saved.
+
+        Raises
+        ------
+        ParameterError
+            if the aircraft has flown and ``record_inputs`` is off
+        """
+        if self.samples and not self.record_inputs:
+            raise ParameterError(
+                f"the flight of {self.airframe.aircraft!r} cannot be saved: its inputs were not "
+                f"recorded. Build the block with record_inputs=True", parameter="record_inputs",
+                value=self.record_inputs)
+        json_data, npz_data = super().to_checkpoint(prefix, recordings)
+        json_data.update(flight=self._flight(), samples=self.samples, latched=self._latched)
+        npz_data[f"{prefix}/flown"] = np.array(self._flown)
+        npz_data[f"{prefix}/latched"] = np.array(self._u)
+        return json_data, npz_data
+
+    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
+        """Fly a saved flight again on a fresh aircraft, with the inputs recorded.
+
+        Raises
+        ------
+        ParameterError
+            if the checkpoint is of another flight, or flying it again ends elsewhere
+        """
+        super().load_checkpoint(prefix, json_data, npz)
+        if json_data["flight"] != self._flight():
+            raise ParameterError(
+                f"the checkpoint is of another flight: {json_data['flight']}; this block flies "
+                f"{self._flight()}", parameter="checkpoint", value=json_data["flight"])
+        start = time.perf_counter()
+        saved = self.outputs.to_array()
+        self.take_off()
+        samples = json_data["samples"]
+        for row in npz[f"{prefix}/flown"].reshape(samples, self._n_inputs).tolist():
+            self._u = row
+            self.advance()
+        self.publish()
+        self._flown = array("d", npz[f"{prefix}/flown"].tolist())
+        self._u, self._latched = npz[f"{prefix}/latched"].tolist(), json_data["latched"]
+        if not np.array_equal(self.outputs.to_array(), saved):
+            raise ParameterError(
+                "the recorded inputs lead to another state than the one saved: is it the same "
+                "version of jsbsim?", parameter="checkpoint", value=json_data["flight"])
+        log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)
 
 
-def _chosen(condition: TrimCondition | None, flat: Mapping[str, Any],
+def chosen_condition(condition: TrimCondition | None, flat: Mapping[str, Any],
             defaults: Mapping[str, Any]) -> TrimCondition | None:
     """Refuse a condition next to flat trim keywords that are not at their defaults."""
     if condition is None:
@@ -141,6 +205,11 @@ def _chosen(condition: TrimCondition | None, flat: Mapping[str, Any],
     return condition
 
 
+def defaults(block: type[FlightBlock]) -> dict[str, Any]:
+    """Default of each parameter of a block."""
+    return {name: p["default"] for name, p in block.info()["parameters"].items()}
+
+
 def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     if names is None:
         return []
@@ -154,7 +223,7 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     return list(names)
 
 
-class JSBSimFDM(_FlightBlock):
+class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
 
     The aircraft is trimmed when the block is built. At t = 0 the outputs are the trimmed state; at
@@ -198,6 +267,8 @@ class JSBSimFDM(_FlightBlock):
         JSBSim steps per sample period
     create : dict, optional
         properties that the model expects from its surroundings (FlightGear), with their values
+    record_inputs : bool
+        keep the inputs flown (8 bytes per input and sample), which checkpoints need
     allow_network, allow_files : bool
         let the model open sockets or write files that its XML asks for
 
@@ -232,8 +303,8 @@ class JSBSimFDM(_FlightBlock):
                  JSBSim_path=None, aircraft_model="737", trim_airspeed=200, trim_altitude=1000,
                  trim_gamma=0, trim_heading=0.0, trim_mode="full", gear=None, flaps=None,
                  condition=None, setup=None, properties=None, substeps=1, create=None,
-                 allow_network=False, allow_files=False):
-        super().__init__(T, substeps)
+                 record_inputs=False, allow_network=False, allow_files=False):
+        super().__init__(T, substeps, record_inputs)
         self.input_properties = _names("input_properties", input_properties)
         self.output_properties = _names("output_properties", output_properties)
         self.JSBSim_path = JSBSim_path
@@ -255,7 +326,7 @@ class JSBSimFDM(_FlightBlock):
                                {n: i for i, n in enumerate(self.input_properties)})
         self.outputs = Register(len(self.output_properties),
                                 {n: i for i, n in enumerate(self.output_properties)})
-        self._take_off(setup, properties)
+        self.take_off()
 
     def _airframe(self) -> Airframe:
         return Airframe(self.aircraft_model, self.T / self.substeps, root=self.JSBSim_path,
@@ -266,7 +337,7 @@ class JSBSimFDM(_FlightBlock):
         flat = {"trim_airspeed": self.trim_airspeed, "trim_altitude": self.trim_altitude,
                 "trim_gamma": self.trim_gamma, "trim_heading": self.trim_heading,
                 "trim_mode": self.trim_mode, "gear": self.gear, "flaps": self.flaps}
-        return _chosen(self.condition, flat, _FDM_DEFAULTS) or TrimCondition(
+        return chosen_condition(self.condition, flat, defaults(JSBSimFDM)) or TrimCondition(
             altitude=self.trim_altitude, speed=self.trim_airspeed, gamma=self.trim_gamma,
             heading=self.trim_heading, mode=self.trim_mode, gear=self.gear, flaps=self.flaps)
 
@@ -280,193 +351,3 @@ class JSBSimFDM(_FlightBlock):
 
     def _read(self) -> list[float]:
         return [read() for read in self._readers]
-
-
-_FDM_DEFAULTS = {name: p["default"] for name, p in JSBSimFDM.info()["parameters"].items()}
-
-
-_DEG = 180.0 / math.pi
-
-_OUTPUTS = {  # port: (property, factor to the port's unit)
-    "theta": ("attitude/theta-deg", 1.0),
-    "phi": ("attitude/phi-deg", 1.0),
-    "psi": ("attitude/psi-deg", 1.0),
-    "p": ("velocities/p-rad_sec", _DEG),
-    "q": ("velocities/q-rad_sec", _DEG),
-    "r": ("velocities/r-rad_sec", _DEG),
-    "alpha": ("aero/alpha-deg", 1.0),
-    "beta": ("aero/beta-deg", 1.0),
-    "gamma": ("flight-path/gamma-deg", 1.0),
-    "h": ("position/h-sl-ft", 1.0),
-    "hdot": ("velocities/h-dot-fps", 1.0),
-    "vc": ("velocities/vc-kts", 1.0),
-    "vt": ("velocities/vt-fps", 1.0),
-    "mach": ("velocities/mach", 1.0),
-    "nx": ("accelerations/Nx", 1.0),
-    "nz": ("accelerations/Nz", 1.0),
-    "lat": ("position/lat-geod-deg", 1.0),
-    "lon": ("position/long-gc-deg", 1.0),
-}
-
-
-class Aircraft(_FlightBlock):
-    """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
-
-    The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
-    trimmed". The sum of trimmed command and increment is limited to the command's range. At t = 0
-    the outputs are the trimmed state; at t_k = k T they are the state at exactly t_k; inputs are
-    read at t_k and held over [t_k, t_k+1).
-
-    Parameters
-    ----------
-    aircraft : str
-        name of the JSBSim model
-    altitude : float
-        ft above mean sea level
-    speed : float
-        KCAS; not used if ``mach`` is given
-    mach : float, optional
-        Mach number instead of ``speed``
-    gamma : float
-        flight path angle in deg
-    heading : float
-        true heading in deg
-    bank : float
-        bank angle in deg, right positive, with ``mode="turn"``
-    mode : str
-        "full", "longitudinal", "ground", "pull-up", "turn" or "none"
-    gear, flaps : float, optional
-        0 (up) to 1 (down); default is the model's own setting
-    T : float
-        sample period in s
-    substeps : int
-        JSBSim steps per sample period
-    condition : TrimCondition, optional
-        instead of the parameters from ``altitude`` to ``flaps``, where they do not say enough
-    setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
-    properties : dict, optional
-        properties written after the trim (turbulence)
-    JSBSim_path : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
-    create : dict, optional
-        properties that the model expects from its surroundings (FlightGear), with their values
-    allow_network, allow_files : bool
-        let the model open sockets or write files that its XML asks for
-
-    Inputs
-    ------
-    elevator : increment of the elevator command, of full travel; positive is nose **down**
-    aileron : increment of the aileron command; positive rolls right
-    rudder : increment of the rudder command; positive yaws the nose left on most models
-    throttle : increment of the throttle command of every engine, 1 is the full range
-
-    Outputs
-    -------
-    theta, phi, psi : pitch, roll and heading angle, deg
-    p, q, r : body rates, deg/s
-    alpha, beta, gamma : angle of attack, sideslip angle, flight path angle, deg
-    h : altitude above mean sea level, ft
-    hdot : rate of climb, ft/s
-    vc : calibrated airspeed, kt
-    vt : true airspeed, ft/s
-    mach : Mach number
-    nx, nz : load factors, g; nz is +1 in level flight
-    lat, lon : geodetic latitude and longitude, deg
-    elev_sat, ail_sat, rud_sat, thr_sat : increment demanded minus increment applied in the last
-        period: not 0 while a command is at the end of its range (feedback against wind-up)
-
-    Raises
-    ------
-    AircraftError, PropertyError, ParameterError, TrimError
-        when the block is built: unknown names and values that cannot be, or no trim
-    FlightError
-        in flight, when an input or the state is not finite
-
-    Examples
-    --------
-    >>> plane = Aircraft("c172p", altitude=5000, speed=90)
-    >>> round(float(plane.outputs["alpha"]), 2)
-    1.28
-    """
-
-    input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
-    output_port_labels = {
-        name: i for i, name in enumerate(
-            [*_OUTPUTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"])}
-
-    def __init__(self, aircraft="c172p", altitude=5000.0, speed=100.0, mach=None, gamma=0.0,
-                 heading=0.0, bank=0.0, mode="full", gear=None, flaps=None, T=1 / 120, substeps=1,
-                 condition=None, setup=None, properties=None, JSBSim_path=None,
-                 create=None, allow_network=False, allow_files=False):
-        super().__init__(T, substeps)
-        self.aircraft = aircraft
-        self.altitude = altitude
-        self.speed = speed
-        self.mach = mach
-        self.gamma = gamma
-        self.heading = heading
-        self.bank = bank
-        self.mode = mode
-        self.gear = gear
-        self.flaps = flaps
-        self.condition = condition
-        self.setup = setup
-        self.properties = properties
-        self.JSBSim_path = JSBSim_path
-        self.create = create
-        self.allow_network = allow_network
-        self.allow_files = allow_files
-        self._take_off(setup, properties)
-
-    def _airframe(self) -> Airframe:
-        return Airframe(self.aircraft, self.T / self.substeps, root=self.JSBSim_path,
-                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
-                        allow_network=self.allow_network, allow_files=self.allow_files)
-
-    def _condition(self) -> TrimCondition:
-        flat = {name: getattr(self, name) for name in (
-            "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
-        return _chosen(self.condition, flat, _AIRCRAFT_DEFAULTS) or TrimCondition(**flat)
-
-    def _connect(self) -> None:
-        state = self.trim
-        self._surfaces = [  # writer, trimmed command, lowest and highest command
-            (self.airframe.writer("fcs/elevator-cmd-norm"), state.elevator,
-             # JSBSim limits the sum of command and pitch trim
-             *_range(state.pitch_trim)),
-            (self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
-            (self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
-        ]
-        self._throttles = [(self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
-                           for i, throttle in enumerate(state.throttle)]
-        self._readers = [self.airframe.reader(name) for name, _ in _OUTPUTS.values()]
-        self._factors = [factor for _, factor in _OUTPUTS.values()]
-        self._saturation = [0.0] * 4
-
-    def _write(self, u: list[float]) -> None:
-        saturation = []
-        for increment, (write, trimmed, low, high) in zip(u, self._surfaces, strict=False):
-            command = trimmed + increment
-            limited = min(max(command, low), high)
-            write(limited)
-            saturation.append(command - limited)
-        excess = 0.0
-        for write, trimmed in self._throttles:
-            command = trimmed + u[3]
-            limited = min(max(command, 0.0), 1.0)
-            write(limited)
-            excess = command - limited
-        self._saturation = [*saturation, excess]
-
-    def _read(self) -> list[float]:
-        return [factor * read() for read, factor in zip(self._readers, self._factors, strict=True)
-                ] + self._saturation
-
-
-def _range(trim: float) -> tuple[float, float]:
-    """Range of a command in [-1, 1] whose sum with a trim setting is in [-1, 1] too."""
-    return max(-1.0, -1.0 - trim), min(1.0, 1.0 - trim)
-
-
-_AIRCRAFT_DEFAULTS = {name: p["default"] for name, p in Aircraft.info()["parameters"].items()}

@@ -278,7 +278,8 @@ class SampledPlant(SampledBlock):
 class SampledLaw(SampledBlock):
     """Base of sampled blocks with direct feed-through: y[k], x[k+1] = f(u[k], x[k]).
 
-    A subclass implements `initial_state` and the pure function `law`.
+    A subclass implements `initial_state` and the pure function `law`; states are numbers or (nested)
+    tuples of numbers.
     """
 
     def __init__(self, T: float):
@@ -329,3 +330,18 @@ class SampledLaw(SampledBlock):
         self._due = self.clock.due(t)
         if self._due and t > self.clock.due_until:
             self._warn_of_late_instants(t)
+
+    def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
+        json_data, npz_data = super().to_checkpoint(prefix, recordings)
+        json_data.update(state=self._state, next_state=self._next_state, due=self._due)
+        return json_data, npz_data
+
+    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
+        super().load_checkpoint(prefix, json_data, npz)
+        self._state, self._next_state = map(_tuples, (json_data["state"], json_data["next_state"]))
+        self._due = json_data["due"]
+
+
+def _tuples(state: Any) -> Any:
+    """JSON makes lists of the tuples that a law's state consists of."""
+    return tuple(map(_tuples, state)) if isinstance(state, list) else state

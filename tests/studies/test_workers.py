@@ -14,7 +14,7 @@ from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.studies import trim_sweep
 from pathsim_jsbsim_blocks.studies.workers import run_parts
 
-GRID = {"altitude": 15000, "speed": range(160, 460, 50), "gamma": range(-6, 6, 2)}
+GRID = {"altitude": 15000, "speed": [160, 250, 350], "gamma": [-3, 0, 3]}
 
 run = partial(run_parts, describe="point {}".format, title="numbers", job="numbers", jobs=2,
               resume=None, progress=False, died={"square": None})
@@ -22,18 +22,18 @@ run = partial(run_parts, describe="point {}".format, title="numbers", job="numbe
 PARTS = [[1, 2], [3, 4, 5], [6], [7, 8]]
 
 
-def squares(part):
-    return [{"square": x * x} for x in part]
-
-
-def killer(x):
-    """Work that a worker does not survive at the point x."""
+def squaring(deadly=None):
+    """Work that a worker does not survive at a deadly point."""
+    # a function inside a function travels whole: workers need not import this module
     def work(part):
-        if x in part:
+        if deadly in part:
             os.kill(os.getpid(), signal.SIGKILL)
-        return [{"square": y * y} for y in part]
+        return [{"square": x * x} for x in part]
 
     return work
+
+
+squares = squaring()
 
 
 def test_rows_come_in_the_order_of_the_points():
@@ -42,7 +42,7 @@ def test_rows_come_in_the_order_of_the_points():
 
 def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed():
     with pytest.warns(RuntimeWarning) as said:
-        rows = run(killer(4), PARTS)
+        rows = run(squaring(deadly=4), PARTS)
     assert rows == [{"square": x * x if x != 4 else None} for x in range(1, 9)]
     assert [str(w.message) for w in said][-1] == "worker died at point 4"
 
@@ -66,10 +66,10 @@ import os, random, signal, sys, time
 import pandas as pd
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
-GRID = {"altitude": 15000, "speed": range(160, 460, 50), "gamma": range(-6, 6, 2)}
+GRID = {"altitude": 15000, "speed": range(160, 460, 75), "gamma": range(-6, 6, 3)}
 
 def sweep(path=None):
-    return trim_sweep("737", GRID, chunk=3, jobs=1, resume=path, progress=False)
+    return trim_sweep("737", GRID, chunk=2, jobs=1, resume=path, progress=False)
 
 start = time.perf_counter()
 whole = sweep()
@@ -86,8 +86,7 @@ for i in range(20):
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     lines = open(path).read().count("\\n") if os.path.exists(path) else 0
-    midway += 1 < lines < 13
-    pd.testing.assert_frame_equal(sweep(path), whole, check_exact=True)
+    midway += 1 < lines < 9
     pd.testing.assert_frame_equal(sweep(path), whole, check_exact=True)
 print(midway)
 """
@@ -155,9 +154,12 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_work_begins(tmp_pat
 def dask_client():
     if not os.environ.get("CI"):
         pytest.importorskip("distributed", reason="Dask is not installed")
+    import dask
     from distributed import Client, LocalCluster
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
+    # one death is enough to give a task up (three are allowed by default)
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), \
+            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
             Client(cluster) as client:
         yield client
 
@@ -165,9 +167,9 @@ def dask_client():
 def test_a_dask_cluster_gives_the_same_table(dask_client):
     import joblib
 
-    local = trim_sweep("737", GRID, chunk=5, jobs=1, progress=False)
+    local = trim_sweep("737", GRID, chunk=2, jobs=1, progress=False)
     with joblib.parallel_config("dask"):
-        remote = trim_sweep("737", GRID, chunk=5, progress=False)
+        remote = trim_sweep("737", GRID, chunk=2, progress=False)
     pd.testing.assert_frame_equal(local, remote, check_exact=True)
 
 
@@ -175,6 +177,6 @@ def test_on_a_dask_cluster_a_point_that_kills_its_workers_is_named(dask_client):
     import joblib
 
     with joblib.parallel_config("dask"), pytest.warns(RuntimeWarning) as said:
-        rows = run(killer(4), PARTS)
+        rows = run(squaring(deadly=4), PARTS)
     assert rows == [{"square": x * x if x != 4 else None} for x in range(1, 9)]
     assert "worker died at point 4" in [str(w.message) for w in said]

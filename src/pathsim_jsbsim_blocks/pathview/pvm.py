@@ -23,7 +23,8 @@ _PINNED, _PINNED_LENGTH = 3, 18  # fields shown on a block, characters that fit 
 _EVENT = 80  # px
 _RECORDERS = {"Scope", "Spectrum"}
 _NOTE_WIDTH = (420, 760)  # px
-_NOTE_LINE, _NOTE_CHARACTER = 18, 5.6  # px, at PathView's default font size
+# px at PathView's default font size: character, line, space after a paragraph, title and margins
+_NOTE_CHARACTER, _NOTE_LINE, _NOTE_SPACE, _NOTE_TITLE = 6.2, 16, 10, 50
 
 Existing = Mapping[str, Any]
 
@@ -219,12 +220,12 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
     kept = next((a for a in old if a.get("id") == mine), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
-    lines = sum(math.ceil(max(len(p), 1) * _NOTE_CHARACTER / (width - 30))
-                for p in content.split("\n"))
-    height = GRID * math.ceil((_NOTE_LINE * lines + 40) / GRID)
+    height = GRID * math.ceil((_NOTE_TITLE + sum(
+        _NOTE_SPACE + _NOTE_LINE * math.ceil(len(p) * _NOTE_CHARACTER / (width - 20))
+        for p in content.split("\n\n")[1:])) / GRID)
     note = {"id": mine,
             "position": {"x": GRID * round(box.left / GRID),
-                         "y": GRID * round((box.top - height) / GRID) - 4 * GRID},
+                         "y": GRID * round((box.top - height) / GRID) - 3 * GRID},
             "content": content, "width": width, "height": height}
     return [{**note, **{k: kept[k] for k in ("position", "width", "height") if k in kept}}, *others]
 

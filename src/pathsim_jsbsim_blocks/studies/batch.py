@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import logging
+import pickle
 import random
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -94,7 +95,7 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     """Refuse what no worker could run; whether ``build`` takes the seed."""
-    from joblib.externals import cloudpickle
+    import joblib
 
     if not callable(build):
         raise ParameterError(f"build must be a function, not {build!r}", parameter="build",
@@ -113,7 +114,7 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
                 raise ParameterError(f"case {i} has no {key!r}, which build needs",
                                      parameter=key, value=None)
     try:
-        cloudpickle.dumps(build)
+        pickle.dumps(joblib.wrap_non_picklable_objects(build))
     except Exception as error:
         raise ParameterError(
             f"build cannot be sent to other processes: {error}; let it make inside itself all that "

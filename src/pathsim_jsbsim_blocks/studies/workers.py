@@ -139,10 +139,13 @@ def _results(work: Work, parts: list[Part], pending: list[int],
         return
     under_way: list[int] = []
 
+    def indexed(index: int, part: Part) -> tuple[int, list[Row]]:
+        return index, work(part)
+
     def tasks() -> Iterator[Any]:
         for index in pending:
             under_way.append(index)
-            yield joblib.delayed(_indexed)(work, index, parts[index])
+            yield joblib.delayed(indexed)(index, parts[index])
 
     parallel = joblib.Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
     try:
@@ -151,10 +154,6 @@ def _results(work: Work, parts: list[Part], pending: list[int],
             yield index, rows
     except BrokenProcessPool:
         yield from ((index, _DIED) for index in under_way)
-
-
-def _indexed(work: Work, index: int, part: Part) -> tuple[int, list[Row]]:
-    return index, work(part)
 
 
 def _on_dask(client: Any, work: Work, parts: list[Part],

@@ -1,0 +1,194 @@
+"""`Aircraft`: a trimmed JSBSim aircraft with fixed, short ports."""
+
+from __future__ import annotations
+
+import math
+
+from .airframe import Airframe
+from .fdm import FlightBlock, chosen_condition, defaults
+from .trim import TrimCondition
+
+_DEG = 180.0 / math.pi
+
+_OUTPUTS = {  # port: (property, factor to the port's unit)
+    "theta": ("attitude/theta-deg", 1.0),
+    "phi": ("attitude/phi-deg", 1.0),
+    "psi": ("attitude/psi-deg", 1.0),
+    "p": ("velocities/p-rad_sec", _DEG),
+    "q": ("velocities/q-rad_sec", _DEG),
+    "r": ("velocities/r-rad_sec", _DEG),
+    "alpha": ("aero/alpha-deg", 1.0),
+    "beta": ("aero/beta-deg", 1.0),
+    "gamma": ("flight-path/gamma-deg", 1.0),
+    "h": ("position/h-sl-ft", 1.0),
+    "hdot": ("velocities/h-dot-fps", 1.0),
+    "vc": ("velocities/vc-kts", 1.0),
+    "vt": ("velocities/vt-fps", 1.0),
+    "mach": ("velocities/mach", 1.0),
+    "nx": ("accelerations/Nx", 1.0),
+    "nz": ("accelerations/Nz", 1.0),
+    "lat": ("position/lat-geod-deg", 1.0),
+    "lon": ("position/long-gc-deg", 1.0),
+}
+
+
+class Aircraft(FlightBlock):
+    """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
+
+    The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
+    trimmed". The sum of trimmed command and increment is limited to the command's range. At t = 0
+    the outputs are the trimmed state; at t_k = k T they are the state at exactly t_k; inputs are
+    read at t_k and held over [t_k, t_k+1).
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the JSBSim model
+    altitude : float
+        ft above mean sea level
+    speed : float
+        KCAS; not used if ``mach`` is given
+    mach : float, optional
+        Mach number instead of ``speed``
+    gamma : float
+        flight path angle in deg
+    heading : float
+        true heading in deg
+    bank : float
+        bank angle in deg, right positive, with ``mode="turn"``
+    mode : str
+        "full", "longitudinal", "ground", "pull-up", "turn" or "none"
+    gear, flaps : float, optional
+        0 (up) to 1 (down); default is the model's own setting
+    T : float
+        sample period in s
+    substeps : int
+        JSBSim steps per sample period
+    condition : TrimCondition, optional
+        instead of the parameters from ``altitude`` to ``flaps``, where they do not say enough
+    setup : dict, optional
+        properties written before initialisation and trim (fuel, payload)
+    properties : dict, optional
+        properties written after the trim (turbulence)
+    JSBSim_path : str, optional
+        JSBSim root directory; default is the one that the jsbsim package brings
+    create : dict, optional
+        properties that the model expects from its surroundings (FlightGear), with their values
+    record_inputs : bool
+        keep the inputs flown (8 bytes per input and sample), which checkpoints need
+    allow_network, allow_files : bool
+        let the model open sockets or write files that its XML asks for
+
+    Inputs
+    ------
+    elevator : increment of the elevator command, of full travel; positive is nose **down**
+    aileron : increment of the aileron command; positive rolls right
+    rudder : increment of the rudder command; positive yaws the nose left on most models
+    throttle : increment of the throttle command of every engine, 1 is the full range
+
+    Outputs
+    -------
+    theta, phi, psi : pitch, roll and heading angle, deg
+    p, q, r : body rates, deg/s
+    alpha, beta, gamma : angle of attack, sideslip angle, flight path angle, deg
+    h : altitude above mean sea level, ft
+    hdot : rate of climb, ft/s
+    vc : calibrated airspeed, kt
+    vt : true airspeed, ft/s
+    mach : Mach number
+    nx, nz : load factors, g; nz is +1 in level flight
+    lat, lon : geodetic latitude and longitude, deg
+    elev_sat, ail_sat, rud_sat, thr_sat : increment demanded minus increment applied in the last
+        period: not 0 while a command is at the end of its range (feedback against wind-up)
+
+    Raises
+    ------
+    AircraftError, PropertyError, ParameterError, TrimError
+        when the block is built: unknown names and values that cannot be, or no trim
+    FlightError
+        in flight, when an input or the state is not finite
+
+    Examples
+    --------
+    >>> plane = Aircraft("c172p", altitude=5000, speed=90)
+    >>> round(float(plane.outputs["alpha"]), 2)
+    1.28
+    """
+
+    input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
+    output_port_labels = {
+        name: i for i, name in enumerate(
+            [*_OUTPUTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"])}
+
+    def __init__(self, aircraft="c172p", altitude=5000.0, speed=100.0, mach=None, gamma=0.0,
+                 heading=0.0, bank=0.0, mode="full", gear=None, flaps=None, T=1 / 120, substeps=1,
+                 condition=None, setup=None, properties=None, JSBSim_path=None,
+                 create=None, record_inputs=False, allow_network=False, allow_files=False):
+        super().__init__(T, substeps, record_inputs)
+        self.aircraft = aircraft
+        self.altitude = altitude
+        self.speed = speed
+        self.mach = mach
+        self.gamma = gamma
+        self.heading = heading
+        self.bank = bank
+        self.mode = mode
+        self.gear = gear
+        self.flaps = flaps
+        self.condition = condition
+        self.setup = setup
+        self.properties = properties
+        self.JSBSim_path = JSBSim_path
+        self.create = create
+        self.allow_network = allow_network
+        self.allow_files = allow_files
+        self.take_off()
+
+    def _airframe(self) -> Airframe:
+        return Airframe(self.aircraft, self.T / self.substeps, root=self.JSBSim_path,
+                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
+                        allow_network=self.allow_network, allow_files=self.allow_files)
+
+    def _condition(self) -> TrimCondition:
+        flat = {name: getattr(self, name) for name in (
+            "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
+        return chosen_condition(self.condition, flat, defaults(Aircraft)) or TrimCondition(**flat)
+
+    def _connect(self) -> None:
+        state = self.trim
+        self._surfaces = [  # writer, trimmed command, lowest and highest command
+            (self.airframe.writer("fcs/elevator-cmd-norm"), state.elevator,
+             # JSBSim limits the sum of command and pitch trim
+             *_range(state.pitch_trim)),
+            (self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
+            (self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
+        ]
+        self._throttles = [(self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
+                           for i, throttle in enumerate(state.throttle)]
+        self._readers = [self.airframe.reader(name) for name, _ in _OUTPUTS.values()]
+        self._factors = [factor for _, factor in _OUTPUTS.values()]
+        self._saturation = [0.0] * 4
+
+    def _write(self, u: list[float]) -> None:
+        saturation = []
+        for increment, (write, trimmed, low, high) in zip(u, self._surfaces, strict=False):
+            command = trimmed + increment
+            limited = min(max(command, low), high)
+            write(limited)
+            saturation.append(command - limited)
+        excess = 0.0
+        for write, trimmed in self._throttles:
+            command = trimmed + u[3]
+            limited = min(max(command, 0.0), 1.0)
+            write(limited)
+            excess = command - limited
+        self._saturation = [*saturation, excess]
+
+    def _read(self) -> list[float]:
+        return [factor * read() for read, factor in zip(self._readers, self._factors, strict=True)
+                ] + self._saturation
+
+
+def _range(trim: float) -> tuple[float, float]:
+    """Range of a command in [-1, 1] whose sum with a trim setting is in [-1, 1] too."""
+    return max(-1.0, -1.0 - trim), min(1.0, 1.0 - trim)

@@ -1,0 +1,69 @@
+"""PathView in a real Chromium."""
+
+import os
+import shutil
+import threading
+
+import pytest
+
+from .editor import Editor
+
+
+def _cannot(reason):
+    if os.environ.get("CI"):
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _cannot("playwright is not installed")
+    names = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+    program = next(filter(None, map(shutil.which, names)), None)
+    if program is None:
+        _cannot(f"no browser: none of {', '.join(names)}")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=[
+            "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+            "--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def models():
+    """What the server offers to open, by file name: tests add to it before they open."""
+    return {}
+
+
+@pytest.fixture(scope="session")
+def toolboxes():
+    """Toolboxes registered beside this package's own."""
+    from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT
+
+    return [FLIGHT]
+
+
+@pytest.fixture(scope="session")
+def server(models):
+    """PathView as ``pathsim-jsbsim view`` serves it; returns its address."""
+    pytest.importorskip("pathview")
+    from pathsim_jsbsim_blocks.pathview import view
+
+    sessions = set()
+    server = view._server(view._app(models, sessions), 0)
+    thread = threading.Thread(target=server.run, daemon=True)
+    thread.start()
+    yield f"http://127.0.0.1:{server.effective_port}"
+    server.close()
+    view._end(sessions)
+
+
+@pytest.fixture
+def editor(browser, server):
+    """The editor in a fresh browser profile."""
+    with Editor(browser, server) as editor:
+        yield editor

@@ -1,0 +1,95 @@
+"""PathView's editor as a user handles it, and the data that it receives."""
+
+import json
+import re
+
+ENDED = re.compile(r"Simulation (completed|continued) successfully|"
+                   r"(Streaming|Continue) simulation failed|Validation (failed|error)")
+
+
+class Editor:
+    """One page in a fresh browser profile."""
+
+    def __init__(self, browser, address):
+        self.address = address
+        self.context = browser.new_context(viewport={"width": 1600, "height": 1000},
+                                           accept_downloads=True)
+        self.page = self.context.new_page()
+        self.errors = []
+        self.runs = []  # of each run: {node id: [time, [signals]]}
+        self.page.on("pageerror", lambda e: self.errors.append(str(e)))
+        self.page.on("console", self._console)
+        self.page.on("response", self._response)
+        # fonts and style sheets from elsewhere: not what is tested, and not always there
+        self.page.route(lambda url: not url.startswith((address, "blob:", "data:")),
+                        lambda route: route.abort())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exc):
+        # the page's own session ends with its worker process
+        session = self.page.evaluate("localStorage.getItem('flask-session-id')")
+        self.context.request.delete(f"{self.address}/api/session", headers={"X-Session-ID": session})
+        self.context.close()
+
+    def _console(self, message):
+        if message.type == "error" and message.location["url"].startswith(self.address):
+            self.errors.append(message.text)
+
+    def _response(self, response):
+        path = response.url.removeprefix(self.address)
+        if path.startswith("/api/stream/start"):
+            self.runs.append({})
+        elif path.startswith("/api/stream/poll"):
+            for message in response.json()["messages"]:
+                if message["type"] == "stream-data":
+                    self._take(json.loads(message["value"])["result"])
+
+    def _take(self, result):
+        for node, data in (result or {}).get("scopeData", {}).items():
+            time, signals = self.runs[-1].setdefault(node, [[], [[] for _ in data["signals"]]])
+            time += data["time"]
+            for whole, part in zip(signals, data["signals"], strict=True):
+                whole += part
+
+    def open(self, name):
+        """Open a model of the server, and wait until it can run."""
+        self.page.goto(f"{self.address}/editor?model=/model/{name}")
+        self.ready()
+
+    def ready(self):
+        self.page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=120_000)
+        self.page.wait_for_selector(".svelte-flow__node")
+
+    def blocks(self):
+        """What the canvas shows of each block, and how many ports it has."""
+        return self.page.evaluate(
+            """() => [...document.querySelectorAll('.svelte-flow__node')].map(n => [
+                n.dataset.id, n.innerText, n.querySelectorAll('.svelte-flow__handle').length])""")
+
+    def messages(self, level=""):
+        """The lines of PathView's own console panel."""
+        if self.page.locator(".console-panel").count() == 0:
+            self.page.click("button[aria-label='Console']")
+            self.page.wait_for_selector(".console-panel")
+        return self.page.locator(f".console-panel .log-entry{level}").all_inner_texts()
+
+    def run(self, button="Run", timeout=120_000):
+        """Press a button and wait for the run's end; returns what PathView says of it."""
+        before = len(self.messages())
+        self.page.click(f"button[aria-label='{button}']")
+        self.page.wait_for_function(
+            """([pattern, before]) => [...document.querySelectorAll('.console-panel .log-entry')]
+                .slice(before).some(e => new RegExp(pattern).test(e.innerText))""",
+            arg=[ENDED.pattern, before], timeout=timeout)
+        return next(filter(ENDED.search, reversed(self.messages())))
+
+    def python(self):
+        """The script that PathView exports."""
+        self.page.click("button[aria-label='View Python Code']")
+        with self.page.expect_download() as download:
+            self.page.click(".export-dialog button[aria-label='Download Python file']")
+        self.page.click(".export-dialog button[aria-label='Close']")
+        with open(download.value.path(), encoding="utf-8") as file:
+            return file.read()
