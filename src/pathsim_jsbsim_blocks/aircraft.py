@@ -81,24 +81,39 @@ class Aircraft(FlightBlock):
 
     Inputs
     ------
-    elevator : increment of the elevator command, of full travel; positive is nose **down**
-    aileron : increment of the aileron command; positive rolls right
-    rudder : increment of the rudder command; positive yaws the nose left on most models
-    throttle : increment of the throttle command of every engine, 1 is the full range
+    elevator
+        increment of the elevator command, of full travel; positive is nose **down**
+    aileron
+        increment of the aileron command; positive rolls right
+    rudder
+        increment of the rudder command; positive yaws the nose left on most models
+    throttle
+        increment of the throttle command of every engine, 1 is the full range
 
     Outputs
     -------
-    theta, phi, psi : pitch, roll and heading angle, deg
-    p, q, r : body rates, deg/s
-    alpha, beta, gamma : angle of attack, sideslip angle, flight path angle, deg
-    h : altitude above mean sea level, ft
-    hdot : rate of climb, ft/s
-    vc : calibrated airspeed, kt
-    vt : true airspeed, ft/s
-    mach : Mach number
-    nx, nz : load factors, g; nz is +1 in level flight
-    lat, lon : geodetic latitude and longitude, deg
-    elev_sat, ail_sat, rud_sat, thr_sat : increment demanded minus increment applied in the last
+    theta, phi, psi
+        pitch, roll and heading angle, deg
+    p, q, r
+        body rates, deg/s
+    alpha, beta, gamma
+        angle of attack, sideslip angle, flight path angle, deg
+    h
+        altitude above mean sea level, ft
+    hdot
+        rate of climb, ft/s
+    vc
+        calibrated airspeed, kt
+    vt
+        true airspeed, ft/s
+    mach
+        Mach number
+    nx, nz
+        load factors, g; nz is +1 in level flight
+    lat, lon
+        geodetic latitude and longitude, deg
+    elev_sat, ail_sat, rud_sat, thr_sat
+        increment demanded minus increment applied in the last
         period: not 0 while a command is at the end of its range (feedback against wind-up)
 
     Raises

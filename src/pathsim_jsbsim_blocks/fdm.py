@@ -274,11 +274,13 @@ class JSBSimFDM(FlightBlock):
 
     Inputs
     ------
-    as ``input_properties`` : the property names are the port names, in the property's unit
+    as ``input_properties``
+        the property names are the port names, in the property's unit
 
     Outputs
     -------
-    as ``output_properties`` : the property names are the port names, in the property's unit
+    as ``output_properties``
+        the property names are the port names, in the property's unit
 
     Raises
     ------

@@ -7,11 +7,13 @@ a display and writes a file where there is none.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 
 from .checks import did_you_mean, nearest
@@ -19,7 +21,11 @@ from .errors import ParameterError
 
 _save_to: list[Path] = []
 
+# PathSim sets 1, with which the corners of a saved curve sit pixels off; this is matplotlib's own
+_exact_curves = matplotlib.rc_context({"path.simplify_threshold": 1 / 9})
 
+
+@_exact_curves
 def time_histories(*scopes, title: str = ""):
     """Time histories of scopes, one panel for each unit.
 
@@ -50,8 +56,10 @@ def time_histories(*scopes, title: str = ""):
     figure, axes = plt.subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
                                 figsize=(8, 1.2 + 1.7 * len(panels)))
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
-        for time, y, label in signals:
-            ax.plot(time, _unwound(y) if unit == "deg" else y, label=label, linewidth=1.3)
+        # dashes show that there are two where one curve lies on another
+        for (time, y, label), dashes in zip(signals, itertools.cycle(["-", "--", "-.", ":"]),
+                                            strict=False):
+            ax.plot(time, _unwound(y) if unit == "deg" else y, dashes, label=label, linewidth=1.3)
         _readable(ax, np.concatenate([y for _, y, _ in signals]))
         if len(signals) == 1:
             ax.set_ylabel(f"{signals[0][2]}\n[{unit}]" if unit else signals[0][2])
@@ -128,6 +136,7 @@ def ground_track(time, latitude, longitude, title: str = "ground track"):
     return figure
 
 
+@_exact_curves
 def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
     """One signal over another, with the start marked.
 
@@ -156,6 +165,7 @@ def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
     return figure
 
 
+@_exact_curves
 def show(figure, name: str) -> None:
     """Show a figure in a window where there is a display; else write ``name.png`` here.
 

@@ -83,7 +83,8 @@ class DoubletSource(_StepsSource):
 
     Outputs
     -------
-    out : 0, then ``polarity * amplitude``, 0 in the gap, ``-polarity * amplitude``, 0
+    out
+        0, then ``polarity * amplitude``, 0 in the gap, ``-polarity * amplitude``, 0
     """
 
     def __init__(self, amplitude=0.1, start=1.0, width=1.0, gap=0.0, polarity=1):
@@ -124,7 +125,8 @@ class MultistepSource(_StepsSource):
 
     Outputs
     -------
-    out : 0, then each pulse in turn, then 0
+    out
+        0, then each pulse in turn, then 0
     """
 
     def __init__(self, amplitude=0.1, start=1.0, step=1.0, widths=(3, 2, 1, 1),
@@ -166,7 +168,8 @@ class RampSource(_EdgeSource):
 
     Outputs
     -------
-    out : 0, the ramp, the final value, and 0 again after ``hold``
+    out
+        0, the ramp, the final value, and 0 again after ``hold``
     """
 
     def __init__(self, final=1.0, start=1.0, rise_time=1.0, hold=0.0):

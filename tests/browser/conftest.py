@@ -40,26 +40,13 @@ def models():
 
 
 @pytest.fixture(scope="session")
-def toolboxes():
-    """Toolboxes registered beside this package's own."""
-    from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT
-
-    return [FLIGHT]
-
-
-@pytest.fixture(scope="session")
 def server(models):
     """PathView as ``pathsim-jsbsim view`` serves it; returns its address."""
-    pytest.importorskip("pathview")
-    from pathsim_jsbsim_blocks.pathview import view
+    from pathsim_jsbsim_blocks.pathview.server import Server
 
-    sessions = set()
-    server = view._server(view._app(models, sessions), 0)
-    thread = threading.Thread(target=server.run, daemon=True)
-    thread.start()
-    yield f"http://127.0.0.1:{server.effective_port}"
-    server.close()
-    view._end(sessions)
+    with Server(models, port=0) as server:
+        threading.Thread(target=server.run, daemon=True).start()
+        yield server.address
 
 
 @pytest.fixture

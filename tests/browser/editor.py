@@ -28,9 +28,10 @@ class Editor:
         return self
 
     def __exit__(self, *exc):
-        # the page's own session ends with its worker process
-        session = self.page.evaluate("localStorage.getItem('flask-session-id')")
-        self.context.request.delete(f"{self.address}/api/session", headers={"X-Session-ID": session})
+        if self.page.url.startswith(self.address):  # the worker process of this profile
+            session = self.page.evaluate("localStorage.getItem('flask-session-id')")
+            self.context.request.delete(f"{self.address}/api/session",
+                                        headers={"X-Session-ID": session})
         self.context.close()
 
     def _console(self, message):

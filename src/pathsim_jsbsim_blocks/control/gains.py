@@ -158,21 +158,21 @@ GAINS = {
         roll=AttitudeGains(Kp=0.060, Ki=0.021, Kr=0.004, b=0.85, ramp=10.0),
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
-        speed=SpeedGains(Kp=0.085, Ki=0.0052, Kd=0.05),
+        speed=SpeedGains(Kp=0.15, Ki=0.015, Kd=0.05, b=0.85),
         yaw=YawGains(K=0.010)),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; has a yaw damper of its own
-        pitch=AttitudeGains(Kp=0.20, Ki=0.16, Kr=0.053, b=0.43, ramp=4.0),
+        pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
         roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.14, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.10, Ki=0.006),
+        speed=SpeedGains(Kp=0.15, Ki=0.010, b=0.90),
         yaw=YawGains(K=0.0)),
     "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; has a yaw damper of its own
-        pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.40, ramp=4.0),
+        pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
         roll=AttitudeGains(Kp=0.054, Ki=0.011, Kr=0.005, b=0.94, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.15, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.10, Ki=0.006),
+        speed=SpeedGains(Kp=0.15, Ki=0.010, b=0.90),
         yaw=YawGains(K=0.0)),
 }
 

@@ -1,0 +1,96 @@
+"""Documentation that runs: every code block of the README and the pages, every docstring example."""
+
+import contextlib
+import doctest
+import importlib
+import pkgutil
+import re
+import shlex
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks.catalogue import diagram_names
+from pathsim_jsbsim_blocks.cli import main
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"),
+                      re.M | re.S)
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.name)
+def test_python_blocks_run_in_their_order(page):
+    namespace = {"__name__": page.stem}
+    for block in blocks(page, "python"):
+        exec(compile(block, str(page), "exec"), namespace)
+
+
+def commands():
+    for page in PAGES:
+        for block in blocks(page, "sh"):
+            for line in block.replace("\\\n", " ").splitlines():
+                command, _, _ = line.partition("  #")
+                if command.startswith("pathsim-jsbsim "):
+                    yield pytest.param(command, id=f"{page.name}: {command}")
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_run(command):
+    words = shlex.split(command)[1:]
+    if words[0] in ("view", "export", "convert"):
+        # these have tests of their own, in a browser and with files
+        with contextlib.suppress(SystemExit):
+            main([words[0], "--help"])
+        return
+    assert main(words) == 0
+
+
+def test_the_first_two_commands_set_up_an_environment_of_their_own():
+    # .ci/run takes them from here and runs them on a fresh clone
+    first, second = blocks(PAGES[0], "sh")[:2]
+    for command in (first, second):
+        assert command.startswith("python3 -m venv .venv")
+    assert "pathsim-jsbsim run elevator_doublet" in first
+    assert "pytest" in second
+
+
+def test_the_readme_shows_every_diagram():
+    text = PAGES[0].read_text(encoding="utf-8")
+    assert [n for n in diagram_names() if f"`{n}`" not in text] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_and_pictures_are_there(page):
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)|src=\"([^\"]+)\"",
+                             page.read_text(encoding="utf-8")):
+        path = target[0] or target[1]
+        if not path.startswith("http"):
+            assert (page.parent / path).exists(), path
+
+
+MODULES = [m.name for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
+           if ".diagrams" not in m.name]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstring_examples(name):
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+def test_there_are_docstring_examples():
+    assert sum(len(doctest.DocTestFinder().find(importlib.import_module(n))) > 0
+               for n in MODULES) > 5
