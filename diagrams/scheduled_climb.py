@@ -4,8 +4,8 @@ An A-4 at 300 KCAS climbs at 5 deg from 1000 ft. The tables hold the commands th
 1000 ft (the study ``climb_schedule``); nothing is fed back but the altitude. The run ends itself at
 20,000 ft.
 
-Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables know the steady climb, not
-the slow deceleration of a climb at constant calibrated airspeed.
+Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, without
+the thrust that speeds the aircraft up along a climb at constant calibrated airspeed.
 
 Source: the published JSBSim/PathSim notebook; its flight with the first trim held is the diagram
 ``fixed_trim_climb``. The limits of alpha are those of the trim there.
@@ -48,20 +48,21 @@ throttle = LUT1D(points=ALTITUDE, values=THROTTLE)
 pitch_trim = LUT1D(points=ALTITUDE, values=PITCH_TRIM)
 flight = Scope(sampling_period=1.0, labels=["altitude [ft]", "calibrated airspeed [kt]",
                                             "flight path angle [deg]"])
-commands = Scope(sampling_period=1.0, labels=["throttle command [-]", "pitch trim command [-]"])
+power = Scope(sampling_period=1.0, labels=["throttle command [-]"])
+pitch = Scope(sampling_period=1.0, labels=["pitch trim command [-]"])
 top_of_climb = Condition(
     func_evt=lambda t: fdm.outputs["position/h-sl-ft"] >= 20000.0,
     func_act=lambda t: sim.stop(),
 )
 
 sim = Simulation(
-    [fdm, throttle, pitch_trim, flight, commands],
+    [fdm, throttle, pitch_trim, flight, power, pitch],
     [
         Connection(fdm["position/h-sl-ft"], throttle, pitch_trim, flight[0]),
         Connection(fdm["velocities/vc-kts"], flight[1]),
         Connection(fdm["flight-path/gamma-deg"], flight[2]),
-        Connection(throttle, fdm["fcs/throttle-cmd-norm"], commands[0]),
-        Connection(pitch_trim, fdm["fcs/pitch-trim-cmd-norm"], commands[1]),
+        Connection(throttle, fdm["fcs/throttle-cmd-norm"], power),
+        Connection(pitch_trim, fdm["fcs/pitch-trim-cmd-norm"], pitch),
     ],
     [top_of_climb],
     dt=1 / 120,
@@ -72,7 +73,7 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(flight, commands, title="A-4: climb by schedule at 300 KCAS, 5 deg")
+    return time_histories(flight, power, pitch, title="A-4: climb by schedule at 300 KCAS, 5 deg")
 
 
 if __name__ == "__main__":

@@ -29,11 +29,13 @@ MODULES = ["atmosphere", "airspeed", "axes", "trim", "airframe", "plots", "catal
 def pictures():
     """One figure for each diagram: the first that its script shows."""
     (DOCS / "pictures").mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
         for name in diagram_names():
             with contextlib.redirect_stdout(io.StringIO()):
                 runpy.run_path(str(find_diagram(name)), run_name="__main__")
             _shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
+        os.chdir(DOCS)
 
 
 def _shrink(source, target, width=800):

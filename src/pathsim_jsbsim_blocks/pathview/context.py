@@ -5,7 +5,9 @@ from __future__ import annotations
 import ast
 import builtins
 import copy
+import io
 import sys
+import tokenize
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from textwrap import dedent
@@ -53,6 +55,9 @@ class Context:
         # PathView brings numpy as np; a seed set through it belongs to the diagram
         self._need("np", script.tree)
         for node in needed_by:
+            if isinstance(node, ast.FunctionDef):  # a block's: its decorator is the block class
+                node = copy.copy(node)
+                node.decorator_list = []
             for name in sorted(used(node)):
                 self._need(name, node)
         self._statements.sort(key=lambda s: s.lineno)
@@ -73,11 +78,10 @@ class Context:
         return "\n".join(pieces)
 
     def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:
-        """Source of an expression, as written if that is one line."""
-        text = ast.get_source_segment(self.script.source, node) or ""
-        if "\n" in text or isinstance(node, ast.GeneratorExp):
+        """Source of an expression as written, in one line."""
+        if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
             return ast.unparse(_renamed(node, renamed))
-        return _rewrite(self.script.source, node, renamed)
+        return _one_line(_rewrite(self.script.source, node, renamed))
 
     def function(self, node: ast.FunctionDef, name: str, renamed: Mapping[str, str]) -> str:
         """Source of a decorated function as a plain one, under another name."""
@@ -134,13 +138,22 @@ class Context:
         return {n for n, v in self.script.namespace.items() if isinstance(v, _PARTS)}
 
     def _changed(self, statement: ast.stmt) -> set[str]:
+        """Names whose values a statement changes, also through a function of the script."""
         if _plots(statement, self.script.namespace):
             return set()
-        return {name for name, _ in changes(statement)} | passed(statement)
+        names = {name for name, _ in changes(statement)} | passed(statement)
+        called = statement.value if isinstance(statement, ast.Expr) else None
+        function = root(called.func) if isinstance(called, ast.Call) else None
+        for node in ast.walk(self.script.tree):
+            if isinstance(node, ast.FunctionDef) and node.name == function:
+                names |= {n for s in node.body for n, _ in changes(s)} - bound(node.body)
+                names |= {n for g in ast.walk(node) if isinstance(g, ast.Global) for n in g.names}
+        return names
 
     def _star_imports(self, name: str) -> list[ast.stmt]:
         return [s for s in self.script.statements
                 if isinstance(s, ast.ImportFrom) and s.names[0].name == "*"
+                and not name.startswith("_")
                 and hasattr(sys.modules.get(s.module or ""), name)]
 
     def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
@@ -195,6 +208,26 @@ def _installed(module: str, script: Path) -> bool:
         return any(finder.find_spec(module, None) for finder in sys.meta_path)
 
 
+def _one_line(text: str) -> str:
+    """An expression without line breaks and comments."""
+    if "\n" not in text:
+        return text
+    out, end = "", (1, 0)
+    for token in tokenize.generate_tokens(io.StringIO(f"({text})").readline):
+        if token.type in (tokenize.NL, tokenize.COMMENT, tokenize.NEWLINE, tokenize.ENDMARKER):
+            continue
+        if token.start[0] > end[0]:
+            space = "" if out[-1] in "([{" or token.string in ")]}" else " "
+            if token.string in ")]}":
+                out = out.rstrip(",") if token.string != ")" else out
+        else:
+            space = " " * (token.start[1] - end[1])
+        out, end = out + space + token.string, token.end
+    # a comma that was not the last of a list may have gone
+    tree, same = (ast.parse(t, mode="eval") for t in (f"({text})", out))
+    return out[1:-1] if ast.dump(tree) == ast.dump(same) else ast.unparse(tree)
+
+
 def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:
     node = copy.deepcopy(node)
     for name in list(references(node)):
@@ -222,7 +255,12 @@ def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
     docstrings = {id(n.body[0].value) for n in ast.walk(node)
                   if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
                   and isinstance(n.body[0], ast.Expr)}
+    # before Python 3.12 the parts of an f-string have no places of their own
+    in_f_strings = {id(n) for f in ast.walk(node) if isinstance(f, ast.JoinedStr)
+                    for n in ast.walk(f) if n is not f}
     for inner in ast.walk(node):
+        if id(inner) in in_f_strings:
+            continue
         if isinstance(inner, ast.JoinedStr):
             if (inner.lineno != inner.end_lineno
                     or any(n.id in renamed for n in references(inner))):
@@ -233,14 +271,13 @@ def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
         elif isinstance(inner, ast.Global):
             edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
     for name in references(node):
-        if name.id in renamed:
+        if name.id in renamed and id(name) not in in_f_strings:
             edits[place(name)] = renamed[name.id]
     begin, end = place(node)
     text = b"".join(lines)
     out, at = [], begin
     for (first, last), new in sorted(edits.items(), key=lambda e: (e[0][0], -e[0][1])):
-        # what lies inside an f-string has been rewritten with it
-        if first >= at:
+        if first >= at:  # decorators come before
             out += [text[at:first], new.encode()]
             at = last
     return b"".join([*out, text[at:end]]).decode()

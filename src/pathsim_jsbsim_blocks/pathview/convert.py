@@ -169,7 +169,8 @@ class _Check:
             # the ports of an interface are those of its subsystem, seen from inside
             ports = parent["inputs" if side == "output" else "outputs"]
         if not isinstance(port, int) or not 0 <= port < len(ports):
-            self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} {port!r}")
+            self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} "
+                         f"{port!r}")
         return node["name"], port
 
     def _event(self, event: Json) -> None:

@@ -250,7 +250,7 @@ def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:
     """``start`` with the turned blocks before and after it, in the order of the signal."""
     chain = [start]
     before = {w.target: w.source for w in graph.wires if w.target in turned}
-    while (first := before.get(chain[0])) in turned and first not in chain:
+    while (first := before.get(chain[0], start)) in turned and first not in chain:
         chain.insert(0, first)
     while True:
         after = [w.target for w in graph.wires

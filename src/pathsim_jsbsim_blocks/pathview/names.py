@@ -16,7 +16,8 @@ def references(node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[a
             yield node
     elif isinstance(node, _FUNCTIONS):
         args = node.args
-        every = [*args.posonlyargs, *args.args, *args.kwonlyargs, *filter(None, (args.vararg, args.kwarg))]
+        every = [*args.posonlyargs, *args.args, *args.kwonlyargs,
+                 *filter(None, (args.vararg, args.kwarg))]
         body = node.body if isinstance(node.body, list) else [node.body]
         outer = [*args.defaults, *filter(None, args.kw_defaults),
                  *(a.annotation for a in every if a.annotation)]
@@ -80,29 +81,31 @@ def changes(statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
     That is ``x`` in ``x[0] = 1``, ``x.y = 1``, ``x += 1``, ``del x[0]`` and ``x.append(1)``.
     """
     for node in _own(statement):
-        name = None
+        found: list[ast.AST] = []
         if isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(node.ctx, ast.Load):
-            name = root(node)
+            found = [node]
         elif isinstance(node, ast.AugAssign):
-            name = root(node.target)
-        elif (call := _call(node)) and isinstance(call.func, ast.Attribute):
-            name = root(call.func)
-        if name is not None:
-            yield name, node
+            found = [node.target]
+        elif isinstance(node, ast.Expr):
+            found = [c.func for c in _calls(node) if isinstance(c.func, ast.Attribute)]
+        for place in found:
+            name = root(place)
+            if name is not None:
+                yield name, place
 
 
 def passed(statement: ast.stmt) -> set[str]:
     """Arguments of calls that stand alone and so may change them: ``x`` in ``shuffle(x)``."""
     names: set[str | None] = set()
     for node in _own(statement):
-        if (call := _call(node)) and root(call.func) != "print":
-            names.update(root(a) for a in (*call.args, *(k.value for k in call.keywords)))
+        for call in _calls(node) if isinstance(node, ast.Expr) else ():
+            if root(call.func) != "print":
+                names.update(root(a) for a in (*call.args, *(k.value for k in call.keywords)))
     return {n for n in names if n is not None}
 
 
-def _call(node: ast.AST) -> ast.Call | None:
-    """The call in a statement that is nothing but a call."""
-    return node.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) else None
+def _calls(node: ast.AST) -> list[ast.Call]:
+    return [n for n in _own(node) if isinstance(n, ast.Call)]
 
 
 def root(node: ast.AST) -> str | None:

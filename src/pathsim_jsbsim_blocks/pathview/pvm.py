@@ -191,7 +191,7 @@ def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, An
 
 
 def _pinned(node: Node) -> list[str]:
-    """The parameters that a reader wants to see: those the script gives, as far as they are short."""
+    """The parameters that a reader wants to see: those that the script gives, if short."""
     if node.type in _RECORDERS:
         return []
     short = [k for k, v in node.params.items() if len(v) <= _PINNED_LENGTH]

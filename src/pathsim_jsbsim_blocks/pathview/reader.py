@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import pathsim.solvers
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Block
 
@@ -20,16 +19,16 @@ from .context import Context
 from .diagram import Diagram, Event, Graph, Node, Wire
 from .names import changes, used
 from .pvm import plain
-from .script import Script
+from .script import Script, named_arguments
+from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 
 # methods that build the diagram, or only look at it
-_HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "read", "save"}
+_HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "read",
+             "save"}
 _TAKEN = {"np", "plt", "blocks", "connections", "events", "sim", "json", "gc", "sys", "traceback",
           "base64", *dir(builtins)}
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
-_SETTINGS = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_rel": "rtol",
-             "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
 
 
 def read_diagram(script: Script) -> Diagram:
@@ -67,7 +66,7 @@ class _Reader:
         sim = self.script.simulation
         self._check_unchanged()
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
-        settings = self._setting_expressions()
+        settings = setting_expressions(self.script)
         context = Context(self.script, [
             *(e for p in self.parts.values() for e in p.arguments.values()),
             *(p.function for p in self.parts.values() if p.function), *settings.values()])
@@ -80,7 +79,7 @@ class _Reader:
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
         functions = self._write_parameters(context, renamed)
         imports = self._event_imports(graph)
-        values = self._setting_values()
+        values = setting_values(self.script)
         values.update({k: context.expression(e, renamed) for k, e in settings.items()})
         return Diagram(
             path=self.script.path, docstring=ast.get_docstring(self.script.tree) or "",
@@ -94,13 +93,6 @@ class _Reader:
                events: Sequence[Any], parent: _Part | None) -> Graph:
         index = {id(b): i for i, b in enumerate(blocks)}
         wires = [w for c in connections for w in self._wires(c, index)]
-        seen: set[tuple[int, int]] = set()
-        for wire in wires:
-            if (wire.target, wire.input) in seen:
-                block = blocks[wire.target]
-                self.refuse(f"two wires end at input {wire.input} of {self._called(block)}",
-                            self._node(block))
-            seen.add((wire.target, wire.input))
         nodes = [self._block(block, i, wires, parent) for i, block in enumerate(blocks)]
         return Graph(nodes, wires, [self._event(e, parent) for e in events])
 
@@ -183,7 +175,7 @@ class _Reader:
 
     def _node(self, value: Any) -> ast.AST | None:
         made = self.script.construction(value)
-        return made and made.node
+        return made.node if made else None
 
     def _called(self, value: Any) -> str:
         names = self._variables(value)
@@ -227,8 +219,7 @@ class _Reader:
                         call)
         if len(call.args) > len(names):
             self.refuse("arguments without a parameter name; PathView wants them named", call)
-        return {**dict(zip(names, call.args, strict=False)),
-                **{k.arg: k.value for k in call.keywords if k.arg}}
+        return named_arguments(call, names)
 
     def _check_unchanged(self) -> None:
         for statement in self.script.statements:
@@ -236,20 +227,19 @@ class _Reader:
                 value = self.script.namespace.get(name)
                 if not isinstance(value, (Block, Connection, Simulation)):
                     continue
-                call = node.value if isinstance(node, ast.Expr) else None
-                if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)
-                        and call.func.attr in _HARMLESS):
+                if not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load)
+                        and node.attr in _HARMLESS):
                     self.refuse(f"{name!r} is changed after it is built; PathView has no place "
                                 "for that", node)
 
     def _check_order(self, context: Context) -> None:
-        """A parameter must not change after a block was built with it: in PathView it has one value."""
+        """PathView gives a parameter one value: it must not change between two blocks."""
         for part in self.parts.values():
             for node in part.arguments.values():
                 line = getattr(node, "lineno", 0)
                 for name in used(node):
-                    before, after = context.bound_before(name, line), context.bound_after(name, line)
-                    if line and before and after:
+                    after = context.bound_after(name, line)
+                    if line and after and context.bound_before(name, line):
                         self.refuse(f"{name!r} changes after {self._called(part.value)} was built "
                                     "with it; PathView builds all blocks at the end", after)
 
@@ -267,7 +257,8 @@ class _Reader:
                 part.target.name, part.variable = "Interface", prefix + "interface"
             else:
                 wish = variables[0] if variables else type(part.value).__name__
-                wish = wish[len(prefix):] if wish.startswith(prefix) else wish
+                for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
+                    wish = wish[len(start):] if wish[len(start):] and wish.startswith(start) else wish
                 for name in _display_names(wish, type(part.value).__name__):
                     short = plain(name)
                     # PathView does not prefix the variable of a subsystem in a subsystem
@@ -299,54 +290,6 @@ class _Reader:
         inner = {p.target.type for p in self.parts.values() if isinstance(p.target, Event)} - top
         names = sorted(t.rpartition(".")[2] for t in inner)
         return [f"from pathsim.events import {', '.join(names)}"] if names else []
-
-    # simulation ---------------------------------------------------------------------------------
-
-    def _setting_expressions(self) -> dict[str, ast.expr]:
-        """Settings that the script writes itself."""
-        found: dict[str, ast.expr] = {}
-        made = self.script.construction(self.script.simulation)
-        names = list(inspect.signature(Simulation.__init__).parameters)[1:]
-        if made and made.direct and isinstance(made.node, ast.Call):
-            given = self._arguments(made.node, names)
-            found = {ours: given[theirs] for theirs, ours in _SETTINGS.items()
-                     if theirs in given and not _is_none(given[theirs])}
-        run = self.script.run_call
-        if run is not None:
-            given = self._arguments(run, ["duration", "reset", "adaptive"])
-            if "duration" in given:
-                found["duration"] = given["duration"]
-            adaptive = given.get("adaptive")
-            if (isinstance(adaptive, ast.Constant) and not adaptive.value
-                    and self.script.simulation.engine.is_adaptive):
-                self.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts "
-                            "the step", run)
-        elif "DURATION" in self.script.namespace:
-            found["duration"] = ast.parse("DURATION", mode="eval").body
-        return found
-
-    def _setting_values(self) -> dict[str, str]:
-        """All settings from the live simulation: PathView's defaults differ from PathSim's."""
-        sim = self.script.simulation
-        where = self._node(sim)
-        signature = inspect.signature(Simulation.__init__).parameters
-        if sim.iterations_max != signature["iterations_max"].default:
-            self.refuse("PathView has no place for iterations_max", where)
-        if unknown := sorted(set(sim.solver_kwargs) - _SETTINGS.keys()):
-            self.refuse(f"PathView has no place for the solver's {', '.join(unknown)}", where)
-        name = sim.Solver.__name__
-        if getattr(pathsim.solvers, name, None) is not sim.Solver:
-            self.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
-        defaults = sim.Solver()
-        live = {
-            "dt": sim.dt, "dt_min": sim.dt_min, "dt_max": sim.dt_max,
-            "rtol": sim.solver_kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
-            "atol": sim.solver_kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
-            "ftol": sim.tolerance_fpi,
-            "duration": inspect.signature(sim.run).parameters["duration"].default,
-        }
-        return {"solver": name,
-                **{k: "" if v is None else repr(v) for k, v in live.items()}}
 
     def _toolboxes(self) -> list[Toolbox]:
         """The toolboxes in use, in an order in which the right one wins every class name."""
@@ -410,7 +353,3 @@ def _display_names(variable: str, kind: str) -> Iterator[str]:
         name += " block"
         yield name
     yield from (f"{name} {i}" for i in itertools.count(2))
-
-
-def _is_none(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None

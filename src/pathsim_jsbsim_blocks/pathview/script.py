@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import logging
 import sys
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeGuard
 from unittest.mock import patch
 
 from pathsim import Simulation
@@ -18,6 +19,7 @@ from pathsim.blocks import Block
 from pathsim.events._event import Event
 
 from ..errors import DiagramError
+from .names import root
 
 _RECORD = "__built__"
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
@@ -96,8 +98,9 @@ class Script:
     def _execute(self) -> list[int]:
         """Run the script; the lines of its frames at the held-back run, outermost first."""
         recorder = _Recorder(self.tree)
-        code = compile(recorder.visit(ast.parse(self.source)), str(self.path), "exec",
-                       dont_inherit=True)
+        tree = ast.parse(self.source)
+        recorder.visit(tree)
+        code = compile(tree, str(self.path), "exec", dont_inherit=True)
         module = types.ModuleType(f"_diagram_{self.path.stem}")
         module.__file__ = str(self.path)
         setattr(module, _RECORD, lambda i, value: self._record(*recorder.calls[i], value))
@@ -108,8 +111,9 @@ class Script:
         except _RunReached as reached:
             return self._lines(reached)
         except (Exception, SystemExit) as error:
+            lines = self._lines(error)
             raise DiagramError(f"the script fails: {type(error).__name__}: {error}", path=self.path,
-                               line=(self._lines(error) or [None])[-1]) from error
+                               line=lines[-1] if lines else None) from error
         finally:
             del self.namespace[_RECORD]
             self._record_decorated()
@@ -121,20 +125,24 @@ class Script:
 
     def _record(self, node: ast.Call, around: str, value: Any) -> Any:
         if isinstance(value, (Block, Event, Simulation)) and id(value) not in self._built:
-            try:
-                maker = eval(ast.unparse(node.func), self.namespace)
-            except Exception:
-                maker = None
-            self._built[id(value)] = Construction(node, value, around, maker is type(value))
+            direct = self._evaluated(node.func) is type(value)
+            self._built[id(value)] = Construction(node, value, around, direct)
         return value
+
+    def _evaluated(self, node: ast.expr) -> Any:
+        """What a dotted name means; None for any other expression."""
+        try:
+            return None if root(node) is None else eval(ast.unparse(node), self.namespace)
+        except Exception:
+            return None
 
     def _record_decorated(self) -> None:
         for node in self.tree.body:
             if isinstance(node, ast.FunctionDef):
                 value = self.namespace.get(node.name)
                 if isinstance(value, (Block, Event)) and id(value) not in self._built:
-                    self._built[id(value)] = Construction(
-                        node, value, "", len(node.decorator_list) == 1)
+                    by = [self._evaluated(d) for d in node.decorator_list]
+                    self._built[id(value)] = Construction(node, value, "", by == [type(value)])
 
     def _lines(self, error: BaseException) -> list[int]:
         lines = []
@@ -159,7 +167,7 @@ class Script:
         self.refuse(f"the script builds {len(found)} simulations; name the one to show 'sim'")
 
     def _find_run(self, line: int | None) -> ast.Call | None:
-        def is_it(node: ast.AST) -> bool:
+        def is_it(node: ast.AST) -> TypeGuard[ast.Call]:
             if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
                     and node.func.attr in _RUNS):
                 return False
@@ -170,24 +178,31 @@ class Script:
                     and self.namespace.get(owner.id) is self.simulation)
 
         calls = [n for n in ast.walk(self.tree) if is_it(n)]
-        return min(calls, key=lambda n: n.lineno, default=None)  # type: ignore[attr-defined, return-value]
+        return min(calls, key=lambda n: n.lineno, default=None)
 
     def _before_run(self, line: int | None) -> list[ast.stmt]:
+        def runs(statement: ast.stmt) -> bool:
+            return any(n is self.run_call for n in ast.walk(statement))
+
         statements: list[ast.stmt] = []
         for statement in self.tree.body:
             if line is not None and line <= (statement.end_lineno or 0):
                 break
             if not _is_main_guard(statement):
                 statements.append(statement)
-            elif self.run_call in ast.walk(statement):
-                for inner in statement.body:  # type: ignore[attr-defined]
-                    if self.run_call in ast.walk(inner):
-                        break
-                    statements.append(inner)
+            elif runs(statement):
+                statements += itertools.takewhile(lambda s: not runs(s), statement.body)
         return statements
 
 
-def _is_main_guard(statement: ast.stmt) -> bool:
+def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
+    """Arguments of a call by parameter name, up to the first *args, without **kwargs."""
+    positional = itertools.takewhile(lambda a: not isinstance(a, ast.Starred), call.args)
+    return {**dict(zip(names, positional, strict=False)),
+            **{k.arg: k.value for k in call.keywords if k.arg}}
+
+
+def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
     return isinstance(statement, ast.If) and any(
         isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test))
 

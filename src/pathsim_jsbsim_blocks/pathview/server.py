@@ -129,7 +129,7 @@ def _bound(app: Any, port: int | None) -> Any:
 
 
 def _registration(required: list[Toolbox]) -> str:
-    """JavaScript that registers toolboxes before PathView starts; the last one wins a class name."""
+    """JavaScript that registers toolboxes before PathView starts; the last one wins a name."""
     toolboxes = required if OURS in required else [OURS, *required]
     entries = [{**t.requirement(), "blocks": _selection(t), "events": []} for t in toolboxes]
     name, module = _PRELOADED

@@ -35,7 +35,7 @@ class Toolbox:
 
     @classmethod
     def parse(cls, text: str) -> Toolbox:
-        """``PKG`` or ``PKG:IMPORTPATH``; the import path is the name with underscores if not given."""
+        """From ``PKG`` or ``PKG:IMPORTPATH``; the default path is the name with underscores."""
         package, _, import_path = text.partition(":")
         toolbox = cls(package, import_path or package.replace("-", "_"))
         if not _PYPI_NAME.fullmatch(package) or not all(

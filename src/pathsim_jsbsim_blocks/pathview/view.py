@@ -67,9 +67,9 @@ def _load(target: str | Path) -> Json:
 @contextmanager
 def _temporary_files() -> Iterator[None]:
     """One folder for what PathView's workers put aside: they are killed and cannot tidy up."""
-    with tempfile.TemporaryDirectory(prefix="pathsim-jsbsim-", ignore_cleanup_errors=True) as folder:
-        with patch.dict(os.environ, TMPDIR=folder, TMP=folder, TEMP=folder):
-            yield
+    with (tempfile.TemporaryDirectory(prefix="pathsim-jsbsim-", ignore_cleanup_errors=True) as new,
+          patch.dict(os.environ, TMPDIR=new, TMP=new, TEMP=new)):
+        yield
 
 
 @contextmanager
@@ -78,9 +78,10 @@ def _interrupts() -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt
 
-    numbers = []
-    if threading.current_thread() is threading.main_thread():
-        numbers = [getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)]
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    # only the main thread may handle signals
+    numbers = [getattr(signal, n) for n in names if hasattr(signal, n)
+               and threading.current_thread() is threading.main_thread()]
     before = {n: signal.signal(n, interrupt) for n in numbers}
     try:
         with suppress(KeyboardInterrupt):

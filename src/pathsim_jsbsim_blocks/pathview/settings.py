@@ -1,0 +1,67 @@
+"""Simulation settings of a script: as written where they are written, live values otherwise."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from typing import Any
+
+import pathsim.solvers
+from pathsim import Simulation
+
+from .script import Script, named_arguments
+
+_SETTINGS = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_rel": "rtol",
+             "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
+
+
+def setting_expressions(script: Script) -> dict[str, ast.expr]:
+    """Settings that a script writes itself, by PathView's names."""
+    found: dict[str, ast.expr] = {}
+    made = script.construction(script.simulation)
+    if made and made.direct and isinstance(made.node, ast.Call):
+        given = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
+        found = {ours: given[theirs] for theirs, ours in _SETTINGS.items()
+                 if theirs in given and not _is(given[theirs], None)}
+    run = script.run_call
+    if run is not None:
+        given = named_arguments(run, list(inspect.signature(script.simulation.run).parameters))
+        if "duration" in given:
+            found["duration"] = given["duration"]
+        elif run.args or any(k.arg is None for k in run.keywords):
+            script.refuse("the duration is hidden in *args or **kwargs", run)
+        if "adaptive" in given and _is(given["adaptive"], False) and (
+                script.simulation.engine.is_adaptive):
+            script.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts the "
+                          "step", run)
+    elif "DURATION" in script.namespace:
+        found["duration"] = ast.Name("DURATION", ast.Load())
+    return found
+
+
+def setting_values(script: Script) -> dict[str, str]:
+    """All settings from the live simulation: PathView's defaults differ from PathSim's."""
+    sim = script.simulation
+    made = script.construction(sim)
+    where = made.node if made else None
+    if sim.iterations_max != inspect.signature(Simulation).parameters["iterations_max"].default:
+        script.refuse("PathView has no place for iterations_max", where)
+    if unknown := sorted(set(sim.solver_kwargs) - _SETTINGS.keys()):
+        script.refuse(f"PathView has no place for the solver's {', '.join(unknown)}", where)
+    solver: Any = sim.Solver
+    name = solver.__name__
+    if getattr(pathsim.solvers, name, None) is not solver:
+        script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
+    defaults = solver()
+    live = {
+        "duration": inspect.signature(sim.run).parameters["duration"].default,
+        "dt": sim.dt, "dt_min": sim.dt_min, "dt_max": sim.dt_max,
+        "rtol": sim.solver_kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
+        "atol": sim.solver_kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
+        "ftol": sim.tolerance_fpi,
+    }
+    return {"solver": name, **{k: "" if v is None else repr(float(v)) for k, v in live.items()}}
+
+
+def _is(node: ast.expr, value: object) -> bool:
+    return isinstance(node, ast.Constant) and node.value is value

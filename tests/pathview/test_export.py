@@ -1,0 +1,421 @@
+"""Scripts of PathSim's usual form become models; what PathView cannot hold is refused by line."""
+
+import json
+import os
+import sys
+import textwrap
+
+import pytest
+
+from pathsim_jsbsim_blocks.errors import DiagramError
+from pathsim_jsbsim_blocks.pathview import export_script
+
+pytest.importorskip("pathview")
+
+OSCILLATOR = '''
+"""Oscillator: a mass on a spring.
+
+Second paragraph with ``code``.
+"""
+import numpy as np
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, Integrator, Scope
+from pathsim.solvers import RKCK54
+
+# initial position
+x0 = 2.0  # m
+k, d = 0.8, 0.2
+
+velocity = Integrator()
+position = Integrator(x0)
+spring = Amplifier(gain=-k)
+damper = Amplifier(-d)
+force = Adder()
+scope = Scope(labels=["v",
+                      "x"])  # two signals
+sim = Simulation(
+    [velocity, position, spring, damper, force, scope],
+    [
+        Connection(velocity, position, damper, scope[0]),
+        Connection(position, spring, scope[1]),
+        Connection(spring, force[0]),
+        Connection(damper, force[1]),
+        Connection(force, velocity),
+    ],
+    Solver=RKCK54, dt=1 / 100, tolerance_lte_rel=1e-6, log=False)
+
+if __name__ == "__main__":
+    sim.run(10 * np.pi)
+'''
+
+
+@pytest.fixture
+def export(tmp_path):
+    """Export the text of a script; returns the model."""
+    def export(text, name="script"):
+        path = tmp_path / f"{name}.py"
+        path.write_text(textwrap.dedent(text), encoding="utf-8")
+        return json.loads(export_script(path).read_text(encoding="utf-8"))
+
+    return export
+
+
+def script(blocks, wires="", before="", names=None, after="", events="[]"):
+    """A script that builds the blocks given as statements."""
+    names = names or ", ".join(line.split(" = ")[0] for line in blocks.splitlines()
+                               if " = " in line and not line.startswith(" "))
+    return f"""
+import numpy as np
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import *
+from pathsim.events import *
+from pathsim.solvers import *
+{before}
+{blocks}
+sim = Simulation([{names}], [{wires}], {events}, log=False)
+{after}
+"""
+
+
+def node(model, name):
+    return next(n for n in model["graph"]["nodes"] if n["name"] == name)
+
+
+def wires(model):
+    return {(c["sourceNodeId"], c["sourcePortIndex"], c["targetNodeId"], c["targetPortIndex"])
+            for c in model["graph"]["connections"]}
+
+
+def test_structure_comes_from_the_live_diagram_and_expressions_from_the_source(export):
+    model = export(OSCILLATOR)
+    assert [(n["name"], n["type"]) for n in model["graph"]["nodes"]] == [
+        ("velocity", "Integrator"), ("position", "Integrator"), ("spring", "Amplifier"),
+        ("damper", "Amplifier"), ("force", "Adder"), ("scope", "Scope")]
+    assert node(model, "position")["params"] == {"initial_value": "x0"}
+    assert node(model, "velocity")["params"] == {}
+    assert node(model, "spring")["params"]["gain"] == "-k"
+    assert node(model, "damper")["params"]["gain"] == "-d"
+    assert node(model, "scope")["params"] == {"labels": '["v", "x"]'}
+    assert [p["name"] for p in node(model, "scope")["inputs"]] == ["v", "x"]
+    assert wires(model) == {
+        ("velocity", 0, "position", 0), ("velocity", 0, "damper", 0), ("velocity", 0, "scope", 0),
+        ("position", 0, "spring", 0), ("position", 0, "scope", 1), ("spring", 0, "force", 0),
+        ("damper", 0, "force", 1), ("force", 0, "velocity", 0)}
+
+
+def test_only_needed_code_becomes_context_with_its_comments(export):
+    model = export(OSCILLATOR)
+    assert model["codeContext"]["code"] == (
+        "# initial position\nx0 = 2.0  # m\nk, d = 0.8, 0.2")
+
+
+def test_settings_are_as_written_and_pathsims_defaults_otherwise(export):
+    assert export(OSCILLATOR)["simulationSettings"] == {
+        "solver": "RKCK54", "duration": "10 * np.pi", "dt": "1 / 100", "dt_min": "1e-16",
+        "dt_max": "", "rtol": "1e-6", "atol": "1e-08", "ftol": "1e-10", "adaptive": True,
+        "ghostTraces": 0, "plotResults": True}
+
+
+@pytest.mark.parametrize(("run", "duration"), [
+    ("sim.run(20)", "20"),
+    ("sim.run(duration=2 * T)\nsim.plot()", "2 * T"),
+    ("sim.run()", "10.0"),
+    ("if __name__ == '__main__':\n    tf = 7\n    sim.run(tf)", "tf"),
+    ("def main():\n    sim.run(T)\n\nif __name__ == '__main__':\n    main()", "T"),
+    ("def main():\n    sim.run(T)\n\nmain()", "T"),
+    ("", "10.0"),
+    ("DURATION = 3.0", "DURATION"),
+])
+def test_duration_is_that_of_the_first_run(export, run, duration):
+    model = export(script("a = Constant(1)\ns = Scope()", before="T = 5.0", after=run))
+    assert model["simulationSettings"]["duration"] == duration
+    names = {"T", "tf", "DURATION"} & {duration.split(" ")[-1]}
+    assert all(f"{n} = " in model["codeContext"]["code"] for n in names)
+
+
+def test_ports_by_slice_list_name_and_several_targets(export):
+    model = export(script(
+        "lut = Function(lambda t: (t, 2*t, 3*t))\nflow = Function(lambda a, b, c: a)\n"
+        "compare = GreaterThan()\nclock = Source(lambda t: t)\nscope = Scope()",
+        "Connection(clock, lut), Connection(lut[0:3], flow[0:3], scope[0:3]),"
+        "Connection(lut[1], compare['b']), Connection(clock['out'], compare['a'])"))
+    assert wires(model) == {
+        ("clock", 0, "lut", 0), ("clock", 0, "compare", 0), ("lut", 1, "compare", 1),
+        *(("lut", i, "flow", i) for i in range(3)), *(("lut", i, "scope", i) for i in range(3))}
+    assert [p["name"] for p in node(model, "compare")["inputs"]] == ["a", "b"]
+    assert [p["name"] for p in node(model, "lut")["outputs"]] == ["out 0", "out 1", "out 2"]
+
+
+def test_wires_made_in_a_loop_are_read_from_the_live_diagram(export):
+    model = export(script("a = Constant(1)\nb = Function(lambda x, y: x)\nc = Scope()",
+                          "*[Connection(a, b[i]) for i in range(2)], Connection(b, c)"))
+    assert wires(model) == {("a", 0, "b", 0), ("a", 0, "b", 1), ("b", 0, "c", 0)}
+
+
+def test_blocks_without_a_variable_get_a_name_of_their_class(export):
+    model = export(script("parts = [Constant(1), Scope()]", "Connection(*parts)", names="*parts"))
+    assert [n["name"] for n in model["graph"]["nodes"]] == ["Constant", "Scope"]
+    assert [n["name"] for n in export(script(
+        "", names="Constant(1), Constant(2)"))["graph"]["nodes"]] == ["Constant", "Constant 2"]
+
+
+def test_names_that_pathview_would_confuse_are_changed_also_in_functions(export):
+    """PathView's variables are lower case: Int would hide int, X is x, K hides the parameter k."""
+    model = export(script(
+        "Int = Integrator(k)\nX = Integrator()\nx = Integrator()\nK = Amplifier(k)\n"
+        "Lambda = Amplifier()\nφ = Amplifier()\nblocks_ = Constant()\nsimulation = Constant()",
+        before="k = 2.0\ndef height(t):\n    x = Int.engine.state\n    return x - k * len(X())\n",
+        events="[ZeroCrossing(height, lambda t: X.engine.set(K.gain))]"))
+    names = [n["name"] for n in model["graph"]["nodes"]]
+    assert names == ["Int block", "X", "x 2", "K 2", "Lambda block", "Amplifier", "blocks block",
+                     "simulation"]
+    assert "x = int_block.engine.state\n    return x - k * len(x())" in model["codeContext"]["code"]
+    assert model["events"][0]["params"] == {
+        "func_evt": "height", "func_act": "lambda t: x.engine.set(k_2.gain)"}
+
+
+def test_context_follows_functions_imports_loops_and_changes(export):
+    code = export(script("a = Amplifier(gain(3))\ns = Source(lambda t: table[int(t)])", before="""
+import math
+from os import path, sep
+unused = path.join("a", "b")
+table = []
+for i in range(4):
+    table.append(scale * i) if i else table.append(0.0)
+scale = 1.0
+@np.vectorize
+def gain(x):
+    '''Twice
+    the root.'''
+    return 2 * root(x)
+root = math.sqrt
+np.random.seed(1)
+note = \"\"\"not
+needed\"\"\"
+""".replace("table = []", "scale = 2.0\ntable = []").replace("scale = 1.0\n", "")))
+    code = code["codeContext"]["code"]
+    for text in ("import math", "scale = 2.0", "table = []", "table.append(scale * i)",
+                 "@np.vectorize\ndef gain(x):", "root = math.sqrt", "np.random.seed(1)"):
+        assert text in code
+    for text in ("unused", "sep", "note", "import numpy"):
+        assert text not in code
+
+
+def test_a_text_of_several_lines_survives_pathviews_indentation(export):
+    code = export(script("s = Source(lambda t: len(TEXT) + len(f()))", before='''
+TEXT = """one
+two"""
+def f():
+    """Doc
+    string."""
+    return f"""a{TEXT}
+b"""
+'''))["codeContext"]["code"]
+    assert "TEXT = 'one\\ntwo'" in code
+    assert "return f'a{TEXT}\\nb'" in code
+    assert '"""Doc\n    string."""' in code
+
+
+def test_decorated_functions(export):
+    model = export(script("@Source\ndef wave(t):\n    return np.sin(w * t)\ns = Scope()",
+                          "Connection(wave, s)", before="w = 3.0", names="wave, s"))
+    assert node(model, "wave")["params"] == {"func": "wave_function"}
+    assert model["codeContext"]["code"] == (
+        "w = 3.0\n\ndef wave_function(t):\n    return np.sin(w * t)")
+
+
+def test_subsystems_nest_with_interfaces_events_and_port_names(export):
+    model = export(script("""
+inner_port = Interface()
+inner_gain = Amplifier(2)
+inner = Subsystem([inner_port, inner_gain],
+                  [Connection(inner_port, inner_gain), Connection(inner_gain, inner_port)])
+plant_port = Interface()
+plant_port.register_port_map({"y": 0, "x": 1}, {"u": 0})
+plant_state = Integrator(1.0)
+crossing = ZeroCrossing(lambda t: plant_state.engine.state - 0.5, None)
+plant = Subsystem([plant_port, plant_state, inner],
+                  [Connection(plant_port["u"], inner), Connection(inner, plant_state),
+                   Connection(plant_state, plant_port["x"])], [crossing])
+source = Constant(-1.0)
+scope = Scope()
+""", "Connection(source, plant), Connection(plant[1], scope)", names="source, plant, scope"))
+    plant = node(model, "plant")
+    assert [p["name"] for p in plant["inputs"]] == ["u"]
+    assert [p["name"] for p in plant["outputs"]] == ["y", "x"]
+    inside = {n["name"]: n for n in plant["graph"]["nodes"]}
+    assert list(inside) == ["Interface", "state", "inner"]
+    assert [p["name"] for p in inside["Interface"]["inputs"]] == ["y", "x"]
+    assert [n["name"] for n in inside["inner"]["graph"]["nodes"]] == ["Interface", "gain"]
+    event = plant["graph"]["events"][0]
+    assert event["params"]["func_evt"] == "lambda t: plant_state.engine.state - 0.5"
+    # PathView imports the events of the top level only
+    assert model["codeContext"]["code"] == "from pathsim.events import ZeroCrossing"
+
+
+@pytest.mark.parametrize(("imports", "blocks", "order"), [
+    ("from pathsim_jsbsim_blocks import ISAtmosphere", "air = ISAtmosphere()",
+     ["pathsim_jsbsim_blocks"]),
+    ("from pathsim_flight import ISAtmosphere", "air = ISAtmosphere()", ["pathsim_flight"]),
+    ("from pathsim_flight import ISAtmosphere\nfrom pathsim_jsbsim_blocks import DoubletSource",
+     "air = ISAtmosphere()\nd = DoubletSource()", ["pathsim_jsbsim_blocks", "pathsim_flight"]),
+    ("from pathsim_jsbsim_blocks import ISAtmosphere\nfrom pathsim_flight import JSBSimWrapper",
+     "air = ISAtmosphere()\nfdm = JSBSimWrapper(input_properties=['fcs/elevator-cmd-norm'],"
+     "output_properties=['attitude/theta-deg'])", ["pathsim_flight", "pathsim_jsbsim_blocks"]),
+])
+def test_toolboxes_stand_in_an_order_in_which_the_right_class_wins(export, imports, blocks, order):
+    """ISAtmosphere is in both; PathView takes the class of the toolbox that is registered last."""
+    required = export(script(blocks, before=imports))["requiredToolboxes"]
+    assert [t["importPath"] for t in required] == order
+    assert required[-1] == {
+        "id": f"pypi:{order[-1].replace('_', '-')}", "displayName": order[-1].replace("_", "-"),
+        "source": {"type": "pypi", "pkg": order[-1].replace("_", "-")}, "importPath": order[-1]}
+
+
+def test_classes_that_hide_each_other_are_refused(export):
+    with pytest.raises(DiagramError, match="same class name 'ISAtmosphere'"):
+        export(script("a = ISAtmosphere()\nb = Other()", before=(
+            "from pathsim_jsbsim_blocks import ISAtmosphere\n"
+            "from pathsim_flight import ISAtmosphere as Other")))
+    with pytest.raises(DiagramError, match="hide each other"):
+        export(script("a = ISAtmosphere()\nb = CAStoTAS()", before=(
+            "from pathsim_jsbsim_blocks import ISAtmosphere\n"
+            "from pathsim_flight import CAStoTAS")))
+
+
+def test_the_same_script_gives_the_same_file(export, tmp_path):
+    export(OSCILLATOR, "oscillator")
+    first = (tmp_path / "oscillator.pvm").read_bytes()
+    (tmp_path / "oscillator.pvm").unlink()
+    export(OSCILLATOR, "oscillator")
+    assert (tmp_path / "oscillator.pvm").read_bytes() == first
+    export(OSCILLATOR, "oscillator")  # over the existing file
+    assert (tmp_path / "oscillator.pvm").read_bytes() == first
+
+
+def test_positions_in_an_existing_model_are_kept_by_name(export, tmp_path):
+    model = export(OSCILLATOR, "oscillator")
+    node(model, "spring")["position"] = {"x": 1230, "y": -450}
+    node(model, "damper")["params"]["_rotation"] = 1
+    node(model, "spring")["params"]["gain"] = "99"
+    model["graph"]["annotations"][0]["position"] = {"x": 7, "y": 7}
+    model["graph"]["annotations"].append({"id": "mine", "content": "note"})
+    (tmp_path / "oscillator.pvm").write_text(json.dumps(model))
+    again = export(OSCILLATOR.replace("force = Adder()", "force = Adder()\nmore = Amplifier(3)")
+                   .replace("force, scope]", "force, scope, more]"), "oscillator")
+    assert node(again, "spring")["position"] == {"x": 1230, "y": -450}
+    assert node(again, "spring")["params"]["gain"] == "-k"
+    assert node(again, "damper")["params"]["_rotation"] == 1
+    assert node(again, "more")["params"]["gain"] == "3"
+    assert again["graph"]["annotations"][0]["position"] == {"x": 7, "y": 7}
+    assert again["graph"]["annotations"][1]["content"] == "note"
+
+
+def test_the_docstring_becomes_an_annotation(export):
+    assert export(OSCILLATOR)["graph"]["annotations"][0]["content"] == (
+        "# Oscillator\n\nA mass on a spring.\n\nSecond paragraph with `code`.")
+
+
+BLOCK = "a = Amplifier(2.0)"
+
+REFUSED = {
+    "loop": (script("for g in (1, 2):\n    a = Amplifier(g)", names="a"), 9,
+             "built in a loop"),
+    "comprehension": (script("a, b = [Amplifier(g) for g in (1, 2)]", names="a, b"), 8,
+                      "built in a comprehension"),
+    "condition": (script("if True:\n    a = Amplifier(1)", names="a"), 9, "built in a condition"),
+    "choice": (script("a = Amplifier(1) if True else Amplifier(2)"), 8, "built in a condition"),
+    "factory": (script("def make():\n    return Amplifier(1)\na = make()", names="a"), 10,
+                "'a' is built by a function"),
+    "own class": (script("class Mine(Amplifier):\n    pass\na = Mine()", names="a"), 10,
+                  "does not know the block 'Mine'.*installed package"),
+    "core block that PathView lacks": (script("a = Comparator()"), 8,
+                                       "does not know the block 'Comparator'"),
+    "starred": (script("a = Amplifier(*[1])"), 8, "args or \\*\\*kwargs"),
+    "keywords": (script("a = Amplifier(**dict(gain=1))"), 8, "args or \\*\\*kwargs"),
+    "no expression": (script("a = Amplifier(gain := 2)"), 8, "'gain' of 'a' is not a plain"),
+    "parameter read from a block": (script("a = Constant(1)\nb = Constant(a.value + 1)"), 9,
+                                    "cannot evaluate parameter 'value' of 'b'.*NameError"),
+    "changed block": (script(BLOCK, after="a.gain = 3.0"), 10, "'a' is changed after it is built"),
+    "changed simulation": (script(BLOCK, after="sim.steadystate()"), 10, "'sim' is changed"),
+    "switched off": (script(BLOCK + "\nb = Scope()\nc = Connection(a, b)\nc.off()", names="a, b"),
+                     11, "'c' is changed"),
+    "parameter that changes": (script("k = 1\na = Amplifier(k)\nk = 2\nb = Amplifier(k)",
+                                      names="a, b"), 10, "'k' changes after 'a' was built"),
+    "file": (script("a = Constant(len(__file__))"), 8, "__file__ has no meaning"),
+    "blocks in a function": (script(f"{BLOCK}\nall_ = [a]\ns = Source(lambda t: len(all_))",
+                                    names="a, s"), 10, "'all_' holds blocks"),
+    "absent block": (script(f"{BLOCK}\nb = Constant(1)\ns = Source(lambda t: b.value)",
+                            names="a, s"), None, "'b', which is not in the simulation"),
+    "two in one statement": (script("k, a = 2.0, Constant(1)\nb = Amplifier(k)", names="a, b"), 8,
+                             "one statement each"),
+    "not listed": (script(f"{BLOCK}\nb = Scope()", "Connection(a, b)", names="a"), None,
+                   "'b' is wired but not in the list"),
+    "twice": (script(BLOCK, names="Subsystem([Interface(), a]), a"), 8,
+              "'a' is in the diagram twice"),
+    "iterations": (script(BLOCK).replace("log=False", "iterations_max=9"), 9, "iterations_max"),
+    "solver parameter": (script(BLOCK).replace("log=False", "Solver=ESDIRK43, xyz=1"), None,
+                         "xyz"),
+    "not adaptive": (script(BLOCK, after="sim.run(3, adaptive=False)").replace(
+        "log=False", "Solver=RKCK54"), 10, "adaptive"),
+    "duration of a function": (script(BLOCK, after="def main():\n    t = 3\n    sim.run(t)"), 12,
+                               "'t' is not defined"),
+    "reserved name": (script("a = Amplifier(events)", before="events = 3"), None,
+                      "uses the name 'events'"),
+    "relative import": ("from . import x", 1, "script fails: ImportError"),
+    "error": ("x = 1\ny = x / 0", 2, "script fails: ZeroDivisionError"),
+    "exit": ("import sys\nsys.exit(3)", 2, "script fails: SystemExit"),
+    "syntax": ("x = (", 1, "not Python"),
+    "no simulation": ("x = 1", None, "builds no Simulation"),
+    "several simulations": ("from pathsim import Simulation\na = Simulation(log=False)\n"
+                            "b = Simulation(log=False)", None, "builds 2 simulations"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, export, tmp_path):
+    text, line, reason = REFUSED[case]
+    with pytest.raises(DiagramError, match=reason) as caught:
+        export(text)
+    assert caught.value.path == str(tmp_path / "script.py")
+    if line is not None:
+        assert caught.value.line == line
+        assert str(caught.value).startswith(f"{tmp_path / 'script.py'}:{line}: ")
+    assert os.listdir(tmp_path) == ["script.py"]
+
+
+def test_a_module_beside_the_script_is_refused(export, tmp_path):
+    (tmp_path / "beside_the_script.py").write_text("K = 2.0")
+    with pytest.raises(DiagramError, match="'beside_the_script' is not installed"):
+        export(script("a = Amplifier(K)", before="from beside_the_script import K"))
+    sys.modules.pop("beside_the_script")
+
+
+def test_a_failed_export_leaves_the_old_file_alone(export, tmp_path):
+    export(OSCILLATOR)
+    before = (tmp_path / "script.pvm").read_bytes()
+    with pytest.raises(DiagramError):
+        export("x = 1")
+    assert (tmp_path / "script.pvm").read_bytes() == before
+
+
+def test_something_that_is_not_a_model_is_not_overwritten(export, tmp_path):
+    (tmp_path / "script.pvm").write_text("precious")
+    with pytest.raises(DiagramError, match="not a PathView model"):
+        export(OSCILLATOR)
+    assert (tmp_path / "script.pvm").read_text() == "precious"
+
+
+def test_a_model_that_cannot_be_written_is_an_error(export, tmp_path):
+    (tmp_path / "a.py").write_text(OSCILLATOR)
+    with pytest.raises(DiagramError, match="nowhere.*cannot be written"):
+        export_script(tmp_path / "a.py", tmp_path / "nowhere" / "a.pvm")
+    with pytest.raises(DiagramError, match="cannot be read"):
+        export_script(tmp_path / "missing.py")
+
+
+def test_running_a_script_leaves_the_process_as_it_was(export, tmp_path):
+    before = list(sys.path), list(sys.argv), set(sys.modules)
+    export(OSCILLATOR, "left_over")
+    assert (list(sys.path), list(sys.argv)) == before[:2]
+    assert not [m for m in set(sys.modules) - before[2] if "left_over" in m]
