@@ -8,10 +8,10 @@ loaded as it is (its two sockets open), console at level 0, engines running, alp
 a full trim; the results of those that trim are kept in a list. What it prints, a line for each
 failure, is thrown away. Our function makes the same points sealed and quiet, with a row for each.
 
-Each repetition times all in turn, the peer and one core in fresh processes; imports are not counted.
-The figures are medians over the repetitions, the ratios are formed within a repetition. Worker
-processes take a second or so to start and to import PathSim: "cold" includes that, "warm" is a
-second sweep in the same session.
+Each repetition times all in turn, the peer and one core in fresh processes; imports are not
+counted. The figures are medians over the repetitions, the ratios are formed within a repetition.
+Worker processes take a second or so to start and to import PathSim: "cold" includes that, "warm" is
+a second sweep in the same session.
 """
 
 import math

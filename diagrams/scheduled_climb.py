@@ -4,8 +4,8 @@ An A-4 at 300 KCAS climbs at 5 deg from 1000 ft. The tables hold the commands th
 1000 ft (the study ``climb_schedule``); nothing is fed back but the altitude. The run ends itself at
 20,000 ft.
 
-Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, without
-the thrust that speeds the aircraft up along a climb at constant calibrated airspeed.
+Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, and do
+not have the thrust that speeds the aircraft up in a climb at constant calibrated airspeed.
 
 Source: the published JSBSim/PathSim notebook; its flight with the first trim held is the diagram
 ``fixed_trim_climb``. The limits of alpha are those of the trim there.

@@ -1,9 +1,11 @@
-"""Make what is generated in the documentation: the figures of the gallery and the API reference.
+"""Make what is generated in the documentation: the gallery with its figures, the API reference.
 
     python docs/generate.py
 """
 
+import ast
 import contextlib
+import html
 import importlib
 import inspect
 import io
@@ -20,8 +22,10 @@ from pathsim.blocks import Block  # noqa: E402
 
 import pathsim_jsbsim_blocks as package  # noqa: E402
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram  # noqa: E402
+from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
+README = DOCS.parent / "README.md"
 MODULES = ["atmosphere", "airspeed", "axes", "trim", "airframe", "plots", "catalogue", "studies",
            "pathview", "fleet"]
 
@@ -38,6 +42,16 @@ def pictures():
         os.chdir(DOCS)
 
 
+def study_pictures():
+    """The figure of each study."""
+    (DOCS / "pictures").mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, study in STUDIES.items():
+            drawn = Path(folder, f"{name}.png")
+            study.figure(study.table(progress=False)).savefig(drawn, dpi=110)
+            _shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
+
+
 def _shrink(source, target, width=800):
     from PIL import Image
 
@@ -45,6 +59,27 @@ def _shrink(source, target, width=800):
         height = round(image.height * width / image.width)
         image.convert("RGB").resize((width, height), Image.Resampling.LANCZOS).quantize(64).save(
             target, optimize=True)
+
+
+def gallery(columns=3):
+    """The README's gallery: a picture, the name and the first line of each script."""
+    cells = []
+    for name in diagram_names():
+        summary = ast.get_docstring(ast.parse(find_diagram(name).read_text())).splitlines()[0]
+        cells.append(f'<td width="33%" valign="top"><a href="diagrams/{name}.py">'
+                     f'<img src="docs/pictures/{name}.png" alt="{name}"></a><br>'
+                     f"<code>{name}</code><br>{html.escape(summary)}</td>")
+    rows = [cells[i:i + columns] for i in range(0, len(cells), columns)]
+    return "<table>\n" + "\n".join(
+        "<tr>\n" + "\n".join(row) + "\n</tr>" for row in rows) + "\n</table>"
+
+
+def readme():
+    """The README with the gallery as it is now."""
+    text = README.read_text(encoding="utf-8")
+    before, _, rest = text.partition("<!-- gallery -->\n")
+    _, _, after = rest.partition("\n<!-- end of gallery -->")
+    return f"{before}<!-- gallery -->\n{gallery()}\n<!-- end of gallery -->{after}"
 
 
 def _entry(name, thing, level):
@@ -77,7 +112,9 @@ def reference():
 
 def main():
     (DOCS / "api.md").write_text(reference(), encoding="utf-8")
+    README.write_text(readme(), encoding="utf-8")
     pictures()
+    study_pictures()
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ def test_the_first_two_commands_set_up_an_environment_of_their_own():
 
 def test_the_readme_shows_every_diagram():
     text = PAGES[0].read_text(encoding="utf-8")
-    assert [n for n in diagram_names() if f"`{n}`" not in text] == []
+    assert [n for n in diagram_names() if f"<code>{n}</code>" not in text] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
@@ -94,3 +94,11 @@ def test_docstring_examples(name):
 def test_there_are_docstring_examples():
     assert sum(len(doctest.DocTestFinder().find(importlib.import_module(n))) > 0
                for n in MODULES) > 5
+
+
+def test_generated_pages_are_current(monkeypatch):
+    # after a change: python docs/generate.py
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    generate = importlib.import_module("generate")
+    assert generate.readme() == PAGES[0].read_text(encoding="utf-8")
+    assert generate.reference() == (ROOT / "docs" / "api.md").read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ from typing import Any
 
 from . import __version__
 from .catalogue import diagram_folder, diagram_names, find_diagram
+from .checks import one_of
 from .errors import BlocksError, ParameterError
 
 
@@ -75,6 +76,34 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--flaps", type=float, help="0 to 1")
     sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
                      help="a property to write before the trim (repeatable)")
+
+    sub = command("study", _study, "run a trim study: its table, its figure")
+    sub.add_argument("name", help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, "
+                                  "thrust_vectoring or trim_envelope")
+    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
+    sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
+    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
+    sub.add_argument("--resume", metavar="FILE", type=Path,
+                     help="keep finished points in this file, and go on from it")
+    sub.add_argument("--wide", action="store_true", help="the larger grid, where there is one")
+
+    sub = command("view", _view, "open a diagram in PathView")
+    sub.add_argument("target", nargs="?", help="a diagram, a model (.pvm) or a script; default "
+                                               "is an empty diagram")
+    sub.add_argument("--port", type=int, help="default is 8360, or a free one")
+    sub.add_argument("--no-browser", action="store_true", help="only serve")
+
+    sub = command("export", _export, "write a diagram script as a PathView model")
+    sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
+    sub.add_argument("-o", "--output", metavar="FILE.pvm", type=Path,
+                     help="default is NAME.pvm, beside the script or, for the catalogue, here")
+
+    sub = command("convert", _convert, "write a PathView model as a Python script")
+    sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
+    sub.add_argument("-o", "--output", metavar="FILE.py", type=Path,
+                     help="default is beside the model")
+    sub.add_argument("--toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
+                     help="a toolbox that the model does not name itself (repeatable)")
     return parser
 
 
@@ -91,14 +120,19 @@ def _run(args: argparse.Namespace) -> None:
     from .plots import saving_to
 
     script = find_diagram(args.name)
-    for target in (args.save, args.csv):
-        if target is not None and not target.resolve().parent.is_dir():
-            raise ParameterError(f"no directory {str(target.resolve().parent)!r} to write "
-                                 f"{target.name!r} in", parameter="save", value=str(target))
+    _check_targets(args.save, args.csv)
     with saving_to(args.save) if args.save else contextlib.nullcontext():
         namespace = runpy.run_path(str(script), run_name="__main__")
     if args.csv is not None:
         _write_csv(namespace.get("sim"), args.csv)
+
+
+def _check_targets(*targets: Path | None) -> None:
+    """Refuse files that cannot be written before the work is done, not after."""
+    for target in targets:
+        if target is not None and not target.resolve().parent.is_dir():
+            raise ParameterError(f"no directory {str(target.resolve().parent)!r} to write "
+                                 f"{target.name!r} in", parameter="save", value=str(target))
 
 
 def _write_csv(simulation: Any, path: Path) -> None:
@@ -180,6 +214,46 @@ def _trim(args: argparse.Namespace) -> None:
             print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value))
         elif isinstance(value, float):
             print(f"  {field.name:<13}{value:14.6f} {units.get(field.name, '')}".rstrip())
+
+
+def _study(args: argparse.Namespace) -> None:
+    from .plots import saving_to, show
+    from .studies import STUDIES
+
+    study = STUDIES[one_of("study", args.name, STUDIES)]
+    if args.wide and not study.wide:
+        raise ParameterError(f"the study {args.name} has one grid only, no --wide",
+                             parameter="wide", value=True)
+    _check_targets(args.save, args.csv, args.resume)
+    table = study.table(jobs=args.jobs, resume=args.resume, **({"wide": True} if args.wide else {}))
+    trimmed = int(table["trimmed"].sum())
+    print(f"{args.name}: {trimmed} of {len(table)} points trim")
+    if args.csv is not None:
+        table.to_csv(args.csv, index=False)
+        print(f"table saved: {args.csv}")
+    with saving_to(args.save) if args.save else contextlib.nullcontext():
+        show(study.figure(table), args.name)
+
+
+def _view(args: argparse.Namespace) -> None:
+    from .pathview import view
+
+    view(args.target, args.port, browser=not args.no_browser)
+
+
+def _export(args: argparse.Namespace) -> None:
+    from .pathview import export_script
+
+    script = find_diagram(args.script)
+    own = script.parent == diagram_folder()
+    output = args.output or (Path(f"{script.stem}.pvm") if own else None)
+    print(f"model saved: {export_script(script, output)}")
+
+
+def _convert(args: argparse.Namespace) -> None:
+    from .pathview import convert_model
+
+    print(f"script saved: {convert_model(args.model, args.output, args.toolbox)}")
 
 
 if __name__ == "__main__":

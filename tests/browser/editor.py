@@ -1,5 +1,6 @@
 """PathView's editor as a user handles it, and the data that it receives."""
 
+import contextlib
 import json
 import re
 
@@ -30,8 +31,9 @@ class Editor:
     def __exit__(self, *exc):
         if self.page.url.startswith(self.address):  # the worker process of this profile
             session = self.page.evaluate("localStorage.getItem('flask-session-id')")
-            self.context.request.delete(f"{self.address}/api/session",
-                                        headers={"X-Session-ID": session})
+            with contextlib.suppress(Exception):  # the server has ended
+                self.context.request.delete(f"{self.address}/api/session",
+                                            headers={"X-Session-ID": session})
         self.context.close()
 
     def _console(self, message):

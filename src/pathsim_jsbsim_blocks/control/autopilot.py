@@ -110,6 +110,7 @@ class Autopilot(Controller):
         self._pitch = pitch_loop(T, pitch, limits("elevator_authority", self.elevator_authority))
         self._roll = roll_loop(T, roll, limits("aileron_authority", self.aileron_authority))
         self._speed = speed_loop(T, speed, limits("throttle_authority", self.throttle_authority))
+        self._Kc = speed.Kc
         self._yaw = WashoutLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
         self._heading = HeadingLoop(T, heading, self.bank_max)
         self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
@@ -144,7 +145,7 @@ class Autopilot(Controller):
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0)
 
         throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, 0.0, vc_target, vc_ref, thr_sat, speed_off != 0.0)
+            speed, vc, 0.0, vc_target, vc_ref, thr_sat, speed_off != 0.0, self._Kc * hdot)
         rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
         return ([elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
                 (altitude, pitch, heading, roll, speed, yaw))

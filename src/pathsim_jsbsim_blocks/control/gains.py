@@ -108,6 +108,7 @@ class SpeedGains(_Gains):
     Tf: float = 0.5
     b: float = 1.0
     ramp: float = 1.0
+    Kc: float = 0.0
 
 
 @dataclass(frozen=True)

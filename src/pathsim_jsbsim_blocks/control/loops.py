@@ -45,7 +45,7 @@ class ReferenceLoop:
         return state[1] if state[2][0] > 0.0 else y
 
     def sample(self, state: State, y: float, rate: float, target: float | None, increment: float,
-               short: float, off: bool) -> tuple[float, float, State]:
+               short: float, off: bool, feed: float = 0.0) -> tuple[float, float, State]:
         """Actuator increment, reference and next state.
 
         Parameters
@@ -69,7 +69,8 @@ class ReferenceLoop:
                 found = y
             goal = (found if target is None else target) + increment
             reference += min(max(goal - reference, -self._step), self._step)
-        u, law = self.pid.sample(law, reference, y, rate, self.sign * short, off)
+        u, law = self.pid.sample(law, reference, y, rate, self.sign * short, off,
+                                 feed=feed)
         return self.sign * u, reference, (found, reference, law)
 
 

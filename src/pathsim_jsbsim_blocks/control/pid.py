@@ -90,7 +90,8 @@ class PID:
         return (-1.0, 0.0, u, u, 0.0, 0.0)
 
     def sample(self, state: State, r: float, y: float, rate: float = 0.0, short: float = 0.0,
-               off: bool = False, track: float = 0.0) -> tuple[float, State]:
+               off: bool = False, track: float = 0.0,
+               feed: float = 0.0) -> tuple[float, State]:
         """Output at one instant and the state after it.
 
         Parameters
@@ -114,7 +115,7 @@ class PID:
                 offset = u - track
             u = min(max(offset + track, self.low), self.high)
             return u, (0.0, 0.0, u, offset, y, slope)
-        proportional = self.Kp * (self.b * r - y)
+        proportional = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
         if phase <= 0.0:
             integral, offset = u - proportional, damping

@@ -152,14 +152,15 @@ class _Check:
         ends = set()
         for connection in graph["connections"]:
             self._end(graph, parent, connection, "source", "output")
-            end = self._end(graph, parent, connection, "target", "input")
+            self._end(graph, parent, connection, "target", "input")
+            end = connection["targetNodeId"], connection["targetPortIndex"]
             if end in ends:
-                self._refuse(f"connection {connection['id']!r}: input {end[1]} of {end[0]!r} has "
+                self._refuse(f"connection {connection['id']!r}: input {end[1]} of its target has "
                              "another wire already")
             ends.add(end)
 
     def _end(self, graph: Json, parent: Json | None, connection: Json, end: str,
-             side: str) -> tuple[str, int]:
+             side: str) -> None:
         name, port = connection[f"{end}NodeId"], connection[f"{end}PortIndex"]
         node = next((n for n in graph["nodes"] if n["id"] == name), None)
         if node is None:
@@ -171,7 +172,6 @@ class _Check:
         if not isinstance(port, int) or not 0 <= port < len(ports):
             self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} "
                          f"{port!r}")
-        return node["name"], port
 
     def _event(self, event: Json) -> None:
         name = event["type"].rpartition(".")[2]

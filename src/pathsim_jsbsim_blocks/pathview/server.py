@@ -24,6 +24,7 @@ PORT = 8360
 # PathView installs this toolbox with pip when it first starts in a browser
 _PRELOADED = ("pathsim-chem", "pathsim_chem")
 _CATEGORIES = {  # module of this package: category and shape in PathView's block library
+    "aircraft": ("Aircraft", "rect"),
     "fdm": ("Aircraft", "rect"),
     "sources": ("Sources", "pill"),
     "control": ("Autopilot", "rect"),
@@ -50,6 +51,7 @@ class Server:
 
     def __init__(self, models: Mapping[str, Json], port: int | None = None):
         self._sessions: set[str] = set()
+        self._closed = False
         self._server = _bound(self._app(models), port)
         self.address = f"http://{HOST}:{self._server.effective_port}"
 
@@ -58,12 +60,17 @@ class Server:
         return f"{self.address}/editor" + (f"?model=/model/{quote(name)}" if name else "")
 
     def run(self) -> None:
-        """Serve until ``close`` or KeyboardInterrupt."""
-        self._server.run()
+        """Serve until KeyboardInterrupt, or ``close`` in another thread."""
+        try:
+            self._server.run()
+        except OSError:  # closed while it waits
+            if not self._closed:
+                raise
 
     def close(self) -> None:
         from pathview.app import remove_session
 
+        self._closed = True
         self._server.close()
         while self._sessions:
             remove_session(self._sessions.pop())
@@ -120,7 +127,8 @@ def _bound(app: Any, port: int | None) -> Any:
         raise ParameterError(f"port must be at most 65535, not {port}", parameter="port",
                              value=port)
     try:
-        return create_server(app, host=HOST, port=PORT if port is None else port, threads=8)
+        return create_server(app, map={}, host=HOST, threads=8,
+                             port=PORT if port is None else port)
     except OSError as error:
         if port is None:
             return _bound(app, 0)

@@ -82,7 +82,7 @@ def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress
     from tqdm import tqdm
 
     return tqdm(total=sum(map(len, parts)), initial=sum(map(len, finished.values())),
-                desc=title, unit="point", disable=not progress)
+                desc=title, unit=" points", disable=not progress)
 
 
 def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str],

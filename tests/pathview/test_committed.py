@@ -1,0 +1,23 @@
+"""The models beside the diagram scripts are what the exporter makes of them."""
+
+import shutil
+
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.pathview import export_script
+
+pytest.importorskip("pathview")
+
+
+@pytest.mark.parametrize("name", diagram_names())
+def test_a_model_is_current(name, tmp_path):
+    committed = diagram_folder() / f"{name}.pvm"
+    again = tmp_path / committed.name
+    shutil.copy(committed, again)  # positions are kept
+    export_script(diagram_folder() / f"{name}.py", again)
+    assert again.read_bytes() == committed.read_bytes(), f"pathsim-jsbsim export diagrams/{name}.py"
+
+
+def test_every_model_has_a_script():
+    assert sorted(p.stem for p in diagram_folder().glob("*.pvm")) == diagram_names()

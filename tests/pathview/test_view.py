@@ -1,0 +1,125 @@
+"""The server behind ``view``: bound to this machine, gone without a trace."""
+
+import json
+import signal
+import socket
+import sys
+import threading
+import time
+import urllib.error
+import urllib.request
+
+import pytest
+from served_pathview import Served
+
+from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
+from pathsim_jsbsim_blocks.pathview import view
+from pathsim_jsbsim_blocks.pathview.server import Server, _registration
+from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
+
+pytest.importorskip("pathview")
+
+
+def get(url, **headers):
+    with urllib.request.urlopen(urllib.request.Request(url, headers=headers), timeout=30) as answer:
+        return answer.read().decode()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interrupted_it_leaves_no_port_process_or_file(number, tmp_path):
+    served = Served(tmp_path, "step_response", "--no-browser", "--port", "0")
+    request = urllib.request.Request(
+        f"{served.address}/api/init", data=b'{"packages": []}',
+        headers={"Content-Type": "application/json", "X-Session-ID": "one"})
+    assert json.load(urllib.request.urlopen(request, timeout=60))["type"] == "ready"
+    workers = served.children()
+    assert workers
+    status, errors = served.end(number)
+    assert (status, errors) == (0, "")
+    assert served.left_behind(workers) == []
+
+
+def test_it_opens_the_users_browser_with_the_diagram(tmp_path):
+    seen = tmp_path / "seen"
+    program = tmp_path / "browser"
+    program.write_text(f'#!/bin/sh\necho "$1" > {seen}.part && mv {seen}.part {seen}\n')
+    program.chmod(0o755)
+    served = Served(tmp_path, "step_response", "--port", "0", env={"BROWSER": str(program)})
+    try:
+        for _ in range(200):
+            if seen.exists():
+                break
+            time.sleep(0.05)
+        assert seen.read_text().strip() == served.url
+        assert served.url.endswith("/editor?model=/model/step_response.pvm")
+    finally:
+        served.end()
+
+
+@pytest.fixture
+def server():
+    with Server({"a b.pvm": {"graph": 1}}, port=0) as server:
+        threading.Thread(target=server.run, daemon=True).start()
+        yield server
+
+
+def test_it_serves_the_model_and_nothing_to_other_names(server):
+    assert json.loads(get(f"{server.address}/model/a%20b.pvm")) == {"graph": 1}
+    assert server.url("a b.pvm") == f"{server.address}/editor?model=/model/a%20b.pvm"
+    with pytest.raises(urllib.error.HTTPError, match="404"):
+        get(f"{server.address}/model/other.pvm")
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        get(f"{server.address}/editor", Host="rebound.example:80")
+
+
+def test_it_listens_on_this_machine_only(server):
+    port = int(server.address.rpartition(":")[2])
+    others = {i[4][0] for i in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+    for address in others - {"127.0.0.1", "127.0.1.1"}:
+        with socket.socket() as probe:
+            assert probe.connect_ex((address, port)) != 0
+    with socket.socket() as probe:
+        assert probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def test_a_port_in_use_is_an_error_if_asked_for(server):
+    port = int(server.address.rpartition(":")[2])
+    with pytest.raises(ParameterError, match=f"port {port} cannot be used"):
+        Server({}, port=port)
+    for bad in (-1, 65536, 1.5, "x"):
+        with pytest.raises(ParameterError, match="port"):
+            Server({}, port=bad)
+
+
+def test_this_package_is_always_registered_and_the_models_toolboxes_last():
+    def registered(required):
+        script = _registration(required)
+        start = script.index("toolboxes = ") + len("toolboxes = ")
+        return json.JSONDecoder().raw_decode(script[start:])[0]
+
+    assert [t["importPath"] for t in registered([])] == [OURS.import_path]
+    assert [t["importPath"] for t in registered([FLIGHT])] == [
+        OURS.import_path, FLIGHT.import_path]
+    assert [t["importPath"] for t in registered([OURS, FLIGHT])] == [
+        OURS.import_path, FLIGHT.import_path]
+    blocks = {b["className"]: b["override"] for b in registered([])[0]["blocks"]}
+    assert blocks["DoubletSource"] == {"category": "Sources", "shape": "pill"}
+    assert blocks.keys() == OURS.blocks().keys()
+
+
+@pytest.mark.parametrize(("target", "error", "message"), [
+    ("no_such_diagram", ParameterError, "no diagram 'no_such_diagram'"),
+    ("missing.pvm", DiagramError, "cannot be read"),
+])
+def test_what_cannot_be_shown_is_an_error_at_once(target, error, message):
+    with pytest.raises(error, match=message):
+        view(target, browser=False)
+
+
+def test_a_model_with_a_block_that_nobody_knows_is_not_served(tmp_path):
+    path = tmp_path / "model.pvm"
+    path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [
+        {"id": "a", "type": "Nothing", "name": "a", "inputs": [], "outputs": [], "params": {}}]}}))
+    with pytest.raises(BlocksError, match="does not know the block 'Nothing'"):
+        view(path, browser=False)

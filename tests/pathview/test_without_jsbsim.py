@@ -1,0 +1,92 @@
+"""PathView's hosted editor runs in the browser, where jsbsim cannot be installed."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.pathview.toolboxes import OURS, core_registry
+
+pytest.importorskip("pathview")
+
+# in a process of its own: finds no jsbsim, and reports what PathView would find and run
+HOSTED = """
+import importlib.machinery, json, logging, sys
+
+found = importlib.machinery.PathFinder.find_spec
+importlib.machinery.PathFinder.find_spec = classmethod(
+    lambda cls, name, *args: None if name.partition(".")[0] == "jsbsim" else found(name, *args))
+
+import pathsim_jsbsim_blocks
+light = [m for m in ("pathview", "pandas", "joblib") if m in sys.modules]
+
+from pathlib import Path
+from pathsim_jsbsim_blocks.errors import DiagramError
+from pathsim_jsbsim_blocks.pathview.convert import read, registry_for, to_python
+from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
+
+logging.disable()
+runs = []
+for path in map(Path, sys.argv[1:]):
+    content = read(path)
+    try:
+        code = to_python(content, registry_for(content, path), path)
+        namespace = {"__name__": "hosted"}
+        exec(code, namespace)
+    except (DiagramError, ImportError):
+        continue
+    namespace["sim"].run(10 * namespace["sim"].dt)
+    runs.append(path.stem)
+print(json.dumps({"light": light, "blocks": sorted(OURS.blocks()), "runs": runs}))
+"""
+
+
+@pytest.fixture(scope="module")
+def hosted():
+    models = [str(diagram_folder() / f"{n}.pvm") for n in diagram_names()]
+    answer = subprocess.run([sys.executable, "-c", HOSTED, *models], text=True, check=True,
+                            stdout=subprocess.PIPE, timeout=300)
+    return json.loads(answer.stdout)
+
+
+def test_all_blocks_but_the_aircraft_are_found(hosted):
+    assert set(OURS.blocks()) - set(hosted["blocks"]) == {"Aircraft", "JSBSimFDM"}
+
+
+def test_importing_the_package_stays_light(hosted):
+    assert hosted["light"] == []
+
+
+def test_the_diagrams_without_aircraft_run(hosted):
+    aircraft = {"Aircraft", "JSBSimFDM", "JSBSimWrapper"}
+    without = [n for n in diagram_names() if not aircraft & _types(n)]
+    assert without
+    assert hosted["runs"] == without
+
+
+def test_the_documentation_names_the_diagrams_that_run_there(hosted):
+    page = Path(__file__).parents[2] / "docs" / "pathview.md"
+    if not page.exists():
+        pytest.skip("the documentation is not installed")
+    section = page.read_text(encoding="utf-8").partition("## The hosted editor")[2]
+    named = re.findall(r"^- `(\w+)`", section.partition("\n## ")[0], re.MULTILINE)
+    assert sorted(named) == hosted["runs"]
+
+
+def _types(name):
+    def walk(graph):
+        for node in graph["nodes"]:
+            yield node["type"]
+            yield from walk(node["graph"]) if "graph" in node else ()
+
+    model = json.loads((diagram_folder() / f"{name}.pvm").read_text(encoding="utf-8"))
+    return set(walk(model["graph"]))
+
+
+def test_no_block_has_the_name_of_one_of_pathviews():
+    """PathView knows blocks by class name: ours would replace its own."""
+    assert not set(OURS.blocks()) & set(core_registry()["blocks"])
