@@ -2,16 +2,16 @@
 
     python benchmarks/air_data.py
 
-Ours and the peer's are measured in turn, several times; the table gives the medians of one call.
+Ours and the peer's are measured in turn, several times.
 """
 
-import statistics
 import time
 
 import ambiance
 import numpy as np
 import pathsim_flight
 from fluids.atmosphere import ATMOSPHERE_1976
+from report import HEADER, row
 
 import pathsim_jsbsim_blocks
 from pathsim_jsbsim_blocks.atmosphere import isa
@@ -40,46 +40,42 @@ def updates(name, *inputs):
     return [update(package, name, *inputs) for package in (pathsim_jsbsim_blocks, pathsim_flight)]
 
 
-def medians(functions, calls):
-    """Median time of one call in s, of each function."""
-    samples = [[] for _ in functions]
+def compare(what, peer, functions, unit="us", calls=2000, per_call=1, faster=None):
+    """A row for two functions timed in turn; ``faster`` is how many times ours should be."""
+    samples = [[], []]
     for _ in range(15 if calls > 1 else 5):
         for function, times in zip(functions, samples, strict=True):
             start = time.perf_counter()
             for _ in range(calls):
                 function()
-            times.append((time.perf_counter() - start) / calls)
-    return [statistics.median(times) for times in samples]
+            times.append((time.perf_counter() - start) / (calls * per_call))
+    row(what, peer, *samples, unit, faster and 1 / faster)
 
 
-def row(what, peer, functions, calls=2000, per_call=1, target=""):
-    ours, other = (1e6 * seconds / per_call for seconds in medians(functions, calls))
-    print(f"{what:40} {peer:15} {ours:12.2f} {other:12.2f} {other / ours:7.1f} {target:>7}")
-
-
-def main():
-    print(f"{'':40} {'peer':15} {'ours, us':>12} {'peer, us':>12} {'ratio':>7} {'target':>7}")
+def rows():
     million = "ISA, 10^6 altitudes: p, rho, T, a"
-    row(million, "ambiance", [lambda: four(isa(HEIGHTS)),
-                              lambda: four(ambiance.Atmosphere(HEIGHTS))], 1, target=5)
-    row(million, "fluids, loop", [lambda: four(isa(HEIGHTS)),
-                                  lambda: [four_of_fluids(h) for h in HEIGHTS.tolist()]], 1,
-        target=30)
-    row("ISA, one altitude: isa(h), p, rho, T, a", "fluids",
+    compare(million, "ambiance", [lambda: four(isa(HEIGHTS)),
+                                  lambda: four(ambiance.Atmosphere(HEIGHTS))],
+            "ms", 1, faster=5)
+    compare(million, "fluids, loop", [lambda: four(isa(HEIGHTS)),
+                                  lambda: [four_of_fluids(h) for h in HEIGHTS.tolist()]],
+            "ms", 1, faster=30)
+    compare("ISA, one altitude: isa(h), p, rho, T, a", "fluids",
         [lambda: [four(isa(h)) for h in IN_EACH_LAYER],
-         lambda: [four_of_fluids(h) for h in IN_EACH_LAYER]], per_call=7, target=1)
+         lambda: [four_of_fluids(h) for h in IN_EACH_LAYER]], per_call=7, faster=1)
     ours, theirs = pathsim_jsbsim_blocks.ISAtmosphere(), pathsim_flight.ISAtmosphere()
-    row("ISA, one altitude: ISAtmosphere._eval(h)", "pathsim-flight",
+    compare("ISA, one altitude: ISAtmosphere._eval(h)", "pathsim-flight",
         [lambda: [ours._eval(h) for h in IN_EACH_LAYER],
-         lambda: [theirs._eval(h) for h in IN_EACH_LAYER]], per_call=7, target=2)
-    row("ISAtmosphere block update", "pathsim-flight", updates("ISAtmosphere", 5000.0))
-    row("CAStoTAS block update", "pathsim-flight", updates("CAStoTAS", 120.0, 5000.0), target=4)
-    row("CAStoMach block update", "pathsim-flight", updates("CAStoMach", 120.0, 5000.0))
-    row("CAStoEAS block update", "pathsim-flight", updates("CAStoEAS", 120.0, 5000.0))
-    row("EAStoTAS block update", "pathsim-flight", updates("EAStoTAS", 120.0, 5000.0))
-    row("TAStoCAS block update", "pathsim-flight", updates("TAStoCAS", 150.0, 5000.0))
-    row("MachtoCAS block update", "pathsim-flight", updates("MachtoCAS", 0.5, 5000.0))
+         lambda: [theirs._eval(h) for h in IN_EACH_LAYER]], per_call=7, faster=2)
+    compare("ISAtmosphere block update", "pathsim-flight", updates("ISAtmosphere", 5000.0))
+    compare("CAStoTAS block update", "pathsim-flight", updates("CAStoTAS", 120.0, 5000.0), faster=4)
+    compare("CAStoMach block update", "pathsim-flight", updates("CAStoMach", 120.0, 5000.0))
+    compare("CAStoEAS block update", "pathsim-flight", updates("CAStoEAS", 120.0, 5000.0))
+    compare("EAStoTAS block update", "pathsim-flight", updates("EAStoTAS", 120.0, 5000.0))
+    compare("TAStoCAS block update", "pathsim-flight", updates("TAStoCAS", 150.0, 5000.0))
+    compare("MachtoCAS block update", "pathsim-flight", updates("MachtoCAS", 0.5, 5000.0))
 
 
 if __name__ == "__main__":
-    main()
+    print(HEADER)
+    rows()

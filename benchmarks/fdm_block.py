@@ -8,7 +8,6 @@ diagram: 4 inputs, 12 outputs, a proportional pitch law, one Scope, 120 Hz. Each
 median over the repetitions of the time per JSBSim step; the ratios are formed within a repetition.
 """
 
-import statistics
 import time
 
 import jsbsim
@@ -17,6 +16,7 @@ from pathsim.blocks import Adder, Amplifier, Constant, Scope
 from pathsim.blocks import Block as PathSimBlock
 from pathsim.utils.register import Register
 from pathsim_flight.jsbsim import JSBSimWrapper
+from report import HEADER, row
 
 from pathsim_jsbsim_blocks import JSBSimFDM
 
@@ -87,30 +87,21 @@ def time_plain_loop(steps=STEPS, dt=T):
     return (time.perf_counter() - start) / steps
 
 
-def main():
+def rows():
     jsbsim.FGJSBBase().debug_lvl = 0
-    figures = {name: [] for name in ("ours", "wrapper", "empty", "plain", "ours 30 Hz x 4")}
+    ours, wrapper, separate, plain, slow = [], [], [], [], []
     for _ in range(REPETITIONS):
-        figures["ours"].append(time_diagram(JSBSimFDM))
-        figures["wrapper"].append(time_diagram(JSBSimWrapper))
-        figures["empty"].append(time_diagram(Empty))
-        figures["plain"].append(time_plain_loop())
-        figures["ours 30 Hz x 4"].append(
-            time_diagram(JSBSimFDM, STEPS // 4, T=4 * T, substeps=4) / 4)
-    for name, values in figures.items():
-        print(f"{name:<16}{1e6 * statistics.median(values):8.1f} us per JSBSim step")
-
-    def ratio(text, pairs, target):
-        value = statistics.median(pairs)
-        print(f"{text:<48}{value:6.2f}   (target at most {target})")
-
-    ours, wrapper, empty, plain, slow = figures.values()
-    ratio("ours / JSBSimWrapper", [a / b for a, b in zip(ours, wrapper, strict=True)], 0.65)
-    ratio("ours / (empty diagram + plain loop)",
-          [a / (b + c) for a, b, c in zip(ours, empty, plain, strict=True)], 1.15)
-    ratio("ours at 30 Hz with 4 substeps / plain loop",
-          [a / b for a, b in zip(slow, plain, strict=True)], 2.2)
+        ours.append(time_diagram(JSBSimFDM))
+        wrapper.append(time_diagram(JSBSimWrapper))
+        plain.append(time_plain_loop())
+        separate.append(time_diagram(Empty) + plain[-1])
+        slow.append(time_diagram(JSBSimFDM, STEPS // 4, T=4 * T, substeps=4) / 4)
+    row("FDM block: a step of the pitch loop", "JSBSimWrapper", ours, wrapper, "us", 0.65)
+    row("FDM block: a step of the pitch loop", "empty diagram + plain loop", ours, separate, "us",
+        1.15)
+    row("FDM block: 30 Hz, 4 substeps, per JSBSim step", "plain loop", slow, plain, "us", 2.2)
 
 
 if __name__ == "__main__":
-    main()
+    print(HEADER)
+    rows()

@@ -7,9 +7,10 @@ target is at most 1.1 of the processor time: what we add to PathSim is a tenth o
 """
 
 import os
-import statistics
 import subprocess
 import sys
+
+from report import HEADER, row
 
 PAIRS = 15
 
@@ -23,14 +24,13 @@ def cost(module):
             + after.children_system - before.children_system)
 
 
-def main():
+def rows():
     cost("pathsim"), cost("pathsim_jsbsim_blocks")  # byte code and disk cache
     pairs = [(cost("pathsim_jsbsim_blocks"), cost("pathsim")) for _ in range(PAIRS)]
-    ours, peer = (statistics.median(side) for side in zip(*pairs, strict=True))
-    ratio = statistics.median(a / b for a, b in pairs)
-    print(f"import pathsim_jsbsim_blocks {ours:.3f} s, import pathsim {peer:.3f} s, "
-          f"ratio {ratio:.3f}   (target at most 1.1)")
+    row("import of the package, processor time", "import pathsim", *zip(*pairs, strict=True), "s",
+        1.1)
 
 
 if __name__ == "__main__":
-    main()
+    print(HEADER)
+    rows()

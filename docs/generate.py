@@ -12,16 +12,18 @@ import io
 import os
 import runpy
 import tempfile
+from importlib.metadata import version
 from pathlib import Path
 
 import matplotlib
 
 matplotlib.use("agg")
 
-from pathsim.blocks import Block  # noqa: E402
+from pathsim.blocks import Block
 
-import pathsim_jsbsim_blocks as package  # noqa: E402
-from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram  # noqa: E402
+import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
+from pathsim_jsbsim_blocks.fleet import HEADER, fleet_table, format_row
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
@@ -57,8 +59,9 @@ def _shrink(source, target, width=800):
 
     with Image.open(source) as image:
         height = round(image.height * width / image.width)
-        image.convert("RGB").resize((width, height), Image.Resampling.LANCZOS).quantize(64).save(
-            target, optimize=True)
+        small = image.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+        # median cut, the default, loses colours of few pixels, such as that of a single mark
+        small.quantize(128, Image.Quantize.FASTOCTREE).save(target, optimize=True)
 
 
 def gallery(columns=3):
@@ -110,7 +113,21 @@ def reference():
     return "\n".join(parts)
 
 
+def fleet_page():
+    """How every aircraft that jsbsim brings does in level flight."""
+    rows = list(fleet_table())
+    trims = sum(row.error is None for row in rows)
+    return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
+            f"{trims} of them trim in level flight.\n"
+            "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.fleet` finds "
+            "it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s with its "
+            "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
+            f"--table` prints the table anew.\n\n{HEADER}"
+            + "".join(f"{format_row(row)}\n" for row in rows))
+
+
 def main():
+    (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "api.md").write_text(reference(), encoding="utf-8")
     README.write_text(readme(), encoding="utf-8")
     pictures()

@@ -312,12 +312,12 @@ def test_a_plain_diagram_acts_in_one_pass_through_the_graph():
     start = sim.time
     sim.timestep()
     assert times == [start + T]
-    assert fdm.clock.dormant
+    assert fdm.one_pass
     for others in ({"others": [Integrator()]}, {"Solver": RKBS32}):
         other = block()
         _, sim = wire(other, sines(), **others)
         sim.run(1.0)
-        assert not other.clock.dormant
+        assert not other.one_pass
         assert other.samples == 120
 
 

@@ -136,6 +136,12 @@ def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, floa
     return x, y, z
 
 
+def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
+    """Whether a model says of any of its wheels that it retracts."""
+    wheels = ET.parse(_model_file(aircraft, root)).iterfind("ground_reactions/contact/retractable")
+    return any(float(wheel.text or 0) for wheel in wheels)
+
+
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
 
 
@@ -254,12 +260,13 @@ class Airframe:
         """
         failure = _failure_of(self.fdm.run_ic)
         if failure:
-            missing = re.search(r"property (\S+) does not exist", failure)
+            said = re.search(r"property (\S+) does not exist", failure)
+            missing = said[1] if said else ""
             advice = (f". It expects this property from its surroundings; give it with "
-                      f"create={{{missing[1]!r}: 0.0}}" if missing else "")
+                      f"create={{{missing!r}: 0.0}}" if missing else "")
             raise AircraftError(
                 f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
-                aircraft=self.aircraft)
+                aircraft=self.aircraft, missing=missing)
 
     @property
     def engines(self) -> int:

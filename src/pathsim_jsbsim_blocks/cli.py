@@ -54,7 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path, help="write all recorded signals")
 
-    command("aircraft", _aircraft, "the aircraft models, and which of them load")
+    sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
+    sub.add_argument("--table", action="store_true",
+                     help="trim each in level flight and fly it for 30 s, controls held")
 
     sub = command("properties", _properties,
                   "the properties of an aircraft: name, access, value as initialised")
@@ -159,6 +161,13 @@ def _write_csv(simulation: Any, path: Path) -> None:
 def _aircraft(args: argparse.Namespace) -> None:
     from .airframe import Airframe, aircraft_names
 
+    if args.table:
+        from .fleet import HEADER, fleet_table, format_row
+
+        print(HEADER, end="")
+        for row in fleet_table():
+            print(format_row(row), flush=True)
+        return
     for name in aircraft_names():
         try:
             airframe = Airframe(name)

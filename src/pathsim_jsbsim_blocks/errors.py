@@ -46,12 +46,16 @@ class AircraftError(BlocksError, ValueError):
         the model's name
     nearest : list[str]
         known models with a similar name
+    missing : str
+        property that the model expects from its surroundings, empty if that is not the reason
     """
 
-    def __init__(self, message: str, *, aircraft: str, nearest: Sequence[str] = ()):
+    def __init__(self, message: str, *, aircraft: str, nearest: Sequence[str] = (),
+                 missing: str = ""):
         super().__init__(message)
         self.aircraft = aircraft
         self.nearest = list(nearest)
+        self.missing = missing
 
 
 class PropertyError(BlocksError, ValueError):

@@ -58,13 +58,11 @@ class SampleClock(Event):
         self.reset()
 
     def __bool__(self) -> bool:
-        return not self.dormant and self._active and self._block._active
+        return self._active and self._block._active
 
     def reset(self) -> None:
         super().reset()
         self.period = self._block.T
-        # while the block acts in update(), there is nothing to detect
-        self.dormant = False
         self.step_start = 0.0
         # between the start of a step and its end; a run begins outside of any step
         self.in_step = False
@@ -102,11 +100,11 @@ class SampleClock(Event):
         if t > self.due_until:
             # switched off for a while, or reset to a later time: go on from here
             self.begin_at(t, self.index)
-        self._block.armed = True
 
     def buffer(self, t: float) -> None:
         self.in_step = True
         self.step_starts(t)
+        self._block.armed = True
 
     def estimate(self, t: float) -> float:
         return self.next - t
@@ -126,17 +124,6 @@ class SampleClock(Event):
 
     def resolve(self, t: float) -> None:
         self._block.act(self._detected_at)
-
-    def to_checkpoint(self, prefix: str) -> tuple[dict, dict]:
-        json_data, npz_data = super().to_checkpoint(prefix)
-        json_data.update(period=self.period, start=self.start, index=self.index)
-        return json_data, npz_data
-
-    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        super().load_checkpoint(prefix, json_data, npz)
-        self.period = json_data["period"]
-        index = json_data["index"]
-        self.begin_at(json_data["start"] + max(index - 1, 0) * self.period, index)
 
 
 class Settling(Event):
@@ -163,8 +150,10 @@ class SampledBlock(Block):
         super().__init__()
         self.T = positive("T", T)
         self.clock = SampleClock(self, first)
-        self.events = [self.clock]
+        self._clock_events: list[Event] = [self.clock]
+        self.events = self._clock_events
         self._simulation: weakref.ref[Simulation] | None = None
+        self.one_pass = False
         self.armed = False
         self._warned = False
 
@@ -175,22 +164,41 @@ class SampledBlock(Block):
             levels, frame = levels + 1, frame.f_back
         alone = levels == 0 and isinstance(owner, Simulation)
         self._simulation = weakref.ref(owner) if alone else None
-        self.events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
+        self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
+        self._act_in_events(True)
+
+    def _act_in_events(self, yes: bool) -> None:
+        self.one_pass = not yes
+        self.events = self._clock_events if yes else []
 
     def reset(self) -> None:
-        super().reset()
+        self._act_in_events(True)
         self.armed = False
+        super().reset()
 
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
         simulation = self._simulation() if self._simulation is not None else None
         one_pass = (simulation is not None and not simulation._blocks_dyn
                     and not simulation.engine.is_adaptive)
-        clock = self.clock
-        clock.dormant = one_pass
+        if one_pass is not self.one_pass:
+            self._act_in_events(not one_pass)
         if one_pass:
-            clock.step_starts(t)
+            self.clock.step_starts(t)
             self.hold(t)
+            self.armed = True
+
+    def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
+        json_data, npz_data = super().to_checkpoint(prefix, recordings)
+        clock = self.clock
+        json_data.update(period=clock.period, start=clock.start, index=clock.index)
+        return json_data, npz_data
+
+    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
+        super().load_checkpoint(prefix, json_data, npz)
+        clock, index = self.clock, json_data["index"]
+        clock.period = json_data["period"]
+        clock.begin_at(json_data["start"] + max(index - 1, 0) * clock.period, index)
 
     def hold(self, t: float) -> None:
         """The inputs, which are final at ``t``, act from now on."""
@@ -240,7 +248,7 @@ class SampledPlant(SampledBlock):
         if not self.armed:
             return
         self.armed = False
-        if self.clock.dormant:
+        if self.one_pass:
             self.act(t)
         else:
             # the first evaluation in a step: the inputs still hold their values at its start
@@ -316,7 +324,7 @@ class SampledLaw(SampledBlock):
     def update(self, t: float) -> None:
         if self.armed:
             self.armed = False
-            if self.clock.dormant:
+            if self.one_pass:
                 self.act(t)
         if self._due:
             state = self._state

@@ -78,6 +78,11 @@ class Editor:
             self.page.wait_for_selector(".console-panel")
         return self.page.locator(f".console-panel .log-entry{level}").all_inner_texts()
 
+    def complaints(self):
+        """Errors in PathView's console, but for the one it shows when a scope has nothing new."""
+        return [m for m in self.messages(".error")
+                if m.strip() not in ("", "Error reading Scope: 'NoneType' object is not iterable")]
+
     def run(self, button="Run", timeout=120_000):
         """Press a button and wait for the run's end; returns what PathView says of it."""
         before = len(self.messages())

@@ -61,7 +61,7 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     of_export = {tuple(b.labels): b.read() for b in flat(exported["sim"].blocks)}
     assert_same(of_export, {tuple(own[k].labels): v for k, v in recorded.items()})
     assert not editor.errors
-    assert not editor.messages(".error")
+    assert not editor.complaints()
 
 
 def flat(blocks):

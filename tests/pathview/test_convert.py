@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from pathsim_jsbsim_blocks.errors import DiagramError, ParameterError
-from pathsim_jsbsim_blocks.pathview import convert_model
+from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError, ParameterError
+from pathsim_jsbsim_blocks.pathview import convert_model, export_script, view
 
 pytest.importorskip("pathview")
 
@@ -186,3 +186,17 @@ def test_files_that_cannot_be_read_or_written(tmp_path):
     with pytest.raises(DiagramError, match="cannot be written"):
         convert_model(tmp_path / "model.pvm", tmp_path / "taken")
     assert sorted(os.listdir(tmp_path)) == ["model.pvm", "taken"]
+
+
+@pytest.mark.parametrize("call", [
+    lambda path: convert_model(path),
+    lambda path: export_script(path.with_suffix(".py")),
+    lambda path: view(path, browser=False),
+    lambda path: view(port=0, browser=False),
+])
+def test_without_pathview_the_error_says_what_to_install(call, tmp_path, monkeypatch):
+    (tmp_path / "model.pvm").write_text(json.dumps(MODEL))
+    (tmp_path / "model.py").write_text("from pathsim import Simulation\nsim = Simulation()")
+    monkeypatch.setitem(sys.modules, "pathview", None)
+    with pytest.raises(MissingExtraError, match=r"pip install \"pathsim-jsbsim-blocks\[pathview\]\""):
+        call(tmp_path / "model.pvm")

@@ -167,11 +167,11 @@ def test_names_that_pathview_would_confuse_are_changed_also_in_functions(export)
         before="k = 2.0\ndef height(t):\n    x = Int.engine.state\n    return x - k * len(X())\n",
         events="[ZeroCrossing(height, lambda t: X.engine.set(K.gain))]"))
     names = [n["name"] for n in model["graph"]["nodes"]]
-    assert names == ["Int block", "X", "x 2", "K 2", "Lambda block", "Amplifier", "blocks block",
-                     "simulation"]
+    assert names == ["Int block", "X", "x 2", "K block", "Lambda block", "Amplifier",
+                     "blocks block", "simulation"]
     assert "x = int_block.engine.state\n    return x - k * len(x())" in model["codeContext"]["code"]
     assert model["events"][0]["params"] == {
-        "func_evt": "height", "func_act": "lambda t: x.engine.set(k_2.gain)"}
+        "func_evt": "height", "func_act": "lambda t: x.engine.set(k_block.gain)"}
 
 
 def test_context_follows_functions_imports_loops_and_changes(export):
@@ -306,7 +306,10 @@ def test_positions_in_an_existing_model_are_kept_by_name(export, tmp_path):
     assert node(again, "spring")["position"] == {"x": 1230, "y": -450}
     assert node(again, "spring")["params"]["gain"] == "-k"
     assert node(again, "damper")["params"]["_rotation"] == 1
-    assert node(again, "more")["params"]["gain"] == "3"
+    more, others = node(again, "more"), [n for n in again["graph"]["nodes"] if n["name"] != "more"]
+    assert more["params"]["gain"] == "3"
+    assert all(abs(more["position"]["x"] - n["position"]["x"]) >= 160
+               or abs(more["position"]["y"] - n["position"]["y"]) >= 80 for n in others)
     assert again["graph"]["annotations"][0]["position"] == {"x": 7, "y": 7}
     assert again["graph"]["annotations"][1]["content"] == "note"
 
@@ -314,6 +317,23 @@ def test_positions_in_an_existing_model_are_kept_by_name(export, tmp_path):
 def test_the_docstring_becomes_an_annotation(export):
     assert export(OSCILLATOR)["graph"]["annotations"][0]["content"] == (
         "# Oscillator\n\nA mass on a spring.\n\nSecond paragraph with `code`.")
+    model = export(r'''
+"""Title
+=====
+
+One :math:`x^2` and
+two:
+- a
+- b
+
+.. math::
+
+    x + 1 = v
+"""
+''' + script("a = Constant(1)"))
+    assert model["graph"]["annotations"][0]["content"] == (
+        "# Title\n\nOne $x^2$ and two:\n- a\n- b\n\n$$ x + 1 = v $$")
+    assert export(script("a = Constant(1)"))["graph"]["annotations"] == []
 
 
 BLOCK = "a = Amplifier(2.0)"
@@ -408,7 +428,7 @@ def test_something_that_is_not_a_model_is_not_overwritten(export, tmp_path):
 
 def test_a_model_that_cannot_be_written_is_an_error(export, tmp_path):
     (tmp_path / "a.py").write_text(OSCILLATOR)
-    with pytest.raises(DiagramError, match="nowhere.*cannot be written"):
+    with pytest.raises(DiagramError, match=r"nowhere.*cannot be written"):
         export_script(tmp_path / "a.py", tmp_path / "nowhere" / "a.pvm")
     with pytest.raises(DiagramError, match="cannot be read"):
         export_script(tmp_path / "missing.py")

@@ -22,6 +22,7 @@ importlib.machinery.PathFinder.find_spec = classmethod(
     lambda cls, name, *args: None if name.partition(".")[0] == "jsbsim" else found(name, *args))
 
 import pathsim_jsbsim_blocks
+import pathsim_jsbsim_blocks.pathview
 light = [m for m in ("pathview", "pandas", "joblib") if m in sys.modules]
 
 from pathlib import Path

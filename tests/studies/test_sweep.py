@@ -2,6 +2,8 @@
 
 import hashlib
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import jsbsim
@@ -11,6 +13,7 @@ import plain_jsbsim
 import pytest
 
 from pathsim_jsbsim_blocks import AircraftError, ParameterError, PropertyError
+from pathsim_jsbsim_blocks.errors import MissingExtraError
 from pathsim_jsbsim_blocks.studies import sweep, trim_sweep
 
 GRID = {"altitude": 15000, "alpha_min": -4, "alpha_max": 12, "speed": [120, 200, 300, 450],
@@ -173,3 +176,16 @@ def test_bad_parameters_are_refused_before_the_work_begins(monkeypatch, aircraft
 def test_a_bad_number_of_workers_is_refused(jobs):
     with pytest.raises(ParameterError, match=r"jobs .*-1: all cores"):
         quiet("737", {"speed": [200]}, jobs=jobs)
+
+
+def test_without_the_extra_the_error_names_it(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(MissingExtraError, match=r'pip install "pathsim-jsbsim-blocks\[studies\]"'):
+        quiet("737", {"speed": [200]})
+
+
+def test_importing_the_studies_does_not_import_what_the_extra_brings():
+    code = ("import sys, pathsim_jsbsim_blocks.studies; "
+            "print(sorted({'pandas', 'joblib', 'tqdm'} & set(sys.modules)))")
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"

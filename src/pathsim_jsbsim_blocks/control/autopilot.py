@@ -8,13 +8,13 @@ from .loops import (
     AltitudeLoop,
     HeadingLoop,
     ReferenceLoop,
+    SpeedLoop,
     State,
     WashoutLoop,
     limits,
     optional,
     pitch_loop,
     roll_loop,
-    speed_loop,
 )
 
 
@@ -48,22 +48,33 @@ class Autopilot(Controller):
 
     Inputs
     ------
-    theta, phi, psi : pitch, roll and heading angle in deg
-    p, q, r : body rates in deg/s
-    h, hdot, vc : altitude in ft, rate of climb in ft/s, calibrated airspeed in kt
-    theta_ref, h_ref, phi_ref, psi_ref, vc_ref : added to the parameters, same units
-    pitch_mode : 0 altitude hold; otherwise pitch hold
-    roll_mode : 0 heading hold; otherwise roll hold
-    pitch_off, roll_off, speed_off : 0 engaged; otherwise the command stays where it is
-    yaw_off : 0 engaged; otherwise the rudder increment fades out
-    elev_sat, ail_sat, thr_sat : ``Aircraft`` outputs of these names, against wind-up
+    theta, phi, psi
+        pitch, roll and heading angle in deg
+    p, q, r
+        body rates in deg/s
+    h, hdot, vc
+        altitude in ft, rate of climb in ft/s, calibrated airspeed in kt
+    theta_ref, h_ref, phi_ref, psi_ref, vc_ref
+        added to the parameters, same units
+    pitch_mode
+        0 altitude hold; otherwise pitch hold
+    roll_mode
+        0 heading hold; otherwise roll hold
+    pitch_off, roll_off, speed_off
+        0 engaged; otherwise the command stays where it is
+    yaw_off
+        0 engaged; otherwise the rudder increment fades out
+    elev_sat, ail_sat, thr_sat
+        ``Aircraft`` outputs of these names, against wind-up
 
     Outputs
     -------
-    elevator, aileron, rudder, throttle : increments of the commands; positive elevator is nose
-        **down**, positive aileron rolls right
-    theta_cmd, phi_cmd, vc_cmd : references on their ramps, deg, deg and kt
-    hdot_cmd : rate of climb demanded, ft/s; 0 in pitch hold
+    elevator, aileron, rudder, throttle
+        increments of the commands; positive elevator is nose **down**, positive aileron rolls right
+    theta_cmd, phi_cmd, vc_cmd
+        references on their ramps, deg, deg and kt
+    hdot_cmd
+        rate of climb demanded, ft/s; 0 in pitch hold
 
     Raises
     ------
@@ -109,15 +120,14 @@ class Autopilot(Controller):
             "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")]
         self._pitch = pitch_loop(T, pitch, limits("elevator_authority", self.elevator_authority))
         self._roll = roll_loop(T, roll, limits("aileron_authority", self.aileron_authority))
-        self._speed = speed_loop(T, speed, limits("throttle_authority", self.throttle_authority))
-        self._Kc = speed.Kc
+        self._speed = SpeedLoop(T, speed, limits("throttle_authority", self.throttle_authority))
         self._yaw = WashoutLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
         self._heading = HeadingLoop(T, heading, self.bank_max)
         self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
 
     def initial_state(self) -> State:
         return (AltitudeLoop.START, ReferenceLoop.START, HeadingLoop.START, ReferenceLoop.START,
-                ReferenceLoop.START, WashoutLoop.START)
+                SpeedLoop.START, WashoutLoop.START)
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         (theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref,
@@ -145,7 +155,7 @@ class Autopilot(Controller):
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0)
 
         throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, 0.0, vc_target, vc_ref, thr_sat, speed_off != 0.0, self._Kc * hdot)
+            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0)
         rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
         return ([elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
                 (altitude, pitch, heading, roll, speed, yaw))

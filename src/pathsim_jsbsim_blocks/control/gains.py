@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..checks import did_you_mean, nearest, number, one_of
+from ..checks import did_you_mean, nearest, number, one_of, positive
 from ..errors import ParameterError
 
 
@@ -15,8 +16,11 @@ from ..errors import ParameterError
 class _Gains:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
-            low = 0.0 if field.name in ("b", "ramp", "Tf", "hdot_max", "tau") else -float("inf")
-            number(field.name, getattr(self, field.name), low=low)
+            value = getattr(self, field.name)
+            if field.name in ("ramp", "hdot_max", "tau"):
+                positive(field.name, value)
+            else:
+                number(field.name, value, low=0.0 if field.name in ("b", "Tf") else -math.inf)
 
 
 @dataclass(frozen=True)
@@ -93,13 +97,16 @@ class SpeedGains(_Gains):
     Ki : float
         1/(kt s)
     Kd : float
-        gain on the acceleration, s/kt
+        gain on the acceleration, s/kt; with Kd = -Kp Tf the proportional part sees the airspeed
+        low-passed with Tf
     Tf : float
         time constant of the acceleration's filter in s
     b : float
         weight of the reference in the proportional part
     ramp : float
         largest rate at which the reference moves, kt/s
+    Kc : float
+        throttle fed forward per rate of climb, s/ft
     """
 
     Kp: float
@@ -159,21 +166,23 @@ GAINS = {
         roll=AttitudeGains(Kp=0.060, Ki=0.021, Kr=0.004, b=0.85, ramp=10.0),
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
-        speed=SpeedGains(Kp=0.15, Ki=0.015, Kd=0.05, b=0.85),
+        speed=SpeedGains(Kp=0.021, Ki=0.00016, b=1.17, ramp=2.2, Kc=0.005),
         yaw=YawGains(K=0.010)),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; has a yaw damper of its own
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
         roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.14, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.15, Ki=0.010, b=0.90),
+        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5,
+                         Kc=0.007),
         yaw=YawGains(K=0.0)),
     "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; has a yaw damper of its own
         pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
         roll=AttitudeGains(Kp=0.054, Ki=0.011, Kr=0.005, b=0.94, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.15, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.15, Ki=0.010, b=0.90),
+        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=1.0, ramp=1.5,
+                         Kc=0.007),
         yaw=YawGains(K=0.0)),
 }
 

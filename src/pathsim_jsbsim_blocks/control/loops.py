@@ -45,7 +45,7 @@ class ReferenceLoop:
         return state[1] if state[2][0] > 0.0 else y
 
     def sample(self, state: State, y: float, rate: float, target: float | None, increment: float,
-               short: float, off: bool, feed: float = 0.0) -> tuple[float, float, State]:
+               sat: float, off: bool, feed: float = 0.0) -> tuple[float, float, State]:
         """Actuator increment, reference and next state.
 
         Parameters
@@ -56,7 +56,7 @@ class ReferenceLoop:
             reference; None for the value found at engagement
         increment : float
             added to the reference
-        short : float
+        sat : float
             actuator increment of the last period less what was applied
         off : bool
             hold the output
@@ -69,8 +69,7 @@ class ReferenceLoop:
                 found = y
             goal = (found if target is None else target) + increment
             reference += min(max(goal - reference, -self._step), self._step)
-        u, law = self.pid.sample(law, reference, y, rate, self.sign * short, off,
-                                 feed=feed)
+        u, law = self.pid.sample(law, reference, y, rate, self.sign * sat, off, feed=feed)
         return self.sign * u, reference, (found, reference, law)
 
 
@@ -142,6 +141,29 @@ class AltitudeLoop:
         return theta_cmd, hdot_cmd, (found, law)
 
 
+class SpeedLoop:
+    """Throttle from airspeed, with the thrust that a climb takes fed forward.
+
+    .. math::
+        \\delta_t = K_p (b V_\\mathrm{cmd} - V) + K_i \\int (V_\\mathrm{cmd} - V) \\, dt
+        - K_d \\dot V + K_c \\dot h
+    """
+
+    START: State = ReferenceLoop.START
+
+    def __init__(self, T: float, gains: SpeedGains, authority: tuple[float, float]):
+        low, high = authority
+        self.Kc = gains.Kc
+        self.loop = ReferenceLoop(
+            PID(T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low,
+                high=high), gains.ramp)
+
+    def sample(self, state: State, vc: float, hdot: float, target: float | None, increment: float,
+               sat: float, off: bool) -> tuple[float, float, State]:
+        """Throttle increment, reference in kt and next state; as in `ReferenceLoop`."""
+        return self.loop.sample(state, vc, 0.0, target, increment, sat, off, self.Kc * hdot)
+
+
 class WashoutLoop:
     """Rudder against the yaw rate, but not against that of a steady turn.
 
@@ -156,7 +178,7 @@ class WashoutLoop:
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
         self.K = gains.K
         self.low, self.high = authority
-        self._fade = math.exp(-T / gains.tau) if gains.tau else 0.0
+        self._fade = math.exp(-T / gains.tau)
 
     def sample(self, state: State, r: float, off: bool) -> tuple[float, State]:
         """Rudder increment and next state, from the yaw rate in deg/s."""
@@ -203,11 +225,4 @@ def roll_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) ->
     """Aileron from roll angle."""
     low, high = authority
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high)
-    return ReferenceLoop(pid, gains.ramp)
-
-
-def speed_loop(T: float, gains: SpeedGains, authority: tuple[float, float]) -> ReferenceLoop:
-    """Throttle from airspeed."""
-    low, high = authority
-    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high)
     return ReferenceLoop(pid, gains.ramp)

@@ -15,15 +15,15 @@ class PID:
     """Sampled PI-D law with output limits, back-calculation, tracking and bumpless engagement.
 
     .. math::
-        v_k &= K_p (b r_k - y_k) + I_k - K_d d_k - K_r \\omega_k + F_k, \\qquad
+        v_k &= K_p (b r_k - y_k) + I_k - K_d d_k - K_r \\omega_k + f_k + F_k, \\qquad
         u_k = \\min(\\max(v_k, u_\\mathrm{low}), u_\\mathrm{high}) \\\\
-        I_{k+1} &= I_k + K_i T (r_k - y_k) + (1 - e^{-T/T_t}) (u_k - v_k - s_k) \\\\
+        I_{k+1} &= I_k + K_i T (r_k - y_k) + \\frac{T}{T_t} (u_k - v_k - s_k) \\\\
         d_k &= d_{k-1} + (1 - e^{-T/T_f}) \\left(\\frac{y_k - y_{k-1}}{T} - d_{k-1}\\right), \\qquad
         F_{k+1} = e^{-T/T_e} F_k
 
-    with the reference r, the measured value y, its measured rate omega, and s, by how much the
-    actuator fell short of the output it was last given. The law keeps no state of its own:
-    `sample` takes the state and returns the next, a tuple of floats.
+    with the reference r, the measured value y, its measured rate omega, a feed-forward f, and s, by
+    how much the actuator fell short of the output it was last given. The law keeps no state of its
+    own: `sample` takes the state and returns the next, a tuple of floats.
 
     While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
     move it. At engagement the output goes on from where it is: the integral is set so that it takes
@@ -47,8 +47,8 @@ class PID:
     Tf : float
         time constant of the derivative's filter in s; 0 for none
     Tt : float, optional
-        tracking time constant of the back-calculation in s; default Kp / Ki, or T where that is
-        not positive
+        time constant of the back-calculation in s, at least T; default Kp / Ki, with which,
+        for b = 1, the output leaves a limit as the error changes its sign (2 T where that is less)
     Te : float
         time constant in s with which the damping terms come in after engagement
     low, high : float
@@ -73,8 +73,10 @@ class PID:
         self.Kr = number("Kr", Kr)
         self.b = number("b", b)
         Tf = number("Tf", Tf, low=0.0)
-        if Tt is None:
-            Tt = self.Kp / self.Ki if self.Kp * self.Ki > 0.0 else self.T
+        if Tt is not None:
+            Tt = number("Tt", Tt, low=self.T)
+        elif self.Ki:
+            Tt = max(self.Kp / self.Ki, 2 * self.T)
         if not low <= high:
             raise ParameterError(f"the lower limit {low!r} must not be above the upper, {high!r}",
                                  parameter="low", value=low)
@@ -82,16 +84,16 @@ class PID:
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         self._fade = math.exp(-self.T / positive("Te", Te))
-        self._track = -math.expm1(-self.T / positive("Tt", Tt))
+        # without integral action nothing would bring back what is taken off here
+        self._unwind = self.T / Tt if Tt and self.Ki else 0.0
 
     @staticmethod
     def holding(u: float) -> State:
         """State of a law that is off and whose output is ``u``."""
         return (-1.0, 0.0, u, u, 0.0, 0.0)
 
-    def sample(self, state: State, r: float, y: float, rate: float = 0.0, short: float = 0.0,
-               off: bool = False, track: float = 0.0,
-               feed: float = 0.0) -> tuple[float, State]:
+    def sample(self, state: State, r: float, y: float, rate: float = 0.0, sat: float = 0.0,
+               off: bool = False, track: float = 0.0, feed: float = 0.0) -> tuple[float, State]:
         """Output at one instant and the state after it.
 
         Parameters
@@ -100,12 +102,14 @@ class PID:
             `START`, or what the last sample returned
         r, y, rate : float
             reference, measured value, measured rate
-        short : float
+        sat : float
             last output less what the actuator applied of it; 0 while it is not saturated
         off : bool
             hold the output instead
         track : float
             added to the output held
+        feed : float
+            feed-forward, added to the output while engaged
         """
         phase, integral, u, offset, y_last, slope = state
         if phase >= 0.0:
@@ -115,13 +119,13 @@ class PID:
                 offset = u - track
             u = min(max(offset + track, self.low), self.high)
             return u, (0.0, 0.0, u, offset, y, slope)
-        proportional = self.Kp * (self.b * r - y) + feed
+        direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
         if phase <= 0.0:
-            integral, offset = u - proportional, damping
-        v = proportional + integral + (offset - damping)
+            integral, offset = u - direct, damping
+        v = direct + integral + (offset - damping)
         u = min(max(v, self.low), self.high)
-        integral += self._KiT * (r - y) + self._track * (u - v - short)
+        integral += self._KiT * (r - y) + self._unwind * (u - v - sat)
         return u, (1.0, integral, u, self._fade * offset, y, slope)
 
 
@@ -129,10 +133,10 @@ class DiscretePID(Controller):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
     .. math::
-        u = K_p (b r - y) + K_i \\int (r - y) \\, dt - K_d \\frac{dy}{dt} - K_r \\omega
+        u = K_p (b r - y) + K_i \\int (r - y) \\, dt - K_d \\frac{dy}{dt} - K_r \\omega + f
 
     limited to [low, high], sampled at T and held between samples; the output at t_k follows from
-    the inputs at t_k. Where the output is limited, by the limits here or (``short``) by the
+    the inputs at t_k. Where the output is limited, by the limits here or (``sat``) by the
     actuator, the integral is led back with the time constant Tt. See the class ``PID`` for the
     difference equation. Parameters may be changed while the diagram runs; a new T counts from the
     next reset.
@@ -152,7 +156,7 @@ class DiscretePID(Controller):
     Tf : float
         time constant of the derivative's filter in s; 0 for none
     Tt : float, optional
-        time constant of the back-calculation in s; default Kp / Ki
+        time constant of the back-calculation in s, at least T; default Kp / Ki
     Te : float
         time constant in s with which the damping terms come in after engagement
     low, high : float
@@ -162,17 +166,26 @@ class DiscretePID(Controller):
 
     Inputs
     ------
-    r : reference
-    y : measured value, in the unit of r
-    rate : measured rate of y, its unit per s
-    short : last output less what the actuator applied of it (an ``Aircraft`` output such as
+    r
+        reference
+    y
+        measured value, in the unit of r
+    rate
+        measured rate of y, its unit per s
+    sat
+        last output less what the actuator applied of it (an ``Aircraft`` output such as
         ``elev_sat``); 0 while it is not saturated
-    off : 0 engaged; otherwise the output holds its last value
-    track : while off, added to the output held: a command that goes through while off
+    off
+        0 engaged; otherwise the output holds its last value
+    track
+        while off, added to the output held: a command that goes through while off
+    feed
+        feed-forward, added to the output while engaged
 
     Outputs
     -------
-    u : controller output
+    u
+        controller output
 
     Raises
     ------
@@ -184,7 +197,7 @@ class DiscretePID(Controller):
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
     """
 
-    input_port_labels = {"r": 0, "y": 1, "rate": 2, "short": 3, "off": 4, "track": 5}
+    input_port_labels = {"r": 0, "y": 1, "rate": 2, "sat": 3, "off": 4, "track": 5, "feed": 6}
     output_port_labels = {"u": 0}
 
     def __init__(self, Kp=1.0, Ki=0.0, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0, Tt=None, Te=0.3, low=-1.0,
@@ -210,6 +223,6 @@ class DiscretePID(Controller):
         return PID.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        r, y, rate, short, off, track = u[:6]
-        output, state = self._pid.sample(state, r, y, rate, short, off != 0.0, track)
+        r, y, rate, sat, off, track, feed = u[:7]
+        output, state = self._pid.sample(state, r, y, rate, sat, off != 0.0, track, feed)
         return [output], state

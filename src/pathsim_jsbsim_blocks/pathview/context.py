@@ -61,7 +61,7 @@ class Context:
             for name in sorted(used(node)):
                 self._need(name, node)
         self._statements.sort(key=lambda s: s.lineno)
-        self.names = {n for s in self._statements for n in bound([s])}
+        self.names = {n for s in self._statements for n in bound([s])} & self._needed
 
     def text(self, renamed: Mapping[str, str], extra: Iterable[str] = ()) -> str:
         """Source of the context, as written, with parts of the diagram under their new names."""
@@ -153,8 +153,7 @@ class Context:
     def _star_imports(self, name: str) -> list[ast.stmt]:
         return [s for s in self.script.statements
                 if isinstance(s, ast.ImportFrom) and s.names[0].name == "*"
-                and not name.startswith("_")
-                and hasattr(sys.modules.get(s.module or ""), name)]
+                and not name.startswith("_") and hasattr(sys.modules.get(s.module or ""), name)]
 
     def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
         if isinstance(statement, (ast.Import, ast.ImportFrom)):

@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
-from statistics import median_low
+from statistics import mean, median_low
 
 from .diagram import Graph, Node
 
@@ -14,7 +14,7 @@ GRID = 10  # PathView's grid, px
 _PORT = 20  # between ports
 _ROW = 60  # free height between blocks
 _GAP = 90  # free width between columns, and more for each wire that turns there
-_SWEEPS = 13  # the last one forward: a block lines up with what feeds it
+_SWEEPS = 12
 _BIG = 4  # outputs: a plant, from which the loops of a diagram go back
 
 Edge = tuple[int, int]
@@ -174,23 +174,25 @@ def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
                  - _offset(w.input, len(graph.nodes[w.target].inputs)))
         pulls[w.target].append((w.source, shift))
         pulls[w.source].append((w.target, -shift))
-    for sweep in range(_SWEEPS):
+    for sweep in range(_SWEEPS + 1):
         forward = sweep % 2 == 0
         for number in sorted(columns, reverse=not forward):
             wished = []
             for i in columns[number]:
                 sides = [y[j] + s for j, s in pulls[i] if (layer[j] < layer[i]) == forward]
-                # one straight wire reads better than two that are nearly so
-                wished.append((median_low(sides) if sides else y[i], i))
+                # in the end one straight wire reads better than two that are nearly so
+                middle = mean if sweep < _SWEEPS else median_low
+                wished.append((middle(sides) if sides else y[i], i))
+            wished.sort(key=None if sweep < _SWEEPS else lambda w: y[w[1]])
             y.update(_spread(wished, sizes))
     return y
 
 
 def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> dict[int, float]:
-    """Heights closest to the wished ones at which no two blocks of a column touch."""
+    """Heights close to the wished ones at which the blocks of a column stand in this order."""
     # groups of touching blocks, each at the mean of what its blocks wish
     groups: list[tuple[list[int], list[float], float]] = []  # blocks, offsets, sum of wishes
-    for wish, i in sorted(wished):
+    for wish, i in wished:
         group = ([i], [0.0], wish)
         while groups:
             blocks, offsets, total = groups[-1]
@@ -241,7 +243,7 @@ def _place_turned(graph: Graph, sizes: list[tuple[int, int]], turned: set[int],
         for k, i in enumerate(chain, 1):
             x = _snap(from_x + (to_x - from_x) * k / (len(chain) + 1))
             y = _snap(floor + _ROW + sizes[i][1] / 2)
-            while any(_touch((x, y), sizes[i], at, sizes[j]) for j, at in centres.items()):
+            while any(touch((x, y), sizes[i], at, sizes[j]) for j, at in centres.items()):
                 y += GRID
             centres[i] = (x, y)
 
@@ -260,8 +262,9 @@ def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:
         chain.append(after[0])
 
 
-def _touch(a: tuple[int, int], size_a: tuple[int, int], b: tuple[int, int],
-           size_b: tuple[int, int]) -> bool:
+def touch(a: tuple[int, int], size_a: tuple[int, int], b: tuple[int, int],
+          size_b: tuple[int, int]) -> bool:
+    """Whether two blocks overlap or stand too close for a wire between them."""
     return (abs(a[0] - b[0]) < (size_a[0] + size_b[0]) / 2 + 2 * GRID
             and abs(a[1] - b[1]) < (size_a[1] + size_b[1]) / 2 + _ROW / 2)
 

@@ -6,15 +6,14 @@ import json
 import math
 import os
 import re
-import stat
-import tempfile
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import DiagramError
 from .diagram import Diagram, Event, Graph, Node
-from .layout import GRID, arrange, size
+from .layout import GRID, arrange, size, touch
 
 VERSION = "1.0.0"
 # a fixed time, so that the same script always gives the same file
@@ -90,17 +89,16 @@ def write(path: Path, content: str) -> None:
     DiagramError
         if it cannot be written; what was there before is left as it was
     """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else 0o644
-        handle, temporary = tempfile.mkstemp(dir=path.resolve().parent, prefix=f".{path.name}.")
         try:
-            with open(handle, "w", encoding="utf-8", newline="\n") as file:
+            with temporary.open("x", encoding="utf-8", newline="\n") as file:
                 file.write(content)
-            os.chmod(temporary, mode)
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+            if path.exists():
+                shutil.copymode(path, temporary)
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
 
@@ -129,7 +127,7 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
     layout = arrange(graph, sizes)
     kept = {plain(str(n.get("name", ""))): n for n in reversed(old.get("nodes") or [])}
     olds = [kept.get(plain(n.name), {}) for n in graph.nodes]
-    centres = _kept_centres(layout.centres, olds)
+    centres = _kept_centres(layout.centres, sizes, olds)
     ids = [prefix + plain(n.name) for n in graph.nodes]
     box = _Box()
     nodes = []
@@ -145,7 +143,7 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
     return {"nodes": nodes, "connections": connections}, box
 
 
-def _kept_centres(auto: Sequence[tuple[int, int]],
+def _kept_centres(auto: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]],
                   olds: Sequence[Existing]) -> list[tuple[int, int]]:
     """Positions of an existing model; new blocks stand beside them as in the automatic layout."""
     known = {i: (o["position"]["x"], o["position"]["y"]) for i, o in enumerate(olds)
@@ -154,7 +152,13 @@ def _kept_centres(auto: Sequence[tuple[int, int]],
         return list(auto)
     dx, dy = (GRID * round(sum(known[i][k] - auto[i][k] for i in known) / len(known) / GRID)
               for k in (0, 1))
-    return [known.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
+    centres = [known.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
+    for i, (x, y) in enumerate(centres):
+        while i not in known and any(touch((x, y), sizes[i], centres[j], sizes[j])
+                                     for j in range(len(centres)) if j != i):
+            y += GRID
+            centres[i] = (x, y)
+    return centres
 
 
 def _node(node: Node, name: str, centre: tuple[int, int], rotation: int, pinned: list[str],
@@ -232,13 +236,22 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
 
 def _markdown(docstring: str) -> str:
     """A docstring as Markdown: its first line as a title, each paragraph in one line."""
-    paragraphs = [" ".join(line.strip() for line in p.splitlines()
-                           if not re.fullmatch(r"[=~\-^\"]{3,}", line.strip()))
-                  for p in re.split(r"\n\s*\n", docstring.strip())]
-    paragraphs = [p for p in paragraphs if p]
+    docstring = re.sub(r"(\.\. math::)\s*\n", r"\1 ", docstring.strip())
+    paragraphs = [p for p in map(_paragraph, re.split(r"\n\s*\n", docstring)) if p]
     if not paragraphs:
         return ""
-    title = paragraphs[0].lstrip("# ").rstrip(".")
-    head, colon, rest = title.partition(": ")
-    body = ([rest[0].upper() + rest[1:] + "."] if colon else []) + paragraphs[1:]
-    return "\n\n".join([f"# {head}", *(p.replace("``", "`") for p in body)])
+    head, colon, rest = paragraphs[0].lstrip("# ").rstrip(".").partition(": ")
+    return "\n\n".join([f"# {head}", *([f"{rest[0].upper()}{rest[1:]}."] if colon else []),
+                        *paragraphs[1:]])
+
+
+def _paragraph(text: str) -> str:
+    """A paragraph of reST as Markdown: formulas, literals, lists, no lines under titles."""
+    lines = [line.strip() for line in text.splitlines()
+             if not re.fullmatch(r"[=~\-^\"]{3,}", line.strip())]
+    out = lines[0] if lines else ""
+    for line in lines[1:]:
+        out += ("\n" if re.match(r"[-*] ", line) else " ") + line
+    if out.startswith(".. math::"):
+        return f"$$ {out.removeprefix('.. math::').strip()} $$"
+    return re.sub(r":math:`([^`]*)`", r"$\1$", out).replace("``", "`")

@@ -8,7 +8,7 @@ import inspect
 import itertools
 import keyword
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,7 +118,6 @@ class _Reader:
             return node
         if type(block) is Subsystem:
             self._construction(part, {"blocks", "connections", "events"})
-            part.arguments = {}
             inside = [block.interface, *block.blocks]
             node.graph = self._graph(inside, block.connections, block._events, part)
             # the two sides of the interface have the same ports
@@ -204,10 +203,13 @@ class _Reader:
             part.arguments[names[0]] = ast.Name(made.node.name, ast.Load())
         else:
             part.arguments = self._arguments(made.node, names)
-        for name, value in part.arguments.items():
+        for name in part.arguments:
             if name not in known or name.startswith("_"):
                 self.refuse(f"PathView has no place for parameter {name!r} of {kind.__name__}",
                             made.node)
+        if kind is Subsystem:  # what it is made of is read from the live one
+            part.arguments = {}
+        for name, value in part.arguments.items():
             if any(isinstance(n, (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom))
                    for n in ast.walk(value)):
                 self.refuse(f"parameter {name!r} of {what} is not a plain expression", value)
@@ -247,28 +249,25 @@ class _Reader:
 
     def _name_parts(self, context: Context) -> dict[str, str]:
         """Name every part; returns the new names of the script's variables."""
-        used_names: set[str] = set()
-        sim = self.script.simulation
-        renamed = {n: "sim" for n in self._variables(sim)}
+        given: set[str] = set()
+        other = _TAKEN | context.names
+        renamed = {n: "sim" for n in self._variables(self.script.simulation)}
         for part in self.parts.values():
             prefix = _prefix(part.parent)
             variables = self._variables(part.value)
             if isinstance(part.value, Interface):
-                part.target.name, part.variable = "Interface", prefix + "interface"
+                part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
                 wish = variables[0] if variables else type(part.value).__name__
                 for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
-                    wish = wish[len(start):] if wish[len(start):] and wish.startswith(start) else wish
-                for name in _display_names(wish, type(part.value).__name__):
-                    short = plain(name)
+                    wish = wish.removeprefix(start) or wish
+                for name in _display_names(wish, type(part.value).__name__, other):
                     # PathView does not prefix the variable of a subsystem in a subsystem
-                    part.variable = short if type(part.value) is Subsystem else prefix + short
-                    if not (keyword.iskeyword(short) or part.variable in used_names | _TAKEN
-                            or part.variable in context.names
-                            or _GENERATED.fullmatch(part.variable)):
+                    part.variable = ("" if type(part.value) is Subsystem else prefix) + plain(name)
+                    if part.variable not in given and _is_free(part.variable, other):
                         part.target.name = name
                         break
-            used_names.add(part.variable)
+            given.add(part.variable)
             renamed.update({n: part.variable for n in variables})
         return renamed
 
@@ -343,13 +342,18 @@ def _prefix(parent: _Part | None) -> str:
     return _prefix(parent.parent) + plain(parent.target.name) + "_"
 
 
-def _display_names(variable: str, kind: str) -> Iterator[str]:
+def _is_free(variable: str, other: Collection[str]) -> bool:
+    return not (keyword.iskeyword(variable) or variable in other
+                or _GENERATED.fullmatch(variable))
+
+
+def _display_names(variable: str, kind: str, other: Collection[str]) -> Iterator[str]:
     """Names for a block, the best first; ``pitch_rate`` is shown as "pitch rate"."""
     name = re.sub("_+", " ", variable).strip()
     if not plain(name):
         name = kind
     yield name
-    if plain(name) in _TAKEN or keyword.iskeyword(plain(name)):
+    if not _is_free(plain(name), other):
         name += " block"
         yield name
     yield from (f"{name} {i}" for i in itertools.count(2))

@@ -82,6 +82,7 @@ class Script:
             self.refuse(f"not a Python script ({error})")
         self.namespace: dict[str, Any] = {}
         self._built: dict[int, Construction] = {}
+        self._running: Simulation | None = None
         lines = self._execute()
         self.simulation = self._the_simulation()
         self.run_call = self._find_run(lines[-1] if lines else None)
@@ -154,7 +155,7 @@ class Script:
         return lines
 
     def _the_simulation(self) -> Simulation:
-        if hasattr(self, "_running"):
+        if self._running is not None:
             return self._running
         found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
         if not found:

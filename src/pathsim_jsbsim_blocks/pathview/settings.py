@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-from typing import Any
 
 import pathsim.solvers
 from pathsim import Simulation
@@ -48,7 +47,7 @@ def setting_values(script: Script) -> dict[str, str]:
         script.refuse("PathView has no place for iterations_max", where)
     if unknown := sorted(set(sim.solver_kwargs) - _SETTINGS.keys()):
         script.refuse(f"PathView has no place for the solver's {', '.join(unknown)}", where)
-    solver: Any = sim.Solver
+    solver: type = sim.Solver
     name = solver.__name__
     if getattr(pathsim.solvers, name, None) is not solver:
         script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)

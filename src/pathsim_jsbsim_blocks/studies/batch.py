@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import jsbsim
 import numpy as np
 
 from ..checks import did_you_mean, nearest, whole
@@ -80,8 +81,8 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
         partial(_run_cases, build, takes_seed), [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
-        title=title, job={"build": name, "cases": rows}, jobs=jobs, resume=resume,
-        progress=progress)
+        title=title, job={"build": name, "cases": rows, "jsbsim": jsbsim.__version__}, jobs=jobs,
+        resume=resume, progress=progress)
     return pd.DataFrame([{**row, **result} for row, result in zip(rows, found, strict=True)])
 
 

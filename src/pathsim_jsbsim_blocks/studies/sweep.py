@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import importlib.metadata
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import jsbsim
 
 from ..airframe import Airframe
 from ..checks import whole
@@ -95,7 +96,7 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     title = f"trim_sweep {aircraft}, {len(points)} points"
     job = {"aircraft": aircraft, "root": root, "outputs": outputs, "chunk": chunk,
            "conditions": [as_dict(condition) for condition in conditions],
-           "jsbsim": importlib.metadata.version("jsbsim")}
+           "jsbsim": jsbsim.__version__}
     rows = run_parts(
         partial(_trim_points, aircraft, root, tuple(outputs)), _chunks(conditions, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},

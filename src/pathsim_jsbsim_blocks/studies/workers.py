@@ -105,14 +105,19 @@ def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str
                 else:
                     keep(index, result)
             if suspects:
-                n = sum(len(parts[i]) for i in suspects)
                 warnings.warn(
-                    f"a worker process died while {n} points were under way, from "
-                    f"{describe(parts[suspects[0]][0])} to {describe(parts[suspects[-1]][-1])}; "
-                    "they are computed again one part at a time", RuntimeWarning, stacklevel=4)
+                    "a worker process died while these points were under way: "
+                    + "; ".join(_span(parts[i], describe) for i in suspects)
+                    + ". They are computed again, one part at a time",
+                    RuntimeWarning, stacklevel=4)
             for index in suspects:
                 keep(index, _alone(work, parts[index], died, describe))
     return [row for index in range(len(parts)) for row in rows[index]]
+
+
+def _span(part: Part, describe: Callable[[Any], str]) -> str:
+    more = f" to {describe(part[-1])}" if len(part) > 1 else ""
+    return f"{describe(part[0])}{more}"
 
 
 def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) -> list[Row]:
@@ -132,10 +137,10 @@ def _results(work: Work, parts: list[Part], pending: list[int],
     import joblib
     from joblib.parallel import get_active_backend
 
-    backend, _ = get_active_backend()
-    if hasattr(backend, "client"):
+    client = getattr(get_active_backend()[0], "client", None)
+    if type(client).__module__.startswith("distributed."):
         # joblib waits for ever for a task whose Dask workers died, so it is asked only where to run
-        yield from _on_dask(backend.client, work, parts, pending)
+        yield from _on_dask(client, work, parts, pending)
         return
     under_way: list[int] = []
 

@@ -1,0 +1,256 @@
+"""Holds that act on the elevator and the throttle: pitch, altitude, airspeed."""
+
+from __future__ import annotations
+
+from ..controller import Controller
+from ..gains import loop_gains
+from ..loops import (
+    AltitudeLoop,
+    ReferenceLoop,
+    SpeedLoop,
+    State,
+    limits,
+    optional,
+    pitch_loop,
+)
+
+
+class PitchHold(Controller):
+    """Holds the pitch angle with the elevator.
+
+    .. math::
+        \\delta_e = -\\left[K_p (b \\, \\theta_\\mathrm{cmd} - \\theta)
+        + K_i \\int (\\theta_\\mathrm{cmd} - \\theta) \\, dt - K_r q\\right]
+
+    sampled at T. The reference theta_cmd starts at the pitch angle found at engagement and moves to
+    ``theta_ref`` (parameter plus port) no faster than the gain table's ramp, so that nothing jumps.
+
+    Parameters
+    ----------
+    gains : str, AttitudeGains or dict
+        "c172p", "737" or "global5000", or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
+        ramp (deg/s)
+    theta_ref : float, optional
+        pitch angle to hold in deg; default is the one found at engagement
+    authority : float or pair
+        largest elevator increment, of full travel
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    theta_ref
+        deg, added to the parameter
+    off
+        0 engaged; otherwise the elevator stays where it is
+    elev_sat
+        ``Aircraft`` output of that name, against wind-up at the end of the travel
+
+    Outputs
+    -------
+    elevator
+        increment of the elevator command; positive is nose **down**
+    theta_cmd
+        reference on its ramp, deg
+
+    Raises
+    ------
+    ParameterError
+        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    """
+
+    input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4}
+    output_port_labels = {"elevator": 0, "theta_cmd": 1}
+
+    def __init__(self, gains="c172p", theta_ref=None, authority=1.0, T=1 / 120):
+        super().__init__(T)
+        self.gains = gains
+        self.theta_ref = theta_ref
+        self.authority = authority
+        self.configure()
+
+    def build(self) -> None:
+        gains, = loop_gains(self.gains, "pitch")
+        self._theta_ref = optional("theta_ref", self.theta_ref)
+        self._pitch = pitch_loop(self.clock.period, gains, limits("authority", self.authority))
+
+    def initial_state(self) -> State:
+        return ReferenceLoop.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        theta, q, theta_ref, off, elev_sat = u[:5]
+        elevator, theta_cmd, state = self._pitch.sample(
+            state, theta, q, self._theta_ref, theta_ref, elev_sat, off != 0.0)
+        return [elevator, theta_cmd], state
+
+
+class AltitudeHold(Controller):
+    """Holds the altitude with the elevator, over the rate of climb and the pitch angle.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} = K_h (h_\\mathrm{ref} - h), \\quad
+        |\\dot h_\\mathrm{cmd}| \\le \\dot h_\\mathrm{max} \\\\
+        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
+
+    and the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
+    elevator alone: hold the airspeed with an ``AirspeedHold`` beside it.
+
+    Parameters
+    ----------
+    gains : str or dict
+        "c172p", "737" or "global5000", or {"altitude": ..., "pitch": ...}, each of them the name
+        of a table or numbers; altitude: Kh (1/s), Kp (deg/(ft/s)), Ki (deg/ft), hdot_max (ft/s);
+        pitch: as in ``PitchHold``
+    h_ref : float, optional
+        altitude to hold in ft; default is the one found at engagement
+    hdot_max : float, optional
+        largest rate of climb and descent demanded, ft/s; default is the gain table's
+    theta_min, theta_max : float
+        limits of the pitch reference in deg
+    authority : float or pair
+        largest elevator increment, of full travel
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    h_ref
+        ft, added to the parameter
+    off
+        0 engaged; otherwise the elevator stays where it is
+    elev_sat
+        ``Aircraft`` output of that name, against wind-up at the end of the travel
+
+    Outputs
+    -------
+    elevator
+        increment of the elevator command; positive is nose **down**
+    theta_cmd
+        pitch reference on its ramp, deg
+    hdot_cmd
+        rate of climb demanded, ft/s
+
+    Raises
+    ------
+    ParameterError
+        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    """
+
+    input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5,
+                         "elev_sat": 6}
+    output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
+
+    def __init__(self, gains="c172p", h_ref=None, hdot_max=None, theta_min=-10.0, theta_max=15.0,
+                 authority=1.0, T=1 / 120):
+        super().__init__(T)
+        self.gains = gains
+        self.h_ref = h_ref
+        self.hdot_max = hdot_max
+        self.theta_min = theta_min
+        self.theta_max = theta_max
+        self.authority = authority
+        self.configure()
+
+    def build(self) -> None:
+        altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
+        self._h_ref = optional("h_ref", self.h_ref)
+        self._altitude = AltitudeLoop(self.clock.period, altitude, self.hdot_max, self.theta_min,
+                                      self.theta_max)
+        self._pitch = pitch_loop(self.clock.period, pitch, limits("authority", self.authority))
+
+    def initial_state(self) -> State:
+        return AltitudeLoop.START, ReferenceLoop.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        h, hdot, theta, q, h_ref, off, elev_sat = u[:7]
+        altitude, pitch = state
+        target, hdot_cmd = None, 0.0
+        if off:
+            altitude = AltitudeLoop.START
+        else:
+            target, hdot_cmd, altitude = self._altitude.sample(
+                altitude, h, hdot, self._h_ref, h_ref, ReferenceLoop.reference(pitch, theta))
+        elevator, theta_cmd, pitch = self._pitch.sample(
+            pitch, theta, q, target, 0.0, elev_sat, off != 0.0)
+        return [elevator, theta_cmd, hdot_cmd], (altitude, pitch)
+
+
+class AirspeedHold(Controller):
+    """Holds the calibrated airspeed with the throttle (autothrottle).
+
+    .. math::
+        \\delta_t = K_p (b V_\\mathrm{cmd} - V) + K_i \\int (V_\\mathrm{cmd} - V) \\, dt
+        - K_d \\dot V + K_c \\dot h
+
+    sampled at T. The reference V_cmd starts at the airspeed found at engagement and moves to
+    ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. With the rate of climb
+    wired, the thrust that a climb takes is fed forward.
+
+    Parameters
+    ----------
+    gains : str, SpeedGains or dict
+        "c172p", "737" or "global5000", or numbers: Kp (1/kt), Ki (1/(kt s)), Kd (s/kt), Tf (s),
+        b, ramp (kt/s), Kc (s/ft)
+    vc_ref : float, optional
+        airspeed to hold, KCAS; default is the one found at engagement
+    authority : float or pair
+        largest throttle increment, of full range
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    vc
+        calibrated airspeed in kt
+    hdot
+        rate of climb in ft/s, fed forward
+    vc_ref
+        kt, added to the parameter
+    off
+        0 engaged; otherwise the throttle stays where it is
+    thr_sat
+        ``Aircraft`` output of that name, against wind-up at idle and full throttle
+
+    Outputs
+    -------
+    throttle
+        increment of the throttle command of every engine
+    vc_cmd
+        reference on its ramp, kt
+
+    Raises
+    ------
+    ParameterError
+        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    """
+
+    input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
+    output_port_labels = {"throttle": 0, "vc_cmd": 1}
+
+    def __init__(self, gains="c172p", vc_ref=None, authority=1.0, T=1 / 120):
+        super().__init__(T)
+        self.gains = gains
+        self.vc_ref = vc_ref
+        self.authority = authority
+        self.configure()
+
+    def build(self) -> None:
+        gains, = loop_gains(self.gains, "speed")
+        self._vc_ref = optional("vc_ref", self.vc_ref)
+        self._speed = SpeedLoop(self.clock.period, gains, limits("authority", self.authority))
+
+    def initial_state(self) -> State:
+        return SpeedLoop.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        vc, hdot, vc_ref, off, thr_sat = u[:5]
+        throttle, vc_cmd, state = self._speed.sample(
+            state, vc, hdot, self._vc_ref, vc_ref, thr_sat, off != 0.0)
+        return [throttle, vc_cmd], state

@@ -1,0 +1,209 @@
+"""Level flight for any aircraft model: find a condition, trim there, fly, and say how it went."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from pathsim import Simulation
+
+from .airframe import Airframe, aircraft_names, has_retractable_gear
+from .errors import AircraftError, BlocksError, TrimError
+from .fdm import JSBSimFDM
+from .trim import TrimCondition, TrimState, trim
+
+# (altitude in ft, lift coefficient): the first is where most aircraft cruise, the others are for
+# engines that are weak at that height (pa28) and for speeds that are too high (c310)
+TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
+
+# KCAS; for models whose reference area tells nothing of their lift (rockets, helicopters)
+_SPEEDS = (20.0, 350.0)
+
+_RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
+_KNOT = 1.6878099  # ft/s
+
+
+@dataclass(frozen=True)
+class LevelFlight:
+    """A condition at which an aircraft flies level, and the trim found there.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    condition : TrimCondition
+        where it trims: gear up where it retracts, fuel frozen
+    create : dict
+        properties that the model expects from its surroundings, at 0
+    trim : TrimState
+        the trim found
+    """
+
+    aircraft: str
+    condition: TrimCondition
+    create: Mapping[str, float]
+    trim: TrimState
+
+
+def level_flight(aircraft: str, root: str | None = None,
+                 tries: Sequence[tuple[float, float]] = TRIES) -> LevelFlight:
+    """Find a sensible condition of straight and level flight for an aircraft.
+
+    The speed follows from the weight and the wing area; what the model misses from its surroundings
+    is created.
+
+    .. math::
+        V = \\sqrt{\\frac{2 W}{\\rho_0 S C_L}}
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model
+    root : str, optional
+        JSBSim root directory; default is the one that the jsbsim package brings
+    tries : sequence of (float, float)
+        altitudes in ft with the lift coefficients to try there, in this order
+
+    Raises
+    ------
+    AircraftError
+        if the model is unknown, cannot be loaded, or cannot be initialised
+    TrimError
+        if it trims at none of these; the residuals are those of the first
+    """
+    airframe, create = _initialised(aircraft, root)
+    gear = 0.0 if has_retractable_gear(aircraft, root) else None
+    frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
+    weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
+    first: TrimError | None = None
+    for altitude, lift_coefficient in tries:
+        condition = TrimCondition(
+            altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear,
+            properties=frozen)
+        try:
+            # a failed search leaves its traces in the next, so each has an airframe of its own
+            found = trim(Airframe(aircraft, root=root, create=create), condition)
+        except TrimError as error:
+            first = first or error
+        else:
+            return LevelFlight(aircraft, condition, create, found)
+    assert first is not None
+    others = f" and at {len(tries) - 1} other conditions" if len(tries) > 1 else ""
+    raise TrimError(f"no level flight: {first} (tried there{others})", aircraft=aircraft,
+                    condition=first.condition, reason=first.reason, residuals=first.residuals)
+
+
+def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, float]]:
+    """An initialised airframe, and the properties that had to be created for it."""
+    create: dict[str, float] = {}
+    while True:
+        airframe = Airframe(aircraft, root=root, create=create)
+        try:
+            airframe.run_ic()
+        except AircraftError as error:
+            if not error.missing or error.missing in create:
+                raise
+            create[error.missing] = 0.0
+        else:
+            return airframe, create
+
+
+def _speed(weight: float, area: float, lift_coefficient: float) -> float:
+    low, high = _SPEEDS
+    if area <= 0.0:
+        return low
+    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / _KNOT
+    return float(round(min(max(speed, low), high)))
+
+
+@dataclass(frozen=True)
+class FleetRow:
+    """How one aircraft model does.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    engines : int or None
+        number of engines; None if the model does not load
+    flight : LevelFlight or None
+        where it trims; None if it does not
+    drift : float
+        change of altitude in ft with the trimmed controls held; NaN if it does not fly
+    error : BlocksError or None
+        why it does not load, trim or fly
+    """
+
+    aircraft: str
+    engines: int | None
+    flight: LevelFlight | None
+    drift: float
+    error: BlocksError | None
+
+    @property
+    def verdict(self) -> str:
+        """In a few words how it went."""
+        if self.engines is None:
+            return "does not load"
+        if isinstance(self.error, TrimError):
+            return f"no trim: {self.error.reason}"
+        if self.error is not None:
+            return f"no flight: {type(self.error).__name__}"
+        created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
+        return "trims" + (f" with {created} created" if created else "")
+
+
+def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,
+                tries: Sequence[tuple[float, float]] = TRIES) -> Iterator[FleetRow]:
+    """Trim every aircraft in level flight and fly it, controls held; one row after the other.
+
+    Parameters
+    ----------
+    names : iterable of str, optional
+        aircraft models; default is all that jsbsim brings
+    duration : float
+        time to fly in s
+    tries : sequence of (float, float)
+        as for `level_flight`
+    """
+    for name in aircraft_names() if names is None else names:
+        yield _row(name, duration, tries)
+
+
+def _row(name: str, duration: float, tries: Sequence[tuple[float, float]]) -> FleetRow:
+    engines: int | None = None
+    flight: LevelFlight | None = None
+    try:
+        engines = Airframe(name).engines
+        flight = level_flight(name, tries=tries)
+        return FleetRow(name, engines, flight, _drift(flight, duration), None)
+    except BlocksError as error:
+        return FleetRow(name, engines, flight, math.nan, error)
+
+
+def _drift(flight: LevelFlight, duration: float) -> float:
+    fdm = JSBSimFDM(aircraft_model=flight.aircraft, condition=flight.condition,
+                    create=flight.create, output_properties=["position/h-sl-ft"])
+    start = float(fdm.outputs[0])
+    Simulation([fdm], dt=fdm.T, log=False).run(duration)
+    return float(fdm.outputs[0]) - start
+
+
+HEADER = """\
+| aircraft | engines | altitude ft | KCAS | gear | alpha deg | throttle | drift ft | verdict |
+|---|--:|--:|--:|---|--:|--:|--:|---|
+"""
+
+
+def format_row(row: FleetRow) -> str:
+    """One line of a Markdown table, to stand below `HEADER`."""
+    if row.flight is None:
+        numbers = [""] * 6
+    else:
+        condition, found = row.flight.condition, row.flight.trim
+        numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}",
+                   "up" if condition.gear == 0.0 else "as is", f"{found.alpha:.2f}",
+                   f"{found.throttle[0]:.3f}", f"{row.drift:+.1f}"]
+    engines = "" if row.engines is None else str(row.engines)
+    return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict])} |"

@@ -1,0 +1,270 @@
+"""The sampled PI-D law, alone and as a block."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, StepSource
+from scipy.signal import lfilter
+
+from pathsim_jsbsim_blocks import DiscretePID, ParameterError
+from pathsim_jsbsim_blocks.control.pid import PID
+
+T = 1 / 120
+
+
+def run(pid, r, y, rate=None, state=PID.START, **signals):
+    """Outputs and the last state of a law over whole signals."""
+    rate = np.zeros(len(r)) if rate is None else rate
+    out = []
+    for k in range(len(r)):
+        u, state = pid.sample(state, float(r[k]), float(y[k]), float(rate[k]),
+                              **{name: s[k] for name, s in signals.items()})
+        out.append(u)
+    return np.array(out), state
+
+
+def by_transfer_functions(r, y, rate, Kp, Ki, Kd, Kr, b, Tf):
+    """The same law as a sum of scipy's discrete transfer functions, for signals that start at 0.
+
+    Forward Euler for the integral; the derivative is the zero-order-hold equivalent of s/(1 + s Tf)
+    """
+    pole = math.exp(-T / Tf) if Tf else 0.0
+    integral = lfilter([0.0, Ki * T], [1.0, -1.0], r - y)
+    derivative = lfilter([(1 - pole) / T, -(1 - pole) / T], [1.0, -pole], y)
+    return Kp * (b * r - y) + integral - Kd * derivative - Kr * rate
+
+
+@pytest.mark.parametrize("Tf", [0.0, 0.02, 0.5])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_unsaturated_law_is_its_transfer_function(Tf, sign):
+    rng = np.random.default_rng(4)
+    r, y, rate = np.cumsum(rng.normal(size=(3, 2000)), axis=1)
+    r[0] = y[0] = rate[0] = 0.0
+    gains = {"Kp": sign * 0.7, "Ki": sign * 0.4, "Kd": sign * 0.05, "Kr": sign * 0.3, "b": 0.6,
+             "Tf": Tf}
+    u, _ = run(PID(T, **gains), r, y, rate)
+    # rounding: sums of 2000 numbers of size 1e2, divided by T in the derivative
+    assert np.max(np.abs(u - by_transfer_functions(r, y, rate, **gains))) < 1e-10
+
+
+def test_feed_forward_adds_to_the_output():
+    r, y = np.random.default_rng(5).normal(size=(2, 200))
+    feed = np.sin(np.arange(200) / 20)
+    feed[0] = 0.0
+    pid = PID(T, Kp=0.5, Ki=0.3)
+    with_feed, _ = run(pid, r, y, feed=feed)
+    without, _ = run(pid, r, y)
+    assert np.max(np.abs(with_feed - without - feed)) < 1e-13
+
+
+finite = st.floats(-1e6, 1e6)
+gain = st.floats(-100.0, 100.0)
+
+
+@given(st.data())
+@settings(max_examples=300, deadline=None)
+def test_output_stays_within_any_limits(data):
+    low = data.draw(finite)
+    high = data.draw(st.floats(low, 2e6))
+    pid = PID(data.draw(st.floats(1e-4, 10.0)), Kp=data.draw(gain), Ki=data.draw(gain),
+              Kd=data.draw(gain), Kr=data.draw(gain), b=data.draw(st.floats(0.0, 1.0)),
+              Tf=data.draw(st.floats(0.0, 10.0)), low=low, high=high)
+    state = PID.START
+    for _ in range(5):
+        u, state = pid.sample(state, data.draw(finite), data.draw(finite), data.draw(finite),
+                              data.draw(finite), data.draw(st.booleans()), data.draw(finite),
+                              data.draw(finite))
+        assert low <= u <= high
+        assert all(map(math.isfinite, state))
+
+
+def test_output_and_state_stay_bounded_in_100_000_random_samples():
+    rng = np.random.default_rng(6)
+    for _ in range(1000):
+        Kp, Ki, Kd, Kr = rng.normal(size=4) * 10.0 ** rng.uniform(-3, 2, 4)
+        low = -(10.0 ** rng.uniform(-2, 1))
+        high = 10.0 ** rng.uniform(-2, 1)
+        pid = PID(10.0 ** rng.uniform(-3, 0), Kp=Kp, Ki=Ki, Kd=Kd, Kr=Kr, b=rng.uniform(),
+                  Tf=rng.uniform(), low=low, high=high)
+        state = PID.START
+        size = 10.0 ** rng.uniform(-2, 4)
+        signals = size * rng.normal(size=(100, 3))
+        # the longest the integral can be: what a limit, the proportional part and the damping
+        # need, and one sample of integration before the back-calculation acts
+        most = np.max(np.abs(signals))
+        bound = max(-low, high) + most * (
+            2 * abs(Kp) + 2 * abs(Kd) / pid.T + 2 * abs(Kr)
+            + 2 * abs(Ki) * max(pid.T, abs(Kp / Ki) * 3 + pid.T))
+        for (r, y, rate), off in zip(signals.tolist(), rng.random(100) < 0.1, strict=True):
+            u, state = pid.sample(state, r, y, rate, 0.0, bool(off), 0.1 * r)
+            assert low <= u <= high
+            assert abs(state[1]) <= bound
+
+
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e2, 1e4, 1e8])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_no_wind_up_for_any_step_size(size, sign):
+    n = 2400
+    r = np.concatenate([np.full(n, size), np.full(n, -1e-6 * size)])
+    y = np.zeros(2 * n)
+    r[0] = 0.0
+    limits = {"low": -1e-3, "high": 1e-3}
+    gains = {"Kp": sign * 0.5, "Ki": sign * 0.5}
+    u, _ = run(PID(T, **gains, **limits), r, y)
+    assert np.all(u[240:n] == sign * 1e-3)  # pinned while the demand is on
+    assert abs(u[n]) < 1e-3 or u[n] * sign < 0  # and free with the first sample after it
+    plain, _ = run(PID(T, **gains, **limits, Tt=1e12), r, y)
+    assert np.all(plain[n:] == sign * 1e-3)  # without back-calculation: pinned over 20 s more
+
+
+def test_shortfall_of_the_actuator_unwinds_the_integral():
+    pid = PID(T, Kp=0.1, Ki=0.1)
+    u, state, short = 0.0, PID.START, 0.0
+    for _ in range(2400):
+        u, state = pid.sample(state, 10.0, 0.0, 0.0, short)
+        short = u - min(u, 0.2)  # the actuator stops at 0.2
+    # at rest the back-calculation balances Ki e: short = Ki Tt e = 1, the sample delay shifts it
+    # by no more than one sample's worth
+    assert short == pytest.approx(1.0, rel=0.02)
+    u, _ = pid.sample(state, -1e-3, 0.0, 0.0, short)
+    assert u < 0.25
+
+
+def test_engagement_goes_on_from_the_output_held():
+    pid = PID(T, Kp=0.3, Ki=0.2, Kd=0.1, Kr=0.4, b=0.5, Tf=0.1)
+    rng = np.random.default_rng(7)
+    y = 5.0 + 0.01 * np.cumsum(rng.normal(size=500))
+    rate = np.gradient(y, T)
+    off = np.zeros(500)
+    off[:100] = off[200:300] = 1
+    track = np.where(np.arange(500) < 100, 0.25, 0.0)
+    u, _ = run(pid, np.full(500, 9.0), y, rate, off=off, track=track)
+    assert np.all(u[:100] == 0.25)
+    assert abs(u[100] - u[99]) < 1e-12
+    assert np.all(u[200:300] == u[199])
+    assert abs(u[300] - u[299]) < 1e-12
+    assert np.ptp(u[100:200]) > 0.1  # it does act
+
+
+def test_track_moves_the_output_while_off():
+    pid = PID(T, Kp=1.0, Ki=1.0)
+    state = pid.holding(0.5)
+    u = []
+    for track in (0.0, 0.1, -0.2):
+        out, state = pid.sample(state, 0.0, 0.0, off=True, track=track)
+        u.append(out)
+    assert u == pytest.approx([0.5, 0.6, 0.3], abs=1e-15)
+    engaged, state = pid.sample(state, 0.0, 0.0, track=-0.2)
+    released, _ = pid.sample(state, 0.0, 0.0, off=True, track=-0.2)
+    assert engaged == pytest.approx(0.3, abs=1e-15)
+    assert released == pytest.approx(0.3, abs=1e-15)
+
+
+def test_nan_is_passed_on_and_not_hidden_by_the_limits():
+    u, _ = PID(T, Kp=1.0, low=-1.0, high=1.0).sample(PID.START, 0.0, math.nan)
+    assert math.isnan(u)
+
+
+def closed_loop(order=1, **parameters):
+    """Step response of a first-order lag, built from the block; sampled at T."""
+    from pathsim.blocks import Block
+
+    class Lag(Block):  # y[k+1] = 0.95 y[k] + 0.05 u[k], exact and at the same instants
+        input_port_labels = {"u": 0}
+        output_port_labels = {"y": 0}
+
+        def __init__(self):
+            super().__init__()
+            self.n = 0
+
+        def __len__(self):
+            return 0
+
+        def sample(self, t, dt):
+            self.outputs[0] = 0.95 * self.outputs[0] + 0.05 * self.inputs[0]
+
+    step, pid, lag = StepSource(1.0, 0.1), DiscretePID(**parameters), Lag()
+    scope = Scope()
+    blocks = [step, pid, lag, scope][::order]
+    return pid, scope, Simulation(
+        blocks, [Connection(step, pid["r"]), Connection(lag, pid["y"], scope[1]),
+                 Connection(pid, lag, scope[0])], dt=T, log=False)
+
+
+def test_block_is_the_law():
+    _, scope, sim = closed_loop(Kp=2.0, Ki=3.0, low=-5.0, high=1.2)
+    sim.run(5.0)
+    t, (u, y) = scope.read()
+    law = PID(T, Kp=2.0, Ki=3.0, low=-5.0, high=1.2)
+    expected, _ = run(law, np.where(t > 0.1 - 1e-9, 1.0, 0.0), y)
+    assert len(t) == 601
+    assert np.array_equal(u, expected)
+    assert u.max() == 1.2
+    assert y[-1] == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_order_of_blocks_does_not_matter(order):
+    _, scope, sim = closed_loop(Kp=2.0, Ki=3.0, order=order)
+    sim.run(2.0)
+    _, reference, other = closed_loop(Kp=2.0, Ki=3.0)
+    other.run(2.0)
+    assert np.array_equal(scope.read()[1], reference.read()[1])
+
+
+def test_gains_change_while_the_diagram_runs():
+    pid, scope, sim = closed_loop(Kp=1.0)
+    sim.run(1.0)
+    pid.Kp = 3.0
+    sim.run(1.0)
+    t, (u, y) = scope.read()
+    # the value at t = 1 was final when the gain changed
+    after = t > 1.0 + T / 2
+    assert np.max(np.abs(u[after] - np.minimum(3.0 * (1.0 - y[after]), 1.0))) < 1e-12
+    before = (t > 0.1 + T / 2) & ~after
+    assert np.max(np.abs(u[before] - (1.0 - y[before]))) < 1e-12
+
+
+def test_reset_runs_the_same_again():
+    _, scope, sim = closed_loop(Kp=2.0, Ki=3.0)
+    sim.run(1.0)
+    first = scope.read()[1]
+    sim.reset()
+    sim.run(1.0)
+    assert np.array_equal(scope.read()[1], first)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("Kp", "high"), ("Ki", math.nan), ("Tf", -1.0), ("Tt", 0.0), ("low", 2.0), ("T", 0.0),
+    ("Te", 0.0)])
+def test_bad_parameters_are_refused_at_once_and_leave_the_block_as_it_was(name, value):
+    with pytest.raises(ParameterError) as error:
+        DiscretePID(**{name: value})
+    assert error.value.parameter == name
+    pid = DiscretePID()
+    before = getattr(pid, name)
+    with pytest.raises(ParameterError):
+        setattr(pid, name, value)
+    assert getattr(pid, name) == before
+
+
+def test_parameters_keep_their_value_under_their_own_name():
+    values = {"Kp": 2, "Ki": 0.5, "Kd": 0.1, "Kr": 0.2, "b": 0.9, "Tf": 0.1, "Tt": None,
+              "Te": 0.2, "low": -2.0, "high": 3.0, "T": 0.01}
+    pid = DiscretePID(**values)
+    assert {name: getattr(pid, name) for name in values} == values
+
+
+def test_one_sample_is_cheap():
+    pid, state = PID(T, Kp=1.0, Ki=1.0, Kd=1.0, Tf=0.1), PID.START
+    start = time.perf_counter()
+    for _ in range(10_000):
+        _, state = pid.sample(state, 1.0, 0.0)
+    assert (time.perf_counter() - start) / 10_000 < 20e-6  # measured 1 us; ten times the machine

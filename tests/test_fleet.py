@@ -1,0 +1,101 @@
+"""Every aircraft of jsbsim: level flight found, flown and compared, or the reason why not."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fleet_conditions import FLYING, NOT_FLYING, setup
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+from plain_jsbsim import fly, trimmed
+
+from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
+from pathsim_jsbsim_blocks.airframe import aircraft_names
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.fleet import TRIES, fleet_table, format_row, level_flight
+
+T = 1 / 120
+INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
+OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "velocities/vt-fps",
+           "position/h-sl-ft", "position/lat-geod-deg", "simulation/sim-time-sec"]
+
+
+def test_every_model_is_listed_and_thirty_trim():
+    assert sorted([*FLYING, *NOT_FLYING]) == sorted(aircraft_names())
+    assert len(FLYING) >= 30
+
+
+@pytest.mark.parametrize("aircraft", FLYING)
+def test_level_flight_is_a_plain_loop(aircraft):
+    flight = level_flight(aircraft)
+    altitude, speed, gear, create = FLYING[aircraft]
+    assert (flight.condition.altitude, flight.condition.speed) == (altitude, speed)
+    assert flight.condition.gear == gear
+    assert set(flight.create) == set(create)
+
+    fdm = JSBSimFDM(T=T, input_properties=INPUTS, output_properties=OUTPUTS,
+                    aircraft_model=aircraft, condition=flight.condition, create=flight.create)
+    # small enough for every aircraft to stay in the air, unstable ones included
+    sources = [Source(lambda t: 0.005 * math.sin(3.0 * t)),
+               Source(lambda t: 0.005 * math.sin(2.0 * t))]
+    scope = Scope()
+    sim = Simulation(
+        [*sources, fdm, scope],
+        [*(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
+         *(Connection(fdm[i], scope[2 + i]) for i in range(len(OUTPUTS)))],
+        dt=T, log=False)
+    sim.run(30.0)
+    data = scope.read()[1].T
+    u, y = data[:, :2], data[:, 2:]
+    plain = trimmed(aircraft, altitude, speed, T, setup=setup(aircraft))
+    assert np.array_equal(y, fly(plain, INPUTS, u[:-1], OUTPUTS))
+    # a model that misses properties can be left with a frozen clock: it did fly, level and north
+    assert y[-1, -1] == pytest.approx(30.0)
+    assert abs(y[120, 4] - altitude) < 20.0
+    # 362,776 ft per degree of latitude at the equator (WGS84); 5 % for drift in the first second
+    assert (y[120, 5] - y[0, 5]) * 362776 == pytest.approx(y[0, 3], rel=0.05)
+
+
+@pytest.mark.parametrize(("aircraft", "reason"), NOT_FLYING.items())
+def test_the_others_say_why_not(aircraft, reason):
+    with pytest.raises((TrimError, AircraftError), match=re.escape(repr(aircraft))) as error:
+        level_flight(aircraft, tries=TRIES[:1])
+    assert getattr(error.value, "reason", "AircraftError") == reason
+
+
+def test_the_error_tells_of_all_tries():
+    with pytest.raises(TrimError, match="and at 2 other conditions"):
+        level_flight("SGS")
+
+
+def test_rows_of_the_table():
+    flies, created, refused, broken = fleet_table(["c172p", "L17", "SGS", "blank"], duration=2.0)
+    assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")
+    assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
+    assert refused.verdict == "no trim: thrust"
+    assert math.isnan(refused.drift)
+    assert broken.verdict == "does not load"
+    assert broken.engines is None
+
+
+def test_the_command_prints_the_table(capsys, monkeypatch):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.fleet.aircraft_names", lambda: ["A4", "SGS"])
+    assert main(["aircraft", "--table"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 4
+    assert lines[2].startswith("| A4 | 1 | 5000 | 194 | up |")
+
+
+def test_the_page_is_up_to_date():
+    page = Path(__file__).parents[1].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]]
+            for line in page.splitlines() if line.startswith("| ")][1:]
+    assert [row[0] for row in rows] == aircraft_names()
+    for name, _, altitude, speed, *_, verdict in rows:
+        if name in FLYING:
+            assert (float(altitude), float(speed)) == FLYING[name][:2]
+            assert verdict.startswith("trims")
+        else:
+            assert verdict in (f"no trim: {NOT_FLYING[name]}", "does not load")

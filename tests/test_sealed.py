@@ -1,0 +1,297 @@
+"""Sealed and quiet: no socket, no file, nothing on the console, looked at from outside the process.
+
+Each test flies in a process of its own and measures there what the kernel knows of it: descriptors
+and listening ports, the folders that a file could land in, the bytes on descriptors 1 and 2.
+"""
+
+import hashlib
+import json
+import logging
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+import jsbsim
+import pytest
+from fleet_conditions import FLYING
+
+from pathsim_jsbsim_blocks import Aircraft, TrimError
+from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
+
+INSTALLED = Path(jsbsim.__file__).parent
+TESTS = Path(__file__).parent
+
+# models that write a file as they come
+WRITERS = ["B17", "ball", "ballx", "c172x", "global5000", "pogo-jsbsim"]
+
+PRELUDE = """
+import json, os, psutil, sys
+from fleet_conditions import keywords
+from pathsim import Simulation
+from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.airframe import Airframe, aircraft_names
+
+def sockets():
+    me = psutil.Process()
+    return sorted([str(kind), c.laddr.port] for kind in ("tcp", "udp")
+                  for c in me.net_connections(kind=kind))
+
+def files():
+    return sorted(f.path for f in psutil.Process().open_files())
+"""
+
+
+def outside(code, folder, **environment):
+    """Run code in a process of its own; returns what it reports and the bytes it printed."""
+    work, temporary, report = folder / "work", folder / "tmp", folder / "report.json"
+    work.mkdir()
+    temporary.mkdir()
+    end = f"\njson.dump(report, open({str(report)!r}, 'w'))\n"
+    path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", PRELUDE + code + end], cwd=work, capture_output=True, timeout=300,
+        env={**os.environ, "PYTHONPATH": path, "TMPDIR": str(temporary), "TMP": str(temporary),
+             "PYTHONDONTWRITEBYTECODE": "1", **environment})
+    assert done.returncode == 0, done.stderr.decode()
+    assert os.listdir(temporary) == []
+    return json.loads(report.read_text()), done.stdout + done.stderr, sorted(os.listdir(work))
+
+
+def fingerprint(folder):
+    """Every file below a folder: size, time of change, contents."""
+    return {str(p.relative_to(folder)): (p.stat().st_size, p.stat().st_mtime_ns,
+                                         hashlib.sha256(p.read_bytes()).hexdigest())
+            for p in folder.rglob("*") if p.is_file() and p.suffix != ".pyc"}
+
+
+FLY_ALL = f"""
+report = dict(flown=[], refused=[], sockets=[], files=[])
+before = files()
+for name in aircraft_names():
+    try:
+        # each as far as it goes: opened, initialised, in the air where it trims
+        if name in {list(FLYING)!r}:
+            fdm = JSBSimFDM(**keywords(name))
+            Simulation([fdm], dt=fdm.T, log=False).run(0.5)
+            report["flown"].append(name)
+        else:
+            airframe = Airframe(name)
+            airframe.run_ic()
+            for _ in range(60):
+                airframe.fdm.run()
+    except AircraftError as error:
+        report["refused"].append(name)
+    # while the model is alive
+    report["sockets"] += [[name, *socket] for socket in sockets()]
+    report["files"] += [[name, file] for file in files() if file not in before]
+"""
+
+
+def test_all_models_open_no_socket_write_no_file_and_print_nothing(tmp_path):
+    before = fingerprint(INSTALLED), sorted(os.listdir("/"))
+    report, printed, left = outside(FLY_ALL, tmp_path)
+    assert report["sockets"] == []
+    assert report["files"] == []
+    assert printed == b""
+    assert left == []
+    assert (fingerprint(INSTALLED), sorted(os.listdir("/"))) == before
+    assert sorted(report["flown"]) == sorted(FLYING)
+    # the others were initialised too, but for those that cannot be
+    assert report["refused"] == ["blank", "dr1", "fokker50", "Pterosaur"]
+
+
+def own_root(folder, aircraft):
+    """A JSBSim root of one's own with copies of some aircraft."""
+    root = folder / "root"
+    (root / "aircraft").mkdir(parents=True)
+    for part in ("engine", "systems"):
+        (root / part).symlink_to(INSTALLED / part)
+    for name in aircraft:
+        shutil.copytree(INSTALLED / "aircraft" / name, root / "aircraft" / name)
+    return root
+
+
+def test_a_root_of_ones_own_stays_as_it_is(tmp_path):
+    # with a root given JSBSim writes its files there, not into the current directory
+    root = own_root(tmp_path, WRITERS)
+    before = fingerprint(root)
+    report, printed, left = outside(f"""
+report = []
+for name in {WRITERS!r}:
+    airframe = Airframe(name, root={str(root)!r})
+    airframe.run_ic()
+    report.append(airframe.fdm.run())
+""", tmp_path)
+    assert report == [True] * len(WRITERS)
+    assert fingerprint(root) == before
+    assert printed == b""
+    assert left == []
+
+
+def test_a_failed_trim_prints_nothing(tmp_path):
+    report, printed, left = outside("""
+report = []
+from pathsim_jsbsim_blocks import TrimError
+for name in ("737", "SGS", "dr1"):
+    try:
+        JSBSimFDM(aircraft_model=name, trim_airspeed=90, trim_altitude=30000,
+                  create=dict.fromkeys(keywords("fokker100")["create"], 0.0))
+    except TrimError as error:
+        report.append(error.reason)
+""", tmp_path)
+    assert len(report) == 3
+    assert printed == b""
+    assert left == []
+
+
+def test_the_737_twice_in_one_process(tmp_path):
+    report, printed, _ = outside("""
+flight = keywords("737")
+pair = [JSBSimFDM(output_properties=["position/h-sl-ft"], **flight) for _ in range(2)]
+Simulation(pair, dt=pair[0].T, log=False).run(1.0)
+report = [sockets(), *(float(fdm.outputs[0]) for fdm in pair)]
+""", tmp_path)
+    assert report[0] == []
+    assert report[1] == report[2]
+    assert printed == b""
+
+
+def test_the_network_can_be_allowed(tmp_path):
+    # another process may hold the ports that the 737 asks for, so a copy asks for free ones
+    root = own_root(tmp_path, ["737"])
+    model = root / "aircraft" / "737" / "737.xml"
+    text = model.read_text(encoding="utf-8")
+    with socket.create_server(("", 0)) as one, socket.create_server(("", 0)) as other:
+        tcp, udp = (server.getsockname()[1] for server in (one, other))
+    for theirs, ours in ((5137, tcp), (5139, udp)):
+        assert text.count(f'port="{theirs}"') == 1
+        text = text.replace(f'port="{theirs}"', f'port="{ours}"')
+    model.write_text(text, encoding="utf-8")
+    report, printed, _ = outside(f"""
+report = []
+for allow in (False, True):
+    fdm = JSBSimFDM(**keywords("737"), JSBSim_path={str(root)!r}, allow_network=allow)
+    report.append(sockets())
+""", tmp_path)
+    assert report == [[], [["tcp", tcp], ["udp", udp]]]
+    assert printed == b""
+
+
+@pytest.mark.parametrize(("aircraft", "written"), [
+    ("global5000", "global5000.csv"), ("c172x", "JSBout172B.csv")])
+def test_files_can_be_allowed(tmp_path, aircraft, written):
+    _, printed, left = outside(f"""
+fdm = JSBSimFDM(**keywords({aircraft!r}), allow_files=True)
+Simulation([fdm], dt=fdm.T, log=False).run(0.5)
+report = None
+""", tmp_path)
+    assert left == [written]
+    assert (tmp_path / "work" / written).stat().st_size > 1000
+    assert printed == b""
+
+
+def test_copies_with_another_cg_are_gone_after_loading(tmp_path):
+    x, _, _ = empty_weight_cg("global5000")
+    before = fingerprint(INSTALLED)
+    # `outside` asserts that the temporary folder is empty in the end
+    report, printed, left = outside(f"""
+fdm = JSBSimFDM(aircraft_model="global5000", condition=TrimCondition(
+    altitude=15000, speed=250, empty_cg_x={0.97 * x!r}))
+report = [os.listdir(os.environ["TMPDIR"])]
+Simulation([fdm], dt=fdm.T, log=False).run(0.5)
+Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)
+""", tmp_path)
+    assert report == [[]]
+    assert left == []
+    assert printed == b""
+    assert fingerprint(INSTALLED) == before
+
+
+def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    seen = []
+
+    def load(self):
+        seen.extend(os.listdir(tmp_path))
+        raise RuntimeError("no such engine")
+
+    monkeypatch.setattr(Airframe, "_load", load)
+    with pytest.raises(RuntimeError, match="no such engine"):
+        Airframe("global5000", empty_cg_x=700.0)
+    assert len(seen) == 1
+    assert os.listdir(tmp_path) == []
+
+
+def refused_trim():
+    with pytest.raises(TrimError):
+        Aircraft("737", altitude=15000, speed=120)
+
+
+def test_what_jsbsim_says_reaches_the_logger(caplog):
+    with caplog.at_level(logging.DEBUG, logger="pathsim_jsbsim_blocks.jsbsim"):
+        refused_trim()
+    said = [r for r in caplog.records if r.name == "pathsim_jsbsim_blocks.jsbsim"]
+    assert any("doesn't appear to be trimmable" in r.getMessage() for r in said)
+
+
+def test_what_jsbsim_says_in_other_threads_reaches_the_logger(caplog, capfd):
+    with caplog.at_level(logging.DEBUG, logger="pathsim_jsbsim_blocks.jsbsim"):
+        threads = [threading.Thread(target=refused_trim, name=f"flight {i}") for i in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    speakers = {r.threadName for r in caplog.records
+                if "doesn't appear to be trimmable" in r.getMessage()}
+    assert speakers == {thread.name for thread in threads}
+    assert capfd.readouterr() == ("", "")
+
+
+def test_without_a_handler_nothing_is_printed(tmp_path):
+    # Python's last resort prints warnings of loggers that nobody listens to
+    report, printed, _ = outside("""
+import logging
+report = logging.getLogger("pathsim_jsbsim_blocks.jsbsim").hasHandlers()
+from pathsim_jsbsim_blocks import TrimError
+try:
+    JSBSimFDM(aircraft_model="737", trim_airspeed=60)
+except TrimError:
+    pass
+""", tmp_path)
+    assert report
+    assert printed == b""
+
+
+def test_a_handler_that_raises_does_no_harm(capfd):
+    class Broken(logging.Handler):
+        def emit(self, record):
+            raise OSError("disk full")
+
+    logger, broken = logging.getLogger("pathsim_jsbsim_blocks.jsbsim"), Broken()
+    logger.addHandler(broken)
+    try:
+        refused_trim()
+    finally:
+        logger.removeHandler(broken)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_watch_sees_what_it_looks_for(tmp_path):
+    # the tests above would pass with blind eyes: open a port, a file, and print
+    report, printed, left = outside("""
+import socket
+server = socket.create_server(("127.0.0.1", 0))
+file = open("left.csv", "w")
+os.write(1, b"one")
+os.write(2, b"two")
+report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
+""", tmp_path)
+    assert report[0]
+    assert report[1][0].endswith("left.csv")
+    assert printed == b"onetwo"
+    assert left == ["left.csv"]
