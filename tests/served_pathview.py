@@ -8,12 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-COMMAND = [sys.executable, "-c", """
-import sys
-from pathsim_jsbsim_blocks.pathview import view
-a = sys.argv[1:]
-view(a[0], port=int(a[a.index('--port')+1]), browser='--no-browser' not in a)
-"""]
+COMMAND = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "view"]
 
 
 class Served:

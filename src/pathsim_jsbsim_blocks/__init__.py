@@ -31,6 +31,7 @@ from .control.pid import DiscretePID
 from .errors import (
     AircraftError,
     BlocksError,
+    DiagramError,
     FlightError,
     ParameterError,
     PropertyError,

@@ -42,6 +42,10 @@ _LEVELS = {
 _install_lock = threading.Lock()
 _thread = threading.local()
 
+# by thread: when a thread has ended JSBSim lets go of its logger without Python's lock, which
+# kills the process if that was the last reference
+_consoles: dict[int, _Console] = {}
+
 
 class _Console(jsbsim.FGLogger):
     """Takes JSBSim's console of one thread: forwards it to logging, or keeps it for a reader."""
@@ -51,6 +55,7 @@ class _Console(jsbsim.FGLogger):
         self.level = logging.INFO
         self.parts: list[str] = []
         self.kept: list[str] | None = None
+        self.hushed = False
 
     def set_level(self, level) -> None:
         self.level = _LEVELS.get(level, logging.INFO)
@@ -72,7 +77,8 @@ class _Console(jsbsim.FGLogger):
             if text and self.kept is not None:
                 self.kept.append(text)
             if text:
-                log.log(logging.DEBUG if SEALED_PATH in text else self.level, text)
+                hushed = self.hushed or SEALED_PATH in text
+                log.log(logging.DEBUG if hushed else self.level, text)
         except Exception:
             pass
         self.parts.clear()
@@ -82,24 +88,26 @@ def capture_console() -> _Console:
     """Route JSBSim's console of the calling thread to the logger (once per thread)."""
     console = getattr(_thread, "console", None)
     if console is None:
-        console = _thread.console = _Console()
+        console = _thread.console = _consoles[threading.get_ident()] = _Console()
         _install(console)
         jsbsim.FGJSBBase().debug_lvl = 0
     return console
 
 
-def messages(action: Callable[[], Any]) -> tuple[Any, list[str]]:
-    """Result of ``action()`` and what JSBSim said meanwhile."""
+def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[str]]:
+    """Result of ``action()`` and what JSBSim said meanwhile; ``hushed``: log it as details only."""
     console = capture_console()
     previous = jsbsim.get_logger()
     if previous is not console:
         # somebody else listens to this thread; he gets it back
         _install(console)
     console.kept = []
+    console.hushed = hushed
     try:
         return action(), console.kept
     finally:
         console.kept = None
+        console.hushed = False
         if previous is not console:
             _install(previous)
 
@@ -156,14 +164,16 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     if not isinstance(aircraft, str):
         raise AircraftError(f"the aircraft must be a model's name, not {aircraft!r}",
                             aircraft=repr(aircraft))
-    names = aircraft_names(root)
-    if aircraft not in names:
+    folder = aircraft_folder(root)
+    file = folder / aircraft / f"{aircraft}.xml"
+    # a name with a slash would lead out of the folder
+    if Path(aircraft).name != aircraft or not file.is_file():
+        names = aircraft_names(root)
         close = nearest(aircraft, names)
-        where = aircraft_folder(root)
         raise AircraftError(
-            f"no aircraft {aircraft!r} among the {len(names)} models in {where}"
+            f"no aircraft {aircraft!r} among the {len(names)} models in {folder}"
             + did_you_mean(close), aircraft=aircraft, nearest=close)
-    return aircraft_folder(root) / aircraft / f"{aircraft}.xml"
+    return file
 
 
 class Airframe:
@@ -232,6 +242,8 @@ class Airframe:
             self.fdm.disable_output()
         self._properties = self.fdm.get_property_manager()
         self._names: list[str] | None = None
+        # a trim map writes the same few properties at every point
+        self._writers: dict[str, Callable[[float], Any]] = {}
         self._create(create)
 
     def _load(self) -> None:
@@ -289,7 +301,7 @@ class Airframe:
 
     def _catalogue(self) -> list[str]:
         if self._names is None:
-            self._names = sorted({re.sub(r" \([RW]+\)$", "", line)
+            self._names = sorted({line.partition(" (")[0]
                                   for line in self.fdm.get_property_catalog()} - {""})
         return self._names
 
@@ -315,8 +327,12 @@ class Airframe:
         PropertyError, ParameterError
             for an unknown property or a value that is not a finite number; nothing is written then
         """
-        items = [(self.writer(name), number(f"{what}[{name!r}]", value))
-                 for name, value in dict(values or {}).items()]
+        values = dict(values or {})
+        for name in values:
+            if name not in self._writers:
+                self._writers[name] = self.writer(name)
+        items = [(self._writers[name], number(f"{what}[{name!r}]", value))
+                 for name, value in values.items()]
         for write, value in items:
             write(value)
 
@@ -343,7 +359,6 @@ class Airframe:
                 aircraft=self.aircraft, name=str(name), nearest=close)
         node = self._properties.get_node(name)
         assert node is not None
-        # by bisection, because a trim map comes here thousands of times
         names = self._catalogue()
         i, j = bisect_left(names, name), bisect_left(names, f"{name}/")
         below = [n for n in names[j:j + 3] if n.startswith(f"{name}/")]

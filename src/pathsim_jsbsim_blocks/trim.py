@@ -375,7 +375,8 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
-    found, said = messages(find)
+    # what it says of a failure is in the error
+    found, said = messages(find, hushed=True)
     if not found:
         axis = re.search(r"Sorry, ([uvwpqr])dot doesn't appear to be trimmable", " ".join(said))
         if axis:

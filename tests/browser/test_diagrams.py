@@ -1,5 +1,7 @@
 """Every diagram of the catalogue in PathView, against its own script."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from pathsim import Subsystem
@@ -20,9 +22,31 @@ def scopes(blocks, nodes):
     return found
 
 
-def assert_same(streamed, recorded):
-    assert streamed.keys() == recorded.keys()
-    for name, (time, signals) in recorded.items():
+def flat(blocks):
+    """All scopes of a diagram."""
+    for block in blocks:
+        if type(block) is Subsystem:
+            yield from flat(block.blocks)
+        elif type(block).__name__ == "Scope":
+            yield block
+
+
+def recorded(simulation, duration, named):
+    """What scopes hold after a run."""
+    simulation.run(duration)
+    return {name: scope.read() for name, scope in named.items()}
+
+
+def joined(first, second):
+    """Streams of a run and of its continuation, in one."""
+    return {node: [time + second[node][0],
+                   [a + b for a, b in zip(signals, second[node][1], strict=True)]]
+            for node, (time, signals) in first.items()}
+
+
+def assert_same(streamed, expected):
+    assert streamed.keys() == expected.keys()
+    for name, (time, signals) in expected.items():
         np.testing.assert_allclose(streamed[name][0], time, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(streamed[name][1], signals, rtol=1e-12, atol=1e-12)
 
@@ -32,41 +56,30 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")
     script = load_diagram(name)
     own = scopes(script.sim.blocks, model["graph"]["nodes"])
-    script.sim.run(script.DURATION)
-    recorded = {k: s.read() for k, s in own.items()}
+    # PathView simulates in a process of its own: run the script meanwhile
+    with ThreadPoolExecutor(max_workers=1) as meanwhile:
+        expected = meanwhile.submit(recorded, script.sim, script.DURATION, own)
+        editor.open(f"{name}.pvm")
+        shown = editor.blocks()
+        assert {n["id"] for n in model["graph"]["nodes"]} <= {block for block, _, _ in shown}
+        assert not [text for _, text, _ in shown if "(missing)" in text]
+        assert editor.run() == "Simulation completed successfully"
+        assert_same(editor.runs[0], expected.result())
+        end = script.sim.time
 
-    editor.open(f"{name}.pvm")
-    shown = editor.blocks()
-    assert {n["id"] for n in model["graph"]["nodes"]} <= {block for block, _, _ in shown}
-    assert not [text for _, text, _ in shown if "(missing)" in text]
-    assert editor.run() == "Simulation completed successfully"
-    assert_same(editor.runs[-1], recorded)
-    assert editor.run() == "Simulation completed successfully"
-    assert editor.runs[1] == editor.runs[0]
+        exported = {"__name__": "exported"}
+        exec(editor.python(), exported)
+        # PathView's script has its own order of blocks: find the scopes by their labels
+        by_labels = {tuple(s.labels): s for s in flat(exported["sim"].blocks)}
+        of_export = meanwhile.submit(recorded, exported["sim"], script.DURATION, by_labels)
+        assert editor.run() == "Simulation completed successfully"
+        assert editor.runs[1] == editor.runs[0]
+        assert_same(of_export.result(), {tuple(own[node].labels): traces
+                                         for node, traces in expected.result().items()})
 
-    if script.sim.time > script.DURATION * (1 - 1e-6):  # did not end itself
-        script.sim.run(script.DURATION)
-        assert editor.run("Continue") == "Simulation continued successfully"
-        # the editor keeps what the first run streamed, and receives the rest
-        for node, (time, signals) in editor.runs[-1].items():
-            editor.runs[-1][node] = [editor.runs[1][node][0] + time,
-                                     [a + b for a, b in zip(editor.runs[1][node][1], signals,
-                                                            strict=True)]]
-        assert_same(editor.runs[-1], {k: s.read() for k, s in own.items()})
-
-    exported = {"__name__": "exported"}
-    exec(editor.python(), exported)
-    exported["sim"].run(script.DURATION)
-    # PathView's script lists the blocks by category: find the scopes by their labels
-    of_export = {tuple(b.labels): b.read() for b in flat(exported["sim"].blocks)}
-    assert_same(of_export, {tuple(own[k].labels): v for k, v in recorded.items()})
+        if end > script.DURATION * (1 - 1e-6):  # did not end itself
+            longer = meanwhile.submit(recorded, script.sim, script.DURATION, own)
+            assert editor.run("Continue") == "Simulation continued successfully"
+            assert_same(joined(editor.runs[1], editor.runs[2]), longer.result())
     assert not editor.errors
     assert not editor.complaints()
-
-
-def flat(blocks):
-    for block in blocks:
-        if type(block) is Subsystem:
-            yield from flat(block.blocks)
-        elif type(block).__name__ == "Scope":
-            yield block

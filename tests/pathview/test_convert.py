@@ -198,5 +198,5 @@ def test_without_pathview_the_error_says_what_to_install(call, tmp_path, monkeyp
     (tmp_path / "model.pvm").write_text(json.dumps(MODEL))
     (tmp_path / "model.py").write_text("from pathsim import Simulation\nsim = Simulation()")
     monkeypatch.setitem(sys.modules, "pathview", None)
-    with pytest.raises(MissingExtraError, match=r"pip install \"pathsim-jsbsim-blocks\[pathview\]\""):
+    with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[pathview\]"):
         call(tmp_path / "model.pvm")

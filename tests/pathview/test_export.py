@@ -360,6 +360,13 @@ REFUSED = {
     "changed simulation": (script(BLOCK, after="sim.steadystate()"), 10, "'sim' is changed"),
     "switched off": (script(BLOCK + "\nb = Scope()\nc = Connection(a, b)\nc.off()", names="a, b"),
                      11, "'c' is changed"),
+    "event switched off": (script(f"{BLOCK}\ne = ZeroCrossing(len, None)\ne.off()", names="a",
+                                  events="[e]"), 10, "'e' is changed after it is built"),
+    "changed by a function": (script(f"{BLOCK}\ndef tune():\n    a.gain = 5.0\ntune()", names="a"),
+                              10, "'a' is changed after it is built"),
+    "passed to a function": (script(f"{BLOCK}\ndef tune(x):\n    x.gain = 5.0\ntune(a)",
+                                    names="a"), 11, "tune\\(\\) may change 'a'"),
+    "run elsewhere": (script(BLOCK, after="getattr(sim, 'run')(3)"), 10, "run by another module"),
     "parameter that changes": (script("k = 1\na = Amplifier(k)\nk = 2\nb = Amplifier(k)",
                                       names="a, b"), 10, "'k' changes after 'a' was built"),
     "file": (script("a = Constant(len(__file__))"), 8, "__file__ has no meaning"),
@@ -402,6 +409,20 @@ def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, ex
         assert caught.value.line == line
         assert str(caught.value).startswith(f"{tmp_path / 'script.py'}:{line}: ")
     assert os.listdir(tmp_path) == ["script.py"]
+
+
+def test_a_value_that_a_function_of_the_script_changes(export):
+    code = export(script("a = Amplifier(k[0])", before="""
+k = [1.0]
+n = 0
+def more(x):
+    global n
+    n = 2
+    k.append(x)
+more(5)
+"""))["codeContext"]["code"]
+    assert code.endswith("    k.append(x)\nmore(5)")
+    assert code.startswith("k = [1.0]")
 
 
 def test_a_module_beside_the_script_is_refused(export, tmp_path):

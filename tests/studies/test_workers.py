@@ -16,7 +16,7 @@ from pathsim_jsbsim_blocks.studies.workers import run_parts
 
 GRID = {"altitude": 15000, "speed": [160, 250, 350], "gamma": [-3, 0, 3]}
 
-run = partial(run_parts, describe="point {}".format, title="numbers", job="numbers", jobs=2,
+run = partial(run_parts, describe="point {}".format, title="numbers", job=lambda: "numbers", jobs=2,
               resume=None, progress=False, died={"square": None})
 
 PARTS = [[1, 2], [3, 4, 5], [6], [7, 8]]
@@ -134,7 +134,7 @@ def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
     path = tmp_path / "sweep.jsonl"
     run(squares, PARTS, resume=path)
     with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
-        run(squares, PARTS, resume=path, job="other numbers")
+        run(squares, PARTS, resume=path, job=lambda: "other numbers")
     with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
         trim_sweep("737", GRID, resume=path, progress=False)
     notes = tmp_path / "notes.txt"

@@ -167,7 +167,7 @@ GAINS = {
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
         speed=SpeedGains(Kp=0.021, Ki=0.00016, b=1.17, ramp=2.2, Kc=0.005),
-        yaw=YawGains(K=0.010)),
+        yaw=YawGains(K=0.020)),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; has a yaw damper of its own
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
         roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),

@@ -19,10 +19,10 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
 
-from .names import bound, changes, passed, references, root, used
+from .names import bound, passed, references, root, used
 from .script import Script
 
-_PARTS = (Block, Event, Connection, Simulation)
+PARTS = (Block, Event, Connection, Simulation)
 
 
 class Context:
@@ -102,7 +102,7 @@ class Context:
             return
         self._needed.add(name)
         value = self.script.namespace.get(name)
-        if isinstance(value, _PARTS):
+        if isinstance(value, PARTS):
             self.parts.add(name)
             return
         if _holds_parts(value):
@@ -118,7 +118,7 @@ class Context:
 
     def _include(self, statement: ast.stmt) -> None:
         script = self.script
-        if any(isinstance(script.namespace.get(n), _PARTS) for n in bound([statement])):
+        if any(isinstance(script.namespace.get(n), PARTS) for n in bound([statement])):
             script.refuse("this statement builds a block and a value that the diagram needs; "
                           "PathView wants one statement each", statement)
         if isinstance(statement, ast.ImportFrom) and statement.level:
@@ -135,20 +135,13 @@ class Context:
             self._need(name, statement)
 
     def _part_names(self) -> set[str]:
-        return {n for n, v in self.script.namespace.items() if isinstance(v, _PARTS)}
+        return {n for n, v in self.script.namespace.items() if isinstance(v, PARTS)}
 
     def _changed(self, statement: ast.stmt) -> set[str]:
-        """Names whose values a statement changes, also through a function of the script."""
+        """Names whose values a statement may change."""
         if _plots(statement, self.script.namespace):
             return set()
-        names = {name for name, _ in changes(statement)} | passed(statement)
-        called = statement.value if isinstance(statement, ast.Expr) else None
-        function = root(called.func) if isinstance(called, ast.Call) else None
-        for node in ast.walk(self.script.tree):
-            if isinstance(node, ast.FunctionDef) and node.name == function:
-                names |= {n for s in node.body for n, _ in changes(s)} - bound(node.body)
-                names |= {n for g in ast.walk(node) if isinstance(g, ast.Global) for n in g.names}
-        return names
+        return {name for name, _ in self.script.changes(statement)} | passed(statement)
 
     def _star_imports(self, name: str) -> list[ast.stmt]:
         return [s for s in self.script.statements
@@ -159,7 +152,7 @@ class Context:
         if isinstance(statement, (ast.Import, ast.ImportFrom)):
             return self._import(statement)
         text = _rewrite(self.script.source, statement, renamed)
-        lines = self.script.source.splitlines()
+        lines = self.script.source.split("\n")
         before = lines[statement.lineno - 1].encode()[:statement.col_offset].decode()
         after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset:].decode()
         if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
@@ -171,7 +164,7 @@ class Context:
         """First line of a statement with its decorators and the comments right above it."""
         decorators = getattr(statement, "decorator_list", [])
         line = min([statement.lineno, *(d.lineno for d in decorators)])
-        lines = self.script.source.splitlines()
+        lines = self.script.source.split("\n")
         while line > 1 and lines[line - 2].lstrip().startswith("#"):
             line -= 1
         return line
@@ -188,7 +181,7 @@ class Context:
 def _holds_parts(value: Any) -> bool:
     if isinstance(value, Mapping):
         value = list(value.values())
-    return isinstance(value, (list, tuple, set)) and any(isinstance(v, _PARTS) for v in value)
+    return isinstance(value, (list, tuple, set)) and any(isinstance(v, PARTS) for v in value)
 
 
 def _plots(statement: ast.stmt, namespace: Mapping[str, Any]) -> bool:

@@ -12,12 +12,12 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
-from .context import Context
+from .context import PARTS, Context
 from .diagram import Diagram, Event, Graph, Node, Wire
-from .names import changes, used
+from .names import passed, used
 from .pvm import plain
 from .script import Script, named_arguments
 from .settings import setting_expressions, setting_values
@@ -77,6 +77,7 @@ class _Reader:
         renamed = self._name_parts(context)
         for name in sorted(context.parts - renamed.keys()):
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
+        renamed = {old: new for old, new in renamed.items() if old != new}
         functions = self._write_parameters(context, renamed)
         imports = self._event_imports(graph)
         values = setting_values(self.script)
@@ -224,15 +225,19 @@ class _Reader:
         return named_arguments(call, names)
 
     def _check_unchanged(self) -> None:
+        parts = {n for n, v in self.script.namespace.items() if isinstance(v, PARTS)}
         for statement in self.script.statements:
-            for name, node in changes(statement):
-                value = self.script.namespace.get(name)
-                if not isinstance(value, (Block, Connection, Simulation)):
-                    continue
-                if not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load)
+            for name, node in self.script.changes(statement):
+                if name in parts and not (
+                        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load)
                         and node.attr in _HARMLESS):
                     self.refuse(f"{name!r} is changed after it is built; PathView has no place "
                                 "for that", node)
+            call = statement.value if isinstance(statement, ast.Expr) else None
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
+                for name in sorted(passed(statement) & parts):
+                    self.refuse(f"{call.func.id}() may change {name!r} after it is built; PathView "
+                                "has no place for that", statement)
 
     def _check_order(self, context: Context) -> None:
         """PathView gives a parameter one value: it must not change between two blocks."""
@@ -276,6 +281,8 @@ class _Reader:
         for part in self.parts.values():
             if part.function is not None:
                 name = f"{part.variable}_function"
+                while name in context.names:
+                    name += "_"
                 functions.append(context.function(part.function, name, renamed))
                 part.target.params = dict.fromkeys(part.arguments, name)
             else:

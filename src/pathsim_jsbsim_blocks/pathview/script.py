@@ -19,7 +19,7 @@ from pathsim.blocks import Block
 from pathsim.events._event import Event
 
 from ..errors import DiagramError
-from .names import root
+from .names import bound, changes, root
 
 _RECORD = "__built__"
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
@@ -95,6 +95,25 @@ class Script:
     def construction(self, value: Any) -> Construction | None:
         """Where an object was built; None if no expression of the module's own level did."""
         return self._built.get(id(value))
+
+    def changes(self, statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
+        """What a statement changes in place, itself or by a call of one of the script's functions.
+
+        Yields names of the module and the place, as ``names.changes`` does.
+        """
+        yield from changes(statement)
+        call = statement.value if isinstance(statement, ast.Expr) else None
+        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name)):
+            return
+        for function in ast.walk(self.tree):
+            if isinstance(function, ast.FunctionDef) and function.name == call.func.id:
+                local = bound(function.body) | {a.arg for a in ast.walk(function.args)
+                                                if isinstance(a, ast.arg)}
+                for inner in function.body:
+                    yield from ((n, place) for n, place in changes(inner) if n not in local)
+                for node in ast.walk(function):
+                    if isinstance(node, ast.Global):
+                        yield from ((name, node) for name in node.names)
 
     def _execute(self) -> list[int]:
         """Run the script; the lines of its frames at the held-back run, outermost first."""
@@ -179,6 +198,9 @@ class Script:
                     and self.namespace.get(owner.id) is self.simulation)
 
         calls = [n for n in ast.walk(self.tree) if is_it(n)]
+        if line is not None and not calls:
+            raise DiagramError("the simulation is run by another module; call its run() here",
+                               path=self.path, line=line)
         return min(calls, key=lambda n: n.lineno, default=None)
 
     def _before_run(self, line: int | None) -> list[ast.stmt]:

@@ -76,13 +76,13 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     rows = _seeded(expand("cases", cases), whole("seed", seed, low=0))
     takes_seed = _check(build, rows)
     name = f"{getattr(build, '__module__', '')}.{getattr(build, '__qualname__', build)}"
-    title = f"run_batch {name.rpartition('.')[2]}, {len(rows)} cases"
     found = run_parts(
         partial(_run_cases, build, takes_seed), [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
-        title=title, job={"build": name, "cases": rows, "jsbsim": jsbsim.__version__}, jobs=jobs,
-        resume=resume, progress=progress)
+        title=f"run_batch {name.rpartition('.')[2]}, {len(rows)} cases",
+        job=lambda: {"build": name, "cases": rows, "jsbsim": jsbsim.__version__},
+        jobs=jobs, resume=resume, progress=progress)
     return pd.DataFrame([{**row, **result} for row, result in zip(rows, found, strict=True)])
 
 

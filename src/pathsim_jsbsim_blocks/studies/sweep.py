@@ -93,15 +93,15 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     outputs = _names(outputs)
     chunk = whole("chunk", chunk, low=1)
     _try_out(aircraft, root, conditions, outputs)
-    title = f"trim_sweep {aircraft}, {len(points)} points"
-    job = {"aircraft": aircraft, "root": root, "outputs": outputs, "chunk": chunk,
-           "conditions": [as_dict(condition) for condition in conditions],
-           "jsbsim": jsbsim.__version__}
     rows = run_parts(
         partial(_trim_points, aircraft, root, tuple(outputs)), _chunks(conditions, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
-        title=title, job=job, jobs=jobs, resume=resume, progress=progress)
+        title=f"trim_sweep {aircraft}, {len(points)} points",
+        job=lambda: {"aircraft": aircraft, "root": root, "outputs": outputs, "chunk": chunk,
+                     "conditions": [as_dict(condition) for condition in conditions],
+                     "jsbsim": jsbsim.__version__},
+        jobs=jobs, resume=resume, progress=progress)
     found = [column(name, unit) for name, unit in _FOUND.items()] + outputs
     return pd.concat([
         pd.DataFrame(requested(conditions, points)),

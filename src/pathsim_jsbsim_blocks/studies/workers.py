@@ -28,7 +28,7 @@ _DIED = object()
 
 
 def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[Any], str],
-              title: str, job: Any, jobs: int, resume: str | Path | None,
+              title: str, job: Callable[[], Any], jobs: int, resume: str | Path | None,
               progress: bool) -> list[Row]:
     """Rows of all points, in the order of the points.
 
@@ -42,8 +42,10 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
         the row of a point that kills its worker
     describe : callable
         a point in words, for messages
-    title, job
-        the study in words, and all its results depend on (see `Journal`)
+    title : str
+        the study in words
+    job : callable
+        all that the results depend on, as plain data, to know a file to resume from
     jobs : int
         worker processes; -1 for all cores. Not used on a cluster
     resume : path, optional
@@ -52,7 +54,7 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
         show a progress bar on stderr
     """
     jobs = _count(jobs)
-    journal = Journal(resume, title, job) if resume is not None else None
+    journal = Journal(resume, title, job()) if resume is not None else None
     try:
         return _run(work, parts, died, describe, journal, jobs,
                     _bar(title, parts, journal.finished if journal else {}, progress))

@@ -1,0 +1,66 @@
+"""Altitude hold of a Cessna 172: 500 ft up, and level again.
+
+c172p at 5000 ft and 90 KCAS. ``AltitudeHold`` holds the altitude found at the start plus its port,
+which steps by 500 ft at 5 s; ``AirspeedHold`` keeps the speed with the throttle in the climb, and
+``RollHold`` the wings level.
+
+Expected: a climb at 10 ft/s, 5500 ft within 10 ft after a minute, no overshoot to speak of.
+
+Source: our own, on the aircraft and the condition of the published pitch hold.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, StepSource
+
+from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, AltitudeHold, RollHold
+
+DURATION = 120.0  # s
+
+aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+higher = StepSource(amplitude=500.0, tau=5.0)
+altitude_hold = AltitudeHold(gains="c172p")
+airspeed_hold = AirspeedHold(gains="c172p")
+leveller = RollHold(gains="c172p", phi_ref=0.0)
+climb = Scope(labels=["altitude [ft]", "rate of climb [ft/s]", "demanded [ft/s]",
+                      "calibrated airspeed [kt]"])
+controls = Scope(labels=["elevator increment [-]", "throttle increment [-]"])
+
+sim = Simulation(
+    [aircraft, higher, altitude_hold, airspeed_hold, leveller, climb, controls],
+    [
+        Connection(aircraft["h"], altitude_hold["h"], climb[0]),
+        Connection(aircraft["hdot"], altitude_hold["hdot"], airspeed_hold["hdot"], climb[1]),
+        Connection(aircraft["theta"], altitude_hold["theta"]),
+        Connection(aircraft["q"], altitude_hold["q"]),
+        Connection(higher, altitude_hold["h_ref"]),
+        Connection(aircraft["elev_sat"], altitude_hold["elev_sat"]),
+        Connection(aircraft["vc"], airspeed_hold["vc"], climb[3]),
+        Connection(aircraft["thr_sat"], airspeed_hold["thr_sat"]),
+        Connection(aircraft["phi"], leveller["phi"]),
+        Connection(aircraft["p"], leveller["p"]),
+        Connection(altitude_hold["elevator"], aircraft["elevator"], controls[0]),
+        Connection(altitude_hold["hdot_cmd"], climb[2]),
+        Connection(airspeed_hold["throttle"], aircraft["throttle"], controls[1]),
+        Connection(leveller["aileron"], aircraft["aileron"]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(climb, controls, title="c172p: altitude hold, 500 ft up")
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    time, h = signal(climb, "altitude")
+    _, airspeed = signal(climb, "calibrated airspeed")
+    print(f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.0f} s after "
+          f"the step, at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to "
+          f"{airspeed.max():.1f} KCAS")
+    show(figure(), "altitude_hold")

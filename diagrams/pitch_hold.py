@@ -1,0 +1,56 @@
+"""Pitch hold of a Cessna 172: from the trimmed 1.3 deg to 3 deg, and it stays there.
+
+c172p at 5000 ft and 90 KCAS. ``PitchHold`` moves its reference to 3 deg and holds it with the
+elevator; the throttle stays where the trim left it.
+
+Expected: 3 deg within 0.05 deg after 4 s and to the end; the aircraft climbs, and trades airspeed
+for it. Nose up takes a negative elevator command.
+
+Source: the published JSBSim/PathSim notebook. Its hold has the wrong sign (positive elevator is
+nose **down**) and too small a gain: it never holds 3 deg.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import Aircraft, PitchHold
+
+DURATION = 30.0  # s
+
+aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+hold = PitchHold(gains="c172p", theta_ref=3.0)
+pitch = Scope(labels=["pitch angle [deg]", "reference [deg]", "angle of attack [deg]"])
+flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "elevator increment [-]"])
+
+sim = Simulation(
+    [aircraft, hold, pitch, flight],
+    [
+        Connection(aircraft["theta"], hold["theta"], pitch[0]),
+        Connection(aircraft["q"], hold["q"]),
+        Connection(aircraft["elev_sat"], hold["elev_sat"]),
+        Connection(hold["elevator"], aircraft["elevator"], flight[2]),
+        Connection(hold["theta_cmd"], pitch[1]),
+        Connection(aircraft["alpha"], pitch[2]),
+        Connection(aircraft["h"], flight[0]),
+        Connection(aircraft["vc"], flight[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    time, theta = signal(pitch, "pitch angle")
+    outside = time[abs(theta - 3.0) > 0.05]
+    print(f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
+          f"{outside[-1]:.1f} s on, at most {theta.max():.3f} deg")
+    show(figure(), "pitch_hold")

@@ -1,0 +1,66 @@
+"""The pitch hold wired from PathSim's own blocks, to show what ``PitchHold`` does inside.
+
+c172p at 5000 ft and 90 KCAS: an Adder makes the error, a continuous AntiWindupPID and the pitch rate
+make the demand, an Amplifier turns its sign (nose up is a **negative** elevator command), a Clip keeps
+it within the elevator's travel.
+
+Expected: 3 deg, as in ``pitch_hold``, with more overshoot: a step of the reference instead of a ramp,
+and its full weight in the proportional part. The gains are positive and the sign is turned after the
+controller, because PathSim's AntiWindupPID diverges in saturation with negative gains.
+
+Source: the published JSBSim/PathSim notebook's wiring, with the right sign and gains.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, AntiWindupPID, Clip, Constant, Scope
+from pathsim.solvers import RK4
+
+from pathsim_jsbsim_blocks import Aircraft
+
+DURATION = 30.0  # s
+
+aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+reference = Constant(3.0)
+error = Adder("+-")
+pid = AntiWindupPID(Kp=0.064, Ki=0.063, Kd=0.0, f_max=100.0, Ks=10.0, limits=[-1.0, 1.0])
+rate = Amplifier(gain=0.0025)
+demand = Adder("+-")
+sign = Amplifier(gain=-1.0)
+clip = Clip(min_val=-1.0, max_val=1.0)
+pitch = Scope(labels=["pitch angle [deg]", "reference [deg]"])
+flight = Scope(labels=["altitude [ft]", "elevator increment [-]"])
+
+sim = Simulation(
+    [aircraft, reference, error, pid, rate, demand, sign, clip, pitch, flight],
+    [
+        Connection(reference, error[0], pitch[1]),
+        Connection(aircraft["theta"], error[1], pitch[0]),
+        Connection(error, pid),
+        Connection(aircraft["q"], rate),
+        Connection(pid, demand[0]),
+        Connection(rate, demand[1]),
+        Connection(demand, sign),
+        Connection(sign, clip),
+        Connection(clip, aircraft["elevator"], flight[1]),
+        Connection(aircraft["h"], flight[0]),
+    ],
+    Solver=RK4,
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(pitch, flight, title="c172p: pitch hold from PathSim's own blocks")
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    time, theta = signal(pitch, "pitch angle")
+    print(f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
+          f"{time[abs(theta - 3.0) > 0.05][-1]:.1f} s on, at most {theta.max():.3f} deg")
+    show(figure(), "pitch_hold_primitives")

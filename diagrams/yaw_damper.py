@@ -1,0 +1,58 @@
+"""Yaw damper of a Cessna 172: a rudder pulse, with the damper and without it.
+
+Two of c172p at 5000 ft and 90 KCAS get the same rudder pulse, 0.3 from 1 s to 1.5 s. In one of them
+``YawDamper`` feeds the yaw rate back to the rudder, through a wash-out that lets steady turns pass.
+
+Expected: the Dutch roll of the damped aircraft dies at least twice as fast.
+
+Source: our own, on the aircraft and the condition of the published pitch hold.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Scope, StepSource
+
+from pathsim_jsbsim_blocks import Aircraft, YawDamper
+
+DURATION = 15.0  # s
+
+pulse = StepSource(amplitude=[0.3, 0.0], tau=[1.0, 1.5])
+bare = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+damped = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+damper = YawDamper(gains="c172p")
+rudder = Adder("++")
+yaw = Scope(labels=["yaw rate, bare [deg/s]", "yaw rate, damped [deg/s]"])
+slip = Scope(labels=["sideslip angle, bare [deg]", "sideslip angle, damped [deg]"])
+command = Scope(labels=["rudder, bare [-]", "rudder, damped [-]"])
+
+sim = Simulation(
+    [pulse, bare, damped, damper, rudder, yaw, slip, command],
+    [
+        Connection(pulse, bare["rudder"], rudder[0], command[0]),
+        Connection(damped["r"], damper["r"], yaw[1]),
+        Connection(damper["rudder"], rudder[1]),
+        Connection(rudder, damped["rudder"], command[1]),
+        Connection(bare["r"], yaw[0]),
+        Connection(bare["beta"], slip[0]),
+        Connection(damped["beta"], slip[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(yaw, slip, command, title="c172p: rudder pulse, with yaw damper and bare")
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    time, without = signal(yaw, "yaw rate, bare")
+    _, with_damper = signal(yaw, "yaw rate, damped")
+    late = time > 4.0
+    print(f"yaw rate left after 4 s: at most {abs(without[late]).max():.2f} deg/s bare, "
+          f"{abs(with_damper[late]).max():.2f} deg/s damped")
+    show(figure(), "yaw_damper")
