@@ -89,7 +89,7 @@ def test_port_names_can_be_told_apart_in_the_editor(name):
 
 FLOORS = [  # each may import what stands above it, and its own floor
     {"errors"},
-    {"checks", "catalogue"},
+    {"checks", "catalogue", "console"},
     {"sampling", "atmosphere", "sources", "axes", "plots"},
     {"airframe", "airspeed", "atmosphere_blocks"},
     {"trim", "airspeed_blocks", "calibrated_airspeed_blocks", "control"},

@@ -23,7 +23,8 @@ import pytest
 from fleet_conditions import FLYING
 
 from pathsim_jsbsim_blocks import Aircraft, TrimError
-from pathsim_jsbsim_blocks.airframe import Airframe, capture_console, empty_weight_cg
+from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.console import capture_console
 
 INSTALLED = Path(jsbsim.__file__).parent
 TESTS = Path(__file__).parent

@@ -7,12 +7,10 @@ modified. *Quiet*: what JSBSim prints goes to the logger ``pathsim_jsbsim_blocks
 
 from __future__ import annotations
 
-import logging
 import os
 import re
 import shutil
 import tempfile
-import threading
 import xml.etree.ElementTree as ET
 from bisect import bisect_left
 from collections.abc import Callable, Mapping
@@ -21,106 +19,19 @@ from typing import Any
 
 import jsbsim
 
-from .checks import did_you_mean, nearest, number, positive
-from .errors import AircraftError, PropertyError
-
-log = logging.getLogger("pathsim_jsbsim_blocks.jsbsim")
-
-# no file can be made below a device, so JSBSim opens none while it loads
-SEALED_PATH = os.path.join(os.devnull, "sealed")
-
-_LEVELS = {
-    jsbsim.LogLevel.BULK: logging.DEBUG,
-    jsbsim.LogLevel.DEBUG: logging.DEBUG,
-    jsbsim.LogLevel.INFO: logging.INFO,
-    jsbsim.LogLevel.WARN: logging.WARNING,
-    jsbsim.LogLevel.ERROR: logging.ERROR,
-    jsbsim.LogLevel.FATAL: logging.CRITICAL,
-    jsbsim.LogLevel.STDOUT: logging.INFO,
-}
-
-_install_lock = threading.Lock()
-_thread = threading.local()
-
-# by thread: when a thread has ended JSBSim lets go of its logger without Python's lock, which
-# kills the process if that was the last reference
-_consoles: dict[int, _Console] = {}
-
-
-class _Console(jsbsim.FGLogger):
-    """Takes JSBSim's console of one thread: forwards it to logging, or keeps it for a reader."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.level = logging.INFO
-        self.parts: list[str] = []
-        self.kept: list[str] | None = None
-        self.hushed = False
-
-    def set_level(self, level) -> None:
-        self.level = _LEVELS.get(level, logging.INFO)
-        self.parts.clear()
-
-    def file_location(self, filename: str, line: int) -> None:
-        self.parts.append(f"{filename}:{line}: ")
-
-    def message(self, message: str) -> None:
-        self.parts.append(message)
-
-    def format(self, format) -> None:
-        pass
-
-    def flush(self) -> None:
-        # an exception here would reach the caller as a SystemError without its cause
-        try:
-            text = " ".join("".join(self.parts).split())
-            if text and self.kept is not None:
-                self.kept.append(text)
-            if text:
-                hushed = self.hushed or SEALED_PATH in text
-                log.log(logging.DEBUG if hushed else self.level, text)
-        except Exception:
-            pass
-        self.parts.clear()
-
-
-def capture_console() -> _Console:
-    """Route JSBSim's console of the calling thread to the logger (once per thread)."""
-    console = getattr(_thread, "console", None)
-    if console is None:
-        console = _thread.console = _consoles[threading.get_ident()] = _Console()
-        _install(console)
-        jsbsim.FGJSBBase().debug_lvl = 0
-    return console
-
-
-def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[str]]:
-    """Result of ``action()`` and what JSBSim said meanwhile; ``hushed``: log it as details only."""
-    console = capture_console()
-    previous = jsbsim.get_logger()
-    if previous is not console:
-        # somebody else listens to this thread; he gets it back
-        _install(console)
-    console.kept = []
-    console.hushed = hushed
-    try:
-        return action(), console.kept
-    finally:
-        console.kept = None
-        console.hushed = False
-        if previous is not console:
-            _install(previous)
-
-
-def _install(logger: jsbsim.FGLogger) -> None:
-    # JSBSim aborts the process if two threads install at once
-    with _install_lock:
-        jsbsim.set_logger(logger)
+from .checks import did_you_mean, flag, mapping, nearest, number, positive
+from .console import SEALED_PATH, capture_console, messages
+from .errors import AircraftError, ParameterError, PropertyError
 
 
 def aircraft_folder(root: str | None = None) -> Path:
     """The folder with the aircraft models below a JSBSim root (default: jsbsim's own)."""
-    return Path(root if root is not None else jsbsim.get_default_root_dir()) / "aircraft"
+    if root is None:
+        root = jsbsim.get_default_root_dir()
+    if not isinstance(root, (str, os.PathLike)):
+        raise ParameterError(f"the JSBSim root must be the path of a directory, not {root!r}",
+                             parameter="root", value=root)
+    return Path(root) / "aircraft"
 
 
 def aircraft_names(root: str | None = None) -> list[str]:
@@ -166,9 +77,13 @@ def _model_file(aircraft: str, root: str | None) -> Path:
                             aircraft=repr(aircraft))
     folder = aircraft_folder(root)
     file = folder / aircraft / f"{aircraft}.xml"
-    # a name with a slash would lead out of the folder
-    if Path(aircraft).name != aircraft or not file.is_file():
-        names = aircraft_names(root)
+    try:
+        # a name with a slash would lead out of the folder
+        known = Path(aircraft).name == aircraft and file.is_file()
+        names = [] if known else aircraft_names(root)
+    except (OSError, ValueError):  # no name that a file can have
+        known, names = False, []
+    if not known:
         close = nearest(aircraft, names)
         raise AircraftError(
             f"no aircraft {aircraft!r} among the {len(names)} models in {folder}"
@@ -218,10 +133,10 @@ class Airframe:
         self.aircraft = aircraft
         model_file = _model_file(aircraft, root)
         capture_console()
-        self.fdm = jsbsim.FGFDMExec(root)
-        if not allow_network:
+        self.fdm = jsbsim.FGFDMExec(None if root is None else os.fspath(root))
+        if not flag("allow_network", allow_network):
             self.fdm.disable_input()
-        if not allow_files:
+        if not flag("allow_files", allow_files):
             self.fdm.disable_output()
             self.fdm.set_output_path(SEALED_PATH)
         self.fdm.set_dt(self.dt)
@@ -244,6 +159,7 @@ class Airframe:
         self._names: list[str] | None = None
         # a trim map writes the same few properties at every point
         self._writers: dict[str, Callable[[float], Any]] = {}
+        self._created: set[str] = set()
         self._create(create)
 
     def _load(self) -> None:
@@ -253,14 +169,14 @@ class Airframe:
                                 aircraft=self.aircraft)
 
     def _create(self, values: Mapping[str, float] | None) -> None:
-        for name, value in dict(values or {}).items():
+        for name, value in mapping("create", values).items():
             x = number(f"create[{name!r}]", value)
-            try:
-                self._properties.hasNode(name)
-            except (RuntimeError, UnicodeError, TypeError) as error:
-                raise PropertyError(f"{name!r} is not a valid property name: {error}",
-                                    aircraft=self.aircraft, name=str(name)) from None
-            self.fdm[name] = x
+            if self._known(name):
+                self.writer(name)(x)
+            else:
+                self.fdm[name] = x
+                self._created.add(self.canonical(name))
+        self._names = None
 
     def run_ic(self) -> None:
         """Initialise the model from its ``ic/`` properties.
@@ -286,23 +202,34 @@ class Airframe:
         return self.fdm.get_propulsion().get_num_engines()
 
     def has(self, name: str) -> bool:
-        """Whether a property exists; False for names that JSBSim would choke on."""
+        """Whether a property exists."""
         try:
-            return isinstance(name, str) and self._properties.hasNode(name)
-        except (RuntimeError, UnicodeError):
+            self._find(name)
+        except PropertyError:
             return False
+        return True
+
+    def canonical(self, name: str) -> str:
+        """The one spelling of a property's name that `property_names` uses.
+
+        Raises
+        ------
+        PropertyError
+            if the name is malformed or unknown
+        """
+        return self._path(self._find(name))
 
     def property_names(self, text: str = "") -> list[str]:
         """Names of the model's properties that contain ``text``, sorted.
 
-        Indices are written out for every element (``propulsion/tank[0]/contents-lbs``).
+        An index is written out from 1 on: ``propulsion/tank/contents-lbs`` is that of tank 0.
         """
         return [n for n in self._catalogue() if text.lower() in n.lower()]
 
     def _catalogue(self) -> list[str]:
         if self._names is None:
-            self._names = sorted({line.partition(" (")[0]
-                                  for line in self.fdm.get_property_catalog()} - {""})
+            self._names = sorted({line.partition(" (")[0] for line in
+                                  self.fdm.get_property_catalog()} - {""} | self._created)
         return self._names
 
     def reader(self, name: str) -> Callable[[], float]:
@@ -313,11 +240,11 @@ class Airframe:
         PropertyError
             if the name is malformed or unknown, or the property cannot be read
         """
-        return self._node(name, jsbsim.Attribute.READ, "read").get_double_value
+        return self._node(name, "r", "read").get_double_value
 
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`."""
-        return self._node(name, jsbsim.Attribute.WRITE, "written").set_double_value
+        return self._node(name, "w", "written").set_double_value
 
     def write(self, values: Mapping[str, float] | None, what: str = "properties") -> None:
         """Write a dict of properties in its order, all checked first.
@@ -327,7 +254,7 @@ class Airframe:
         PropertyError, ParameterError
             for an unknown property or a value that is not a finite number; nothing is written then
         """
-        values = dict(values or {})
+        values = mapping(what, values)
         for name in values:
             if name not in self._writers:
                 self._writers[name] = self.writer(name)
@@ -338,40 +265,72 @@ class Airframe:
 
     def access(self, name: str) -> str:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""
-        node = self._properties.get_node(name)
-        assert node is not None
-        return (("r" if node.get_attribute(jsbsim.Attribute.READ) else "-")
-                + ("w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"))
+        return _access(self._find(name))
 
-    def _node(self, name: str, attribute: jsbsim.Attribute, verb: str) -> jsbsim.FGPropertyNode:
-        # hasNode is the one call that survives a malformed name; all others abort the process
-        try:
-            known = isinstance(name, str) and name.strip() != "" and self._properties.hasNode(name)
-        except (RuntimeError, UnicodeError) as error:
+    def _node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
+        node = self._find(name)
+        why = _BREAKS_THE_FLIGHT.get(self._path(node), "") if way == "w" else ""
+        if why or way not in _access(node):
+            close = [n for n in nearest(name.rpartition("/")[2], self._catalogue(), 9)
+                     if n not in _BREAKS_THE_FLIGHT and way in self.access(n)][:3]
             raise PropertyError(
-                f"{name!r} is not a valid property name: {error}" + did_you_mean(
-                    close := nearest(re.sub(r"[^\w/\[\]-]", "", name), self.property_names())),
-                aircraft=self.aircraft, name=name, nearest=close) from None
-        if not known:
-            close = nearest(str(name), self.property_names())
+                f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}{why}"
+                + did_you_mean(close), aircraft=self.aircraft, name=name, nearest=close)
+        return node
+
+    def _known(self, name: str) -> bool:
+        """Whether the tree has such a node; refuses malformed names."""
+        try:
+            if not isinstance(name, str):
+                raise ValueError("it must be text")
+            # JSBSim would read up to the NUL, and take the index modulo 2**32
+            if "\0" in name or re.search(r"\[\d{10,}\]", name):
+                raise ValueError("a NUL or an index beyond all elements")
+            # the one call that survives a malformed name; all others abort the process
+            return self._properties.hasNode(name)
+        except (RuntimeError, ValueError) as error:
+            close = nearest(re.sub(r"[^\w/\[\]-]", "", str(name)), self._catalogue())
+            raise PropertyError(
+                f"{name!r} is not a valid property name: {error}" + did_you_mean(close),
+                aircraft=self.aircraft, name=str(name), nearest=close) from None
+
+    def _path(self, node: jsbsim.FGPropertyNode) -> str:
+        return node.get_fully_qualified_name().removeprefix("/fdm/jsbsim/")
+
+    def _find(self, name: str) -> jsbsim.FGPropertyNode:
+        known = self._known(name)
+        if not known or not name.strip():
+            close = nearest(name, self._catalogue())
             raise PropertyError(
                 f"aircraft {self.aircraft!r} has no property {name!r}" + did_you_mean(close),
-                aircraft=self.aircraft, name=str(name), nearest=close)
+                aircraft=self.aircraft, name=name, nearest=close)
         node = self._properties.get_node(name)
         assert node is not None
-        names = self._catalogue()
-        i, j = bisect_left(names, name), bisect_left(names, f"{name}/")
-        below = [n for n in names[j:j + 3] if n.startswith(f"{name}/")]
-        if below and names[i] != name:
+        names, path = self._catalogue(), self._path(node)
+        at_the_root = "/fdm/jsbsim/".startswith(f"{path.rstrip('/')}/")
+        trunk = "" if at_the_root else f"{path}/"
+        i, j = bisect_left(names, path), bisect_left(names, trunk)
+        below = [n for n in names[j:j + 3] if n.startswith(trunk)]
+        if below and (at_the_root or names[i] != path):
             raise PropertyError(
                 f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}, not a "
                 "property" + did_you_mean(below),
                 aircraft=self.aircraft, name=name, nearest=below)
-        if not node.get_attribute(attribute):
-            raise PropertyError(
-                f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}",
-                aircraft=self.aircraft, name=name)
         return node
+
+
+# writing these breaks what a flight keeps to: exact time, and silence
+_BREAKS_THE_FLIGHT = {
+    "simulation/pause": ": it would stop the aircraft's clock",
+    "simulation/reset": ": it would set the aircraft's clock back; reset the simulation instead",
+    "simulation/do_linearization": ": it would leave the aircraft's clock stopped",
+    "simulation/jsbsim-debug": ": it would print; listen to the logger instead",
+}
+
+
+def _access(node: jsbsim.FGPropertyNode) -> str:
+    return (("r" if node.get_attribute(jsbsim.Attribute.READ) else "-")
+            + ("w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"))
 
 
 def _failure_of(action: Callable[[], bool]) -> str:

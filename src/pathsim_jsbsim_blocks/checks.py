@@ -22,7 +22,7 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     low = str(name).lower()
     holds = sorted((x for x in names if len(low) > 2 and low in x.lower()), key=len)
     tails = {x.rpartition("/")[2]: x for x in reversed(names)}
-    close = difflib.get_close_matches(str(name), [*names, *tails], n=n, cutoff=0.6)
+    close = difflib.get_close_matches(str(name), [*names, *tails], n=n, cutoff=0.55)
     return list(dict.fromkeys([*holds[:n], *(tails.get(x, x) for x in close)]))[:n]
 
 
@@ -44,7 +44,10 @@ def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = 
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ParameterError(f"{parameter} must be a number, not {value!r}",
                              parameter=parameter, value=value)
-    x = float(value)
+    try:
+        x = float(value)
+    except OverflowError:
+        x = math.inf
     if not math.isfinite(x):
         raise ParameterError(f"{parameter} must be finite, not {x}",
                              parameter=parameter, value=value)
@@ -79,6 +82,24 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     raise ParameterError(
         f"{parameter} must be one of {', '.join(map(repr, choices))}, not {value!r}"
         + did_you_mean(nearest(str(value), choices, 1)), parameter=parameter, value=value)
+
+
+def flag(parameter: str, value: Any) -> bool:
+    """``value`` if it is True or False; "no" would pass for True."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ParameterError(f"{parameter} must be True or False, not {value!r}",
+                             parameter=parameter, value=value)
+    return bool(value)
+
+
+def mapping(parameter: str, value: Any) -> dict[Any, Any]:
+    """``value`` as a dict; None is an empty one."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        raise ParameterError(f"{parameter} must be a dict of names and values, not {value!r}",
+                             parameter=parameter, value=value)
+    return dict(value)
 
 
 def arrays(**values: Any) -> list[Any]:

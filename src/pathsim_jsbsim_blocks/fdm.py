@@ -12,14 +12,18 @@ from typing import Any
 import numpy as np
 from pathsim.utils.register import Register
 
-from .airframe import Airframe, capture_console, log
-from .checks import did_you_mean, nearest, whole
+from .airframe import Airframe
+from .checks import did_you_mean, flag, nearest, number, whole
+from .console import capture_console, log
 from .errors import FlightError, ParameterError, PropertyError
 from .sampling import SampledPlant
 from .trim import TrimCondition, TrimState, trim
 
 # whatever is not finite in the state reaches these within a step
 _WATCHED = ("velocities/vt-fps", "position/h-sl-ft")
+
+# s; below it a second of flight takes more than half a minute
+_SHORTEST_STEP = 1e-6
 
 
 class FlightBlock(SampledPlant):
@@ -30,8 +34,9 @@ class FlightBlock(SampledPlant):
 
     def __init__(self, T: float, substeps: int, record_inputs: bool):
         self.substeps = whole("substeps", substeps, low=1)
-        self.record_inputs = record_inputs
+        self.record_inputs = flag("record_inputs", record_inputs)
         super().__init__(T)
+        number("T / substeps", self.T / self.substeps, low=_SHORTEST_STEP)
         self.airframe: Airframe
         self.trim: TrimState
 
@@ -76,15 +81,16 @@ class FlightBlock(SampledPlant):
         return self.airframe.fdm
 
     def __getitem__(self, key):
-        reference = super().__getitem__(key)
         names = [*self.inputs._mapping, *self.outputs._mapping]
-        for port in reference.ports:
+        for port in key if isinstance(key, (list, tuple)) else [key]:
             if isinstance(port, str) and port not in names:
                 close = nearest(port, names)
                 raise PropertyError(
                     f"{type(self).__name__} has no port {port!r}" + did_you_mean(close),
                     aircraft=self.airframe.aircraft, name=port, nearest=close)
-            if isinstance(port, int) and not 0 <= port < max(self._n_inputs, self._n_outputs):
+        reference = super().__getitem__(key)
+        for port in reference.ports:
+            if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
                 raise PropertyError(
                     f"{type(self).__name__} has {self._n_inputs} inputs and {self._n_outputs} "
                     f"outputs, no port {port}", aircraft=self.airframe.aircraft, name=str(port))
@@ -216,11 +222,25 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     if isinstance(names, str) or not isinstance(names, Sequence):
         raise ParameterError(f"{parameter} must be a list of property names, not {names!r}",
                              parameter=parameter, value=names)
-    for name in names:
-        if list(names).count(name) > 1:
-            raise ParameterError(f"{parameter} lists {name!r} twice", parameter=parameter,
-                                 value=names)
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            raise ParameterError(f"{parameter}[{i}] must be a property's name, not {name!r}",
+                                 parameter=parameter, value=names)
     return list(names)
+
+
+def _distinct(parameter: str, names: list[str], airframe: Airframe) -> None:
+    """Refuse one property at two ports: one of two inputs would have no effect."""
+    listed: dict[str, str] = {}
+    for name in names:
+        property_ = airframe.canonical(name)
+        if property_ in listed:
+            other = listed[property_]
+            raise ParameterError(
+                f"{parameter} lists {name!r} twice"
+                + (f", first as {other!r}" if other != name else ""),
+                parameter=parameter, value=names)
+        listed[property_] = name
 
 
 class JSBSimFDM(FlightBlock):
@@ -344,6 +364,8 @@ class JSBSimFDM(FlightBlock):
             heading=self.trim_heading, mode=self.trim_mode, gear=self.gear, flaps=self.flaps)
 
     def _connect(self) -> None:
+        _distinct("input_properties", self.input_properties, self.airframe)
+        _distinct("output_properties", self.output_properties, self.airframe)
         self._writers = [self.airframe.writer(name) for name in self.input_properties]
         self._readers = [self.airframe.reader(name) for name in self.output_properties]
 

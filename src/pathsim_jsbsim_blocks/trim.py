@@ -12,8 +12,9 @@ from typing import Any
 
 import jsbsim
 
-from .airframe import Airframe, messages
-from .checks import number, one_of, positive, whole
+from .airframe import Airframe
+from .checks import mapping, number, one_of, positive, whole
+from .console import messages
 from .errors import ParameterError, TrimError
 
 # JSBSim's numbers for simulation/do_simple_trim
@@ -132,10 +133,7 @@ class TrimCondition:
             put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
         put("payload", _weights("payload", self.payload))
         put("fuel", _weights("fuel", self.fuel))
-        if not isinstance(self.properties, Mapping):
-            raise ParameterError(f"properties must be a dict, not {self.properties!r}",
-                                 parameter="properties", value=self.properties)
-        put("properties", MappingProxyType(dict(self.properties)))
+        put("properties", MappingProxyType(mapping("properties", self.properties)))
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
             raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
                                  f"{self.mode!r}", parameter="bank", value=self.bank)
@@ -285,8 +283,8 @@ def trim(airframe: Airframe, condition: TrimCondition,
     PropertyError
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     """
-    airframe.write({**_loading(airframe, condition), **condition.properties, **(setup or {})},
-                   "setup")
+    airframe.write({**_loading(airframe, condition), **condition.properties,
+                    **mapping("setup", setup)}, "setup")
     # some models trim only if the engines are started after run_ic, others only if before
     _start_engines(airframe)
     _initial_condition(airframe, condition)

@@ -47,6 +47,15 @@ def test_every_number_has_its_unit_in_the_name_of_its_column():
     assert table.trimmed.dtype == bool
 
 
+def test_what_a_point_leaves_open_is_nan():
+    table = quiet("737", [{"altitude": 30000, "mach": 0.8}, {"altitude": 30000, "mach": 0.7,
+                                                             "fuel": [1000, 1000, 1000]}])
+    assert table.requested_speed_kcas.isna().all()
+    assert table.requested_speed_kcas.dtype == float
+    assert table["requested_fuel_lb[2]"].isna().tolist() == [True, False]
+    np.testing.assert_allclose(table.mach, [0.8, 0.7], rtol=1e-12)
+
+
 def test_points_that_do_not_trim_say_why_and_hold_no_numbers():
     table = quiet("737", GRID)
     failed = table[~table.trimmed]

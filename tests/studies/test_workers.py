@@ -40,11 +40,14 @@ def test_rows_come_in_the_order_of_the_points():
     assert run(squares, PARTS) == [{"square": x * x} for x in range(1, 9)]
 
 
-def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed():
+def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed(tmp_path):
+    path = tmp_path / "squares.jsonl"
     with pytest.warns(RuntimeWarning) as said:
-        rows = run(squaring(deadly=4), PARTS)
+        rows = run(squaring(deadly=4), PARTS, resume=path)
     assert rows == [{"square": x * x if x != 4 else None} for x in range(1, 9)]
     assert [str(w.message) for w in said][-1] == "worker died at point 4"
+    # it is not finished: a resumed study tries it again
+    assert run(squares, PARTS, resume=path) == [{"square": x * x} for x in range(1, 9)]
 
 
 def test_a_worker_killed_from_outside_costs_nothing(tmp_path):

@@ -162,11 +162,12 @@ _LOOPS = {"pitch": AttitudeGains, "roll": AttitudeGains, "heading": HeadingGains
 # found by flying each aircraft with its nonlinear model at the condition named, in still air
 GAINS = {
     "c172p": AircraftGains(  # 5000 ft, 90 KCAS
-        pitch=AttitudeGains(Kp=0.08, Ki=0.08, Kr=0.0025, b=0.47, ramp=4.0),
+        pitch=AttitudeGains(Kp=0.10, Ki=0.12, Kr=0.004, b=0.45, ramp=4.0),
         roll=AttitudeGains(Kp=0.060, Ki=0.021, Kr=0.004, b=0.85, ramp=10.0),
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
-        speed=SpeedGains(Kp=0.021, Ki=0.00016, b=1.17, ramp=2.2, Kc=0.005),
+        speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7,
+                         Kc=0.0035),
         yaw=YawGains(K=0.020)),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; has a yaw damper of its own
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),

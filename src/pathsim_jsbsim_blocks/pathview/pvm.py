@@ -136,6 +136,9 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
         turned = 2 if i in layout.turned else 0
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
+    # PathView leads wires that run back around the blocks, most of them above
+    box.top -= GRID * len({(w.source, w.output) for w in graph.wires
+                           if centres[w.source][0] >= centres[w.target][0]})
     connections = [
         {"id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
          "sourceNodeId": ids[w.source], "sourcePortIndex": w.output,

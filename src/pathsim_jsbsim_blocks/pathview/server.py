@@ -151,6 +151,14 @@ def _registration(required: list[Toolbox]) -> str:
         state.toolboxes = [...others, ...toolboxes];
         state.seededIds = [...new Set([...(state.seededIds ?? []), ...{json.dumps(seeded)}])];
         localStorage.setItem(key, JSON.stringify(state));
+        // a model that opens before its toolboxes are there is drawn, and wired, at wrong sizes
+        const fetched = window.fetch, ready = "button[aria-label='Run']:not([disabled])";
+        const pause = ms => new Promise(done => setTimeout(done, ms));
+        window.fetch = async (url, ...rest) => {{
+            if (String(url).startsWith("/model/"))
+                for (let i = 0; i < 600 && !document.querySelector(ready); i++) await pause(100);
+            return fetched(url, ...rest);
+        }};
     }})();"""
 
 

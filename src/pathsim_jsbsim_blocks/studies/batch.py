@@ -111,7 +111,8 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
                                      + did_you_mean(nearest(key, parameters)),
                                      parameter=key, value=row[key])
         for key, p in parameters.items():
-            if key not in row and p.default is p.empty and p.kind is not p.VAR_KEYWORD:
+            needed = p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
+            if needed and key not in row:
                 raise ParameterError(f"case {i} has no {key!r}, which build needs",
                                      parameter=key, value=None)
     try:

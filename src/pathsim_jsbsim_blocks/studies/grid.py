@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
@@ -147,11 +148,12 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
         title = f"requested_{column(name, CONDITION_UNITS[name])}"
         if name in ("payload", "fuel"):
             for index in sorted({index for value in values for index in value}):
-                columns[f"{title}[{index}]"] = [value.get(index) for value in values]
+                columns[f"{title}[{index}]"] = [value.get(index, math.nan) for value in values]
         else:
-            columns[title] = values
+            columns[title] = [math.nan if value is None else value for value in values]
     for name in dict.fromkeys(key for point in points for key in point if "/" in key):
-        columns[f"requested_{name}"] = [condition.properties.get(name) for condition in conditions]
+        columns[f"requested_{name}"] = [condition.properties.get(name, math.nan)
+                                        for condition in conditions]
     return columns
 
 

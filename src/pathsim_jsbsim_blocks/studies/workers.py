@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +92,8 @@ def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str
 
     def keep(index: int, result: list[Row]) -> None:
         rows[index] = result
-        if journal:
+        # a resumed study tries again what killed a worker
+        if journal and died not in result:
             journal.add(index, result)
         bar.update(len(result))
 
@@ -137,6 +137,7 @@ def _results(work: Work, parts: list[Part], pending: list[int],
              jobs: int) -> Iterator[tuple[int, Any]]:
     """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
     import joblib
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
     from joblib.parallel import get_active_backend
 
     client = getattr(get_active_backend()[0], "client", None)
@@ -159,7 +160,7 @@ def _results(work: Work, parts: list[Part], pending: list[int],
         for index, rows in parallel(tasks()):
             under_way.remove(index)
             yield index, rows
-    except BrokenProcessPool:
+    except TerminatedWorkerError:
         yield from ((index, _DIED) for index in under_way)
 
 

@@ -1,0 +1,197 @@
+"""The autopilot in moving air, with noisy sensors and saturated actuators, and off its point.
+
+Step tolerances and times are those of the table in docs/autopilots.md: they are the promise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flights import POINTS, STATES, TURBULENCE, T, fly, on, start, step, wrap
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+from pathsim.events import Schedule
+
+from pathsim_jsbsim_blocks.control.gains import GAINS
+from pathsim_jsbsim_blocks.control.pid import PID
+from pathsim_jsbsim_blocks.sampling import SampledLaw
+
+AIRCRAFT = list(POINTS)
+TIMES = {  # s, to the tolerances below
+    "c172p": {"theta": 4.0, "phi": 4.5, "psi": 18.0, "h": 60.0, "vc": 15.0},
+    "737": {"theta": 3.5, "phi": 4.5, "psi": 40.0, "h": 38.0, "vc": 28.0},
+    "global5000": {"theta": 9.0, "phi": 4.5, "psi": 42.0, "h": 35.0, "vc": 28.0},
+}
+TOLERANCES = {"theta": 0.05, "phi": 0.4, "psi": 0.5, "h": 10.0, "vc": 0.5}  # deg, ft, kt
+PITCH = {"pitch_mode": on, "roll_mode": on}
+
+
+def plain_pid(name, reference, seconds):
+    """A PID with the same gains and limits, without ramp, set-point weight and anti-windup."""
+    plane, gains = start(name), GAINS[name].pitch
+    law = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, low=-0.1, high=0.1, Tt=1e12)
+
+    class Plain(SampledLaw):
+        input_port_labels = {"theta": 0, "q": 1, "time": 2}
+        output_port_labels = {"elevator": 0}
+
+        def initial_state(self):
+            return PID.START
+
+        def law(self, u, state):
+            elevator, state = law.sample(state, reference(u[2]), u[0], u[1])
+            return [-elevator], state
+
+    hold, clock, scope = Plain(T), Source(lambda t: t), Scope()
+    Simulation([plane, hold, clock, scope], [
+        Connection(plane["theta"], hold["theta"], scope[0]), Connection(plane["q"], hold["q"]),
+        Connection(clock, hold["time"]), Connection(hold, plane["elevator"], scope[1])],
+        dt=T, log=False).run(seconds)
+    t, (theta, elevator) = scope.read()
+    return t, theta, elevator
+
+
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_no_wind_up_of_the_pitch_hold(name):
+    # authority 0.10; 12 deg demanded for 10 s, more than it can hold on the 737
+    flight = fly(start(name), 40.0, {**PITCH, "theta_ref": lambda t: 12.0 * (t < 10.0 - T / 2)},
+                 elevator_authority=0.10)
+    assert np.max(np.abs(flight["elevator"])) == 0.10
+    assert flight.after(10.0).settled("theta", flight["theta"][0], 1.0) < 12.0
+
+
+def test_a_plain_pid_stays_pinned_where_the_pitch_hold_has_recovered():
+    trimmed = start("737").trim.theta
+    t, theta, elevator = plain_pid("737", lambda t: trimmed + 12.0 * (t < 10.0 - T / 2), 30.0)
+    after = (t > 10.0) & (t < 30.0)
+    # from stop to stop, 20 s long
+    assert np.mean(np.abs(elevator[after]) == 0.10) > 0.95
+    assert np.max(np.abs(theta[t > 22.0] - trimmed)) > 1.0
+
+
+def test_the_aircrafts_saturation_holds_the_autothrottle_back():
+    # 60 kt up, more than the c172p can fly, for 60 s; then 10 kt down from where it began
+    ports = {"vc_ref": lambda t: 60.0 if t < 60.0 - T / 2 else -10.0}
+    wired = fly(start("c172p"), 110.0, ports)
+    unwired = fly(start("c172p"), 110.0, ports, unwired=["thr_sat"])
+    goal = wired["vc"][0] - 10.0
+    for flight in (wired, unwired):
+        assert np.min(flight.before(60.0).after(10.0)["thr_sat"]) > 0.1  # full throttle
+    assert wired.after(60.0).settled("vc", goal, 2.0) < 45.0
+    assert unwired["vc"][-1] > goal + 5.0  # wound up
+
+
+@pytest.mark.parametrize("sign", [1, -1], ids=["headwind", "tailwind"])
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_shear_of_10_kt(name, sign):
+    plane = start(name, heading=0.0)
+
+    def blow(t):
+        knots = min(max((t - 2.0) / 5.0, 0.0), 1.0) * 10.0
+        plane.fdm["atmosphere/wind-north-fps"] = -sign * knots * 1852 / 3600 / 0.3048
+
+    flight = fly(plane, 50.0, events=[Schedule(2.0, 7.5, T, blow)])
+    assert np.max(np.abs(flight["vc"] - flight["vc"][0])) > 4.0  # it is felt
+    after = flight.after(7.0)
+    for signal in ("vc", "h", "psi"):
+        assert after.settled(signal, flight[signal][0], TOLERANCES[signal]) < TIMES[name][signal]
+
+
+@pytest.mark.parametrize(("modes", "signals", "seconds"), [
+    ({}, ("h", "psi", "vc"), 45.0), (PITCH, ("theta", "phi", "vc"), 30.0)],
+    ids=["altitude and heading", "pitch and roll"])
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_gust_of_30_fps(name, axis, modes, signals, seconds):
+    # 1-cosine, 2 s long, from ahead (X), from the side (Y) and from below (Z)
+    gust = "atmosphere/cosine-gust/"
+    flight = fly(start(name, heading=0.0, properties={
+        gust + "startup-duration-sec": 1.0, gust + "steady-duration-sec": 0.0,
+        gust + "end-duration-sec": 1.0, gust + "magnitude-ft_sec": 30.0,
+        gust + "frame": 3, gust + f"{axis}-velocity-ft_sec": -1.0,
+        gust + "start": 1}), seconds, modes)
+    assert np.ptp(flight[{"X": "vc", "Y": "beta", "Z": "nz"}[axis]]) > 0.3
+    after = flight.after(2.0)
+    for signal in signals:
+        reference = flight[signal][0]
+        assert after.settled(signal, reference, TOLERANCES[signal]) < TIMES[name][signal], signal
+
+
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_turbulence(name):
+    flight = fly(start(name, properties=TURBULENCE), 300.0)
+    assert np.max(np.abs(flight["h"] - flight["h"][0])) < 64.0  # ft
+    deviation = {signal: flight[signal] - flight[signal][0] for signal in ("theta", "phi", "vc")}
+    deviation["psi"] = wrap(flight["psi"] - flight["psi"][0])
+    rms = {signal: np.sqrt(np.mean(y ** 2)) for signal, y in deviation.items()}
+    saturated = {s: np.mean(flight[s] != 0.0)
+                 for s in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")}
+    print(f"{name}: dh {np.max(np.abs(flight['h'] - flight['h'][0])):.1f} ft, rms "
+          + ", ".join(f"{s} {x:.2f}" for s, x in rms.items())
+          + f", saturated {100 * max(saturated.values()):.1f} %")
+    assert np.std(flight["nz"]) > 0.1  # the air does move
+    assert max(saturated.values()) < 0.05
+    assert rms["theta"] < 6.0
+    assert rms["phi"] < 5.0
+    assert rms["psi"] < 4.0
+    assert rms["vc"] < 8.0
+
+
+class Sensors(SampledLaw):
+    """White noise on what the autopilot sees, the same in every flight."""
+
+    input_port_labels = {name: i for i, name in enumerate(STATES)}
+    output_port_labels = {name: i for i, name in enumerate(STATES)}
+    SIGMA = {"theta": 0.1, "phi": 0.1, "psi": 0.2, "p": 0.2, "q": 0.2, "r": 0.2, "h": 2.0,
+             "hdot": 1.0, "vc": 0.5}
+
+    def __init__(self, samples):
+        super().__init__(T)
+        sigma = np.array([self.SIGMA.get(name, 0.0) for name in STATES])
+        self.noise = (sigma * np.random.default_rng(7).normal(size=(samples, len(STATES)))).tolist()
+
+    def initial_state(self):
+        return 0
+
+    def law(self, u, state):
+        return [x + n for x, n in zip(u, self.noise[state], strict=True)], state + 1
+
+
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_sensor_noise(name):
+    flight = fly(start(name), 120.0, {"psi_ref": step(20.0)}, sensors=Sensors(14_500))
+    late = flight.after(60.0)
+    # the true values stay within the step tolerance
+    for signal, error in (("psi", wrap(late["psi"] - flight["psi"][0] - 20.0)),
+                          ("h", late["h"] - flight["h"][0]), ("vc", late["vc"] - flight["vc"][0])):
+        assert np.max(np.abs(error)) < TOLERANCES[signal] * 1.5, signal
+    for command in ("elevator", "aileron", "rudder", "throttle"):
+        assert np.std(late[command]) < 0.05
+
+
+OFF_POINT = [pytest.param(1.2, 0.0, id="+20 % speed"), pytest.param(0.8, 0.0, id="-20 % speed"),
+             pytest.param(1.0, 3000.0, id="+3000 ft"), pytest.param(1.0, -3000.0, id="-3000 ft")]
+
+
+@pytest.mark.parametrize(("speed", "altitude"), OFF_POINT)
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_off_the_point_the_same_gains_settle_in_twice_the_time(name, speed, altitude):
+    def plane():
+        point = POINTS[name]
+        return start(name, speed=speed * point["speed"], altitude=altitude + point["altitude"])
+
+    def settles(flight, signal, change):
+        reference = flight[signal][0] + change
+        return flight.settled(signal, reference, TOLERANCES[signal]) < 2 * TIMES[name][signal]
+
+    flight = fly(plane(), 20.0, {**PITCH, "theta_ref": step(2.0), "speed_off": on})
+    assert settles(flight, "theta", 2.0)
+    flight = fly(plane(), 15.0, {"roll_mode": on, "phi_ref": step(20.0)})
+    assert settles(flight, "phi", 20.0)
+    flight = fly(plane(), 120.5, {"psi_ref": step(30.0), "h_ref": step(500.0)})
+    assert settles(flight, "psi", 30.0)
+    assert settles(flight, "h", 500.0)
+    # at 8000 ft the c172p needs 84 % throttle for 90 KCAS: full throttle takes 21 s for +10 kt
+    change = -10.0 if (name, altitude) == ("c172p", 3000.0) else 10.0
+    flight = fly(plane(), 56.5, {"vc_ref": step(change)})
+    assert settles(flight, "vc", change)

@@ -1,0 +1,283 @@
+"""Bad input is refused at once, by a typed error that names the nearest right thing."""
+
+import json
+import math
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope, Source
+from plain_jsbsim import open_fdm
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AircraftError,
+    BlocksError,
+    FlightError,
+    JSBSimFDM,
+    ParameterError,
+    PropertyError,
+    TrimCondition,
+    TrimError,
+)
+
+NAN, INF = math.nan, math.inf
+
+
+def fdm(**keywords):
+    """A c172p that trims, but for the keywords given."""
+    if "condition" not in keywords:
+        keywords = {"trim_airspeed": 90, "trim_altitude": 5000, **keywords}
+    return JSBSimFDM(**{"aircraft_model": "c172p", **keywords})
+
+
+def outputs(*names):
+    return {"output_properties": list(names)}
+
+
+def inputs(*names):
+    return {"input_properties": list(names)}
+
+
+THETA = "attitude/theta-deg"
+
+CASES = [
+    # keywords, error, text, names that the error must offer
+    ({"aircraft_model": "C172P"}, AircraftError, "no aircraft 'C172P'", ["c172p"]),
+    ({"aircraft_model": "f-16"}, AircraftError, "among the 60 models", ["f16"]),
+    ({"aircraft_model": "../c172p"}, AircraftError, "no aircraft", ["c172p"]),
+    ({"aircraft_model": "a" * 5000}, AircraftError, "no aircraft", []),
+    ({"aircraft_model": 172}, AircraftError, "must be a model's name, not 172", []),
+    ({"aircraft_model": "blank"}, AircraftError, "cannot load aircraft 'blank'", []),
+    ({"aircraft_model": "L17"}, AircraftError, "create={'fcs/flaps-pos-deg': 0.0}", []),
+    ({"JSBSim_path": "/nowhere"}, AircraftError, "among the 0 models in", []),
+    ({"JSBSim_path": 5}, ParameterError, "JSBSim root must be the path", []),
+    (inputs("fcs/elevator-cmd-nrm"), PropertyError, "no property", ["fcs/elevator-cmd-norm"]),
+    (outputs("theta-deg"), PropertyError, "no property 'theta-deg'", [THETA]),
+    (outputs("attitude/theta_deg"), PropertyError, "no property", [THETA]),
+    (outputs("propulsion/engine[1]/thrust-lbs"), PropertyError, "no property",
+     ["propulsion/engine/thrust-lbs"]),
+    (outputs("attitude"), PropertyError, "is a branch of the property tree",
+     ["attitude/phi-deg"]),
+    (outputs("propulsion/engine[0]"), PropertyError, "is a branch", ["propulsion/engine/AFR"]),
+    (outputs("/"), PropertyError, "is a branch", ["accelerations/Nx"]),
+    (inputs(THETA), PropertyError, "cannot be written", ["ic/theta-deg"]),
+    (outputs("simulation/do_simple_trim"), PropertyError, "cannot be read", []),
+    (inputs("simulation/pause"), PropertyError, "it would stop the aircraft's clock", []),
+    (outputs(THETA, THETA), ParameterError, f"lists '{THETA}' twice", []),
+    (inputs("fcs/throttle-cmd-norm", "fcs/throttle-cmd-norm[0]"), ParameterError,
+     "lists 'fcs/throttle-cmd-norm[0]' twice, first as 'fcs/throttle-cmd-norm'", []),
+    ({"output_properties": THETA}, ParameterError, "must be a list of property names", []),
+    ({"output_properties": [["a"]]}, ParameterError, "output_properties[0] must be", []),
+    ({"input_properties": 3}, ParameterError, "must be a list of property names, not 3", []),
+    ({"T": 0}, ParameterError, "T must be greater than 0, not 0", []),
+    ({"T": -1 / 120}, ParameterError, "T must be greater than 0", []),
+    ({"T": "fast"}, ParameterError, "T must be a number, not 'fast'", []),
+    ({"T": NAN}, ParameterError, "T must be finite, not nan", []),
+    ({"T": True}, ParameterError, "T must be a number, not True", []),
+    ({"T": 10 ** 400}, ParameterError, "T must be finite, not inf", []),
+    ({"T": 1e-300}, ParameterError, "T / substeps must lie in [1e-06, inf]", []),
+    ({"substeps": 0}, ParameterError, "substeps must lie in [1, inf], not 0", []),
+    ({"substeps": -4}, ParameterError, "substeps must lie in", []),
+    ({"substeps": 1.5}, ParameterError, "substeps must be a whole number, not 1.5", []),
+    ({"substeps": "4"}, ParameterError, "substeps must be a number", []),
+    ({"substeps": 10 ** 30}, ParameterError, "T / substeps must lie in", []),
+    ({"trim_airspeed": "fast"}, ParameterError, "speed must be a number, not 'fast'", []),
+    ({"trim_airspeed": INF}, ParameterError, "speed must be finite", []),
+    ({"trim_airspeed": 0}, ParameterError, "speed must be greater than 0", []),
+    ({"trim_altitude": NAN}, ParameterError, "altitude must be finite, not nan", []),
+    ({"trim_altitude": 1e9}, ParameterError, "altitude must lie in [-2000, 1e+06]", []),
+    ({"trim_gamma": 100}, ParameterError, "gamma must lie in [-90, 90]", []),
+    ({"trim_mode": "longitudnal"}, ParameterError, "mode must be one of", ["longitudinal"]),
+    ({"gear": "up"}, ParameterError, "gear must be a number", []),
+    ({"flaps": 30}, ParameterError, "flaps must lie in [0, 1], not 30", []),
+    ({"condition": {"altitude": 5000}}, ParameterError, "must be a TrimCondition", []),
+    ({"condition": TrimCondition(), "trim_airspeed": 90}, ParameterError,
+     "both condition and trim_airspeed=90 are given", []),
+    ({"condition": TrimCondition(), "gear": 0}, ParameterError, "both condition and gear=0", []),
+    ({"condition": TrimCondition(speed=90, fuel=[1, 2, 3])}, PropertyError,
+     "no property 'propulsion/tank[2]/contents-lbs'", ["propulsion/tank[1]/contents-lbs"]),
+    ({"condition": TrimCondition(speed=90, payload={9: 100})}, PropertyError,
+     "pointmass-weight-lbs[9]", ["inertia/pointmass-weight-lbs[4]"]),
+    # JSBSim would take the index modulo 2**32 and write to point mass 0
+    ({"condition": TrimCondition(speed=90, payload={2 ** 32: 100})}, PropertyError,
+     "an index beyond all elements", []),
+    ({"setup": {"propulsion/tank/content-lbs": 10}}, PropertyError, "no property",
+     ["propulsion/tank/contents-lbs"]),
+    ({"setup": {"fcs/elevator-cmd-norm": "up"}}, ParameterError, "must be a number", []),
+    ({"setup": {"fcs/elevator-cmd-norm": NAN}}, ParameterError,
+     "setup['fcs/elevator-cmd-norm'] must be finite", []),
+    ({"setup": [("fcs/elevator-cmd-norm", 0.1)]}, ParameterError, "setup must be a dict", []),
+    ({"properties": {THETA: 3}}, PropertyError, "cannot be written", []),
+    ({"properties": "turbulence"}, ParameterError, "properties must be a dict", []),
+    ({"create": {THETA: 3}}, PropertyError, "cannot be written", []),
+    ({"create": {"a b": 3}}, PropertyError, "not a valid property name", []),
+    ({"create": {"": 3}}, PropertyError, "no property ''", []),
+    ({"create": ["a"]}, ParameterError, "create must be a dict", []),
+    ({"allow_network": "no"}, ParameterError, "allow_network must be True or False", []),
+    ({"record_inputs": 1}, ParameterError, "record_inputs must be True or False", []),
+]
+
+
+@pytest.mark.parametrize(("keywords", "kind", "text", "offered"), CASES)
+def test_refused_when_the_block_is_built(keywords, kind, text, offered):
+    with pytest.raises(kind, match=re.escape(text)) as error:
+        fdm(**keywords)
+    assert isinstance(error.value, BlocksError)
+    for name in offered:
+        assert repr(name) in str(error.value).partition("did you mean")[2]
+    if offered and kind is not ParameterError:
+        assert set(offered) <= set(error.value.nearest)
+
+
+@pytest.mark.parametrize(("keywords", "reason", "text"), [
+    ({"altitude": 5000, "speed": 10}, "no convergence", "the search did not converge"),
+    ({"altitude": 5000, "speed": 250}, "thrust", "the throttle ran to the end of its range"),
+    ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha ran to the end of"),
+    ({"altitude": 5000, "speed": 90, "gamma": 20}, "thrust", "gamma=20.0"),
+])
+def test_no_trim_says_which_limit_was_hit(keywords, reason, text):
+    with pytest.raises(TrimError, match=re.escape(text)) as error:
+        Aircraft("c172p", **keywords)
+    assert error.value.reason == reason
+    assert error.value.aircraft == "c172p"
+    assert error.value.condition.altitude == 5000
+
+
+def test_both_condition_and_flat_keyword_of_the_aircraft():
+    with pytest.raises(ParameterError, match="both condition and altitude=3000 are given"):
+        Aircraft("c172p", altitude=3000, condition=TrimCondition(speed=90))
+
+
+# reading a property by one of these names aborts the process (but for the last four)
+MALFORMED = ["a b", "1abc", "a[x]", "a:b", "a[", "a]", "a[-1]", "höhe", "attitude/theta-deg ",
+             "%s", "a/1", "-x", "\0", "attitude/theta-deg\0", "\ud800"]
+
+
+def test_malformed_names_leave_the_process_alive():
+    # all in one process of its own, through every way that a name can take
+    code = """
+import json, sys
+from pathsim_jsbsim_blocks import BlocksError, JSBSimFDM, PropertyError, TrimCondition
+from pathsim_jsbsim_blocks.airframe import Airframe
+from pathsim_jsbsim_blocks.trim import trim
+
+seen = []
+airframe = Airframe("c172p")
+for name in json.loads(sys.argv[1]):
+    condition = TrimCondition(speed=90, properties={name: 1.0})
+    for use in (lambda: airframe.reader(name), lambda: airframe.writer(name),
+                lambda: airframe.access(name), lambda: airframe.canonical(name),
+                lambda: airframe.write({name: 1.0}), lambda: trim(airframe, condition),
+                lambda: JSBSimFDM(aircraft_model="c172p", input_properties=[name],
+                                  trim_airspeed=90, trim_altitude=5000)):
+        try:
+            use()
+        except PropertyError as error:
+            seen.append([error.aircraft, error.name])
+    assert not airframe.has(name)
+print(json.dumps(seen))
+"""
+    done = subprocess.run([sys.executable, "-c", code, json.dumps(MALFORMED)],
+                          capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [["c172p", name] for name in MALFORMED for _ in range(7)]
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_malformed_names_say_so(name):
+    with pytest.raises(PropertyError) as error:
+        fdm(output_properties=[name])
+    assert "not a valid property name" in str(error.value) or name == "-x"
+    if "theta-deg" in name:
+        assert error.value.nearest[0] == THETA
+
+
+def test_other_spellings_of_a_property_are_the_property():
+    reference = float(fdm(**outputs(THETA)).outputs[0])
+    for name in ("attitude//theta-deg", "attitude/../attitude/theta-deg", f"/fdm/jsbsim/{THETA}"):
+        assert float(fdm(**outputs(name)).outputs[0]) == reference
+
+
+def test_ports_that_do_not_exist():
+    block = fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA, "aero/alpha-deg"))
+    with pytest.raises(PropertyError, match=f"did you mean '{THETA}'"):
+        block["theta-deg"]
+    with pytest.raises(PropertyError, match="has no port 'alpha'"):
+        block[["aero/alpha-deg", "alpha"]]
+    for key in (2, slice(0, 3), (0, 7)):
+        with pytest.raises(PropertyError, match="JSBSimFDM has 1 inputs and 2 outputs, no port"):
+            block[key]
+    with pytest.raises(PropertyError, match="did you mean 'theta'"):
+        Aircraft(speed=90)["tehta"]
+
+
+def test_ports_of_the_wrong_direction():
+    block = fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA, "aero/alpha-deg"))
+    with pytest.raises(ValueError, match=f"Input port '{THETA}' not defined"):
+        Connection(Constant(0.1), block[THETA])
+    # PathSim lets an input register grow
+    source = Constant(0.1)
+    sim = Simulation([source, block], [Connection(source, block[1])], dt=block.T, log=False)
+    with pytest.raises(ParameterError, match="input port 1 of JSBSimFDM is wired"):
+        sim.run(0.1)
+
+
+def wire(block, source, port=0):
+    scope = Scope()
+    sim = Simulation([source, block, scope],
+                     [Connection(source, block[port], scope[0]), Connection(block[0], scope[1])],
+                     dt=block.T, log=False)
+    return scope, sim
+
+
+@pytest.mark.parametrize("value", [NAN, INF, -INF])
+@pytest.mark.parametrize("make", [
+    lambda: fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA)),
+    lambda: Aircraft("c172p", speed=90)], ids=["JSBSimFDM", "Aircraft"])
+def test_an_input_that_is_not_finite_ends_the_flight(make, value):
+    block = make()
+    scope, sim = wire(block, Source(lambda t: value if t > 0.999 else 0.01))
+    with pytest.raises(FlightError, match=r"aircraft 'c172p': input .* at t = 1 s") as error:
+        sim.run(2.0)
+    assert error.value.name == next(iter(block.inputs._mapping))
+    assert error.value.time == pytest.approx(1.0)
+    assert error.value.value == value or math.isnan(value)
+    time, data = scope.read()
+    assert time[-1] > 0.99
+    assert np.isfinite(data).all()
+
+
+@pytest.mark.parametrize("aircraft", ["f16", "A4"])
+def test_ground_impact_ends_the_flight(aircraft):
+    # JSBSim's own run() goes on with a state that is not a number
+    plane = Aircraft(aircraft, altitude=3000, speed=400, gamma=-80, mode="none")
+    scope = Scope(labels=["h"])
+    sim = Simulation([plane, scope], [Connection(plane["h"], scope)], dt=plane.T, log=False)
+    with pytest.raises(FlightError, match=f"aircraft '{aircraft}': state") as error:
+        sim.run(30.0)
+    time, (height,) = scope.read()
+    # 3000 ft at about 700 ft/s
+    assert 3.0 < error.value.time < 6.0
+    assert not math.isfinite(error.value.value)
+    assert time[-1] == pytest.approx(error.value.time - plane.T)
+    assert np.isfinite(height).all()
+    assert height[:int(3.0 / plane.T)].min() > 0.0
+    # neither forgotten by going on, nor remembered after a reset
+    with pytest.raises(FlightError):
+        sim.run(1.0)
+    sim.run(1.0, reset=True)
+    assert len(scope.read()[0]) == 121
+
+
+def test_a_plain_loop_does_go_on_after_the_impact():
+    # what the block protects from; if JSBSim stops by itself one day, the tests above say less
+    plain = open_fdm("A4", 1 / 120)
+    plain["ic/h-sl-ft"], plain["ic/vc-kts"], plain["ic/gamma-deg"] = 3000, 400, -80
+    plain.run_ic()
+    plain["propulsion/set-running"] = -1
+    assert all(plain.run() for _ in range(1200))
+    assert math.isnan(plain["velocities/p-rad_sec"])

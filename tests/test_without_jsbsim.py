@@ -1,0 +1,92 @@
+"""Where jsbsim is not installed the package imports, and everything that does not need it works."""
+
+import inspect
+import json
+import subprocess
+import sys
+
+import pytest
+from pathsim.blocks import Block
+
+import pathsim_jsbsim_blocks as package
+
+HIDE = """
+import inspect, json, sys
+# neither found by find_spec nor imported, as if it were not installed
+sys.modules["jsbsim"] = None
+"""
+
+
+def run(code, *args):
+    done = subprocess.run([sys.executable, "-c", code, *args], capture_output=True, text=True,
+                          timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def without():
+    return run(HIDE + """
+from pathsim import Connection, Simulation
+from pathsim.blocks import Block, Scope
+import pathsim_jsbsim_blocks as package
+
+blocks = {n: o for n, o in vars(package).items() if inspect.isclass(o) and issubclass(o, Block)}
+built = [n for n, o in blocks.items() if isinstance(o(), Block)]
+
+kick, hold, scope = package.DoubletSource(), package.PitchHold(), Scope()
+sim = Simulation([kick, hold, scope],
+                 [Connection(kick, hold["theta"]), Connection(hold["elevator"], scope)],
+                 dt=1 / 120, log=False)
+sim.run(2.0)
+print(json.dumps({
+    "blocks": sorted(blocks), "built": sorted(built), "jsbsim": "jsbsim._jsbsim" in sys.modules,
+    "aircraft": [n for n in ("Aircraft", "JSBSimFDM", "TrimCondition", "TrimState")
+                 if hasattr(package, n)],
+    "moved": float(abs(scope.read()[1]).max())}))
+""")
+
+
+def test_what_needs_jsbsim_is_absent(without):
+    assert without["aircraft"] == []
+    assert not without["jsbsim"]
+
+
+def test_all_other_blocks_are_there_and_can_be_built(without):
+    names = sorted(n for n, o in vars(package).items() if inspect.isclass(o)
+                   and issubclass(o, Block) and n not in ("Aircraft", "JSBSimFDM"))
+    assert len(names) > 20
+    assert without["blocks"] == names
+    assert without["built"] == names
+
+
+def test_a_diagram_runs(without):
+    assert without["moved"] > 0.0
+
+
+def test_the_command_lists_the_diagrams():
+    names = run(HIDE + """
+import contextlib, io
+from pathsim_jsbsim_blocks.cli import main
+said = io.StringIO()
+with contextlib.redirect_stdout(said):
+    status = main(["list"])
+print(json.dumps([status, [line.split()[0] for line in said.getvalue().splitlines()]]))
+""")
+    assert names[0] == 0
+    assert "elevator_doublet" in names[1]
+
+
+def test_the_import_brings_no_heavy_module():
+    # pathsim itself brings numpy, scipy and matplotlib.pyplot
+    heavy = ["pandas", "joblib", "dask", "pathview", "flask", "pymap3d", "docutils", "tqdm"]
+    brought = run("""
+import json, sys
+import pathsim, pathsim_flight
+before = set(sys.modules)
+import pathsim_jsbsim_blocks
+print(json.dumps(sorted({name.partition(".")[0] for name in set(sys.modules) - before})))
+""")
+    assert "pathsim_jsbsim_blocks" in brought
+    assert set(brought).isdisjoint(heavy)
