@@ -4,7 +4,8 @@ c172p at 5000 ft and 90 KCAS. ``AltitudeHold`` holds the altitude found at the s
 which steps by 500 ft at 5 s; ``AirspeedHold`` keeps the speed with the throttle in the climb, and
 ``RollHold`` the wings level.
 
-Expected: a climb at 10 ft/s, 5500 ft within 10 ft after a minute, no overshoot to speak of.
+Expected: a climb at 10 ft/s, within 10 ft of 5500 ft 52 s after the step, overshoot 2.1 ft;
+airspeed 86.8 to 91.0 KCAS.
 
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """
@@ -60,7 +61,7 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, h = signal(climb, "altitude")
     _, airspeed = signal(climb, "calibrated airspeed")
-    print(f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.0f} s after "
+    print(f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.1f} s after "
           f"the step, at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to "
           f"{airspeed.max():.1f} KCAS")
     show(figure(), "altitude_hold")

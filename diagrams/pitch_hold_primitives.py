@@ -1,12 +1,14 @@
 """The pitch hold wired from PathSim's own blocks, to show what ``PitchHold`` does inside.
 
-c172p at 5000 ft and 90 KCAS: an Adder makes the error, a continuous AntiWindupPID and the pitch rate
-make the demand, an Amplifier turns its sign (nose up is a **negative** elevator command), a Clip keeps
-it within the elevator's travel.
+c172p at 5000 ft and 90 KCAS: an Adder makes the error, a continuous AntiWindupPID and the pitch
+rate make the demand, an Amplifier turns its sign (nose up is a **negative** elevator command), a
+Clip keeps it within the elevator's travel.
 
-Expected: 3 deg, as in ``pitch_hold``, with more overshoot: a step of the reference instead of a ramp,
-and its full weight in the proportional part. The gains are positive and the sign is turned after the
-controller, because PathSim's AntiWindupPID diverges in saturation with negative gains.
+Expected: within 0.05 deg of 3 deg after 2.6 s, as fast as ``pitch_hold``, but with an overshoot of
+0.18 deg and an elevator that jumps to -0.17 at the start: the reference steps instead of moving on
+a ramp, and has its full weight in the proportional part. The gains are positive and the sign is
+turned after the controller, because PathSim's AntiWindupPID diverges in saturation with negative
+gains.
 
 Source: the published JSBSim/PathSim notebook's wiring, with the right sign and gains.
 """
@@ -22,8 +24,8 @@ DURATION = 30.0  # s
 aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 reference = Constant(3.0)
 error = Adder("+-")
-pid = AntiWindupPID(Kp=0.064, Ki=0.063, Kd=0.0, f_max=100.0, Ks=10.0, limits=[-1.0, 1.0])
-rate = Amplifier(gain=0.0025)
+pid = AntiWindupPID(Kp=0.10, Ki=0.12, Kd=0.0, f_max=100.0, Ks=10.0, limits=[-1.0, 1.0])
+rate = Amplifier(gain=0.004)
 demand = Adder("+-")
 sign = Amplifier(gain=-1.0)
 clip = Clip(min_val=-1.0, max_val=1.0)

@@ -40,7 +40,7 @@ def pictures():
         for name in diagram_names():
             with contextlib.redirect_stdout(io.StringIO()):
                 runpy.run_path(str(find_diagram(name)), run_name="__main__")
-            _shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
+            shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
         os.chdir(DOCS)
 
 
@@ -51,10 +51,11 @@ def study_pictures():
         for name, study in STUDIES.items():
             drawn = Path(folder, f"{name}.png")
             study.figure(study.table(progress=False)).savefig(drawn, dpi=110)
-            _shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
+            shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
 
 
-def _shrink(source, target, width=800):
+def shrink(source, target, width=800):
+    """Write a picture small enough for a README."""
     from PIL import Image
 
     with Image.open(source) as image:
@@ -71,7 +72,9 @@ def gallery(columns=3):
         summary = ast.get_docstring(ast.parse(find_diagram(name).read_text())).splitlines()[0]
         cells.append(f'<td width="33%" valign="top"><a href="diagrams/{name}.py">'
                      f'<img src="docs/pictures/{name}.png" alt="{name}"></a><br>'
-                     f"<code>{name}</code><br>{html.escape(summary)}</td>")
+                     f"<code>{name}</code> "
+                     f'(<a href="docs/pictures/{name}_pathview.png">in PathView</a>)<br>'
+                     f"{html.escape(summary)}</td>")
     rows = [cells[i:i + columns] for i in range(0, len(cells), columns)]
     return "<table>\n" + "\n".join(
         "<tr>\n" + "\n".join(row) + "\n</tr>" for row in rows) + "\n</table>"

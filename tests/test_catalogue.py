@@ -1,4 +1,4 @@
-"""Every diagram of the catalogue: built on import, runs as a script from anywhere, by the command."""
+"""Every diagram of the catalogue: built on import, run as a script and by the command."""
 
 import ast
 import csv

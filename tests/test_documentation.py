@@ -1,4 +1,4 @@
-"""Documentation that runs: every code block of the README and the pages, every docstring example."""
+"""Documentation that runs: all code blocks of the README and the pages, all docstring examples."""
 
 import contextlib
 import doctest

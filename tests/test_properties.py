@@ -139,11 +139,19 @@ def flown(plan):
 
 
 def at_the_instants(plan, time, data):
+    """Records at the sample instants: of several there, which rounding errors set apart, the last.
+
+    An adaptive solver makes its first steps after an event very small. What the diagram says until
+    1e-9 of the time, plus 1e-13 s, after an instant is taken for its value there.
+    """
     k = np.round(time / plan.T).astype(int)
-    at = np.flatnonzero(np.abs(time - k * plan.T) < 1e-9)
-    _, first = np.unique(k[at], return_index=True)
-    assert np.array_equal(k[at][first], np.arange(plan.samples + 1))
-    return data[:, at[first]].T
+    late = time - k * plan.T
+    slack = 1e-13 + 1e-9 * k * plan.T
+    at = np.flatnonzero((late >= -slack) & (late <= slack))
+    _, last = np.unique(k[at][::-1], return_index=True)
+    at = at[::-1][last]
+    assert np.array_equal(k[at], np.arange(plan.samples + 1))
+    return data[:, at].T
 
 
 @settings(max_examples=60, deadline=None, derandomize=True,
@@ -160,8 +168,10 @@ def test_any_diagram_keeps_time_and_can_be_repeated(plan):
     if plan.dt == plan.T and plan.solver not in ADAPTIVE:
         assert np.array_equal(y, expected)
     else:
-        # steps that end a rounding error beside the instant see inputs that differ by as much
-        assert np.max(np.abs(y - expected) / np.abs(expected).max(axis=0)) <= 1e-12
+        # deg, rad/s, ft/s and ft, relative to 1 or to the largest value: the inputs move by up to
+        # 1e-10 within what counts as the instant; at another instant they differ by 1e-3
+        scale = np.maximum(np.abs(expected).max(axis=0), 1.0)
+        assert np.max(np.abs(y - expected) / scale) <= 1e-9
     assert np.array_equal(y[:, -1], expected[:, -1])
 
     _, again, data_again = flown(plan)

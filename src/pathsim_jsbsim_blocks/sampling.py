@@ -36,7 +36,9 @@ from pathsim.events import Event
 
 from .checks import positive
 
+# PathSim resolves the events of a step in the order of their place in it
 BEFORE_OTHER_EVENTS = math.nextafter(1.0, 0.0)
+AFTER_OTHER_EVENTS = math.inf
 
 
 class SampleClock(Event):
@@ -127,7 +129,10 @@ class SampleClock(Event):
 
 
 class Settling(Event):
-    """One more pass through the graph whenever a block in a `Subsystem` has acted."""
+    """One more pass through the graph whenever a block in a `Subsystem` has acted.
+
+    It comes last, so that what other events change at that time has reached the block too.
+    """
 
     def __init__(self, clock: SampleClock):
         super().__init__()
@@ -135,7 +140,7 @@ class Settling(Event):
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
         settling = self._clock.settling and bool(self._clock)
-        return settling, settling, 1.0
+        return settling, settling, AFTER_OTHER_EVENTS
 
     def resolve(self, t: float) -> None:
         """Nothing: the pass that follows every event is all there is to it."""
@@ -286,8 +291,8 @@ class SampledPlant(SampledBlock):
 class SampledLaw(SampledBlock):
     """Base of sampled blocks with direct feed-through: y[k], x[k+1] = f(u[k], x[k]).
 
-    A subclass implements `initial_state` and the pure function `law`; states are numbers or (nested)
-    tuples of numbers.
+    A subclass implements `initial_state` and the pure function `law`; states are numbers or
+    (nested) tuples of numbers.
     """
 
     def __init__(self, T: float):

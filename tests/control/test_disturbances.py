@@ -164,7 +164,7 @@ def test_sensor_noise(name):
     # the true values stay within the step tolerance
     for signal, error in (("psi", wrap(late["psi"] - flight["psi"][0] - 20.0)),
                           ("h", late["h"] - flight["h"][0]), ("vc", late["vc"] - flight["vc"][0])):
-        assert np.max(np.abs(error)) < TOLERANCES[signal] * 1.5, signal
+        assert np.max(np.abs(error)) < TOLERANCES[signal], signal
     for command in ("elevator", "aileron", "rudder", "throttle"):
         assert np.std(late[command]) < 0.05
 

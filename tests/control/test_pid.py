@@ -268,3 +268,31 @@ def test_one_sample_is_cheap():
     for _ in range(10_000):
         _, state = pid.sample(state, 1.0, 0.0)
     assert (time.perf_counter() - start) / 10_000 < 20e-6  # measured 1 us; ten times the machine
+
+
+@pytest.mark.parametrize("gains", [{"Kp": 2.0}, {"Kp": 2.0, "Ki": 0.5}, {"Kp": 2.0, "b": 0.5}])
+def test_the_block_starts_as_the_textbook_says(gains):
+    # a constant error of 1 - 0.25: proportional part at once, integral from 0 on
+    block = DiscretePID(**gains, low=-10.0, high=10.0, T=T)
+    out = [block.law([1.0, 0.25, 0, 0, 0, 0, 0], state := block.initial_state())]
+    for _ in range(240):
+        out.append(block.law([1.0, 0.25, 0, 0, 0, 0, 0], out[-1][1]))
+    u = np.array([y[0] for y, _ in out])
+    k = np.arange(len(u))
+    expected = 2.0 * (gains.get("b", 1.0) - 0.25) + gains.get("Ki", 0.0) * 0.75 * T * k
+    assert state == block.initial_state()
+    # rounding of a sum over 240 samples
+    assert np.abs(u - expected).max() < 1e-12
+
+
+def test_without_integral_action_what_was_held_fades():
+    pid = PID(T, Kp=2.0, Te=0.3)
+    u, state = pid.sample(pid.holding(0.7), 1.0, 0.0, off=True)
+    assert u == 0.7
+    course = []
+    for _ in range(int(3.0 / T)):
+        u, state = pid.sample(state, 1.0, 0.0)
+        course.append(u)
+    assert course[0] == pytest.approx(0.7, abs=1e-12)
+    # 10 time constants later the proportional law is all there is
+    assert course[-1] == pytest.approx(2.0, abs=1e-4)

@@ -33,6 +33,7 @@ class _Parameter:
                 block.configure()
             except ParameterError:
                 values[self.name] = before
+                block.configure()
                 raise
 
 

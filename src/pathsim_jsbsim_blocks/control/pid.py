@@ -56,12 +56,13 @@ class PID:
 
     References
     ----------
-    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
+    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
-    # phase (-1 never sampled, 0 off, 1 engaged), integral, output, what is added to track while off
-    # and F while engaged, y, d
+    # phase (-2 from rest, -1 never sampled, 0 off, 1 engaged), integral, output, what is added to
+    # track while off and F while engaged, y, d
     START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    FROM_REST: State = (-2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def __init__(self, T: float, *, Kp: float = 0.0, Ki: float = 0.0, Kd: float = 0.0,
                  Kr: float = 0.0, b: float = 1.0, Tf: float = 0.0, Tt: float | None = None,
@@ -99,7 +100,8 @@ class PID:
         Parameters
         ----------
         state : tuple of float
-            `START`, or what the last sample returned
+            `START` (engages without a jump from 0), `FROM_REST` (the textbook's law from the first
+            sample on: an integral of 0 and nothing to take over), or what the last sample returned
         r, y, rate : float
             reference, measured value, measured rate
         sat : float
@@ -121,8 +123,13 @@ class PID:
             return u, (0.0, 0.0, u, offset, y, slope)
         direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
-        if phase <= 0.0:
+        if phase == -2.0:
+            integral, offset = 0.0, 0.0
+        elif phase <= 0.0 and self.Ki:
             integral, offset = u - direct, damping
+        elif phase <= 0.0:
+            # no integral that could unlearn what was held: let it fade
+            integral, offset = 0.0, u - direct + damping
         v = direct + integral + (offset - damping)
         u = min(max(v, self.low), self.high)
         integral += self._KiT * (r - y) + self._unwind * (u - v - sat)
@@ -194,7 +201,7 @@ class DiscretePID(Controller):
 
     References
     ----------
-    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, sections 3.5 and 13.4.
+    Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
     input_port_labels = {"r": 0, "y": 1, "rate": 2, "sat": 3, "off": 4, "track": 5, "feed": 6}
@@ -220,7 +227,7 @@ class DiscretePID(Controller):
                         b=self.b, Tf=self.Tf, Tt=self.Tt, Te=self.Te, low=self.low, high=self.high)
 
     def initial_state(self) -> State:
-        return PID.START
+        return PID.FROM_REST
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         r, y, rate, sat, off, track, feed = u[:7]

@@ -1,0 +1,150 @@
+"""The autopilot diagrams: what their docstrings say is what they fly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pathsim import Connection
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.plots import signal
+
+T = 1 / 120
+PANELS = {"pitch_hold": 4, "altitude_hold": 4, "heading_hold": 5, "airspeed_hold": 4,
+          "yaw_damper": 3, "autopilot_mission": 5, "pitch_hold_primitives": 3}
+
+
+@pytest.fixture(scope="module")
+def flown():
+    """Each diagram, flown once."""
+    flights = {}
+
+    def fly(name):
+        if name not in flights:
+            flights[name] = load_diagram(name)
+            assert flights[name].sim.time == 0.0  # importing does not run it
+            flights[name].sim.run(flights[name].DURATION)
+        return flights[name]
+
+    return fly
+
+
+def settled(time, error, tolerance):
+    return time[np.flatnonzero(np.abs(error) > tolerance)[-1] + 1]
+
+
+def test_pitch_hold(flown):
+    diagram = flown("pitch_hold")
+    time, theta = signal(diagram.pitch, "pitch angle")
+    assert diagram.sim.time == pytest.approx(30.0)
+    assert theta[0] == pytest.approx(1.28, abs=0.01)
+    assert settled(time, theta - 3.0, 0.05) == pytest.approx(1.8, abs=0.1)
+    assert theta.max() == pytest.approx(3.025, abs=0.005)
+    _, elevator = signal(diagram.flight, "elevator increment")
+    assert elevator[0] == 0.0
+    assert elevator[time == time[60]] < 0.0  # nose up is negative
+    _, h = signal(diagram.flight, "altitude")
+    _, vc = signal(diagram.flight, "calibrated airspeed")
+    assert h[-1] - h[0] == pytest.approx(93.0, abs=1.0)
+    assert vc[-1] == pytest.approx(83.1, abs=0.1)
+
+
+def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
+    diagram = flown("pitch_hold_primitives")
+    time, theta = signal(diagram.pitch, "pitch angle")
+    assert settled(time, theta - 3.0, 0.05) == pytest.approx(2.6, abs=0.1)
+    assert theta.max() == pytest.approx(3.18, abs=0.01)
+    assert abs(theta[-1] - 3.0) < 0.02
+    _, elevator = signal(diagram.flight, "elevator increment")
+    assert elevator[0] == pytest.approx(-0.171, abs=0.001)
+    # with the same gains, both end at the same elevator
+    _, hold = signal(flown("pitch_hold").flight, "elevator increment")
+    assert elevator[-1] == pytest.approx(hold[-1], abs=0.002)
+
+
+def test_altitude_hold(flown):
+    diagram = flown("altitude_hold")
+    time, h = signal(diagram.climb, "altitude")
+    assert settled(time, h - 5500.0, 10.0) - 5.0 == pytest.approx(51.8, abs=0.5)
+    assert h.max() == pytest.approx(5502.1, abs=0.2)
+    _, climb = signal(diagram.climb, "rate of climb")
+    assert climb.max() == pytest.approx(10.0, abs=0.1)
+    _, vc = signal(diagram.climb, "calibrated airspeed")
+    assert vc.min() == pytest.approx(86.8, abs=0.1)
+    assert vc.max() == pytest.approx(91.0, abs=0.1)
+
+
+def test_heading_hold_goes_the_short_way_across_north(flown):
+    diagram = flown("heading_hold")
+    time, psi = signal(diagram.heading, "heading")
+    error = psi - 10.0
+    assert psi[0] == pytest.approx(-10.0)
+    assert error.min() > -21.0
+    assert error.max() < 0.1
+    assert settled(time, error, 0.5) == pytest.approx(12.4, abs=0.2)
+    _, phi = signal(diagram.bank, "roll angle")
+    assert phi.max() == pytest.approx(23.8, abs=0.5)
+    _, h = signal(diagram.flight, "altitude")
+    assert np.max(np.abs(h - h[0])) < 4.6
+
+
+def test_airspeed_hold(flown):
+    diagram = flown("airspeed_hold")
+    time, vc = signal(diagram.speed, "calibrated airspeed")
+    assert settled(time, vc - 100.0, 0.5) - 5.0 == pytest.approx(11.5, abs=0.1)
+    assert vc.max() < 100.5
+    _, h = signal(diagram.flight, "altitude")
+    assert np.max(np.abs(h - h[0])) < 3.0
+
+
+def test_yaw_damper_doubles_the_damping(flown):
+    diagram = flown("yaw_damper")
+    assert diagram.damping_ratio("bare") == pytest.approx(0.18, abs=0.01)
+    assert diagram.damping_ratio("damped") == pytest.approx(0.40, abs=0.01)
+    time, r = signal(diagram.yaw, "yaw rate, bare")
+    free = r[time > 1.5] - r[-1]
+    crossings = time[time > 1.5][1:][np.diff(np.sign(free)) != 0]
+    assert np.mean(np.diff(crossings)[:4]) * 2 == pytest.approx(2.9, abs=0.1)  # s, the period
+
+
+@pytest.fixture(scope="module")
+def mission():
+    diagram = load_diagram("autopilot_mission")
+    saturation = Scope()
+    diagram.sim.add_block(saturation)
+    outputs = ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
+    diagram.sim.add_connection(Connection(diagram.aircraft[outputs], saturation[:4]))
+    diagram.sim.run(diagram.DURATION)
+    return diagram, saturation.read()[1]
+
+
+def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
+    diagram, saturation = mission
+    time, h = signal(diagram.flight, "altitude")
+    _, psi = signal(diagram.flight, "heading")
+    _, vc = signal(diagram.flight, "calibrated airspeed")
+    level, low = (time > 90.0) & (time < 180.0), time > 215.0
+    assert np.max(np.abs(h[level] - 11_500.0)) < 40.0
+    assert np.max(np.abs(h[low] - 11_000.0)) < 40.0
+    assert np.max(np.abs(psi[time > 115.0] - 150.0)) < 3.0
+    fast = time > 150.0
+    assert np.max(np.abs(vc[fast] - 295.0)) < 16.0
+    assert np.mean(vc[fast]) == pytest.approx(295.0, abs=1.0)
+    assert np.std(np.diff(vc)) > 0.05  # kt: the air is not still
+    assert np.all(saturation[:3] == 0.0)
+    assert np.mean(saturation[3] != 0.0) < 0.05
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_figures(flown, mission, name):
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    diagram = mission[0] if name == "autopilot_mission" else flown(name)
+    figure = diagram.figure()
+    assert len(figure.axes) == PANELS[name]
+    for axes in figure.axes:
+        for line in axes.lines:
+            assert np.count_nonzero(np.isfinite(line.get_ydata())) > 1000
+    plt.close(figure)
