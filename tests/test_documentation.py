@@ -48,7 +48,7 @@ def commands():
                     yield pytest.param(command, id=f"{page.name}: {command}")
 
 
-@pytest.mark.parametrize("command", commands())
+@pytest.mark.parametrize("command", list(commands()))
 def test_commands_run(command):
     words = shlex.split(command)[1:]
     if words[0] in ("view", "export", "convert"):

@@ -127,7 +127,7 @@ class Aircraft(FlightBlock):
     --------
     >>> plane = Aircraft("c172p", altitude=5000, speed=90)
     >>> round(float(plane.outputs["alpha"]), 2)
-    1.28
+    1.29
     """
 
     input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}

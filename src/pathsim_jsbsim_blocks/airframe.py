@@ -19,19 +19,15 @@ from typing import Any
 
 import jsbsim
 
-from .checks import did_you_mean, flag, mapping, nearest, number, positive
+from .checks import as_path, did_you_mean, flag, mapping, nearest, number, positive
 from .console import SEALED_PATH, capture_console, messages
 from .errors import AircraftError, ParameterError, PropertyError
 
 
 def aircraft_folder(root: str | None = None) -> Path:
     """The folder with the aircraft models below a JSBSim root (default: jsbsim's own)."""
-    if root is None:
-        root = jsbsim.get_default_root_dir()
-    if not isinstance(root, (str, os.PathLike)):
-        raise ParameterError(f"the JSBSim root must be the path of a directory, not {root!r}",
-                             parameter="root", value=root)
-    return Path(root) / "aircraft"
+    root = jsbsim.get_default_root_dir() if root is None else root
+    return as_path("root", root) / "aircraft"
 
 
 def aircraft_names(root: str | None = None) -> list[str]:
@@ -224,6 +220,8 @@ class Airframe:
 
         An index is written out from 1 on: ``propulsion/tank/contents-lbs`` is that of tank 0.
         """
+        if not isinstance(text, str):
+            raise ParameterError(f"text must be text, not {text!r}", parameter="text", value=text)
         return [n for n in self._catalogue() if text.lower() in n.lower()]
 
     def _catalogue(self) -> list[str]:
@@ -306,12 +304,12 @@ class Airframe:
                 aircraft=self.aircraft, name=name, nearest=close)
         node = self._properties.get_node(name)
         assert node is not None
-        names, path = self._catalogue(), self._path(node)
-        at_the_root = "/fdm/jsbsim/".startswith(f"{path.rstrip('/')}/")
-        trunk = "" if at_the_root else f"{path}/"
-        i, j = bisect_left(names, path), bisect_left(names, trunk)
+        names, place = self._catalogue(), self._path(node)
+        at_the_root = "/fdm/jsbsim/".startswith(f"{place.rstrip('/')}/")
+        trunk = "" if at_the_root else f"{place}/"
+        i, j = bisect_left(names, place), bisect_left(names, trunk)
         below = [n for n in names[j:j + 3] if n.startswith(trunk)]
-        if below and (at_the_root or names[i] != path):
+        if below and (at_the_root or names[i] != place):
             raise PropertyError(
                 f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}, not a "
                 "property" + did_you_mean(below),

@@ -162,7 +162,8 @@ def impact_pressure(mach: Any, air: Air) -> Any:
 
 def dynamic_pressure(mach: Any, air: Air) -> Any:
     """Dynamic pressure in Pa, ``0.7 p M^2 = rho TAS^2 / 2``, at a Mach number."""
-    return 0.7 * air.pressure * _speed("mach", mach, air) ** 2
+    mach = _speed("mach", mach, air)
+    return 0.7 * air.pressure * mach ** 2
 
 
 def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") -> Any:

@@ -174,6 +174,7 @@ LIMITS = {
 
 def viscosity(temperature: Any) -> Any:
     """Dynamic viscosity of air in Pa s at a temperature in K, by Sutherland's formula."""
+    (temperature,) = positive_finite(temperature=temperature)
     return SUTHERLAND_BETA * temperature ** 1.5 / (temperature + SUTHERLAND_S)
 
 
@@ -260,7 +261,7 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometri
     >>> round(isa(11_000.0).density, 6)
     0.364801
     """
-    geometric = altitude_kind == "geometric"
+    geometric = isinstance(altitude_kind, str) and altitude_kind == "geometric"
     if not geometric:
         one_of("altitude_kind", altitude_kind, ALTITUDE_KINDS)
     if type(altitude) is not float or type(temp_deviation) is not float:

@@ -6,7 +6,7 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
-from .checks import did_you_mean, nearest
+from .checks import as_path, did_you_mean, nearest
 from .errors import ParameterError
 
 
@@ -30,9 +30,9 @@ def find_diagram(name: str) -> Path:
     ParameterError
         if there is neither; the message names the nearest diagrams
     """
-    path = Path(name)
-    if path.suffix == ".py" and path.is_file():
-        return path
+    script = as_path("name", name)
+    if script.suffix == ".py" and script.is_file():
+        return script
     names = diagram_names()
     if name in names:
         return diagram_folder() / f"{name}.py"

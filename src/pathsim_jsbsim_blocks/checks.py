@@ -6,6 +6,7 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,13 +34,13 @@ def did_you_mean(names: Iterable[str]) -> str:
 
 
 def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = math.inf,
-           above: float | None = None) -> float:
+           above: float | None = None, infinite: bool = False) -> float:
     """``value`` as a finite float with ``low <= value <= high`` (and ``value > above``).
 
     Raises
     ------
     ParameterError
-        for text, booleans, arrays, NaN, infinities and values out of range
+        for text, booleans, arrays, NaN, infinities (unless ``infinite``) and values out of range
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ParameterError(f"{parameter} must be a number, not {value!r}",
@@ -48,7 +49,7 @@ def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = 
         x = float(value)
     except OverflowError:
         x = math.inf
-    if not math.isfinite(x):
+    if not math.isfinite(x) and not (infinite and math.isinf(x)):
         raise ParameterError(f"{parameter} must be finite, not {x}",
                              parameter=parameter, value=value)
     if above is not None and not x > above:
@@ -90,6 +91,15 @@ def flag(parameter: str, value: Any) -> bool:
         raise ParameterError(f"{parameter} must be True or False, not {value!r}",
                              parameter=parameter, value=value)
     return bool(value)
+
+
+def as_path(parameter: str, value: Any) -> Path:
+    """``value`` as a path."""
+    try:
+        return Path(value)
+    except TypeError:
+        raise ParameterError(f"{parameter} must be a path, not {value!r}",
+                             parameter=parameter, value=value) from None
 
 
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:

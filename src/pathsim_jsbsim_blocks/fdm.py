@@ -315,7 +315,7 @@ class JSBSimFDM(FlightBlock):
     ...                 output_properties=["attitude/theta-deg"], aircraft_model="c172p",
     ...                 trim_airspeed=90, trim_altitude=5000)
     >>> round(float(fdm.outputs["attitude/theta-deg"]), 2)
-    1.28
+    1.29
     """
 
     input_port_labels = None

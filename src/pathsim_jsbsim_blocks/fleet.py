@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from pathsim import Simulation
 
 from .airframe import Airframe, aircraft_names, has_retractable_gear
+from .checks import whole
 from .errors import AircraftError, BlocksError, TrimError
 from .fdm import JSBSimFDM
 from .trim import TrimCondition, TrimState, trim
@@ -47,7 +48,7 @@ class LevelFlight:
 
 
 def level_flight(aircraft: str, root: str | None = None,
-                 tries: Sequence[tuple[float, float]] = TRIES) -> LevelFlight:
+                 tries: int = len(TRIES)) -> LevelFlight:
     """Find a sensible condition of straight and level flight for an aircraft.
 
     The speed follows from the weight and the wing area; what the model misses from its surroundings
@@ -62,8 +63,8 @@ def level_flight(aircraft: str, root: str | None = None,
         name of the model
     root : str, optional
         JSBSim root directory; default is the one that the jsbsim package brings
-    tries : sequence of (float, float)
-        altitudes in ft with the lift coefficients to try there, in this order
+    tries : int
+        number of conditions to try at most: a failed trim takes up to seconds
 
     Raises
     ------
@@ -77,7 +78,7 @@ def level_flight(aircraft: str, root: str | None = None,
     frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
     weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
     first: TrimError | None = None
-    for altitude, lift_coefficient in tries:
+    for altitude, lift_coefficient in TRIES[:whole("tries", tries, low=1)]:
         condition = TrimCondition(
             altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear,
             properties=frozen)
@@ -89,8 +90,9 @@ def level_flight(aircraft: str, root: str | None = None,
         else:
             return LevelFlight(aircraft, condition, create, found)
     assert first is not None
-    others = f" and at {len(tries) - 1} other conditions" if len(tries) > 1 else ""
-    raise TrimError(f"no level flight: {first} (tried there{others})", aircraft=aircraft,
+    others = min(len(TRIES), int(tries)) - 1
+    elsewhere = f" and at {others} other conditions" if others else ""
+    raise TrimError(f"no level flight: {first} (tried there{elsewhere})", aircraft=aircraft,
                     condition=first.condition, reason=first.reason, residuals=first.residuals)
 
 
@@ -155,7 +157,7 @@ class FleetRow:
 
 
 def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,
-                tries: Sequence[tuple[float, float]] = TRIES) -> Iterator[FleetRow]:
+                tries: int = len(TRIES)) -> Iterator[FleetRow]:
     """Trim every aircraft in level flight and fly it, controls held; one row after the other.
 
     Parameters
@@ -164,14 +166,14 @@ def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,
         aircraft models; default is all that jsbsim brings
     duration : float
         time to fly in s
-    tries : sequence of (float, float)
+    tries : int
         as for `level_flight`
     """
     for name in aircraft_names() if names is None else names:
         yield _row(name, duration, tries)
 
 
-def _row(name: str, duration: float, tries: Sequence[tuple[float, float]]) -> FleetRow:
+def _row(name: str, duration: float, tries: int) -> FleetRow:
     engines: int | None = None
     flight: LevelFlight | None = None
     try:

@@ -6,6 +6,8 @@ step sees it at the step's end, so no part of an input is lost between two steps
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,7 @@ class _EdgeSource(Block):
 
     def __init__(self) -> None:
         super().__init__()
-        self.edges = ScheduleList(self._edge_times(), func_act=self._at_edge)
+        self.edges = ScheduleList(self._edges_apart(), func_act=self._at_edge)
         self.events = [self.edges]
 
     def __len__(self) -> int:
@@ -32,7 +34,7 @@ class _EdgeSource(Block):
 
     def reset(self) -> None:
         super().reset()
-        self.edges.times_evt = self._edge_times()
+        self.edges.times_evt = self._edges_apart()
 
     @property
     def passed(self) -> int:
@@ -44,7 +46,16 @@ class _EdgeSource(Block):
 
     def _at_edge(self, t: float) -> None:
         # parameters may have been edited since the last edge
-        self.edges.times_evt = self._edge_times()
+        self.edges.times_evt = self._edges_apart()
+
+    def _edges_apart(self) -> list[float]:
+        times = self._edge_times()
+        for time, after in pairwise(times):
+            if not time < after < math.inf:
+                raise ParameterError(
+                    f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
+                    "be told apart", parameter="start", value=times)
+        return times
 
 
 class _StepsSource(_EdgeSource):

@@ -283,6 +283,9 @@ def trim(airframe: Airframe, condition: TrimCondition,
     PropertyError
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     """
+    if not isinstance(condition, TrimCondition):
+        raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
+                             parameter="condition", value=condition)
     airframe.write({**_loading(airframe, condition), **condition.properties,
                     **mapping("setup", setup)}, "setup")
     # some models trim only if the engines are started after run_ic, others only if before

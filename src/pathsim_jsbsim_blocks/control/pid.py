@@ -78,10 +78,11 @@ class PID:
             Tt = number("Tt", Tt, low=self.T)
         elif self.Ki:
             Tt = max(self.Kp / self.Ki, 2 * self.T)
-        if not low <= high:
+        self.low = number("low", low, infinite=True)
+        self.high = number("high", high, infinite=True)
+        if self.low > self.high:
             raise ParameterError(f"the lower limit {low!r} must not be above the upper, {high!r}",
                                  parameter="low", value=low)
-        self.low, self.high = float(low), float(high)
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         self._fade = math.exp(-self.T / positive("Te", Te))

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import pathsim.solvers
 
-from ..checks import did_you_mean, nearest
+from ..checks import as_path, did_you_mean, nearest
 from ..errors import DiagramError
 from .pvm import read, write
 from .toolboxes import FLIGHT, OURS, Toolbox, core_registry, unknown_block, with_toolboxes
@@ -46,10 +46,10 @@ def convert_model(path: str | Path, out: str | Path | None = None,
         if the file is not a model, has blocks or events that nobody knows, broken connections or
         parameters that are not Python expressions, or the script cannot be written
     """
-    path = Path(path)
+    path = as_path("path", path)
     content = read(path)
     code = to_python(content, registry_for(content, path, toolboxes), path)
-    out = path.with_suffix(".py") if out is None else Path(out)
+    out = path.with_suffix(".py") if out is None else as_path("out", out)
     write(out, code)
     return out
 

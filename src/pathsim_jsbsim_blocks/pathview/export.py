@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..checks import as_path
 from ..errors import DiagramError
 from . import pvm
 from .convert import Json, registry_for, to_python
@@ -40,8 +41,8 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
         if the script fails, says what PathView cannot (file, line and reason), or the model
         cannot be written
     """
-    script = Path(script)
-    out = script.with_suffix(".pvm") if out is None else Path(out)
+    script = as_path("script", script)
+    out = script.with_suffix(".pvm") if out is None else as_path("out", out)
     pvm.write(out, pvm.text(script_model(script, pvm.read(out) if out.exists() else None)))
     return out
 
