@@ -92,8 +92,8 @@ def targets():
     for method in (plane.reader, plane.writer, plane.write, plane.access, plane.has,
                    plane.canonical, plane.property_names):
         yield method.__name__, method, {}
-    yield "trim", lambda condition=TrimCondition(speed=90), setup=None: trim.trim(
-        plane, condition, setup), {}
+    level = TrimCondition(speed=90)
+    yield "trim", lambda condition=level, setup=None: trim.trim(plane, condition, setup), {}
     yield "level_flight", fleet.level_flight, {"aircraft": "c172p"}
     yield "find_diagram", catalogue.find_diagram, {"name": "hello_jsbsim"}
     yield "trim_sweep", lambda aircraft="c172p", grid=({"altitude": [5000], "speed": [90]}), \

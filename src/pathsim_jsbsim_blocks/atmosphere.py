@@ -175,7 +175,7 @@ LIMITS = {
 def viscosity(temperature: Any) -> Any:
     """Dynamic viscosity of air in Pa s at a temperature in K, by Sutherland's formula."""
     (temperature,) = positive_finite(temperature=temperature)
-    return SUTHERLAND_BETA * temperature ** 1.5 / (temperature + SUTHERLAND_S)
+    return SUTHERLAND_BETA * temperature * temperature ** 0.5 / (temperature + SUTHERLAND_S)
 
 
 class Air(namedtuple("Air", ["pressure", "temperature"])):

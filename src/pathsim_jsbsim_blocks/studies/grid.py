@@ -41,7 +41,8 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
         axes = {key: _axis(name, key, values) for key, values in grid.items()}
         rows = [dict(zip(axes, values, strict=True)) for values in
                 itertools.product(*axes.values())] if axes else []
-    elif isinstance(grid, Iterable) and not isinstance(grid, (str, bytes)):
+    elif (isinstance(grid, Iterable) and not isinstance(grid, (str, bytes))
+          and getattr(grid, "ndim", 1) > 0):
         rows = list(grid)
         for row in rows:
             if not isinstance(row, Mapping):
