@@ -11,7 +11,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests"))
 
-from test_long_and_wide import megabytes, mission
+from test_long_and_wide import T, megabytes, mission
 
 
 def main():
@@ -23,7 +23,8 @@ def main():
         seconds = time.perf_counter() - start
         print(f"hour {hour}: {plane.samples} samples, {seconds:.0f} s, "
               f"memory {megabytes() - memory:+.2f} MB")
-    assert plane.samples == 864_000
+    # PathSim's run may take one step more than asked for: its clock has drifted by then
+    assert plane.samples == round(sim.time / T) in (864_000, 864_001)
     _, (h, _) = scope.read()
     print(f"altitude {h.min():.0f} to {h.max():.0f} ft")
 

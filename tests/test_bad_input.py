@@ -54,7 +54,7 @@ CASES = [
     ({"aircraft_model": "blank"}, AircraftError, "cannot load aircraft 'blank'", []),
     ({"aircraft_model": "L17"}, AircraftError, "create={'fcs/flaps-pos-deg': 0.0}", []),
     ({"JSBSim_path": "/nowhere"}, AircraftError, "among the 0 models in", []),
-    ({"JSBSim_path": 5}, ParameterError, "JSBSim root must be the path", []),
+    ({"JSBSim_path": 5}, ParameterError, "root must be a path", []),
     (inputs("fcs/elevator-cmd-nrm"), PropertyError, "no property", ["fcs/elevator-cmd-norm"]),
     (outputs("theta-deg"), PropertyError, "no property 'theta-deg'", [THETA]),
     (outputs("attitude/theta_deg"), PropertyError, "no property", [THETA]),
