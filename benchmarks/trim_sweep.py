@@ -11,7 +11,7 @@ failure, is thrown away. Our function makes the same points sealed and quiet, wi
 Each repetition times all in turn, the peer and one core in fresh processes; imports are not
 counted. The figures are medians over the repetitions, the ratios are formed within a repetition.
 Worker processes take a second or so to start and to import PathSim: "cold" includes that, "warm" is
-a second sweep in the same session.
+a second sweep in the same process.
 """
 
 import math

@@ -79,7 +79,7 @@ CASES = [
     ({"T": NAN}, ParameterError, "T must be finite, not nan", []),
     ({"T": True}, ParameterError, "T must be a number, not True", []),
     ({"T": 10 ** 400}, ParameterError, "T must be finite, not inf", []),
-    ({"T": 1e-300}, ParameterError, "T / substeps must lie in [1e-06, inf]", []),
+    ({"T": 1e-300}, ParameterError, "T must lie in [1e-06, inf]", []),
     ({"substeps": 0}, ParameterError, "substeps must lie in [1, inf], not 0", []),
     ({"substeps": -4}, ParameterError, "substeps must lie in", []),
     ({"substeps": 1.5}, ParameterError, "substeps must be a whole number, not 1.5", []),

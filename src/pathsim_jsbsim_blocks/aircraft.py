@@ -159,8 +159,8 @@ class Aircraft(FlightBlock):
         self.allow_files = allow_files
         self.take_off()
 
-    def _airframe(self) -> Airframe:
-        return Airframe(self.aircraft, self.T / self.substeps, root=self.JSBSim_path,
+    def _airframe(self, dt: float) -> Airframe:
+        return Airframe(self.aircraft, dt, root=self.JSBSim_path,
                         empty_cg_x=self._condition().empty_cg_x, create=self.create,
                         allow_network=self.allow_network, allow_files=self.allow_files)
 

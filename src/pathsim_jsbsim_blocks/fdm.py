@@ -13,17 +13,14 @@ import numpy as np
 from pathsim.utils.register import Register
 
 from .airframe import Airframe
-from .checks import did_you_mean, flag, nearest, number, whole
+from .checks import did_you_mean, flag, nearest, number, positive, whole
 from .console import capture_console, log
 from .errors import FlightError, ParameterError, PropertyError
-from .sampling import SampledPlant
+from .sampling import SHORTEST_PERIOD, SampledPlant
 from .trim import TrimCondition, TrimState, trim
 
 # whatever is not finite in the state reaches these within a step
 _WATCHED = ("velocities/vt-fps", "position/h-sl-ft")
-
-# s; below it a second of flight takes more than half a minute
-_SHORTEST_STEP = 1e-6
 
 
 class FlightBlock(SampledPlant):
@@ -33,15 +30,14 @@ class FlightBlock(SampledPlant):
     properties: Mapping[str, float] | None
 
     def __init__(self, T: float, substeps: int, record_inputs: bool):
-        self.substeps = whole("substeps", substeps, low=1)
+        self.substeps = substeps
         self.record_inputs = flag("record_inputs", record_inputs)
         super().__init__(T)
-        number("T / substeps", self.T / self.substeps, low=_SHORTEST_STEP)
         self.airframe: Airframe
         self.trim: TrimState
 
-    def _airframe(self) -> Airframe:
-        """A fresh airframe, as the block's parameters say."""
+    def _airframe(self, dt: float) -> Airframe:
+        """A fresh airframe with that time step, as the block's parameters say."""
         raise NotImplementedError
 
     def _condition(self) -> TrimCondition:
@@ -62,13 +58,14 @@ class FlightBlock(SampledPlant):
 
     def take_off(self) -> None:
         """Load, initialise and trim a fresh aircraft and show its state."""
-        self.airframe = self._airframe()
+        self._substeps = whole("substeps", self.substeps, low=1)
+        self.airframe = self._airframe(number(
+            "T / substeps", positive("T", self.T) / self._substeps, low=SHORTEST_PERIOD))
         self.trim = trim(self.airframe, self._condition(), self.setup)
         self._speed, self._height = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
         self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
-        self._substeps = self.substeps
         self._n_inputs = len(self.inputs._mapping)
         self._n_outputs = len(self.outputs._mapping)
         self._u: list[float] = []
@@ -229,10 +226,11 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     return list(names)
 
 
-def _distinct(parameter: str, names: list[str], airframe: Airframe) -> None:
-    """Refuse one property at two ports: one of two inputs would have no effect."""
+def _check_ports(parameter: str, names: Sequence[str], ports: Register,
+                 airframe: Airframe) -> None:
+    """Refuse one property at two ports, of which one would have no effect, and other ports."""
     listed: dict[str, str] = {}
-    for name in names:
+    for name in _names(parameter, names):
         property_ = airframe.canonical(name)
         if property_ in listed:
             other = listed[property_]
@@ -241,6 +239,9 @@ def _distinct(parameter: str, names: list[str], airframe: Airframe) -> None:
                 + (f", first as {other!r}" if other != name else ""),
                 parameter=parameter, value=names)
         listed[property_] = name
+    if list(names) != list(ports._mapping):
+        raise ParameterError(f"{parameter} cannot change, they are the block's ports: build "
+                             "another block", parameter=parameter, value=names)
 
 
 class JSBSimFDM(FlightBlock):
@@ -350,8 +351,8 @@ class JSBSimFDM(FlightBlock):
                                 {n: i for i, n in enumerate(self.output_properties)})
         self.take_off()
 
-    def _airframe(self) -> Airframe:
-        return Airframe(self.aircraft_model, self.T / self.substeps, root=self.JSBSim_path,
+    def _airframe(self, dt: float) -> Airframe:
+        return Airframe(self.aircraft_model, dt, root=self.JSBSim_path,
                         empty_cg_x=self._condition().empty_cg_x, create=self.create,
                         allow_network=self.allow_network, allow_files=self.allow_files)
 
@@ -364,8 +365,8 @@ class JSBSimFDM(FlightBlock):
             heading=self.trim_heading, mode=self.trim_mode, gear=self.gear, flaps=self.flaps)
 
     def _connect(self) -> None:
-        _distinct("input_properties", self.input_properties, self.airframe)
-        _distinct("output_properties", self.output_properties, self.airframe)
+        _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
+        _check_ports("output_properties", self.output_properties, self.outputs, self.airframe)
         self._writers = [self.airframe.writer(name) for name in self.input_properties]
         self._readers = [self.airframe.reader(name) for name in self.output_properties]
 

@@ -34,11 +34,18 @@ from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 
-from .checks import positive
+from .checks import number, positive
+
+# s; more samples than these nobody waits for
+SHORTEST_PERIOD = 1e-6
 
 # PathSim resolves the events of a step in the order of their place in it
 BEFORE_OTHER_EVENTS = math.nextafter(1.0, 0.0)
 AFTER_OTHER_EVENTS = math.inf
+
+
+def _period(T: Any) -> float:
+    return number("T", positive("T", T), low=SHORTEST_PERIOD)
 
 
 class SampleClock(Event):
@@ -64,7 +71,7 @@ class SampleClock(Event):
 
     def reset(self) -> None:
         super().reset()
-        self.period = self._block.T
+        self.period = _period(self._block.T)
         self.step_start = 0.0
         # between the start of a step and its end; a run begins outside of any step
         self.in_step = False
@@ -153,7 +160,7 @@ class SampledBlock(Block):
 
     def __init__(self, T: float, first: int):
         super().__init__()
-        self.T = positive("T", T)
+        self.T = _period(T)
         self.clock = SampleClock(self, first)
         self._clock_events: list[Event] = [self.clock]
         self.events = self._clock_events

@@ -99,10 +99,10 @@ class DoubletSource(_StepsSource):
     """
 
     def __init__(self, amplitude=0.1, start=1.0, width=1.0, gap=0.0, polarity=1):
-        self.amplitude = number("amplitude", amplitude)
+        self.amplitude = amplitude
         self.start = start
-        self.width = positive("width", width)
-        self.gap = number("gap", gap, low=0.0)
+        self.width = width
+        self.gap = gap
         self.polarity = polarity
         super().__init__()
 
@@ -110,9 +110,9 @@ class DoubletSource(_StepsSource):
         if self.polarity not in (1, -1):
             raise ParameterError(f"polarity must be 1 or -1, not {self.polarity!r}",
                                  parameter="polarity", value=self.polarity)
-        level = self.polarity * self.amplitude
-        gap = [(self.gap, 0.0)] if self.gap else []
-        return [(self.width, level), *gap, (self.width, -level)]
+        level = self.polarity * number("amplitude", self.amplitude)
+        width, gap = positive("width", self.width), number("gap", self.gap, low=0.0)
+        return [(width, level), *([(gap, 0.0)] if gap else []), (width, -level)]
 
 
 class MultistepSource(_StepsSource):
@@ -142,9 +142,9 @@ class MultistepSource(_StepsSource):
 
     def __init__(self, amplitude=0.1, start=1.0, step=1.0, widths=(3, 2, 1, 1),
                  signs=(1, -1, 1, -1)):
-        self.amplitude = number("amplitude", amplitude)
+        self.amplitude = amplitude
         self.start = start
-        self.step = positive("step", step)
+        self.step = step
         self.widths = widths
         self.signs = signs
         super().__init__()
@@ -156,7 +156,8 @@ class MultistepSource(_StepsSource):
             raise ParameterError(
                 f"widths and signs must have the same length, at least 1, not {len(widths)} and "
                 f"{len(signs)}", parameter="signs", value=self.signs)
-        return [(self.step * width, self.amplitude * sign)
+        step, amplitude = positive("step", self.step), number("amplitude", self.amplitude)
+        return [(step * width, amplitude * sign)
                 for width, sign in zip(widths, signs, strict=True)]
 
 
@@ -184,13 +185,14 @@ class RampSource(_EdgeSource):
     """
 
     def __init__(self, final=1.0, start=1.0, rise_time=1.0, hold=0.0):
-        self.final = number("final", final)
+        self.final = final
         self.start = start
         self.rise_time = rise_time
         self.hold = hold
         super().__init__()
 
     def _edge_times(self) -> list[float]:
+        number("final", self.final)
         start = number("start", self.start, low=0.0)
         top = start + positive("rise_time", self.rise_time)
         hold = number("hold", self.hold, low=0.0)
