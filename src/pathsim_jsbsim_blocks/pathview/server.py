@@ -122,7 +122,8 @@ class Server:
 def _bound(app: Any, port: int | None) -> Any:
     from waitress import create_server
 
-    logging.getLogger("waitress.queue").setLevel(logging.ERROR)
+    # it warns of a full queue, and of requests that it drops at the end
+    logging.getLogger("waitress").setLevel(logging.ERROR)
     if port is not None and whole("port", port, low=0) > 65535:
         raise ParameterError(f"port must be at most 65535, not {port}", parameter="port",
                              value=port)
