@@ -6,6 +6,7 @@ Writes a JSON list of what went wrong: calls that ended in another error than on
 own, or took longer than 5 s of the processor.
 """
 
+import contextlib
 import inspect
 import json
 import math
@@ -18,6 +19,7 @@ from fractions import Fraction
 import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from pathsim import Simulation
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -67,6 +69,23 @@ def parameters(call):
             if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
 
 
+def editing(block, valid):
+    """A call that edits a block's parameters while its diagram runs, and goes on."""
+    def edit(**changes):
+        flying = block(**valid)
+        sim = Simulation([flying], dt=1 / 120, log=False)
+        sim.run(0.02)
+        for name, value in changes.items():
+            setattr(flying, name, value)
+        for go_on in (sim.run, sim.reset, sim.run):
+            with contextlib.suppress(BlocksError):
+                go_on(*[0.02] * (go_on != sim.reset))
+
+    # no parameter has to change
+    edit.__signature__ = inspect.Signature([p.replace(default=None) for p in parameters(block)])
+    return edit
+
+
 def targets():
     """(name, callable, keywords that make a valid call)."""
     for name, thing in vars(package).items():
@@ -75,6 +94,8 @@ def targets():
                      JSBSimFDM: {"aircraft_model": "c172p", "trim_airspeed": 90.0,
                                  "trim_altitude": 5000.0}}
             yield name, thing, valid.get(thing, {})
+            if parameters(thing):
+                yield f"editing {name}", editing(thing, valid.get(thing, {})), {}
     yield "TrimCondition", TrimCondition, {}
     air = atmosphere.isa(1000.0)
     for module in (atmosphere, airspeed, axes):

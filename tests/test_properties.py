@@ -17,11 +17,19 @@ from pathsim.blocks import Adder, Amplifier, Constant, Integrator, Scope, Source
 from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
 from plain_jsbsim import fly, trimmed
 
-from pathsim_jsbsim_blocks import DiscretePID, DoubletSource, JSBSimFDM, RampSource
+from pathsim_jsbsim_blocks import (
+    DiscretePID,
+    DoubletSource,
+    JSBSimFDM,
+    PitchHold,
+    RampSource,
+    RollHold,
+)
 
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
-OUTPUTS = ["attitude/theta-deg", "attitude/phi-deg", "velocities/q-rad_sec", "velocities/vt-fps",
-           "position/h-sl-ft", "simulation/sim-time-sec"]
+OUTPUTS = ["attitude/theta-deg", "attitude/phi-deg", "velocities/q-rad_sec",
+           "velocities/p-rad_sec", "velocities/vt-fps", "position/h-sl-ft",
+           "simulation/sim-time-sec"]
 AIRCRAFT = {"c172p": (5000.0, 90.0), "737": (10000.0, 280.0), "A4": (10000.0, 300.0)}
 ADAPTIVE = (RKBS32, RKCK54, ESDIRK43)
 
@@ -39,6 +47,7 @@ class Plan:
     states: int
     depth: int
     gains: bool
+    inside: bool
     order: int
     pieces: tuple
 
@@ -54,30 +63,36 @@ class Plan:
 
 
 drives = st.sampled_from(["sine", "step", "doublet", "ramp", "constant", "feedback", "pid",
-                          "slow pid"])
+                          "slow pid", "hold"])
 plans = st.builds(
     Plan, aircraft=st.sampled_from(list(AIRCRAFT)), T=st.sampled_from([1 / 120, 1 / 100, 1 / 30]),
     substeps=st.integers(1, 4), solver=st.sampled_from([SSPRK22, RK4, *ADAPTIVE]),
     parts=st.integers(1, 4), drives=st.tuples(drives, drives), states=st.integers(0, 2),
-    depth=st.integers(0, 2), gains=st.booleans(), order=st.integers(0, 2**31),
+    depth=st.integers(0, 2), gains=st.booleans(), inside=st.booleans(), order=st.integers(0, 2**31),
     # sample periods in a piece of the run; 0 is a reset. The last piece is a run
     pieces=st.lists(st.integers(0, 40), max_size=4).flatmap(
         lambda pieces: st.integers(1, 40).map(lambda last: (*pieces, last))))
 
 
-def drive(kind, plan, fdm_port, measured):
-    """Blocks and connections that drive one input; the last block's output is the input."""
+def drive(kind, plan, i, system):
+    """Blocks and connections that drive input i; the last block's output is the input."""
+    # theta is fed back to the elevator, phi to the aileron
+    measured = system[i]
     if kind in ("pid", "slow pid"):
         T = plan.T * (3 if kind == "slow pid" else 1)
         pid = DiscretePID(Kp=-0.01, Ki=-0.005, Kd=0.002, low=-0.2, high=0.2, T=T)
         reference = StepSource(amplitude=2.0, tau=7.3 * plan.T)
         return [reference, pid], [Connection(reference, pid["r"]), Connection(measured, pid["y"])]
+    if kind == "hold":
+        hold = (PitchHold(theta_ref=2.0, authority=0.1, T=plan.T) if i == 0 else
+                RollHold(phi_ref=-3.0, authority=0.1, T=plan.T))
+        return [hold], [Connection(measured, hold[0]), Connection(system[2 + i], hold[1])]
     if kind == "feedback":
         gain, offset, total = Amplifier(0.01), Constant(0.005), Adder("++")
         return [gain, offset, total], [Connection(measured, gain), Connection(gain, total[0]),
                                        Connection(offset, total[1])]
     return [{
-        "sine": lambda: Source(lambda t: 0.03 * math.sin(5.0 * t + fdm_port)),
+        "sine": lambda: Source(lambda t: 0.03 * math.sin(5.0 * t + i)),
         "step": lambda: StepSource(amplitude=0.03, tau=0.1234),
         # edges on sample instants, and off them
         "doublet": lambda: DoubletSource(amplitude=0.04, start=6 * plan.T, width=0.1111),
@@ -87,20 +102,30 @@ def drive(kind, plan, fdm_port, measured):
 
 
 def around(fdm, plan):
-    """The aircraft inside subsystems, with or without algebraic blocks at their inputs."""
-    for _ in range(plan.depth):
+    """The aircraft inside subsystems, maybe with what drives its elevator beside it.
+
+    Inputs and outputs are those of the aircraft; the elevator command is one output more.
+    """
+    inputs, outputs = list(range(len(INPUTS))), len(OUTPUTS)
+    for level in range(plan.depth):
         interface = Interface()
         blocks, wires = [interface, fdm], []
-        for i in range(len(INPUTS)):
+        if plan.inside and level == 0:
+            others, wires = drive(plan.drives[0], plan, 0, fdm)
+            blocks += others
+            wires.append(Connection(others[-1], fdm[0], interface[outputs]))
+            inputs.remove(0)
+        for i in inputs:
             if plan.gains:
                 amplifier = Amplifier(1.0)
                 blocks.append(amplifier)
                 wires += [Connection(interface[i], amplifier), Connection(amplifier, fdm[i])]
             else:
                 wires.append(Connection(interface[i], fdm[i]))
-        wires += [Connection(fdm[i], interface[i]) for i in range(len(OUTPUTS))]
+        wires += [Connection(fdm[i], interface[i]) for i in range(outputs)]
+        outputs = len(OUTPUTS) + (0 not in inputs)
         fdm = Subsystem(blocks, wires)
-    return fdm
+    return fdm, inputs
 
 
 def build(plan):
@@ -108,13 +133,15 @@ def build(plan):
     fdm = JSBSimFDM(T=plan.T, substeps=plan.substeps, input_properties=INPUTS,
                     output_properties=OUTPUTS, aircraft_model=plan.aircraft,
                     trim_altitude=altitude, trim_airspeed=speed)
-    system, scope = around(fdm, plan), Scope()
+    (system, inputs), scope = around(fdm, plan), Scope()
     blocks, wires = [system, scope], []
     for i, kind in enumerate(plan.drives):
-        # theta drives the elevator, phi the aileron
-        others, between = drive(kind, plan, i, system[i])
-        blocks += others
-        wires += [*between, Connection(others[-1], system[i], scope[i])]
+        if i in inputs:
+            others, between = drive(kind, plan, i, system)
+            blocks += others
+            wires += [*between, Connection(others[-1], system[i], scope[i])]
+        else:
+            wires.append(Connection(system[len(OUTPUTS)], scope[i]))
     wires += [Connection(system[i], scope[len(INPUTS) + i]) for i in range(len(OUTPUTS))]
     for _ in range(plan.states):
         integrator = Integrator(0.0)

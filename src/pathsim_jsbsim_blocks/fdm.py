@@ -226,11 +226,11 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     return list(names)
 
 
-def _check_ports(parameter: str, names: Sequence[str], ports: Register,
-                 airframe: Airframe) -> None:
+def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe) -> None:
     """Refuse one property at two ports, of which one would have no effect, and other ports."""
+    names = _names(parameter, names)
     listed: dict[str, str] = {}
-    for name in _names(parameter, names):
+    for name in names:
         property_ = airframe.canonical(name)
         if property_ in listed:
             other = listed[property_]
@@ -239,7 +239,7 @@ def _check_ports(parameter: str, names: Sequence[str], ports: Register,
                 + (f", first as {other!r}" if other != name else ""),
                 parameter=parameter, value=names)
         listed[property_] = name
-    if list(names) != list(ports._mapping):
+    if names != list(ports._mapping):
         raise ParameterError(f"{parameter} cannot change, they are the block's ports: build "
                              "another block", parameter=parameter, value=names)
 

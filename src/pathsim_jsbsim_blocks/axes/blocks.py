@@ -185,10 +185,15 @@ class GeodeticToNED(Function):
     output_port_labels = {"north": 0, "east": 1, "down": 2}
 
     def __init__(self, lat0: float = 0.0, lon0: float = 0.0, h0: float = 0.0) -> None:
-        self.lat0 = number("lat0", lat0, low=-90.0, high=90.0)
-        self.lon0 = number("lon0", lon0)
-        self.h0 = number("h0", h0)
+        self.lat0 = lat0
+        self.lon0 = lon0
+        self.h0 = h0
+        self._origin()
         super().__init__(func=self._position)
 
+    def _origin(self) -> tuple[float, float, float]:
+        return (number("lat0", self.lat0, low=-90.0, high=90.0), number("lon0", self.lon0),
+                number("h0", self.h0))
+
     def _position(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
-        return geodetic_to_ned(lat, lon, h, self.lat0, self.lon0, self.h0)
+        return geodetic_to_ned(lat, lon, h, *self._origin())
