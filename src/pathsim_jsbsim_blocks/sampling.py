@@ -28,6 +28,7 @@ import math
 import sys
 import warnings
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 from pathsim import Simulation, Subsystem
@@ -102,18 +103,9 @@ class SampleClock(Event):
             return 0
         return 1 + math.floor((t - self.due_from) / self.period)
 
-    def step_starts(self, t: float) -> None:
-        """All blocks hold their values at ``t``, where the next step starts."""
-        self.step_start = t
-        self._block.commit(t)
-        if t > self.due_until:
-            # switched off for a while, or reset to a later time: go on from here
-            self.begin_at(t, self.index)
-
     def buffer(self, t: float) -> None:
         self.in_step = True
-        self.step_starts(t)
-        self._block.armed = True
+        self._block.step_starts(t)
 
     def estimate(self, t: float) -> float:
         return self.next - t
@@ -153,6 +145,10 @@ class Settling(Event):
         """Nothing: the pass that follows every event is all there is to it."""
 
 
+def _no_simulation() -> None:
+    return None
+
+
 class SampledBlock(Block):
     """Base of all blocks that act at a sample period T (s)."""
 
@@ -164,9 +160,8 @@ class SampledBlock(Block):
         self.clock = SampleClock(self, first)
         self._clock_events: list[Event] = [self.clock]
         self.events = self._clock_events
-        self._simulation: weakref.ref[Simulation] | None = None
+        self._simulation: Callable[[], Simulation | None] = _no_simulation
         self.one_pass = False
-        self.armed = False
         self._warned = False
 
     def set_solver(self, Solver, parent, **solver_args) -> None:
@@ -175,7 +170,7 @@ class SampledBlock(Block):
         while isinstance(owner := frame.f_locals.get("self"), Subsystem) and frame.f_back:
             levels, frame = levels + 1, frame.f_back
         alone = levels == 0 and isinstance(owner, Simulation)
-        self._simulation = weakref.ref(owner) if alone else None
+        self._simulation = weakref.ref(owner) if alone else _no_simulation
         self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
         self._act_in_events(True)
 
@@ -185,20 +180,25 @@ class SampledBlock(Block):
 
     def reset(self) -> None:
         self._act_in_events(True)
-        self.armed = False
         super().reset()
 
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
-        simulation = self._simulation() if self._simulation is not None else None
+        simulation = self._simulation()
         one_pass = (simulation is not None and not simulation._blocks_dyn
                     and not simulation.engine.is_adaptive)
         if one_pass is not self.one_pass:
             self._act_in_events(not one_pass)
         if one_pass:
-            self.clock.step_starts(t)
-            self.hold(t)
-            self.armed = True
+            self.step_starts(t)
+
+    def step_starts(self, t: float) -> None:
+        """All blocks hold their final values at ``t``, where the next step starts."""
+        clock = self.clock
+        clock.step_start = t
+        if t > clock.due_until:
+            # switched off for a while, or reset to a later time: go on from here
+            clock.begin_at(t, clock.index)
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
@@ -211,12 +211,6 @@ class SampledBlock(Block):
         clock, index = self.clock, json_data["index"]
         clock.period = json_data["period"]
         clock.begin_at(json_data["start"] + max(index - 1, 0) * clock.period, index)
-
-    def hold(self, t: float) -> None:
-        """The inputs, which are final at ``t``, act from now on."""
-
-    def commit(self, t: float) -> None:
-        """What was computed at the instants up to ``t`` is final."""
 
     def act(self, t: float) -> None:
         """Act on all instants up to ``t``."""
@@ -256,27 +250,20 @@ class SampledPlant(SampledBlock):
         super().reset()
         self._latched = False
 
-    def update(self, t: float) -> None:
-        if not self.armed:
-            return
-        self.armed = False
-        if self.one_pass:
-            self.act(t)
-        else:
-            # the first evaluation in a step: the inputs still hold their values at its start
-            self.hold(self.clock.step_start)
-
-    def hold(self, t: float) -> None:
+    def step_starts(self, t: float) -> None:
+        super().step_starts(t)
         clock = self.clock
         # at the instant itself the latest values count: they may be edited between two runs
         if t >= clock.latest_from and (not self._latched or t <= clock.latest_until):
             self.latch()
             self._latched = True
 
+    def update(self, t: float) -> None:
+        if self.one_pass and t >= self.clock.due_from:
+            self.act(t)
+
     def act(self, t: float) -> None:
         clock = self.clock
-        if t < clock.due_from:
-            return
         if t > clock.due_until:
             self._warn_of_late_instants(t)
         while t >= clock.due_from:
@@ -323,7 +310,8 @@ class SampledLaw(SampledBlock):
         super().reset()
         self._start_law()
 
-    def commit(self, t: float) -> None:
+    def step_starts(self, t: float) -> None:
+        # what was computed at the instants up to t is final
         if self._due:
             clock = self.clock
             # a step that starts before the instant is a rejected one taken anew
@@ -332,12 +320,11 @@ class SampledLaw(SampledBlock):
                 for _ in range(self._due):
                     clock.go_to(clock.index + 1)
             self._due = 0
+        super().step_starts(t)
 
     def update(self, t: float) -> None:
-        if self.armed:
-            self.armed = False
-            if self.one_pass:
-                self.act(t)
+        if self.one_pass:
+            self.act(t)
         if self._due:
             state = self._state
             u = self.inputs._data.tolist()
