@@ -28,6 +28,7 @@ from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
 README = DOCS.parent / "README.md"
+GALLERY_BEGINS, GALLERY_ENDS = "<!-- gallery -->", "<!-- end of gallery -->"
 MODULES = ["atmosphere", "airspeed", "axes", "trim", "airframe", "plots", "catalogue", "studies",
            "pathview", "fleet"]
 
@@ -82,10 +83,11 @@ def gallery(columns=3):
 
 def readme():
     """The README with the gallery as it is now."""
-    text = README.read_text(encoding="utf-8")
-    before, _, rest = text.partition("<!-- gallery -->\n")
-    _, _, after = rest.partition("\n<!-- end of gallery -->")
-    return f"{before}<!-- gallery -->\n{gallery()}\n<!-- end of gallery -->{after}"
+    before, _, rest = README.read_text(encoding="utf-8").partition(GALLERY_BEGINS)
+    _, end, after = rest.partition(GALLERY_ENDS)
+    if not end:
+        raise ValueError(f"{README} has no place for the gallery, {GALLERY_BEGINS} to {GALLERY_ENDS}")
+    return f"{before}{GALLERY_BEGINS}\n{gallery()}\n{GALLERY_ENDS}{after}"
 
 
 def _entry(name, thing, level):

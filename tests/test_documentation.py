@@ -82,6 +82,11 @@ def test_links_and_pictures_are_there(page):
             assert (page.parent / path).exists(), path
 
 
+def test_every_page_is_linked_from_the_readme():
+    text = PAGES[0].read_text(encoding="utf-8")
+    assert [p.name for p in PAGES[1:] if f"](docs/{p.name})" not in text] == []
+
+
 MODULES = [m.name for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
            if ".diagrams" not in m.name]
 
