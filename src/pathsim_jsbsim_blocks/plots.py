@@ -184,7 +184,7 @@ def show(figure, name: str) -> None:
     if interactive and not _save_to:
         plt.show()
         return
-    target = _save_to[-1] if _save_to else Path(f"{name}.png")
+    target = next(_save_to[-1]) if _save_to else Path(f"{name}.png")
     figure.savefig(target, dpi=110)
     plt.close(figure)
     print(f"figure saved: {target}")
@@ -192,12 +192,31 @@ def show(figure, name: str) -> None:
 
 @contextlib.contextmanager
 def saving_to(path: str | Path) -> Iterator[None]:
-    """Within this context `show` writes to ``path``, display or not."""
-    _save_to.append(Path(path))
+    """Within this context `show` writes to ``path``, display or not.
+
+    A path without an ending gets ``.png``; the second figure goes to ``NAME_2.png``, and so on.
+
+    Raises
+    ------
+    ParameterError
+        at once, if figures cannot be written there
+    """
+    path = as_target("save", path)
+    path = path if path.suffix else path.with_suffix(".png")
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    one_of("save", path.suffix[1:].lower(), FigureCanvasBase.get_supported_filetypes())
+    _save_to.append(_numbered(path))
     try:
         yield
     finally:
         _save_to.pop()
+
+
+def _numbered(path: Path) -> Iterator[Path]:
+    yield path
+    for n in itertools.count(2):
+        yield path.with_stem(f"{path.stem}_{n}")
 
 
 def _recording(scope) -> tuple[np.ndarray, np.ndarray]:

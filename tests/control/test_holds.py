@@ -64,6 +64,25 @@ def test_heading(name, time, heading, turn):
     assert np.max(np.abs(flight["phi"])) < 25.5
 
 
+@pytest.mark.parametrize("name", AIRCRAFT)
+def test_half_a_turn_leaves_no_wound_up_integral(name):
+    flight = fly(start(name), 200.0, {"psi_ref": step(179.0)})
+    error = wrap(flight["psi"] - 90.0 - 179.0)
+    assert np.max(error[np.abs(error) < 90.0]) < 0.1
+    assert abs(error[-1]) < 0.05
+
+
+def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
+    # 9000 ft is above what full throttle can climb to at 90 KCAS
+    flight = fly(start("c172p"), 600.0, {"h_ref": step(4000.0)})
+    assert np.max(flight["throttle"]) > 0.3
+    assert np.min(flight["vc"]) > 0.79 * 90.0
+    assert np.max(flight["alpha"]) < 8.0
+    assert flight["h"][-1] - flight["h"][0] > 3500.0
+    # level flight there, not a fight with the airspeed
+    assert abs(flight["hdot"][-1]) < 1.0
+
+
 @pytest.mark.parametrize(("name", "time"), [("c172p", 60.0), ("737", 38.0), ("global5000", 35.0)])
 def test_altitude_500_ft_up_and_held_for_300_s(name, time):
     flight = fly(start(name), 400.0, {"h_ref": step(500.0)})

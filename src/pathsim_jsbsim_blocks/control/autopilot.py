@@ -136,13 +136,16 @@ class Autopilot(Controller):
         altitude, pitch, heading, roll, speed, yaw = state
         theta_target, h_target, phi_target, psi_target, vc_target = self._targets
 
+        throttle, vc_cmd, speed = self._speed.sample(
+            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0)
         hdot_cmd = 0.0
         if pitch_mode or pitch_off:
             altitude = AltitudeLoop.START
         else:
             theta_ref = 0.0
             theta_target, hdot_cmd, altitude = self._altitude.sample(
-                altitude, h, hdot, h_target, h_ref, ReferenceLoop.reference(pitch, theta))
+                altitude, h, hdot, h_target, h_ref, ReferenceLoop.reference(pitch, theta),
+                _share_of_climb(vc, vc_cmd))
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0)
 
@@ -154,8 +157,13 @@ class Autopilot(Controller):
         aileron, phi_cmd, roll = self._roll.sample(
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0)
 
-        throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0)
         rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
         return ([elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
                 (altitude, pitch, heading, roll, speed, yaw))
+
+
+def _share_of_climb(vc: float, vc_cmd: float) -> float:
+    """1 down to 90 % of the airspeed demanded, 0 (level flight) at 80 %, -1 (descent) at 70 %."""
+    if vc_cmd <= 0.0:
+        return 1.0
+    return min(max((vc / vc_cmd - 0.8) / 0.1, -1.0), 1.0)

@@ -80,6 +80,8 @@ class HeadingLoop:
         \\phi_\\mathrm{cmd} = K_p \\, e + K_i \\int e \\, dt, \\quad
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+
+    The integral starts when the error alone no longer asks for the largest bank.
     """
 
     START: State = (0.0, PID.START)  # heading found at engagement, law
@@ -96,8 +98,9 @@ class HeadingLoop:
         if target is not None or not engaged:
             found = psi
         error = wrap((found if target is None else target) + increment - psi)
-        if not engaged:
-            law = PID.holding(self.pid.Kp * error)  # an integral of 0
+        proportional = self.pid.Kp * error
+        if not engaged or abs(proportional) >= self.pid.high:
+            law = PID.holding(proportional)  # an integral of 0
         phi, law = self.pid.sample(law, error, 0.0)
         return phi, (found, law)
 
@@ -123,11 +126,12 @@ class AltitudeLoop:
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
     def sample(self, state: State, h: float, hdot: float, target: float | None, increment: float,
-               theta: float) -> tuple[float, float, State]:
+               theta: float, climb: float = 1.0) -> tuple[float, float, State]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
-        which the loop goes on at its engagement.
+        which the loop goes on at its engagement; ``climb`` is the share of ``hdot_max`` that is
+        allowed upwards, negative to demand a descent.
         """
         found, law = state
         engaged = law[0] > 0.0
@@ -136,7 +140,7 @@ class AltitudeLoop:
         if not engaged:
             law = PID.holding(theta)
         error = (found if target is None else target) + increment - h
-        hdot_cmd = min(max(self.Kh * error, -self.hdot_max), self.hdot_max)
+        hdot_cmd = min(max(self.Kh * error, -self.hdot_max), climb * self.hdot_max)
         theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot)
         return theta_cmd, hdot_cmd, (found, law)
 
