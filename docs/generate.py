@@ -86,7 +86,7 @@ def readme():
     before, _, rest = README.read_text(encoding="utf-8").partition(GALLERY_BEGINS)
     _, end, after = rest.partition(GALLERY_ENDS)
     if not end:
-        raise ValueError(f"{README} has no place for the gallery, {GALLERY_BEGINS} to {GALLERY_ENDS}")
+        raise ValueError(f"no {GALLERY_BEGINS} ... {GALLERY_ENDS} in {README}")
     return f"{before}{GALLERY_BEGINS}\n{gallery()}\n{GALLERY_ENDS}{after}"
 
 

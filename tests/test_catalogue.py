@@ -78,9 +78,61 @@ def test_run_takes_the_path_of_a_script(tmp_path, capsys):
     assert capsys.readouterr().out == "flown\n"
 
 
+def test_every_figure_is_saved(tmp_path, capsys):
+    assert main(["run", "van_der_pol", "--save", str(tmp_path / "a")]) == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "a_2.png"]
+    out = capsys.readouterr().out
+    assert f"figure saved: {tmp_path / 'a.png'}" in out
+    assert f"figure saved: {tmp_path / 'a_2.png'}" in out
+
+
+SCRIPT = """
+import sys
+import helper
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Constant, Scope
+print(sys.argv, helper.TEXT)
+outer, inner, port = Scope(labels=["outer"]), Scope(labels=["inner"]), Interface()
+source = Constant(2.0)
+part = Subsystem([port, inner], [Connection(port, inner)])
+flight = Simulation([source, part, outer], [Connection(source, part, outer)], dt=0.5, log=False)
+flight.run(1.0)
+flight.plot()
+"""
+
+
+def test_run_is_what_python_does_and_saves_what_it_draws_and_records(tmp_path, capsys):
+    script = tmp_path / "mine.py"
+    script.write_text(SCRIPT)
+    (tmp_path / "helper.py").write_text("TEXT = 'beside the script'\n")
+    figure, signals = tmp_path / "a.svg", tmp_path / "a.csv"
+    before = sys.argv[:], sys.path[:]
+    assert main(["run", str(script), "--save", str(figure), "--csv", str(signals)]) == 0
+    assert (sys.argv, sys.path) == before
+    assert f"['{script}'] beside the script" in capsys.readouterr().out
+    assert "<svg" in figure.read_text()
+    header, *rows = csv.reader(signals.read_text().splitlines())
+    assert sorted(header) == ["inner", "outer", "time [s]"]
+    assert rows[-1] == ["1.0", "2.0", "2.0"]
+
+
+def test_run_says_that_there_is_nothing_to_save(tmp_path, capsys):
+    script = tmp_path / "mine.py"
+    script.write_text("")
+    assert main(["run", str(script), "--save", str(tmp_path / "a.png")]) == 1
+    assert "no figure was shown" in capsys.readouterr().err
+    assert main(["run", str(script), "--csv", str(tmp_path / "a.csv")]) == 1
+    assert "no simulation" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("arguments", "text"), [
     (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
     (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
+    (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
+    (["run", "hello_jsbsim", "--save", "."], "is a directory"),
+    (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
+    (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
+    (["run", str(diagram_folder() / "pitch_hold.pvm")], "no Python script"),
     (["trim", "c172"], "did you mean 'c172p'"),
     (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
     (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),

@@ -87,6 +87,9 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     return file
 
 
+_GROUND = "ic/terrain-elevation-ft"
+
+
 class Airframe:
     """One JSBSim aircraft, loaded sealed and quiet, not yet initialised.
 
@@ -156,6 +159,7 @@ class Airframe:
         # a trim map writes the same few properties at every point
         self._writers: dict[str, Callable[[float], Any]] = {}
         self._created: set[str] = set()
+        self._ground_before: float | None = None
         self._create(create)
 
     def _load(self) -> None:
@@ -191,6 +195,17 @@ class Airframe:
             raise AircraftError(
                 f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
                 aircraft=self.aircraft, missing=missing)
+
+    def raise_ground(self, elevation: float) -> None:
+        """Put the ground at an elevation in ft above mean sea level."""
+        self._ground_before = self.fdm[_GROUND]
+        if self._ground_before != elevation:
+            self.fdm[_GROUND] = elevation
+
+    def lower_ground(self) -> None:
+        """Put the ground back to where it was before `raise_ground`."""
+        if self._ground_before is not None:
+            self.fdm[_GROUND], self._ground_before = self._ground_before, None
 
     @property
     def engines(self) -> int:

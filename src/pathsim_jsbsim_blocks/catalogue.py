@@ -34,6 +34,8 @@ def find_diagram(name: str) -> Path:
     if script.suffix == ".py" and script.is_file():
         return script
     names = diagram_names()
+    if script.is_file():
+        raise ParameterError(f"{name!r} is no Python script (.py)", parameter="name", value=name)
     if name in names:
         return diagram_folder() / f"{name}.py"
     raise ParameterError(f"no diagram {name!r}" + did_you_mean(nearest(name, names)),

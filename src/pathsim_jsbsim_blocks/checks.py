@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -100,6 +100,43 @@ def as_path(parameter: str, value: Any) -> Path:
     except TypeError:
         raise ParameterError(f"{parameter} must be a path, not {value!r}",
                              parameter=parameter, value=value) from None
+
+
+def writable(parameter: str, value: Any) -> Path:
+    """``value`` as the path of a file that can be written: no directory, and in one."""
+    path = as_path(parameter, value)
+    if path.is_dir():
+        raise ParameterError(f"{parameter} must be a file, {str(path)!r} is a directory",
+                             parameter=parameter, value=str(path))
+    if not path.resolve().parent.is_dir():
+        raise ParameterError(f"no directory {str(path.resolve().parent)!r} to write "
+                             f"{path.name!r} in", parameter=parameter, value=str(path))
+    return path
+
+
+class FixedMapping(Mapping):
+    """A dict that nobody can change: it has a hash, and `dataclasses.asdict` makes a dict of it."""
+
+    def __init__(self, values: Mapping[Any, Any]):
+        self._values = dict(values)
+
+    def __getitem__(self, key: Any) -> Any:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._values.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._values)
+
+    def __deepcopy__(self, memo: Any) -> dict[Any, Any]:
+        return dict(self._values)
 
 
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:

@@ -9,13 +9,13 @@ import csv
 import dataclasses
 import runpy
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from . import __version__
 from .catalogue import diagram_folder, diagram_names, find_diagram
-from .checks import one_of
+from .checks import one_of, writable
 from .errors import BlocksError, ParameterError
 
 
@@ -119,36 +119,66 @@ def _list(args: argparse.Namespace) -> None:
 
 
 def _run(args: argparse.Namespace) -> None:
+    script = find_diagram(args.name).resolve()
+    if args.csv is not None:
+        writable("csv", args.csv)
+    with _saving(args.save), _as_main(script):
+        namespace = runpy.run_path(str(script), run_name="__main__")
+        if args.save is not None:
+            _save_open_figures()
+    if args.csv is not None:
+        _write_csv(namespace.values(), args.csv)
+
+
+def _save_open_figures() -> None:
+    """Those that a script left open, as ``sim.plot()`` does."""
+    import matplotlib.pyplot as plt
+
+    from .plots import show
+
+    for number in plt.get_fignums():
+        show(plt.figure(number), "")
+
+
+def _saving(path: Path | None) -> contextlib.AbstractContextManager[None]:
     from .plots import saving_to
 
-    script = find_diagram(args.name)
-    _check_targets(args.save, args.csv)
-    with saving_to(args.save) if args.save else contextlib.nullcontext():
-        namespace = runpy.run_path(str(script), run_name="__main__")
-    if args.csv is not None:
-        _write_csv(namespace.get("sim"), args.csv)
+    return contextlib.nullcontext() if path is None else saving_to(path)
 
 
-def _check_targets(*targets: Path | None) -> None:
-    """Refuse files that cannot be written before the work is done, not after."""
-    for target in targets:
-        if target is not None and not target.resolve().parent.is_dir():
-            raise ParameterError(f"no directory {str(target.resolve().parent)!r} to write "
-                                 f"{target.name!r} in", parameter="save", value=str(target))
+@contextlib.contextmanager
+def _as_main(script: Path) -> Iterator[None]:
+    """Arguments and import path as ``python script.py`` sets them."""
+    argv, path = sys.argv, sys.path[:]
+    sys.argv = [str(script)]
+    sys.path.insert(0, str(script.parent))
+    try:
+        yield
+    finally:
+        sys.argv, sys.path[:] = argv, path
 
 
-def _write_csv(simulation: Any, path: Path) -> None:
+def _write_csv(objects: Iterable[Any], path: Path) -> None:
+    from pathsim import Simulation, Subsystem
     from pathsim.blocks import Scope
 
-    scopes = [b for b in getattr(simulation, "blocks", ()) if isinstance(b, Scope)]
+    def scopes(blocks: Iterable[Any]) -> Iterator[Scope]:
+        for block in blocks:
+            if isinstance(block, Scope):
+                yield block
+            elif isinstance(block, Subsystem):
+                yield from scopes(block.blocks)
+
+    simulations = {id(x): x for x in objects if isinstance(x, Simulation)}
     columns: list[tuple[str, dict[float, float]]] = []
-    for scope in scopes:
-        time, data = scope.read()
-        for i, values in enumerate(data if data is not None else ()):
-            label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
-            columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=True))))
+    for simulation in simulations.values():
+        for scope in scopes(simulation.blocks):
+            time, data = scope.read()
+            for i, values in enumerate(data if data is not None else ()):
+                label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
+                columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=True))))
     if not columns:
-        raise ParameterError("the script leaves no recorded simulation named 'sim'",
+        raise ParameterError("the script leaves no simulation that a Scope recorded",
                              parameter="csv", value=str(path))
     times = sorted({t for _, column in columns for t in column})
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -226,21 +256,23 @@ def _trim(args: argparse.Namespace) -> None:
 
 
 def _study(args: argparse.Namespace) -> None:
-    from .plots import saving_to, show
+    from .plots import show
     from .studies import STUDIES
 
     study = STUDIES[one_of("study", args.name, STUDIES)]
     if args.wide and not study.wide:
         raise ParameterError(f"the study {args.name} has one grid only, no --wide",
                              parameter="wide", value=True)
-    _check_targets(args.save, args.csv, args.resume)
-    table = study.table(jobs=args.jobs, resume=args.resume, **({"wide": True} if args.wide else {}))
-    trimmed = int(table["trimmed"].sum())
-    print(f"{args.name}: {trimmed} of {len(table)} points trim")
     if args.csv is not None:
-        table.to_csv(args.csv, index=False)
-        print(f"table saved: {args.csv}")
-    with saving_to(args.save) if args.save else contextlib.nullcontext():
+        writable("csv", args.csv)
+    with _saving(args.save):
+        table = study.table(jobs=args.jobs, resume=args.resume,
+                            **({"wide": True} if args.wide else {}))
+        trimmed = int(table["trimmed"].sum())
+        print(f"{args.name}: {trimmed} of {len(table)} points trim")
+        if args.csv is not None:
+            table.to_csv(args.csv, index=False)
+            print(f"table saved: {args.csv}")
         show(study.figure(table), args.name)
 
 

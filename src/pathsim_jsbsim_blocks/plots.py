@@ -16,10 +16,10 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
-from .checks import did_you_mean, nearest
+from .checks import did_you_mean, nearest, one_of, writable
 from .errors import ParameterError
 
-_save_to: list[Path] = []
+_save_to: list[Iterator[Path]] = []
 
 # PathSim sets 1, with which the corners of a saved curve sit pixels off; this is matplotlib's own
 _exact_curves = matplotlib.rc_context({"path.simplify_threshold": 1 / 9})
@@ -199,18 +199,23 @@ def saving_to(path: str | Path) -> Iterator[None]:
     Raises
     ------
     ParameterError
-        at once, if figures cannot be written there
+        at once, if figures cannot be written there; in the end, if none was shown
     """
-    path = as_target("save", path)
-    path = path if path.suffix else path.with_suffix(".png")
     from matplotlib.backend_bases import FigureCanvasBase
 
-    one_of("save", path.suffix[1:].lower(), FigureCanvasBase.get_supported_filetypes())
-    _save_to.append(_numbered(path))
+    path = writable("save", path)
+    path = path if path.suffix else path.with_suffix(".png")
+    one_of("the ending of save", path.suffix[1:].lower(),
+           FigureCanvasBase.get_supported_filetypes())
+    targets = _numbered(path)
+    _save_to.append(targets)
     try:
         yield
     finally:
         _save_to.pop()
+    if next(targets) == path:
+        raise ParameterError(f"no figure was shown that could be saved as {str(path)!r}",
+                             parameter="save", value=str(path))
 
 
 def _numbered(path: Path) -> Iterator[Path]:

@@ -7,13 +7,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import jsbsim
 
 from .airframe import Airframe
-from .checks import mapping, number, one_of, positive, whole
+from .checks import FixedMapping, mapping, number, one_of, positive, whole
 from .console import messages
 from .errors import ParameterError, TrimError
 
@@ -26,19 +25,37 @@ _HEIGHT_BEFORE_SETTLING = 5.0
 # deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
 _ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
 
-_LIMITS = {  # the axis that JSBSim reports as not trimmable -> the control that ran out
-    "u": "thrust",
-    "w": "alpha limit",
-    "q": "elevator",
-    "v": "sideslip",
-    "p": "aileron",
-    "r": "rudder",
+# the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
+_LIMITS = {"udot": "thrust", "wdot": "alpha limit", "qdot": "elevator", "vdot": "bank",
+           "pdot": "aileron", "rdot": "rudder"}
+_LIMITS_OF_MODES = {
+    "turn": {**_LIMITS, "vdot": "sideslip"},
+    "pull-up": {**_LIMITS, "nlf": "alpha limit", "hmgt": "sideslip"},
+    "ground": {"wdot": "height", "qdot": "pitch angle", "pdot": "bank"},
+}
+
+# of the quantities of a condition and of a state, in the order of the tables of studies
+UNITS = {
+    "altitude": "ft", "speed": "KCAS", "mach": "", "tas": "ft/s",
+    **dict.fromkeys(("gamma", "alpha", "beta", "theta", "phi", "psi"), "deg"),
+    "throttle": "norm", "thrust": "lbf", "pitch_trim": "norm",
+    "elevator_rad": "rad", "elevator_norm": "norm",
+    **dict.fromkeys(("elevator", "aileron", "rudder"), "cmd norm"),
+    **dict.fromkeys(("udot", "vdot", "wdot"), "ft/s2"),
+    **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"), "weight": "lb",
+    **dict.fromkeys(("cg_x", "cg_y", "cg_z", "empty_cg_x"), "in"),
+    **dict.fromkeys(("heading", "bank", "alpha_min", "alpha_max"), "deg"),
+    "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
+    **dict.fromkeys(("wind_north", "wind_east"), "ft/s"), "payload": "lb", "fuel": "lb",
 }
 
 
 @dataclass(frozen=True)
 class TrimCondition:
     """What to trim for.
+
+    What a condition leaves open stays as it is: ``flaps=None`` after ``flaps=1`` on one airframe
+    keeps them down.
 
     Parameters
     ----------
@@ -55,10 +72,13 @@ class TrimCondition:
     bank : float
         bank angle in deg, right wing down positive (mode "turn" only)
     load_factor : float
-        normal load factor in g (mode "pull-up" only)
+        lift over weight in g (mode "pull-up" only). It is the load factor of the wind axes: at 2
+        the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
     mode : str
-        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear), "pull-up",
-        "turn", or "none" (initialise only)
+        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
+        is the ground's), "pull-up", "turn", or "none" (initialise only). On the ground ``speed``,
+        ``mach`` and ``gamma`` do not apply, and udot is no part of the trim: engines idle and
+        brakes are off, so it may creep (c172p: 5.6 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting (often down)
     flaps : float, optional
@@ -133,7 +153,7 @@ class TrimCondition:
             put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
         put("payload", _weights("payload", self.payload))
         put("fuel", _weights("fuel", self.fuel))
-        put("properties", MappingProxyType(mapping("properties", self.properties)))
+        put("properties", FixedMapping(mapping("properties", self.properties)))
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
             raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
                                  f"{self.mode!r}", parameter="bank", value=self.bank)
@@ -142,27 +162,24 @@ class TrimCondition:
                                  f"not {self.mode!r}", parameter="load_factor",
                                  value=self.load_factor)
 
-    def __reduce__(self):
-        # a mappingproxy cannot be pickled, and studies send conditions to other processes
-        values = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        for name in ("payload", "fuel", "properties"):
-            values[name] = dict(values[name])
-        return _condition, (values,)
+    def __deepcopy__(self, memo: Any) -> TrimCondition:
+        return self
 
     def __str__(self) -> str:
-        always = ("altitude", "gamma", "mode", "speed" if self.mach is None else "mach")
+        always = ["altitude", "mode"]
+        never = ["speed"]
+        if self.mode == "ground":
+            never += ["mach", "gamma"]
+        else:
+            always += ["gamma", "speed" if self.mach is None else "mach"]
         said = []
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if isinstance(value, Mapping):
-                said += [f"{f.name}={dict(value)!r}"] * bool(value)
-            elif f.name in always or (value != f.default and f.name != "speed"):
+                said += [f"{f.name}={value!r}"] * bool(value)
+            elif f.name in always or (value != f.default and f.name not in never):
                 said.append(f"{f.name}={value!r}")
         return ", ".join(said)
-
-
-def _condition(values: dict[str, Any]) -> TrimCondition:
-    return TrimCondition(**values)
 
 
 def _weights(name: str, value: Any) -> Mapping[int, float]:
@@ -173,8 +190,8 @@ def _weights(name: str, value: Any) -> Mapping[int, float]:
     if not isinstance(value, Mapping):
         raise ParameterError(f"{name} must be a list or a dict of weights in lb, not {value!r}",
                              parameter=name, value=value)
-    return MappingProxyType({whole(f"{name} index", i, low=0): number(f"{name}[{i}]", w, low=0.0)
-                             for i, w in value.items()})
+    return FixedMapping({whole(f"{name} index", i, low=0): number(f"{name}[{i}]", w, low=0.0)
+                         for i, w in value.items()})
 
 
 @dataclass(frozen=True)
@@ -194,7 +211,7 @@ class TrimState:
     throttle : tuple[float, ...]
         throttle command of each engine, 0 to 1
     thrust : float
-        lb, sum of the engines
+        lbf, sum of the engines
     pitch_trim, elevator, aileron, rudder : float
         commands, -1 to 1; the trim holds the pitch with the pitch trim, elevator stays 0
     elevator_rad, elevator_norm : float
@@ -286,14 +303,16 @@ def trim(airframe: Airframe, condition: TrimCondition,
     if not isinstance(condition, TrimCondition):
         raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
                              parameter="condition", value=condition)
-    airframe.write({**_loading(airframe, condition), **condition.properties,
+    airframe.lower_ground()
+    airframe.write({**_loading(condition), **condition.properties,
                     **mapping("setup", setup)}, "setup")
-    # some models trim only if the engines are started after run_ic, others only if before
-    _start_engines(airframe)
-    _initial_condition(airframe, condition)
-    airframe.run_ic()
-    _start_engines(airframe)
+    _initialise(airframe, condition, condition.heading)
     if condition.mode != "none":
+        _find(airframe, condition)
+    if condition.mode == "turn":
+        # JSBSim keeps the direction of the path and turns the nose: start as far to the other side
+        beyond = math.remainder(airframe.fdm[_STATE["psi"]] - condition.heading, 360.0)
+        _initialise(airframe, condition, condition.heading - beyond)
         _find(airframe, condition)
     found = state(airframe, condition)
     if not math.isfinite(found.alpha + found.theta + found.phi + found.tas + found.altitude):
@@ -317,12 +336,11 @@ def _start_engines(airframe: Airframe) -> None:
         airframe.fdm["propulsion/set-running"] = -1
 
 
-def _loading(airframe: Airframe, condition: TrimCondition) -> dict[str, float]:
+def _loading(condition: TrimCondition) -> dict[str, float]:
     """Mass, configuration and trim limits as properties."""
-    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in
-               _weights("payload", condition.payload).items()}
-    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in
-                _weights("fuel", condition.fuel).items()}
+    payload, fuel = dict(condition.payload), dict(condition.fuel)  # type: ignore[arg-type]
+    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in payload.items()}
+    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in fuel.items()}
     if condition.gear is not None:
         written |= {"gear/gear-cmd-norm": condition.gear, "gear/gear-pos-norm": condition.gear}
     if condition.flaps is not None:
@@ -334,35 +352,53 @@ def _loading(airframe: Airframe, condition: TrimCondition) -> dict[str, float]:
     return written
 
 
-def _initial_condition(airframe: Airframe, condition: TrimCondition) -> None:
+def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) -> None:
+    # some models trim only if the engines are started after run_ic, others only if before
+    _start_engines(airframe)
+    _initial_condition(airframe, condition, heading)
+    airframe.run_ic()
+    _start_engines(airframe)
+
+
+def _initial_condition(airframe: Airframe, condition: TrimCondition, heading: float) -> None:
     fdm = airframe.fdm
+    on_ground = condition.mode == "ground"
 
     def put(name: str, value: float) -> None:
         # a needless write moves the other initial conditions by a rounding error
         if fdm[name] != value:
             fdm[name] = value
 
-    put("ic/psi-true-deg", condition.heading)
-    if condition.mode == "ground":
-        put("ic/terrain-elevation-ft", condition.altitude)
+    if fdm["ic/vw-mag-fps"]:
+        # the wind of the trim before would turn the nose
+        fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
+    put("ic/phi-deg", 0.0)
+    put("ic/psi-true-deg", heading)
+    if on_ground:
+        airframe.raise_ground(condition.altitude)
         fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
     else:
         fdm["ic/h-sl-ft"] = condition.altitude
     # the order matters: a height or a speed zeroes gamma
-    put("ic/vw-mag-fps", 0.0)
     put("ic/beta-deg", 0.0)
-    if condition.mach is not None:
+    if on_ground:
+        fdm["ic/vc-kts"] = 0.0
+    elif condition.mach is not None:
         fdm["ic/mach"] = condition.mach
     else:
         fdm["ic/vc-kts"] = condition.speed
-    fdm["ic/gamma-deg"] = condition.gamma
+    fdm["ic/gamma-deg"] = 0.0 if on_ground else condition.gamma
     if condition.wind_north or condition.wind_east:
         # JSBSim subtracts a wind set before the speed from the ground speed; so set the speed in
-        # still air, let the air carry the aircraft along, and tell of the wind last
-        fdm["ic/vn-fps"] = fdm["ic/vn-fps"] + condition.wind_north
-        fdm["ic/ve-fps"] = fdm["ic/ve-fps"] + condition.wind_east
+        # still air, let the air carry an aircraft in flight along, and tell of the wind last
+        if not on_ground:
+            fdm["ic/vn-fps"] = fdm["ic/vn-fps"] + condition.wind_north
+            fdm["ic/ve-fps"] = fdm["ic/ve-fps"] + condition.wind_east
         fdm["ic/vw-mag-fps"] = math.hypot(condition.wind_north, condition.wind_east)
         fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(condition.wind_east, condition.wind_north))
+        if on_ground:
+            # or settling on the gear would keep the airspeed, which changes with the height
+            fdm["ic/vn-fps"] = fdm["ic/ve-fps"] = fdm["ic/vd-fps"] = 0.0
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
         fdm["ic/targetNlf"] = condition.load_factor
@@ -379,10 +415,12 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
     # what it says of a failure is in the error
     found, said = messages(find, hushed=True)
     if not found:
-        axis = re.search(r"Sorry, ([uvwpqr])dot doesn't appear to be trimmable", " ".join(said))
-        if axis:
-            raise _failure(airframe, condition, _LIMITS[axis[1]])
-        raise _failure(airframe, condition, "no convergence" if airframe.engines else "thrust")
+        limits = _LIMITS_OF_MODES.get(condition.mode, _LIMITS)
+        axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
+        if axis and axis[1].lower() in limits:
+            raise _failure(airframe, condition, limits[axis[1].lower()])
+        powered = airframe.engines or condition.mode == "ground"
+        raise _failure(airframe, condition, "no convergence" if powered else "thrust")
 
 
 def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimError:
