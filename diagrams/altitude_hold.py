@@ -4,7 +4,7 @@ c172p at 5000 ft and 90 KCAS. ``AltitudeHold`` holds the altitude found at the s
 which steps by 500 ft at 5 s; ``AirspeedHold`` keeps the speed with the throttle in the climb, and
 ``RollHold`` the wings level.
 
-Expected: a climb at 10 ft/s, within 10 ft of 5500 ft 52 s after the step, overshoot 2.1 ft;
+Expected: a climb at 10 ft/s, within 10 ft of 5500 ft 51.4 s after the step, overshoot 2.1 ft;
 airspeed 86.8 to 91.0 KCAS.
 
 Source: our own, on the aircraft and the condition of the published pitch hold.

@@ -68,16 +68,19 @@ sim = Simulation(
 def figure():
     import matplotlib.pyplot as plt
 
+    from pathsim_jsbsim_blocks.plots import exact_curves
+
     _, (h,) = height.read()
     _, speeds = airspeeds.read()
     _, (m,) = machs.read()
     drawing, (left, right) = plt.subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
-    for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
-        left.plot(speed, h, label=label, linewidth=1.5)
+    with exact_curves():
+        for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
+            left.plot(speed, h, label=label, linewidth=1.5)
+        right.plot(m, h, linewidth=1.5)
     left.set_xlabel("airspeed [kt]")
     left.set_ylabel("altitude [ft]")
     left.legend()
-    right.plot(m, h, linewidth=1.5)
     right.set_xlabel("Mach number [-]")
     left.grid(alpha=0.4)
     right.grid(alpha=0.4)

@@ -5,7 +5,7 @@ c172p at 5000 ft and 90 KCAS, heading 350 deg. ``HeadingHold`` is to hold 10 deg
 heading is shown from -180 to 180 deg.
 
 Expected: a right turn of 20 deg with a bank of at most 24 deg, heading within 0.5 deg of 10 deg in
-12.4 s, altitude within 4.5 ft. This is the turn that the published "10-degree turn" is not
+12.6 s, altitude within 4.5 ft. This is the turn that the published "10-degree turn" is not
 (see ``aileron_turn``).
 
 Source: our own, on the aircraft and the condition of the published pitch hold.

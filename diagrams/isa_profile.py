@@ -44,6 +44,8 @@ sim = Simulation(
 def figure(top=80.0):
     import matplotlib.pyplot as plt
 
+    from pathsim_jsbsim_blocks.plots import exact_curves
+
     _, (h,) = height.read()
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
     shown = h <= 1000 * top
@@ -51,7 +53,8 @@ def figure(top=80.0):
     panels = [("pressure [hPa]", pressure / 100), ("density [kg/m³]", density),
               ("temperature [°C]", temperature - 273.15), ("speed of sound [m/s]", speed_of_sound)]
     for ax, (label, values) in zip(axes.flat, panels, strict=True):
-        ax.plot(values[shown], h[shown] / 1000, linewidth=1.5)
+        with exact_curves():
+            ax.plot(values[shown], h[shown] / 1000, linewidth=1.5)
         ax.set_xlabel(label)
         ax.grid(alpha=0.4)
     if top > 20:

@@ -4,9 +4,10 @@ c172p at 5000 ft and 90 KCAS: an Adder makes the error, a continuous AntiWindupP
 rate make the demand, an Amplifier turns its sign (nose up is a **negative** elevator command), a
 Clip keeps it within the elevator's travel.
 
-Expected: within 0.05 deg of 3 deg after 2.6 s, as fast as ``pitch_hold``, but with an overshoot of
-0.18 deg and an elevator that jumps to -0.17 at the start: the reference steps instead of moving on
-a ramp, and has its full weight in the proportional part. The gains are positive and the sign is
+Expected: within 0.05 deg of 3 deg after 2.6 s, with an overshoot of 0.18 deg and an elevator that
+jumps to -0.17 at the start; ``pitch_hold`` takes 1.8 s, overshoots by 0.025 deg and never moves the
+elevator by more than 0.055. Here the reference steps instead of moving on a ramp, and has its full
+weight in the proportional part. The gains are positive and the sign is
 turned after the controller, because PathSim's AntiWindupPID diverges in saturation with negative
 gains.
 

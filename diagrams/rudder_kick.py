@@ -5,7 +5,7 @@ in 3 s, both on top of their trimmed values, and stay there: crossed controls, a
 steady-heading sideslip.
 
 Expected: the sideslip angle overshoots to 14.8 deg at 4.2 s and settles near 13.5 deg; after 20 s
-the bank angle is 18.7 deg and the heading 339.5 deg.
+the roll angle is 18.7 deg and the heading 339.5 deg.
 
 Source: RudderKick.py of JSBSim and the published JSBSim/PathSim notebook. The limits of alpha are
 those of the trim there.
@@ -30,7 +30,7 @@ aircraft = Aircraft(
     },
 )
 commands = Scope(labels=["aileron command [-]", "rudder command [-]"])
-response = Scope(labels=["sideslip angle [deg]", "bank angle [deg]"])
+response = Scope(labels=["sideslip angle [deg]", "roll angle [deg]"])
 heading = Scope(labels=["heading [deg]"])
 
 sim = Simulation(
@@ -60,6 +60,6 @@ if __name__ == "__main__":
     time, beta = signal(response, "sideslip angle")
     print(f"sideslip angle at most {beta.max():.2f} deg, at {time[beta.argmax()]:.2f} s; "
           f"{beta[-1]:.2f} deg after {sim.time:.0f} s")
-    print(f"bank angle {aircraft.outputs['phi']:.1f} deg, "
+    print(f"roll angle {aircraft.outputs['phi']:.1f} deg, "
           f"heading {aircraft.outputs['psi']:.1f} deg")
     show(figure(), "rudder_kick")

@@ -1,4 +1,4 @@
-"""Van der Pol oscillator: any start ends on the same limit cycle.
+"""Van der Pol oscillator: any start but the origin ends on one limit cycle.
 
 .. math::
     \\ddot x - \\mu (1 - x^2) \\dot x + x = 0

@@ -122,8 +122,9 @@ def fleet_page():
     """How every aircraft that jsbsim brings does in level flight."""
     rows = list(fleet_table())
     trims = sum(row.error is None for row in rows)
+    departs = sum("departs" in row.verdict for row in rows)
     return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
-            f"{trims} of them trim in level flight.\n"
+            f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
             "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.fleet` finds "
             "it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s with its "
             "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "

@@ -70,6 +70,13 @@ def test_the_error_tells_of_all_tries():
         level_flight("SGS")
 
 
+def test_an_aircraft_that_does_not_stay_level_is_no_success():
+    # 20 deg of bank after 30 s
+    (row,) = fleet_table(["DHC6"])
+    assert row.drift < -100.0
+    assert row.verdict == "trims, then departs"
+
+
 def test_rows_of_the_table():
     flies, created, refused, broken = fleet_table(["c172p", "L17", "SGS", "blank"], duration=2.0)
     assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")

@@ -149,6 +149,20 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
     return dict(value)
 
 
+def weights(parameter: str, value: Any) -> FixedMapping:
+    """Weights in lb, a list or a dict of indices, as a mapping from the index."""
+    if value is None:
+        value = {}
+    if isinstance(value, (list, tuple)):
+        value = dict(enumerate(value))
+    if not isinstance(value, Mapping):
+        raise ParameterError(f"{parameter} must be a list or a dict of weights in lb, not "
+                             f"{value!r}", parameter=parameter, value=value)
+    return FixedMapping({
+        whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
+        for i, w in value.items()})
+
+
 def arrays(**values: Any) -> list[Any]:
     """``values`` as floats or as float arrays of their common shape, copied.
 

@@ -21,6 +21,9 @@ TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 # KCAS; for models whose reference area tells nothing of their lift (rockets, helicopters)
 _SPEEDS = (20.0, 350.0)
 
+# ft; what drifts further is unstable, or its thrust was not settled when it was trimmed
+_STEADY = 20.0
+
 _RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
 _KNOT = 1.6878099  # ft/s
 
@@ -153,7 +156,8 @@ class FleetRow:
         if self.error is not None:
             return f"no flight: {type(self.error).__name__}"
         created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
-        return "trims" + (f" with {created} created" if created else "")
+        steady = "trims" if abs(self.drift) < _STEADY else "trims, then departs"
+        return steady + (f" with {created} created" if created else "")
 
 
 def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,

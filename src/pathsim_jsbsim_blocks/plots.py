@@ -21,11 +21,18 @@ from .errors import ParameterError
 
 _save_to: list[Iterator[Path]] = []
 
-# PathSim sets 1, with which the corners of a saved curve sit pixels off; this is matplotlib's own
-_exact_curves = matplotlib.rc_context({"path.simplify_threshold": 1 / 9})
+
+def exact_curves() -> contextlib.AbstractContextManager[None]:
+    """Within this context curves are drawn where their points are; also decorates a function.
+
+    PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, with which
+    corners of a curve sit pixels off. A curve keeps the threshold under which it was plotted: plot
+    inside the context.
+    """
+    return matplotlib.rc_context({"path.simplify_threshold": 1 / 9})  # matplotlib's own
 
 
-@_exact_curves
+@exact_curves()
 def time_histories(*scopes, title: str = ""):
     """Time histories of scopes, one panel for each unit.
 
@@ -136,7 +143,7 @@ def ground_track(time, latitude, longitude, title: str = "ground track"):
     return figure
 
 
-@_exact_curves
+@exact_curves()
 def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
     """One signal over another, with the start marked.
 
@@ -165,7 +172,7 @@ def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
     return figure
 
 
-@_exact_curves
+@exact_curves()
 def show(figure, name: str) -> None:
     """Show a figure in a window where there is a display; else write ``name.png`` here.
 

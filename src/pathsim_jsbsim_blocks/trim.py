@@ -12,22 +12,21 @@ from typing import Any
 import jsbsim
 
 from .airframe import Airframe
-from .checks import FixedMapping, mapping, number, one_of, positive, whole
+from .checks import FixedMapping, mapping, number, one_of, positive, weights
 from .console import messages
 from .errors import ParameterError, TrimError
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
-# ft above ground from which JSBSim's ground trim lets the wheels down
-_HEIGHT_BEFORE_SETTLING = 5.0
+_HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
 
 # deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
 _ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
 
 # the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
-_LIMITS = {"udot": "thrust", "wdot": "alpha limit", "qdot": "elevator", "vdot": "bank",
-           "pdot": "aileron", "rdot": "rudder"}
+_LIMITS = {"udot": "thrust", "vdot": "bank", "wdot": "alpha limit",
+           "pdot": "aileron", "qdot": "elevator", "rdot": "rudder"}
 _LIMITS_OF_MODES = {
     "turn": {**_LIMITS, "vdot": "sideslip"},
     "pull-up": {**_LIMITS, "nlf": "alpha limit", "hmgt": "sideslip"},
@@ -87,7 +86,8 @@ class TrimCondition:
         limits of the angle of attack in deg for the trim; default is the model's own
     wind_north, wind_east : float
         steady wind in ft/s, the direction it blows to; speed and path angle are those through the
-        air
+        air. JSBSim trims the velocity over the ground, which a turn in wind changes all the time,
+        and stands few aircraft on the ground in a crosswind
     payload : dict or list, optional
         point masses in lb: ``{index: lb}`` or a list from index 0
     fuel : dict or list, optional
@@ -151,8 +151,8 @@ class TrimCondition:
             put(name, number(name, getattr(self, name)))
         if self.empty_cg_x is not None:
             put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
-        put("payload", _weights("payload", self.payload))
-        put("fuel", _weights("fuel", self.fuel))
+        put("payload", weights("payload", self.payload))
+        put("fuel", weights("fuel", self.fuel))
         put("properties", FixedMapping(mapping("properties", self.properties)))
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
             raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
@@ -166,32 +166,18 @@ class TrimCondition:
         return self
 
     def __str__(self) -> str:
-        always = ["altitude", "mode"]
-        never = ["speed"]
+        always = ("altitude", "speed", "mach", "gamma", "mode")
+        unused = ["mach" if self.mach is None else "speed"]
         if self.mode == "ground":
-            never += ["mach", "gamma"]
-        else:
-            always += ["gamma", "speed" if self.mach is None else "mach"]
+            unused = ["speed", "mach", "gamma"]
         said = []
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if isinstance(value, Mapping):
                 said += [f"{f.name}={value!r}"] * bool(value)
-            elif f.name in always or (value != f.default and f.name not in never):
+            elif f.name not in unused and (f.name in always or value != f.default):
                 said.append(f"{f.name}={value!r}")
         return ", ".join(said)
-
-
-def _weights(name: str, value: Any) -> Mapping[int, float]:
-    if value is None:
-        value = {}
-    if isinstance(value, (list, tuple)):
-        value = dict(enumerate(value))
-    if not isinstance(value, Mapping):
-        raise ParameterError(f"{name} must be a list or a dict of weights in lb, not {value!r}",
-                             parameter=name, value=value)
-    return FixedMapping({whole(f"{name} index", i, low=0): number(f"{name}[{i}]", w, low=0.0)
-                         for i, w in value.items()})
 
 
 @dataclass(frozen=True)
@@ -353,14 +339,6 @@ def _loading(condition: TrimCondition) -> dict[str, float]:
 
 
 def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) -> None:
-    # some models trim only if the engines are started after run_ic, others only if before
-    _start_engines(airframe)
-    _initial_condition(airframe, condition, heading)
-    airframe.run_ic()
-    _start_engines(airframe)
-
-
-def _initial_condition(airframe: Airframe, condition: TrimCondition, heading: float) -> None:
     fdm = airframe.fdm
     on_ground = condition.mode == "ground"
 
@@ -369,6 +347,8 @@ def _initial_condition(airframe: Airframe, condition: TrimCondition, heading: fl
         if fdm[name] != value:
             fdm[name] = value
 
+    # some models trim only if the engines are started after run_ic, others only if before
+    _start_engines(airframe)
     if fdm["ic/vw-mag-fps"]:
         # the wind of the trim before would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
@@ -381,12 +361,10 @@ def _initial_condition(airframe: Airframe, condition: TrimCondition, heading: fl
         fdm["ic/h-sl-ft"] = condition.altitude
     # the order matters: a height or a speed zeroes gamma
     put("ic/beta-deg", 0.0)
-    if on_ground:
-        fdm["ic/vc-kts"] = 0.0
-    elif condition.mach is not None:
+    if condition.mach is not None and not on_ground:
         fdm["ic/mach"] = condition.mach
     else:
-        fdm["ic/vc-kts"] = condition.speed
+        fdm["ic/vc-kts"] = 0.0 if on_ground else condition.speed
     fdm["ic/gamma-deg"] = 0.0 if on_ground else condition.gamma
     if condition.wind_north or condition.wind_east:
         # JSBSim subtracts a wind set before the speed from the ground speed; so set the speed in
@@ -402,6 +380,8 @@ def _initial_condition(airframe: Airframe, condition: TrimCondition, heading: fl
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
         fdm["ic/targetNlf"] = condition.load_factor
+    airframe.run_ic()
+    _start_engines(airframe)
 
 
 def _find(airframe: Airframe, condition: TrimCondition) -> None:
@@ -417,16 +397,14 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
     if not found:
         limits = _LIMITS_OF_MODES.get(condition.mode, _LIMITS)
         axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
-        if axis and axis[1].lower() in limits:
-            raise _failure(airframe, condition, limits[axis[1].lower()])
         powered = airframe.engines or condition.mode == "ground"
-        raise _failure(airframe, condition, "no convergence" if powered else "thrust")
+        raise _failure(airframe, condition, limits[axis[1].lower()] if axis
+                       else "no convergence" if powered else "thrust")
 
 
 def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimError:
     fdm = airframe.fdm
-    residuals = {name: fdm[_STATE[name]] for name in ("udot", "vdot", "wdot", "pdot", "qdot",
-                                                      "rdot")}
+    residuals = {name: fdm[_STATE[name]] for name in _LIMITS}
     alpha_min, alpha_max = (math.degrees(fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
     if alpha_max <= alpha_min:
         alpha_min, alpha_max = _ALPHA_RANGE_OF_MODELS_WITHOUT

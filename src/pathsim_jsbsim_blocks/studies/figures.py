@@ -24,7 +24,7 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ----------
     table : DataFrame
         of `aoa_vs_cas`, `aoa_vs_cas_loading` or `trim_sweep`; one line for each altitude and, where
-        the table has them, weight case and CG shift
+        the table has them, weight case and CG shift (shown in inches of the empty-weight CG)
     title : str
         headline
     """
@@ -55,12 +55,20 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
         at = dict(zip(keys, group, strict=True))
         index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
         said = [f"{at['weight_case']}" if "weight_case" in at else "",
-                f"CG {at['cg_shift_percent']:+g} %" if "cg_shift_percent" in at else "",
+                _cg_travel(rows) if "cg_shift_percent" in at else "",
                 f"{at['requested_altitude_ft']:,.0f} ft"]
         style = {"color": f"C{index.get('weight_case', 0)}",
                  "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
                  "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4]}
         yield ", ".join(filter(None, said)), style, rows
+
+
+def _cg_travel(rows: pd.DataFrame) -> str:
+    """How far the empty-weight CG was moved: inches, since a percentage would read as % MAC."""
+    first = rows.iloc[0]
+    shift = first.cg_shift_percent
+    inches = first.requested_empty_cg_x_in * shift / (100 + shift)
+    return f"empty CG {abs(inches):.1f} in {'aft' if shift > 0 else 'forward'}"
 
 
 def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
@@ -102,6 +110,9 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
 def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Thrust and angle of attack against the thrust angle, the least thrust marked.
 
+    The curve is flat there and has kinks of the trim's tolerance: the angle is known to half a
+    degree or so.
+
     Parameters
     ----------
     table : DataFrame
@@ -119,7 +130,7 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
         best = rows.loc[rows.thrust_lb.idxmin()]
         ax.plot(rows.thrust_angle_deg, rows.thrust_lb, color="C0")
         ax.plot(best.thrust_angle_deg, best.thrust_lb, "o", color="C3",
-                label=f"least: {best.thrust_lb:,.0f} lbf at {best.thrust_angle_deg:.2f} deg")
+                label=f"least: {best.thrust_lb:,.0f} lbf at about {best.thrust_angle_deg:.0f} deg")
         ax.set_title(case)
         ax.set_xlabel("thrust angle, up positive [deg]")
         ax.set_ylabel("thrust [lbf]", color="C0")
