@@ -3,9 +3,9 @@
 A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg. The aileron command is **set** to -0.15 (left)
 for 5 s and then to 0, with the FDM block that writes any property as it stands.
 
-Expected: the roll angle reaches -57 deg in 5 s. With the aileron back at 0 it does not stay there: it
-eases to -43 deg at 15 s and grows again to -60 deg at 28 s. In 30 s the aircraft turns left through
-286 deg and loses 808 ft.
+Expected: the roll angle reaches -57 deg in 5 s. With the aileron back at 0 it does not stay there:
+it eases to -43 deg at 15 s and grows again to -60 deg at 28 s. In 30 s the aircraft turns left
+through 286 deg and loses 808 ft.
 
 Source: the published JSBSim/PathSim notebook, where this is titled a 10-degree turn; it is not one:
 nothing holds the bank. A turn that holds its bank is the diagram ``heading_hold``.

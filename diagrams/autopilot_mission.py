@@ -1,7 +1,7 @@
 """A mission on autopilot, in turbulence: climb, turn, accelerate, level off.
 
-A Boeing 737 at 10,000 ft and 280 KCAS, gear up, in moderate turbulence: JSBSim's MIL-spec model with
-severity 4 (3 is light, 6 severe), about 9 ft/s rms. One ``Autopilot`` block flies it; its
+A Boeing 737 at 10,000 ft and 280 KCAS, gear up, in moderate turbulence: JSBSim's MIL-spec model
+with severity 4 (3 is light, 6 severe), about 9 ft/s rms. One ``Autopilot`` block flies it; its
 references change through step sources: 1500 ft up at 20 s, 60 deg to the right at 60 s, 15 kt
 faster at 130 s, 500 ft down at 180 s.
 

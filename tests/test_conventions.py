@@ -9,6 +9,7 @@ import pytest
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks import BlocksError
 
 SOURCE = Path(package.__file__).parent
 PUBLIC = {n: o for n, o in vars(package).items()
@@ -40,6 +41,16 @@ def test_there_are_blocks():
     assert len(BLOCKS) > 20
 
 
+@pytest.mark.parametrize("name", BLOCKS)
+def test_a_port_that_does_not_exist_is_refused(name):
+    block = BLOCKS[name]()
+    with pytest.raises(BlocksError, match="no port 'no_such_port'"):
+        block["no_such_port"]
+    for known in [*block.inputs._mapping, *block.outputs._mapping]:
+        with pytest.raises(BlocksError, match=f"did you mean .*{known!r}"):
+            block[0, known + "_"]
+
+
 @pytest.mark.parametrize("name", PUBLIC)
 def test_a_public_name_has_a_one_line_summary(name):
     summary, _, rest = inspect.getdoc(PUBLIC[name]).partition("\n")
@@ -53,6 +64,13 @@ def test_parameters_are_documented_and_no_others(name):
     text = inspect.getdoc({**BLOCKS, **DATA}[name])
     title = "Attributes" if name == "TrimState" else "Parameters"
     assert documented(section(text, title)) == set(parameters({**BLOCKS, **DATA}[name]))
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_each_parameter_has_a_text_of_its_own(name):
+    # PathView's dialog shows the text of a shared line at the last name only
+    text = section(inspect.getdoc(BLOCKS[name]), "Parameters")
+    assert not re.findall(r"^\w+, .*", text, re.M)
 
 
 @pytest.mark.parametrize("name", [n for n in BLOCKS if n != "JSBSimFDM"])
@@ -89,7 +107,7 @@ def test_port_names_can_be_told_apart_in_the_editor(name):
 
 FLOORS = [  # each may import what stands above it, and its own floor
     {"errors"},
-    {"checks", "catalogue", "console"},
+    {"checks", "catalogue", "console", "ports"},
     {"sampling", "atmosphere", "sources", "axes", "plots"},
     {"airframe", "airspeed", "atmosphere_blocks"},
     {"trim", "airspeed_blocks", "calibrated_airspeed_blocks", "control"},

@@ -53,20 +53,21 @@ def test_pitch_hold(flown):
 def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
     diagram = flown("pitch_hold_primitives")
     time, theta = signal(diagram.pitch, "pitch angle")
-    assert settled(time, theta - 3.0, 0.05) == pytest.approx(2.6, abs=0.1)
+    assert settled(time, theta - 3.0, 0.05) == pytest.approx(2.6, abs=0.05)
     assert theta.max() == pytest.approx(3.18, abs=0.01)
     assert abs(theta[-1] - 3.0) < 0.02
     _, elevator = signal(diagram.flight, "elevator increment")
     assert elevator[0] == pytest.approx(-0.171, abs=0.001)
-    # with the same gains, both end at the same elevator
     _, hold = signal(flown("pitch_hold").flight, "elevator increment")
+    assert np.abs(hold).max() == pytest.approx(0.055, abs=0.001)
+    # with the same gains, both end at the same elevator
     assert elevator[-1] == pytest.approx(hold[-1], abs=0.002)
 
 
 def test_altitude_hold(flown):
     diagram = flown("altitude_hold")
     time, h = signal(diagram.climb, "altitude")
-    assert settled(time, h - 5500.0, 10.0) - 5.0 == pytest.approx(51.8, abs=0.5)
+    assert settled(time, h - 5500.0, 10.0) - 5.0 == pytest.approx(51.4, abs=0.05)
     assert h.max() == pytest.approx(5502.1, abs=0.2)
     _, climb = signal(diagram.climb, "rate of climb")
     assert climb.max() == pytest.approx(10.0, abs=0.1)
@@ -82,7 +83,7 @@ def test_heading_hold_goes_the_short_way_across_north(flown):
     assert psi[0] == pytest.approx(-10.0)
     assert error.min() > -21.0
     assert error.max() < 0.1
-    assert settled(time, error, 0.5) == pytest.approx(12.4, abs=0.2)
+    assert settled(time, error, 0.5) == pytest.approx(12.6, abs=0.05)
     _, phi = signal(diagram.bank, "roll angle")
     assert phi.max() == pytest.approx(23.8, abs=0.5)
     _, h = signal(diagram.flight, "altitude")
@@ -127,13 +128,13 @@ def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
     level, low = (time > 90.0) & (time < 180.0), time > 215.0
     assert np.max(np.abs(h[level] - 11_500.0)) < 40.0
     assert np.max(np.abs(h[low] - 11_000.0)) < 40.0
-    assert np.max(np.abs(psi[time > 115.0] - 150.0)) < 3.0
+    assert np.max(np.abs(psi[time > 115.0] - 150.0)) < 2.1
     fast = time > 150.0
-    assert np.max(np.abs(vc[fast] - 295.0)) < 16.0
+    assert np.max(np.abs(vc[fast] - 295.0)) < 15.0
     assert np.mean(vc[fast]) == pytest.approx(295.0, abs=1.0)
     assert np.std(np.diff(vc)) > 0.05  # kt: the air is not still
     assert np.all(saturation[:3] == 0.0)
-    assert np.mean(saturation[3] != 0.0) < 0.05
+    assert np.mean(saturation[3] != 0.0) == pytest.approx(0.03, abs=0.005)
 
 
 @pytest.mark.parametrize("name", PANELS)

@@ -61,6 +61,9 @@ def test_elevator_doublet():
     # the table shows the property after the step that ended at t, so the input of that step
     close(at(time, command, t[1:] - 1 / 120), 100 * expected["fcs/elevator-cmd-norm"][1:])
     close(at(time, alpha, t), expected["aero/alpha-deg"])
+    # what the docstring says
+    assert (alpha[0], alpha.max(), alpha.min()) == pytest.approx((4.32, 6.4, 1.8), abs=0.05)
+    assert np.abs(alpha - alpha[0])[time > 17.0].max() < 0.1
 
 
 def test_trimmed_flight():
@@ -93,7 +96,13 @@ def test_aileron_turn_is_no_ten_degree_turn():
             ("flow", "sideslip angle", "aero/beta-deg")):
         time, values = signal(getattr(module, scope), label)
         close(at(time, values, t), expected[name])
+    # what the docstring says: roll angle at 5, 15 and 28 s, its extremes afterwards, turn, loss
     time, phi = signal(module.scope, "roll angle")
-    assert at(time, phi, np.array([5.0]))[0] == pytest.approx(-56.8, abs=0.05)
+    assert at(time, phi, np.array([5.0, 15.0, 28.0])) == pytest.approx([-57, -43, -60], abs=0.5)
+    late = time > 10.0
+    assert time[late][phi[late].argmax()] == pytest.approx(15.0, abs=0.5)
+    assert time[late][phi[late].argmin()] == pytest.approx(28.0, abs=0.5)
     _, psi = signal(module.scope, "heading")
-    assert np.unwrap(psi, period=360.0)[-1] - 90.0 == pytest.approx(-286, abs=1.0)
+    assert np.unwrap(psi, period=360.0)[-1] - 90.0 == pytest.approx(-286, abs=0.5)
+    _, h = signal(module.scope, "altitude")
+    assert h[0] - h[-1] == pytest.approx(808, abs=0.5)

@@ -8,6 +8,7 @@ from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.plots import (
+    exact_curves,
     ground_track,
     phase_portrait,
     saving_to,
@@ -76,6 +77,19 @@ def test_phase_portrait_shows_one_over_the_other():
     ax = figure.axes[0]
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x", "y")
     assert ax.get_lines()[0].get_xydata().tolist() == [[1.0, 3.0], [2.0, 4.0]]
+
+
+def test_curves_keep_their_points():
+    assert plt.rcParams["path.simplify_threshold"] == 1.0  # PathSim's
+    x = np.linspace(0.0, 1.0, 200)
+    [rough] = plt.subplots()[1].plot(x, x)
+    with exact_curves():
+        [exact] = plt.subplots()[1].plot(x, x)
+    [ours] = phase_portrait(x, x, ("x", "y")).axes[0].get_lines()[:1]
+    assert rough.get_path().simplify_threshold == 1.0
+    for line in (exact, ours):
+        assert line.get_path().simplify_threshold == pytest.approx(1 / 9)
+    assert plt.rcParams["path.simplify_threshold"] == 1.0
 
 
 def test_show_writes_a_file_where_there_is_no_display(scope, tmp_path, monkeypatch, capsys):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from .airframe import Airframe
 from .fdm import FlightBlock, chosen_condition, defaults
 from .trim import TrimCondition
 
@@ -58,8 +57,10 @@ class Aircraft(FlightBlock):
         bank angle in deg, right positive, with ``mode="turn"``
     mode : str
         "full", "longitudinal", "ground", "pull-up", "turn" or "none"
-    gear, flaps : float, optional
+    gear : float, optional
         0 (up) to 1 (down); default is the model's own setting
+    flaps : float, optional
+        0 (up) to 1 (fully down); default is the model's own setting
     T : float
         sample period in s
     substeps : int
@@ -76,8 +77,10 @@ class Aircraft(FlightBlock):
         properties that the model expects from its surroundings (FlightGear), with their values
     record_inputs : bool
         keep the inputs flown (8 bytes per input and sample), which checkpoints need
-    allow_network, allow_files : bool
-        let the model open sockets or write files that its XML asks for
+    allow_network : bool
+        let the model open the sockets that its XML asks for
+    allow_files : bool
+        let the model write the files that its XML asks for
 
     Inputs
     ------
@@ -159,10 +162,8 @@ class Aircraft(FlightBlock):
         self.allow_files = allow_files
         self.take_off()
 
-    def _airframe(self, dt: float) -> Airframe:
-        return Airframe(self.aircraft, dt, root=self.JSBSim_path,
-                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
-                        allow_network=self.allow_network, allow_files=self.allow_files)
+    def _model(self) -> str:
+        return self.aircraft
 
     def _condition(self) -> TrimCondition:
         flat = {name: getattr(self, name) for name in (

@@ -30,11 +30,12 @@ from .atmosphere import (
 )
 from .checks import finite, one_of
 from .errors import FlightError, ParameterError
+from .ports import NamedPorts
 
 OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
 
-class AirDataBlock(Function):
+class AirDataBlock(NamedPorts, Function):
     """Algebraic block with an ``altitude`` port and a rule for the ends of the standard's range.
 
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.

@@ -28,6 +28,10 @@ class FlightBlock(SampledPlant):
 
     setup: Mapping[str, float] | None
     properties: Mapping[str, float] | None
+    create: Mapping[str, float] | None
+    JSBSim_path: str | None
+    allow_network: bool
+    allow_files: bool
 
     def __init__(self, T: float, substeps: int, record_inputs: bool):
         self.substeps = substeps
@@ -36,8 +40,8 @@ class FlightBlock(SampledPlant):
         self.airframe: Airframe
         self.trim: TrimState
 
-    def _airframe(self, dt: float) -> Airframe:
-        """A fresh airframe with that time step, as the block's parameters say."""
+    def _model(self) -> str:
+        """Name of the model that the block's parameters ask for."""
         raise NotImplementedError
 
     def _condition(self) -> TrimCondition:
@@ -59,9 +63,12 @@ class FlightBlock(SampledPlant):
     def take_off(self) -> None:
         """Load, initialise and trim a fresh aircraft and show its state."""
         self._substeps = whole("substeps", self.substeps, low=1)
-        self.airframe = self._airframe(number(
-            "T / substeps", positive("T", self.T) / self._substeps, low=SHORTEST_PERIOD))
-        self.trim = trim(self.airframe, self._condition(), self.setup)
+        dt = number("T / substeps", positive("T", self.T) / self._substeps, low=SHORTEST_PERIOD)
+        condition = self._condition()
+        self.airframe = Airframe(
+            self._model(), dt, root=self.JSBSim_path, empty_cg_x=condition.empty_cg_x,
+            create=self.create, allow_network=self.allow_network, allow_files=self.allow_files)
+        self.trim = trim(self.airframe, condition, self.setup)
         self._speed, self._height = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
         self.airframe.write(self.properties, "properties")
@@ -70,6 +77,7 @@ class FlightBlock(SampledPlant):
         self._n_outputs = len(self.outputs._mapping)
         self._u: list[float] = []
         self._flown = array("d")
+        self._flying = self._flight()
         self.publish()
 
     @property
@@ -139,9 +147,11 @@ class FlightBlock(SampledPlant):
             aircraft=self.airframe.aircraft, time=t, name=name, value=value)
 
     def _flight(self) -> str:
-        """What must be the same for a flight to be flown again."""
-        return (f"{self.airframe.aircraft} at {self.trim.condition}, T={self.clock.period!r}, "
-                f"substeps={self._substeps}, setup={self.setup}, properties={self.properties}")
+        """What the parameters ask for: the same for a flight to be flown again."""
+        return (f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
+                f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
+                f"create={self.create}, JSBSim_path={self.JSBSim_path}, "
+                f"inputs={list(self.inputs._mapping)}, outputs={list(self.outputs._mapping)}")
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Save the flight as the inputs flown: JSBSim's state itself cannot be saved.
@@ -149,15 +159,15 @@ class FlightBlock(SampledPlant):
         Raises
         ------
         ParameterError
-            if the aircraft has flown and ``record_inputs`` is off
+            if the aircraft has flown and ``record_inputs`` is or was off
         """
-        if self.samples and not self.record_inputs:
+        if len(self._flown) != self.samples * self._n_inputs:
             raise ParameterError(
                 f"the flight of {self.airframe.aircraft!r} cannot be saved: its inputs were not "
                 f"recorded. Build the block with record_inputs=True", parameter="record_inputs",
                 value=self.record_inputs)
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        json_data.update(flight=self._flight(), samples=self.samples, latched=self._latched)
+        json_data.update(flight=self._flying, samples=self.samples, latched=self._latched)
         npz_data[f"{prefix}/flown"] = np.array(self._flown)
         npz_data[f"{prefix}/latched"] = np.array(self._u)
         return json_data, npz_data
@@ -170,11 +180,11 @@ class FlightBlock(SampledPlant):
         ParameterError
             if the checkpoint is of another flight, or flying it again ends elsewhere
         """
+        flight = json_data.get("flight")
+        if flight != self._flight():
+            raise ParameterError(f"the checkpoint is of another flight: {flight}; this block flies "
+                                 f"{self._flight()}", parameter="checkpoint", value=flight)
         super().load_checkpoint(prefix, json_data, npz)
-        if json_data["flight"] != self._flight():
-            raise ParameterError(
-                f"the checkpoint is of another flight: {json_data['flight']}; this block flies "
-                f"{self._flight()}", parameter="checkpoint", value=json_data["flight"])
         start = time.perf_counter()
         saved = self.outputs.to_array()
         self.take_off()
@@ -188,12 +198,12 @@ class FlightBlock(SampledPlant):
         if not np.array_equal(self.outputs.to_array(), saved):
             raise ParameterError(
                 "the recorded inputs lead to another state than the one saved: is it the same "
-                "version of jsbsim?", parameter="checkpoint", value=json_data["flight"])
+                "version of jsbsim?", parameter="checkpoint", value=flight)
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)
 
 
 def chosen_condition(condition: TrimCondition | None, flat: Mapping[str, Any],
-            defaults: Mapping[str, Any]) -> TrimCondition | None:
+                     unset: Mapping[str, Any]) -> TrimCondition | None:
     """Refuse a condition next to flat trim keywords that are not at their defaults."""
     if condition is None:
         return None
@@ -201,7 +211,7 @@ def chosen_condition(condition: TrimCondition | None, flat: Mapping[str, Any],
         raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
                              parameter="condition", value=condition)
     for name, value in flat.items():
-        if value != defaults[name]:
+        if np.any(value != unset[name]):  # an array is refused here too
             raise ParameterError(
                 f"both condition and {name}={value!r} are given: put {name} into the condition",
                 parameter=name, value=value)
@@ -276,8 +286,10 @@ class JSBSimFDM(FlightBlock):
         true heading to trim at, deg
     trim_mode : str
         "full", "longitudinal", "ground", "pull-up", "turn" or "none"
-    gear, flaps : float, optional
+    gear : float, optional
         0 (up) to 1 (down); default is the model's own setting
+    flaps : float, optional
+        0 (up) to 1 (fully down); default is the model's own setting
     condition : TrimCondition, optional
         instead of the trim parameters above, where they do not say enough
     setup : dict, optional
@@ -290,8 +302,10 @@ class JSBSimFDM(FlightBlock):
         properties that the model expects from its surroundings (FlightGear), with their values
     record_inputs : bool
         keep the inputs flown (8 bytes per input and sample), which checkpoints need
-    allow_network, allow_files : bool
-        let the model open sockets or write files that its XML asks for
+    allow_network : bool
+        let the model open the sockets that its XML asks for
+    allow_files : bool
+        let the model write the files that its XML asks for
 
     Inputs
     ------
@@ -351,10 +365,8 @@ class JSBSimFDM(FlightBlock):
                                 {n: i for i, n in enumerate(self.output_properties)})
         self.take_off()
 
-    def _airframe(self, dt: float) -> Airframe:
-        return Airframe(self.aircraft_model, dt, root=self.JSBSim_path,
-                        empty_cg_x=self._condition().empty_cg_x, create=self.create,
-                        allow_network=self.allow_network, allow_files=self.allow_files)
+    def _model(self) -> str:
+        return self.aircraft_model
 
     def _condition(self) -> TrimCondition:
         flat = {"trim_airspeed": self.trim_airspeed, "trim_altitude": self.trim_altitude,

@@ -11,14 +11,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pathsim.blocks import Block
 from pathsim.events import ScheduleList
 
 from .checks import number, positive
 from .errors import ParameterError
+from .ports import NamedPorts
 
 
-class _EdgeSource(Block):
+class _EdgeSource(NamedPorts):
     """Source whose output changes its course at scheduled times, its edges."""
 
     input_port_labels: dict[str, int] = {}

@@ -53,8 +53,7 @@ UNITS = {
 class TrimCondition:
     """What to trim for.
 
-    What a condition leaves open stays as it is: ``flaps=None`` after ``flaps=1`` on one airframe
-    keeps them down.
+    What it leaves open stays as it is: ``flaps=None`` after ``flaps=1`` keeps an airframe's flaps.
 
     Parameters
     ----------
@@ -137,12 +136,10 @@ class TrimCondition:
         put("heading", number("heading", self.heading))
         put("bank", number("bank", self.bank, low=-89.0, high=89.0))
         put("load_factor", number("load_factor", self.load_factor))
-        for name in ("gear", "flaps"):
+        for name, low, high in (("gear", 0.0, 1.0), ("flaps", 0.0, 1.0),
+                                ("alpha_min", -90.0, 90.0), ("alpha_max", -90.0, 90.0)):
             if getattr(self, name) is not None:
-                put(name, number(name, getattr(self, name), low=0.0, high=1.0))
-        for name in ("alpha_min", "alpha_max"):
-            if getattr(self, name) is not None:
-                put(name, number(name, getattr(self, name), low=-90.0, high=90.0))
+                put(name, number(name, getattr(self, name), low=low, high=high))
         if None not in (self.alpha_min, self.alpha_max) and self.alpha_min >= self.alpha_max:  # type: ignore[operator]
             raise ParameterError(
                 f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
@@ -168,8 +165,7 @@ class TrimCondition:
     def __str__(self) -> str:
         always = ("altitude", "speed", "mach", "gamma", "mode")
         unused = ["mach" if self.mach is None else "speed"]
-        if self.mode == "ground":
-            unused = ["speed", "mach", "gamma"]
+        unused += ["speed", "mach", "gamma"] * (self.mode == "ground")
         said = []
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
@@ -375,7 +371,7 @@ def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) ->
         fdm["ic/vw-mag-fps"] = math.hypot(condition.wind_north, condition.wind_east)
         fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(condition.wind_east, condition.wind_north))
         if on_ground:
-            # or settling on the gear would keep the airspeed, which changes with the height
+            # else it settles on the gear with a constant calibrated airspeed, not at rest
             fdm["ic/vn-fps"] = fdm["ic/ve-fps"] = fdm["ic/vd-fps"] = 0.0
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
@@ -398,7 +394,7 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
         limits = _LIMITS_OF_MODES.get(condition.mode, _LIMITS)
         axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
         powered = airframe.engines or condition.mode == "ground"
-        raise _failure(airframe, condition, limits[axis[1].lower()] if axis
+        raise _failure(airframe, condition, limits[axis[1]] if axis
                        else "no convergence" if powered else "thrust")
 
 

@@ -7,11 +7,12 @@ from typing import Any
 from pathsim.blocks import Function
 
 from ..checks import number
+from ..ports import NamedPorts
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 
 
-class WindToBody(Function):
+class WindToBody(NamedPorts, Function):
     """Drag, side force and lift to forces along the body axes.
 
     .. math::
@@ -48,7 +49,7 @@ class WindToBody(Function):
         super().__init__(func=drag_side_lift_to_body)
 
 
-class BodyToWind(Function):
+class BodyToWind(NamedPorts, Function):
     """Forces along the body axes to drag, side force and lift.
 
     .. math::
@@ -86,7 +87,7 @@ class BodyToWind(Function):
         super().__init__(func=body_to_drag_side_lift)
 
 
-class NEDToBody(Function):
+class NEDToBody(NamedPorts, Function):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
     Through psi about the down axis, then theta about y, then phi about x. The exact inverse of
@@ -116,7 +117,7 @@ class NEDToBody(Function):
         super().__init__(func=ned_to_body)
 
 
-class BodyToNED(Function):
+class BodyToNED(NamedPorts, Function):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
     The exact inverse of `NEDToBody`; it gives the ground velocity from u, v, w, for example.
@@ -145,7 +146,7 @@ class BodyToNED(Function):
         super().__init__(func=body_to_ned)
 
 
-class GeodeticToNED(Function):
+class GeodeticToNED(NamedPorts, Function):
     """Position north, east and down of a reference point, such as a runway threshold.
 
     The axes are tangent to JSBSim's ellipsoid (WGS84) at the reference.

@@ -32,17 +32,33 @@ class Autopilot(Controller):
         "c172p", "737" or "global5000", or {"pitch": ..., "roll": ..., "heading": ...,
         "altitude": ..., "speed": ..., "yaw": ...}, each of them the name of a table or numbers as
         in the holds
-    theta_ref, h_ref, phi_ref, psi_ref, vc_ref : float, optional
-        what to hold: pitch angle in deg, altitude in ft, roll angle in deg, heading in deg,
-        airspeed in KCAS; default is the value found at engagement of the mode
+    theta_ref : float, optional
+        pitch angle to hold in deg; default is the one found at engagement of the mode
+    h_ref : float, optional
+        altitude to hold in ft; default likewise
+    phi_ref : float, optional
+        roll angle to hold in deg; default likewise
+    psi_ref : float, optional
+        heading to hold in deg; default likewise
+    vc_ref : float, optional
+        airspeed to hold in KCAS; default likewise. It comes before the altitude: a climb that full
+        throttle does not sustain is given up below 90 % of it
     bank_max : float
         largest bank reference of the heading hold in deg
     hdot_max : float, optional
         largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's
-    theta_min, theta_max : float
-        limits of the altitude hold's pitch reference in deg
-    elevator_authority, aileron_authority, rudder_authority, throttle_authority : float or pair
-        largest increment of each command, of full travel
+    theta_min : float
+        lowest pitch reference of the altitude hold in deg
+    theta_max : float
+        highest pitch reference of the altitude hold in deg
+    elevator_authority : float or pair
+        largest elevator increment, of full travel
+    aileron_authority : float or pair
+        largest aileron increment, of full travel
+    rudder_authority : float or pair
+        largest rudder increment, of full travel
+    throttle_authority : float or pair
+        largest throttle increment, of full travel
     T : float
         sample period in s
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..checks import positive
 from ..errors import ParameterError
+from ..ports import NamedPorts
 from ..sampling import SampledLaw
 
 
@@ -37,7 +38,7 @@ class _Parameter:
                 raise
 
 
-class Controller(SampledLaw):
+class Controller(NamedPorts, SampledLaw):
     """Base of sampled controllers whose parameters take effect at the next sample.
 
     A subclass implements `build`, which makes the plain laws from the parameters, and ends its

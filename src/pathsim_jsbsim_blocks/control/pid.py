@@ -51,8 +51,10 @@ class PID:
         for b = 1, the output leaves a limit as the error changes its sign (2 T where that is less)
     Te : float
         time constant in s with which the damping terms come in after engagement
-    low, high : float
-        limits of the output
+    low : float
+        lowest output
+    high : float
+        highest output
 
     References
     ----------
@@ -160,15 +162,17 @@ class DiscretePID(Controller):
     Kr : float
         gain on the measured rate, s
     b : float
-        weight of the reference in the proportional part, 0 to 1
+        weight of the reference in the proportional part; below 1 for less overshoot
     Tf : float
         time constant of the derivative's filter in s; 0 for none
     Tt : float, optional
         time constant of the back-calculation in s, at least T; default Kp / Ki
     Te : float
         time constant in s with which the damping terms come in after engagement
-    low, high : float
-        limits of the output
+    low : float
+        lowest output
+    high : float
+        highest output
     T : float
         sample period in s
 

@@ -210,8 +210,8 @@ def _one_line(text: str) -> str:
             continue
         if token.start[0] > end[0]:
             space = "" if out[-1] in "([{" or token.string in ")]}" else " "
-            if token.string in ")]}":
-                out = out.rstrip(",") if token.string != ")" else out
+            if token.string in ("]", "}"):
+                out = out.rstrip(",")
         else:
             space = " " * (token.start[1] - end[1])
         out, end = out + space + token.string, token.end

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 import pathsim.solvers
 
 from ..checks import as_path, did_you_mean, nearest
-from ..errors import DiagramError
-from .pvm import read, write
+from ..errors import DiagramError, ParameterError
+from .names import bound, used
+from .pvm import plain, read, write
 from .toolboxes import FLIGHT, OURS, Toolbox, core_registry, unknown_block, with_toolboxes
 
 _EDITOR_BLOCKS = {"Subsystem", "Interface", "BusCreator", "BusSelector"}
@@ -30,7 +32,7 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     path : str or Path
         a model file, .pvm or .json
     out : str or Path, optional
-        the script; default is the model's name with .py
+        the script; default is the model's name with .py, which must not exist yet
     toolboxes : sequence of str
         toolboxes that the model does not name itself, ``PACKAGE`` or ``PACKAGE:IMPORT.PATH``;
         this package, pathsim-flight and the model's ``requiredToolboxes`` are known already
@@ -48,8 +50,13 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     """
     path = as_path("path", path)
     content = read(path)
+    if out is None:
+        out = path.with_suffix(".py")
+        if out.exists():  # often the script from which the model was exported
+            raise DiagramError("exists and may be the model's original; name the script to write "
+                               "(-o FILE.py)", path=out)
+    out = as_path("out", out)
     code = to_python(content, registry_for(content, path, toolboxes), path)
-    out = path.with_suffix(".py") if out is None else as_path("out", out)
     write(out, code)
     return out
 
@@ -67,14 +74,16 @@ def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
-    """A model's script. All is checked before: PathView's converter drops what it does not know."""
+    """A model's script. All is checked before: PathView's converter drops what it does not know.
+
+    ``content`` is that of a file that ``pvm.read`` has read, or a model that ``pvm.model`` has made.
+    """
     from pathview.converter import generate_python
 
-    content = _with_current_types(content)
-    try:
-        _Check(content, registry, path).all()
-    except (KeyError, TypeError, AttributeError) as error:
-        raise DiagramError(f"damaged: {type(error).__name__}: {error}", path=path) from error
+    content = _complete(content)
+    check = _Check(content, registry, path)
+    check.all()
+    content = _Renaming(check.assigned, check.called_later, path).apply(content)
     code = generate_python(content, registry, source_name=path.name)
     try:
         ast.parse(code)
@@ -82,6 +91,8 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
         # parameters and code have been parsed one by one: what is left are the names
         line = code.splitlines()[(error.lineno or 1) - 1].strip()
         raise DiagramError(f"a name makes no Python: {line!r}", path=path) from error
+    except ValueError as error:  # null bytes, halves of surrogate pairs
+        raise DiagramError(f"a name makes no Python: {error}", path=path) from error
     return code
 
 
@@ -89,38 +100,58 @@ def _required(entry: Any, path: Path) -> Toolbox:
     source = entry.get("source") if isinstance(entry, dict) else None
     if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
         raise DiagramError(f"requires a toolbox that is not a package: {entry!r}", path=path)
-    return Toolbox.parse(f"{source.get('pkg') or entry.get('displayName')}:"
-                         f"{entry.get('importPath') or ''}")
+    try:
+        return Toolbox.parse(f"{source.get('pkg') or entry.get('displayName') or ''}:"
+                             f"{entry.get('importPath') or ''}")
+    except ParameterError as error:
+        raise DiagramError(f"requires a toolbox that is not a package: {error}",
+                           path=path) from error
 
 
-def _with_current_types(content: Json) -> Json:
-    """As PathView reads old files: "pathsim.sources.StepSource" is ``StepSource``."""
+def _complete(content: Json) -> Json:
+    """A model with all of its optional parts.
+
+    Types are written as PathView reads old files: "pathsim.sources.StepSource" is ``StepSource``.
+    """
+    def events(old: Json) -> list[Json]:
+        return [{**e, "params": e.get("params") or {}} for e in old.get("events") or []]
+
     def graph(old: Json) -> Json:
         nodes = []
         for node in old.get("nodes") or []:
-            new = dict(node)
+            new = {**node, "params": node.get("params") or {}}
             if new["type"].startswith("pathsim."):
                 new["type"] = new["type"].rpartition(".")[2]
-            if new.get("graph"):
-                new["graph"] = graph(new["graph"])
-            nodes.append(new)
+            inside = new.pop("graph", None)
+            nodes.append({**new, "graph": graph(inside)} if inside else new)
         return {**old, "nodes": nodes, "connections": old.get("connections") or [],
-                "events": old.get("events") or []}
+                "events": events(old)}
 
-    return {**content, "graph": graph(content["graph"]),
-            **{k: content.get(k) or empty for k, empty in (
-                ("events", []), ("codeContext", {}), ("simulationSettings", {}))}}
+    return {**content, "graph": graph(content["graph"]), "events": events(content),
+            "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
+            "simulationSettings": content.get("simulationSettings") or {}}
 
 
 class _Check:
-    """Whether every part of a model reaches its script."""
+    """Whether every part of a model reaches its script.
+
+    Attributes
+    ----------
+    assigned : set of str
+        names that the model's code binds
+    called_later : set of str
+        names that functions refer to, in the code and in parameters
+    """
 
     def __init__(self, content: Json, registry: Json, path: Path):
         self.content, self.registry, self.path = content, registry, path
+        self.assigned: set[str] = set()
+        self.called_later: set[str] = set()
 
     def all(self) -> None:
         settings = self.content["simulationSettings"]
-        self._parsed("the code", self.content["codeContext"].get("code") or "", "exec")
+        code = self._parsed("the code", self.content["codeContext"]["code"], "exec")
+        self.assigned.update(bound(ast.iter_child_nodes(code)))
         for name in _NUMBERS:
             if settings.get(name) not in (None, ""):
                 self._parsed(f"setting {name!r}", settings[name])
@@ -191,10 +222,40 @@ class _Check:
             else:
                 self._parsed(f"{what}: parameter {name!r}", value)
 
-    def _parsed(self, what: str, value: Any, mode: str = "eval") -> None:
+    def _parsed(self, what: str, value: Any, mode: str = "eval") -> ast.AST:
         try:
-            ast.parse(str(value).strip() if mode == "eval" else value, mode=mode)
+            tree = ast.parse(str(value).strip() if mode == "eval" else value, mode=mode)
         except (SyntaxError, ValueError) as error:
             kind = "expression" if mode == "eval" else "code"
             self._refuse(f"{what} is not a Python {kind}: {str(value)!r} "
                          f"({getattr(error, 'msg', error)})")
+        for node in ast.walk(tree):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+                self.called_later.update(used(node))
+        return tree
+
+
+class _Renaming:
+    """New names for blocks and events that PathView's script would give a name of the code.
+
+    Their statement would rebind it: for the blocks below, a parameter's value would be a block.
+    """
+
+    def __init__(self, assigned: Collection[str], called_later: Collection[str], path: Path):
+        self.assigned, self.called_later, self.path = assigned, called_later, path
+
+    def apply(self, content: Json) -> Json:
+        """``content`` with the new names."""
+        graph = self._graph(content["graph"], "")
+        taken = {plain(n["name"]) for n in graph["nodes"]}
+        return {**content, "graph": graph,
+                "events": self._named(content["events"], "", "event", taken)}
+
+    def _graph(self, graph: Json, prefix: str) -> Json:
+        inner = [n for n in graph["nodes"] if n["type"] == "Subsystem"]
+        for node in inner:
+            # functions know the blocks inside by names that begin with the subsystem's
+            variable = plain(node["name"])
+            if {variable, f"{prefix}{variable}_interface"} & self.assigned:
+                raise DiagramError(f"subsystem {node['name']!r}: the code has the name {variable!r}"
+                                   " too; rename one of them", path=self.path)

@@ -14,6 +14,7 @@ from typing import Any
 from ..errors import DiagramError
 from .diagram import Diagram, Event, Graph, Node
 from .layout import GRID, arrange, size, touch
+from .shape import check_shape
 
 VERSION = "1.0.0"
 # a fixed time, so that the same script always gives the same file
@@ -58,13 +59,13 @@ def read(path: Path) -> dict[str, Any]:
     Raises
     ------
     DiagramError
-        if it cannot be read or is not a model of a version that is known
+        if it cannot be read, is not a model of a version that is known, or is damaged
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DiagramError(f"cannot be read ({error.strerror})", path=path) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
     if not isinstance(content, dict):
         raise DiagramError("not a PathView model: no JSON object", path=path)
@@ -78,6 +79,7 @@ def read(path: Path) -> dict[str, Any]:
     if not isinstance(version, str) or version.split(".")[0] != VERSION.split(".")[0]:
         raise DiagramError(f"a model of version {version!r}; this package reads {VERSION}",
                            path=path)
+    check_shape(content, path)
     return content
 
 

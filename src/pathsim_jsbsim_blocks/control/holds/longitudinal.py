@@ -96,7 +96,8 @@ class AltitudeHold(Controller):
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
     and the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
-    elevator alone: hold the airspeed with an ``AirspeedHold`` beside it.
+    elevator alone: hold the airspeed with an ``AirspeedHold`` beside it, and keep the rate of climb
+    within what the thrust allows, or it climbs into the stall (``Autopilot`` sees to that itself).
 
     Parameters
     ----------
@@ -108,8 +109,10 @@ class AltitudeHold(Controller):
         altitude to hold in ft; default is the one found at engagement
     hdot_max : float, optional
         largest rate of climb and descent demanded, ft/s; default is the gain table's
-    theta_min, theta_max : float
-        limits of the pitch reference in deg
+    theta_min : float
+        lowest pitch reference in deg
+    theta_max : float
+        highest pitch reference in deg
     authority : float or pair
         largest elevator increment, of full travel
     T : float

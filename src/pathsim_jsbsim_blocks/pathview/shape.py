@@ -1,0 +1,71 @@
+"""The shape of a model file: what has to be there, and of which kind, before it is used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..errors import DiagramError
+
+# A specification is a kind, a list of one specification, or the members of an object. A "?" marks
+# members that may be missing or null; members that are not listed may be anything.
+_POSITION = {"x": float, "y": float}
+_PORTS = [{"name?": str}]
+_EVENTS = [{"type": str, "name": str, "params?": dict, "position?": _POSITION}]
+_CONNECTIONS = [{"id": str, "label?": str, "sourceNodeId": str, "sourcePortIndex": int,
+                 "targetNodeId": str, "targetPortIndex": int}]
+_NODE: dict[str, Any] = {
+    "id": str, "type": str, "name": str, "position?": _POSITION, "params?": dict,
+    "inputs": _PORTS, "outputs": _PORTS}
+_GRAPH = {"nodes?": [_NODE], "connections?": _CONNECTIONS, "events?": _EVENTS,
+          "annotations?": [{"id?": str, "position?": _POSITION}]}
+_NODE["graph?"] = _GRAPH
+_MODEL = {"graph": _GRAPH, "events?": _EVENTS, "codeContext?": {"code?": str},
+          "simulationSettings?": {"solver?": str}, "requiredToolboxes?": [dict]}
+
+_KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list",
+          dict: "an object"}
+_FAR = 1e9  # px
+
+
+def check_shape(content: Any, path: Path) -> None:
+    """Refuse the content of a model file that is not built as PathView builds it.
+
+    Raises
+    ------
+    DiagramError
+        with the file and the place in it, as ``graph.nodes[2].params``
+    """
+    _check(content, _MODEL, "", path)
+
+
+def _check(value: Any, spec: Any, place: str, path: Path) -> None:
+    kind = spec if isinstance(spec, type) else type(spec)
+    if not _is(value, kind):
+        _refuse(f"{place} must be {_KINDS[kind]}, not {_short(value)}", path)
+    if isinstance(spec, list):
+        for i, item in enumerate(value):
+            _check(item, spec[0], f"{place}[{i}]", path)
+    elif isinstance(spec, dict):
+        for key, inner in spec.items():
+            name = key.rstrip("?")
+            at = f"{place}.{name}".lstrip(".")
+            if value.get(name) is not None:
+                _check(value[name], inner, at, path)
+            elif not key.endswith("?"):
+                _refuse(f"{at} is missing", path)
+
+
+def _is(value: Any, kind: type) -> bool:
+    if kind is float:  # as coordinates of a diagram; the JSON of Python has NaN, too
+        return (_is(value, int) or isinstance(value, float)) and -_FAR < value < _FAR
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _refuse(reason: str, path: Path) -> NoReturn:
+    raise DiagramError(f"damaged: {reason}", path=path)
