@@ -71,7 +71,11 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(flight, attitude, controls, title="737: a mission in moderate turbulence")
+    drawing = time_histories(flight, attitude, controls,
+                             title="737: a mission in moderate turbulence")
+    drawing.axes[-1].set_ylim(-0.7, 1.1)  # room for the legend
+    drawing.axes[-1].legend(ncols=3, loc="upper right", fontsize="small")
+    return drawing
 
 
 if __name__ == "__main__":

@@ -30,9 +30,9 @@ mach = Constant(climb_mach)
 tas_at_cas = CAStoTAS()
 tas_at_mach = MachtoTAS()
 tas = Function(lambda a, b: min(a, b))
-flown_cas = TAStoCAS()
-flown_eas = TAStoEAS()
-flown_mach = TAStoMach()
+cas_now = TAStoCAS()
+eas_now = TAStoEAS()
+mach_now = TAStoMach()
 feet = Amplifier(gain=1 / foot)
 ktas = Amplifier(gain=1 / knot)
 kcas = Amplifier(gain=1 / knot)
@@ -42,19 +42,19 @@ airspeeds = Scope(labels=["TAS [kt]", "CAS [kt]", "EAS [kt]"])
 machs = Scope(labels=["Mach number [-]"])
 
 sim = Simulation(
-    [altitude, cas, mach, tas_at_cas, tas_at_mach, tas, flown_cas, flown_eas, flown_mach, feet,
+    [altitude, cas, mach, tas_at_cas, tas_at_mach, tas, cas_now, eas_now, mach_now, feet,
      ktas, kcas, keas, height, airspeeds, machs],
     [
         Connection(altitude, tas_at_cas["altitude"], tas_at_mach["altitude"],
-                   flown_cas["altitude"], flown_eas["altitude"], flown_mach["altitude"], feet),
+                   cas_now["altitude"], eas_now["altitude"], mach_now["altitude"], feet),
         Connection(cas, tas_at_cas["cas"]),
         Connection(mach, tas_at_mach["mach"]),
         Connection(tas_at_cas["tas"], tas[0]),
         Connection(tas_at_mach["tas"], tas[1]),
-        Connection(tas, flown_cas["tas"], flown_eas["tas"], flown_mach["tas"], ktas),
-        Connection(flown_cas["cas"], kcas),
-        Connection(flown_eas["eas"], keas),
-        Connection(flown_mach["mach"], machs),
+        Connection(tas, cas_now["tas"], eas_now["tas"], mach_now["tas"], ktas),
+        Connection(cas_now["cas"], kcas),
+        Connection(eas_now["eas"], keas),
+        Connection(mach_now["mach"], machs),
         Connection(feet, height),
         Connection(ktas, airspeeds[0]),
         Connection(kcas, airspeeds[1]),

@@ -31,7 +31,7 @@ aircraft = Aircraft(
 )
 flight = Scope(sampling_period=1.0, labels=["altitude [ft]", "calibrated airspeed [kt]",
                                             "flight path angle [deg]"])
-top_of_climb = Condition(
+top = Condition(
     func_evt=lambda t: aircraft.outputs["h"] >= 20000.0,
     func_act=lambda t: sim.stop(),
 )
@@ -43,7 +43,7 @@ sim = Simulation(
         Connection(aircraft["vc"], flight[1]),
         Connection(aircraft["gamma"], flight[2]),
     ],
-    [top_of_climb],
+    [top],
     dt=1 / 120,
     log=False,
 )

@@ -50,7 +50,7 @@ flight = Scope(sampling_period=1.0, labels=["altitude [ft]", "calibrated airspee
                                             "flight path angle [deg]"])
 power = Scope(sampling_period=1.0, labels=["throttle command [-]"])
 pitch = Scope(sampling_period=1.0, labels=["pitch trim command [-]"])
-top_of_climb = Condition(
+top = Condition(
     func_evt=lambda t: fdm.outputs["position/h-sl-ft"] >= 20000.0,
     func_act=lambda t: sim.stop(),
 )
@@ -64,7 +64,7 @@ sim = Simulation(
         Connection(throttle, fdm["fcs/throttle-cmd-norm"], power),
         Connection(pitch_trim, fdm["fcs/pitch-trim-cmd-norm"], pitch),
     ],
-    [top_of_climb],
+    [top],
     dt=1 / 120,
     log=False,
 )

@@ -87,6 +87,8 @@ def figure():
 
     drawing = time_histories(angles, wind, body, errors,
                              title="c172p: aerodynamic force in wind and body axes")
+    for panel, place in zip(drawing.axes[1:3], ("upper right", "lower right"), strict=True):
+        panel.legend(ncols=3, loc=place, fontsize="small")
     drawing.axes[-1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
     drawing.axes[-1].set_ylabel("difference [lbf]")
     drawing.axes[-1].legend(ncols=6, loc="upper right", fontsize="small")

@@ -1,9 +1,10 @@
 """Take the gallery's screenshots: every diagram as PathView shows it. Needs Chromium.
 
-    python docs/screenshots.py
+    python docs/screenshots.py [NAME ...]
 """
 
 import shutil
+import sys
 import tempfile
 import threading
 from pathlib import Path
@@ -18,16 +19,56 @@ from pathsim_jsbsim_blocks.pathview.server import Server
 # offline, without KaTeX's style sheet, each formula would be shown twice; the browser draws MathML
 ONE_FORMULA = ".katex-html { display: none }"
 
+LEFT, TOP, MARGIN = 60, 40, 40  # px: PathView's side bar and top bar, room round the diagram
+SMALLEST = 1100, 700  # px
+WIDEST = 2400  # px
+ZOOM = 1.6  # at which port labels are easy to read; less where the diagram would get too wide
 
-def main():
-    models = {f"{n}.pvm": pvm.read(diagram_folder() / f"{n}.pvm") for n in diagram_names()}
-    with Server(models, 0) as server, sync_playwright() as playwright, \
-            tempfile.TemporaryDirectory() as folder:
+# PathView's own "fit" looks at the blocks only: wires round them would be cut off
+BOUNDS = """() => {
+    const view = new DOMMatrix(getComputedStyle(document.querySelector(
+        '.svelte-flow__viewport')).transform)
+    const pane = document.querySelector('.svelte-flow').getBoundingClientRect()
+    const drawn = [...document.querySelectorAll(
+        '.svelte-flow__node, .svelte-flow__node *, .svelte-flow__edge-path')]
+        .map(e => e.getBoundingClientRect()).filter(r => r.width + r.height > 0)
+    const x = drawn.flatMap(r => [r.left, r.right]).map(v => (v - pane.left - view.e) / view.a)
+    const y = drawn.flatMap(r => [r.top, r.bottom]).map(v => (v - pane.top - view.f) / view.d)
+    return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)]
+}"""
+MOVE = """([x, y, zoom]) => {
+    const pane = document.querySelector('.svelte-flow').getBoundingClientRect()
+    document.querySelector('.svelte-flow__viewport').style.transform =
+        `translate(${x - pane.left}px, ${y - pane.top}px) scale(${zoom})`
+}"""
+
+
+def take(page, target):
+    """A picture of the whole diagram, as large as it takes to read it."""
+    left, top, right, bottom = page.evaluate(BOUNDS)
+    width, height = right - left, bottom - top
+    zoom = min(ZOOM, (WIDEST - LEFT - 2 * MARGIN) / width)
+    size = [max(least, round(zoom * extent + bar + 2 * MARGIN)) for least, extent, bar in
+            zip(SMALLEST, (width, height), (LEFT, TOP), strict=True)]
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_timeout(500)
+    page.evaluate(MOVE, [(size[0] + LEFT - zoom * width) / 2 - zoom * left,
+                         (size[1] + TOP - zoom * height) / 2 - zoom * top, zoom])
+    page.wait_for_timeout(300)
+    with tempfile.TemporaryDirectory() as folder:
+        shot = Path(folder) / "shot.png"
+        page.screenshot(path=shot)
+        shrink(shot, target, width=size[0])
+
+
+def main(names):
+    models = {f"{n}.pvm": pvm.read(diagram_folder() / f"{n}.pvm") for n in names}
+    with Server(models, 0) as server, sync_playwright() as playwright:
         threading.Thread(target=server.run, daemon=True).start()
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"),
                                              args=["--no-sandbox", "--disable-gpu"])
         context = browser.new_context(viewport={"width": 1600, "height": 1000})
-        for name in diagram_names():
+        for name in names:
             page = context.new_page()
             page.goto(server.url(f"{name}.pvm"))
             page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=60_000)
@@ -36,12 +77,10 @@ def main():
             page.wait_for_timeout(2500)  # the diagram assembles itself
             page.keyboard.press("f")
             page.wait_for_timeout(1000)
-            shot = Path(folder) / "shot.png"
-            page.screenshot(path=shot)
-            shrink(shot, DOCS / "pictures" / f"{name}_pathview.png", width=1100)
+            take(page, DOCS / "pictures" / f"{name}_pathview.png")
             page.close()
         browser.close()
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or diagram_names())

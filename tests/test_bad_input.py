@@ -147,6 +147,12 @@ def test_no_trim_says_which_limit_was_hit(keywords, reason, text):
     assert error.value.condition.altitude == 5000
 
 
+@pytest.mark.parametrize("altitude", [np.array([1.0, 2.0]), [5000.0], "high", None])
+def test_a_flat_keyword_of_any_kind_next_to_a_condition(altitude):
+    with pytest.raises(ParameterError, match="both condition and altitude="):
+        Aircraft(altitude=altitude, condition=TrimCondition())
+
+
 def test_both_condition_and_flat_keyword_of_the_aircraft():
     with pytest.raises(ParameterError, match="both condition and altitude=3000 are given"):
         Aircraft("c172p", altitude=3000, condition=TrimCondition(speed=90))
@@ -271,6 +277,15 @@ def test_ground_impact_ends_the_flight(aircraft):
         sim.run(1.0)
     sim.run(1.0, reset=True)
     assert len(scope.read()[0]) == 121
+
+
+@pytest.mark.parametrize("shown", [[], ["simulation/sim-time-sec", "inertia/weight-lbs"]])
+def test_ground_impact_ends_the_flight_whatever_is_shown(shown):
+    block = JSBSimFDM(aircraft_model="A4", trim_altitude=3000, trim_airspeed=400, trim_gamma=-80,
+                      trim_mode="none", output_properties=shown)
+    sim = Simulation([block], dt=block.T, log=False)
+    with pytest.raises(FlightError, match="aircraft 'A4': state 'velocities/vt-fps' is nan"):
+        sim.run(30.0)
 
 
 def test_a_plain_loop_does_go_on_after_the_impact():

@@ -82,13 +82,74 @@ def test_recording_is_off_by_default_so_memory_stays_bounded():
     assert len(plane._flown) == 0
 
 
-def test_a_checkpoint_of_another_flight_is_refused(tmp_path):
+@pytest.mark.parametrize("duration", [0, 1], ids=["not flown yet", "flown"])
+@pytest.mark.parametrize("change", [
+    {"aircraft": "c172x"}, {"T": 1 / 60}, {"substeps": 2}, {"properties": {"fcs/flap-cmd-norm": 1}},
+    {"setup": {"propulsion/tank/contents-lbs": 10}}, {"create": {"a/b": 1.0}}, {"heading": 1},
+], ids=lambda change: next(iter(change)))
+def test_a_checkpoint_of_another_flight_is_refused(change, duration, tmp_path):
     sim, _, _ = diagram()
-    sim.run(1.0)
+    if duration:
+        sim.run(duration)
     sim.save_checkpoint(str(tmp_path / "stop"))
-    other, _, _ = diagram(aircraft="c172x")
+    other, plane, scope = diagram(**change)
     with pytest.raises(ParameterError, match="another flight"):
         other.load_checkpoint(str(tmp_path / "stop"))
+    # and what was refused has changed nothing
+    assert plane.clock.period == plane.T
+    assert plane.samples == 0
+
+
+def test_a_checkpoint_of_other_ports_is_refused(tmp_path):
+    def build(input_, output):
+        fdm = JSBSimFDM(input_properties=[f"fcs/{input_}-cmd-norm"], output_properties=[output],
+                        aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000,
+                        record_inputs=True)
+        return Simulation([fdm], dt=fdm.T, log=False)
+
+    sim = build("elevator", "attitude/theta-deg")
+    sim.run(0.5)
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    for ports in (("aileron", "attitude/theta-deg"), ("elevator", "aero/alpha-deg")):
+        with pytest.raises(ParameterError, match="another flight"):
+            build(*ports).load_checkpoint(str(tmp_path / "stop"))
+
+
+def test_parameters_edited_in_flight_do_not_count_before_the_reset(tmp_path):
+    sim, plane, scope = diagram()
+    sim.run(1.0)
+    plane.heading = 90.0
+    plane.T = 1 / 60
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    again, _, other_scope = diagram()
+    again.load_checkpoint(str(tmp_path / "stop"))
+    sim.run(1.0)
+    again.run(1.0)
+    assert np.array_equal(other_scope.read()[1], scope.read()[1])
+
+
+def test_inputs_recorded_in_part_are_refused(tmp_path):
+    sim, plane, _ = diagram(record_inputs=False)
+    sim.run(0.5)
+    plane.record_inputs = True
+    sim.run(0.5)
+    with pytest.raises(ParameterError, match="record_inputs=True"):
+        sim.save_checkpoint(str(tmp_path / "stop"))
+    sim.run(0.5, reset=True)
+    plane.record_inputs = False
+    sim.run(0.5)
+    with pytest.raises(ParameterError, match="record_inputs=True"):
+        sim.save_checkpoint(str(tmp_path / "stop"))
+
+
+def test_a_checkpoint_of_an_aircraft_that_has_not_flown(tmp_path):
+    sim, _, scope = diagram(record_inputs=False)
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    sim.run(1.0)
+    again, _, other_scope = diagram(record_inputs=False)
+    again.load_checkpoint(str(tmp_path / "stop"))
+    again.run(1.0)
+    assert np.array_equal(other_scope.read()[1], scope.read()[1])
 
 
 def test_any_property_block_too(tmp_path):

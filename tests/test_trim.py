@@ -1,14 +1,23 @@
 """Trim: the published states, every mode and option, failures that say why."""
 
+import copy
+import dataclasses
 import math
 import pickle
 
 import pytest
 from plain_jsbsim import trimmed
 
-from pathsim_jsbsim_blocks import ParameterError, PropertyError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    ParameterError,
+    PropertyError,
+    TrimCondition,
+    TrimError,
+    TrimState,
+)
 from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
-from pathsim_jsbsim_blocks.trim import trim
+from pathsim_jsbsim_blocks.trim import UNITS, trim
 
 
 def found(aircraft, setup=None, **condition):
@@ -75,6 +84,16 @@ def test_a_turn_holds_its_bank():
     assert state.alpha > level.alpha + 0.1
 
 
+@pytest.mark.parametrize(("aircraft", "altitude", "speed", "bank", "heading"), [
+    ("c172p", 5000, 90, 30, 90), ("c172p", 5000, 90, 60, 0), ("737", 10000, 280, -60, 358)])
+def test_a_turn_starts_on_its_heading(aircraft, altitude, speed, bank, heading):
+    # JSBSim's own turn trim leaves the nose up to 6 deg beyond, into the turn
+    state = found(aircraft, altitude=altitude, speed=speed, mode="turn", bank=bank,
+                  heading=heading)
+    assert math.remainder(state.psi - heading, 360) == pytest.approx(0, abs=0.01)
+    assert max(abs(a) for a in (state.udot, state.vdot, state.wdot)) < 1e-3
+
+
 def test_a_pull_up_takes_more_alpha():
     one, half_more = (found("c172p", altitude=5000, speed=90, mode="pull-up", load_factor=n)
                       for n in (1.0001, 1.5))
@@ -89,6 +108,50 @@ def test_ground_trim_stands_on_the_gear():
     assert airframe.fdm["gear/unit[1]/WOW"] == 1.0
     assert state.altitude - 500 == pytest.approx(airframe.fdm["position/h-agl-ft"], abs=5e-3)
     assert abs(state.wdot) < 1e-3
+
+
+@pytest.mark.parametrize("more", [{}, {"speed": 50}, {"mach": 0.3, "gamma": 5},
+                                  {"wind_north": -20}, {"wind_north": -20, "heading": 30}])
+@pytest.mark.parametrize("aircraft", ["c172p", "737", "A4"])
+def test_on_the_ground_nothing_moves_but_the_air(aircraft, more):
+    condition = TrimCondition(**{"altitude": 0, "mode": "ground", **more})
+    airframe = Airframe(aircraft)
+    state = trim(airframe, condition)
+    fdm = airframe.fdm
+    assert fdm["velocities/vg-fps"] == 0.0
+    assert fdm["velocities/h-dot-fps"] == 0.0
+    wind = condition.wind_north
+    assert fdm["atmosphere/total-wind-north-fps"] == pytest.approx(wind, abs=1e-9)
+    assert state.tas == pytest.approx(abs(wind), abs=1e-9)
+    # a bent tyre turns the nose a little
+    assert math.remainder(state.psi - condition.heading, 360) == pytest.approx(0, abs=0.2)
+    assert "speed" not in str(condition)
+    assert "gamma" not in str(condition)
+
+
+def test_the_aircraft_block_stands_on_the_ground_with_its_defaults():
+    assert Aircraft(mode="ground", altitude=0).trim.tas == 0.0
+
+
+def test_after_a_ground_trim_the_ground_is_where_it_was():
+    airframe = Airframe("c172p")
+    trim(airframe, TrimCondition(altitude=6000, mode="ground"))
+    state = trim(airframe, TrimCondition(altitude=5000, speed=90))
+    assert state.alpha == pytest.approx(found("c172p", altitude=5000, speed=90).alpha, abs=1e-5)
+    assert airframe.fdm["position/h-agl-ft"] == pytest.approx(5000, abs=1)
+    # and a terrain that the user has set stays
+    trim(airframe, TrimCondition(altitude=5000, speed=90,
+                                 properties={"ic/terrain-elevation-ft": 1000}))
+    trim(airframe, TrimCondition(altitude=6000, mode="ground"))
+    trim(airframe, TrimCondition(altitude=5000, speed=90))
+    assert airframe.fdm["position/h-agl-ft"] == pytest.approx(4000, abs=1)
+
+
+def test_what_a_condition_leaves_open_stays():
+    airframe = Airframe("c172p")
+    down = trim(airframe, TrimCondition(altitude=3000, speed=70, flaps=0.5))
+    open_ = trim(airframe, TrimCondition(altitude=3000, speed=70))
+    assert open_.alpha == pytest.approx(down.alpha, abs=1e-4)
 
 
 def test_none_only_initialises():
@@ -130,6 +193,15 @@ def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
     assert calm.alpha == pytest.approx(still.alpha, abs=5e-3)
 
 
+def test_a_crosswind_does_not_turn_the_next_trim():
+    airframe = Airframe("737")
+    condition = TrimCondition(altitude=10000, speed=280, heading=90, wind_north=40)
+    first, second = trim(airframe, condition), trim(airframe, condition)
+    assert first.psi == pytest.approx(90, abs=1e-6)
+    assert second.psi == pytest.approx(90, abs=1e-6)
+    assert airframe.fdm["velocities/v-north-fps"] == pytest.approx(40, abs=1e-6)
+
+
 def test_payload_and_fuel_move_the_weight():
     light = found("c172p", altitude=5000, speed=90, payload={0: 0.0, 1: 0.0}, fuel=[50.0, 50.0])
     heavy = found("c172p", altitude=5000, speed=90, payload={0: 180.0, 1: 180.0},
@@ -152,6 +224,10 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
     ("737", {"altitude": 15000, "speed": 120}, "alpha limit", "alpha ran to the end of"),
     ("737", {"altitude": 15000, "speed": 450, "gamma": 9}, "thrust", "throttle"),
     ("SGS", {"altitude": 5000, "speed": 60}, "thrust", "no engine"),
+    # a wind from behind lifts the tail, a storm from ahead the whole aircraft
+    ("c172p", {"altitude": 0, "mode": "ground", "wind_north": 20}, "pitch angle",
+     "the pitch angle ran to the end"),
+    ("c172x", {"altitude": 0, "mode": "ground", "wind_north": -150}, "height", "the height ran"),
 ])
 def test_a_failed_trim_says_why(aircraft, condition, reason, text):
     condition = TrimCondition(**condition)
@@ -163,6 +239,24 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
     assert error.value.aircraft == aircraft
     assert set(error.value.residuals) == {"udot", "vdot", "wdot", "pdot", "qdot", "rdot"}
     assert max(map(abs, error.value.residuals.values())) > 1e-3
+
+
+@pytest.mark.parametrize(("condition", "axis", "reason"), [
+    # the axes and controls of FGTrim::SetMode
+    ({}, "vdot", "bank"), ({}, "qdot", "elevator"),
+    ({"mode": "longitudinal"}, "wdot", "alpha limit"),
+    ({"mode": "turn", "bank": 20}, "vdot", "sideslip"),
+    ({"mode": "pull-up", "load_factor": 2}, "nlf", "alpha limit"),
+    ({"mode": "pull-up", "load_factor": 2}, "hmgt", "sideslip"),
+    ({"mode": "pull-up", "load_factor": 2}, "vdot", "bank"),
+    ({"mode": "ground"}, "pdot", "bank"), ({"mode": "ground"}, "qdot", "pitch angle"),
+])
+def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
+    said = f"  Sorry, {axis} doesn't appear to be trimmable"
+    monkeypatch.setattr("pathsim_jsbsim_blocks.trim.messages", lambda *a, **b: (False, [said]))
+    with pytest.raises(TrimError) as error:
+        found("c172p", **condition)
+    assert error.value.reason == reason
 
 
 def test_after_a_failed_trim_the_airframe_is_usable():
@@ -205,3 +299,29 @@ def test_conditions_can_be_sent_to_other_processes():
     copy = pickle.loads(pickle.dumps(condition))
     assert copy == condition
     assert dict(copy.payload) == {0: 10.0}
+
+
+def test_conditions_and_states_are_values():
+    condition = TrimCondition(altitude=1000, speed=80, mode="none", payload=[10.0],
+                              properties={"fcs/flap-cmd-norm": 1.0})
+    same = TrimCondition(altitude=1000, speed=80, mode="none", payload={0: 10.0},
+                         properties={"fcs/flap-cmd-norm": 1.0})
+    assert hash(condition) == hash(same)
+    assert len({condition, same, TrimCondition()}) == 2
+    for twin in (copy.deepcopy(condition), pickle.loads(pickle.dumps(condition))):
+        assert twin == condition
+        with pytest.raises(TypeError):
+            twin.properties["fcs/flap-cmd-norm"] = 0.0
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            twin.altitude = 0.0
+    assert dataclasses.asdict(condition)["payload"] == {0: 10.0}
+    state = trim(Airframe("c172p"), condition)
+    data = dataclasses.asdict(state)
+    assert data["condition"] == dataclasses.asdict(condition)
+    assert type(data["condition"]["properties"]) is dict
+    assert hash(state) == hash(copy.deepcopy(state))
+
+
+def test_every_quantity_has_a_unit():
+    names = {f.name for kind in (TrimCondition, TrimState) for f in dataclasses.fields(kind)}
+    assert set(UNITS) == names - {"aircraft", "condition", "properties"}

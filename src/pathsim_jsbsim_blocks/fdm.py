@@ -163,9 +163,9 @@ class FlightBlock(SampledPlant):
         """
         if len(self._flown) != self.samples * self._n_inputs:
             raise ParameterError(
-                f"the flight of {self.airframe.aircraft!r} cannot be saved: its inputs were not "
-                f"recorded. Build the block with record_inputs=True", parameter="record_inputs",
-                value=self.record_inputs)
+                f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
+                f"were recorded. Build the block with record_inputs=True",
+                parameter="record_inputs", value=self.record_inputs)
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         json_data.update(flight=self._flying, samples=self.samples, latched=self._latched)
         npz_data[f"{prefix}/flown"] = np.array(self._flown)

@@ -149,6 +149,17 @@ def _no_simulation() -> None:
     return None
 
 
+def _within_a_step() -> bool:
+    """Whether a step is under way, or just a look at the graph as in `Simulation.to_statespace`.
+
+    It takes a microsecond, so it is asked only where no step usually leads.
+    """
+    frame = sys._getframe(2)
+    while frame is not None and frame.f_code is not Simulation.timestep.__code__:
+        frame = frame.f_back  # type: ignore[assignment]
+    return frame is not None
+
+
 class SampledBlock(Block):
     """Base of all blocks that act at a sample period T (s)."""
 
@@ -259,7 +270,8 @@ class SampledPlant(SampledBlock):
             self._latched = True
 
     def update(self, t: float) -> None:
-        if self.one_pass and t >= self.clock.due_from:
+        if self.one_pass and t >= self.clock.due_from and (
+                t <= self.clock.due_until or _within_a_step()):
             self.act(t)
 
     def act(self, t: float) -> None:
@@ -323,7 +335,7 @@ class SampledLaw(SampledBlock):
         super().step_starts(t)
 
     def update(self, t: float) -> None:
-        if self.one_pass:
+        if self.one_pass and (t <= self.clock.due_until or _within_a_step()):
             self.act(t)
         if self._due:
             state = self._state

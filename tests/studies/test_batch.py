@@ -128,6 +128,16 @@ def test_a_batch_resumes_from_its_file(tmp_path):
         quiet(noise, {"gain": [1.0, 3.0]}, resume=path)
 
 
+def test_a_result_is_the_same_before_and_after_a_resume(tmp_path):
+    def build(gain):
+        return {"counts": {1: gain, 2: [gain, None]}, 7: (1.0, 2.0)}
+
+    path = tmp_path / "batch.jsonl"
+    first = quiet(build, {"gain": [1.0]}, resume=path)
+    assert first.counts[0] == {"1": 1.0, "2": [1.0, None]}
+    pd.testing.assert_frame_equal(quiet(build, {"gain": [1.0]}, resume=path), first)
+
+
 def test_a_build_function_that_holds_an_aircraft_is_refused():
     aircraft = Aircraft("c172p")
 
@@ -145,6 +155,7 @@ def test_a_build_function_that_holds_an_aircraft_is_refused():
     (noise, {"gain": [math.nan]}, "must be finite"),
     (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
     ("noise", {"gain": [1.0]}, "build must be a function"),
+    (dict, {"gain": [1.0]}, "must be a function that says its parameters"),
 ])
 def test_bad_input_is_refused_before_the_work_begins(monkeypatch, build, cases, message):
     monkeypatch.setattr(batch, "run_parts", None)

@@ -98,6 +98,37 @@ def test_what_one_point_sets_does_not_reach_the_next():
     assert forward.thrust_lb.nunique() == 3
 
 
+@pytest.mark.parametrize("more", [
+    # a full trim moves the ailerons, a longitudinal one leaves them as they are
+    {"mode": "longitudinal"},
+    {"fcs/flap-cmd-norm": 0.5, "fcs/flap-pos-norm": 0.5},
+], ids=["mode", "properties"])
+def test_each_kind_of_point_gets_an_aircraft_of_its_own(more):
+    rows = [{"speed": 90, **more}, {"speed": 90}]
+    forward, backward = quiet("c172p", rows), quiet("c172p", rows[::-1])[::-1]
+    found = forward.loc[:, "altitude_ft":].to_numpy()
+    assert np.array_equal(found, backward.loc[:, "altitude_ft":].to_numpy())
+    assert abs(found[0] - found[1]).max() > 1e-3
+
+
+def test_a_file_of_other_outputs_or_another_mode_is_another_study(tmp_path):
+    def sweep(outputs=(), **more):
+        return quiet("c172p", {"speed": 90, **more}, outputs=outputs, resume=tmp_path / "a.jsonl")
+
+    first = sweep(["aero/alpha-rad"])
+    pd.testing.assert_frame_equal(sweep(["aero/alpha-rad"]), first, check_exact=True)
+    for other in ({"outputs": ["aero/beta-rad"]}, {}, {"outputs": ["aero/alpha-rad"],
+                                                       "mode": "longitudinal"}):
+        with pytest.raises(ParameterError, match="holds another study"):
+            sweep(**other)
+
+
+def test_the_root_may_be_a_path(tmp_path):
+    root = Path(jsbsim.get_default_root_dir())
+    table = quiet("c172p", {"speed": 90}, root=root, resume=tmp_path / "a.jsonl")
+    assert table.trimmed.all()
+
+
 def test_a_reused_aircraft_trims_like_a_fresh_one():
     fresh, reused = quiet("737", GRID, chunk=1), quiet("737", GRID)
     assert fresh.trimmed.tolist() == reused.trimmed.tolist()

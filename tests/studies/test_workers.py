@@ -150,6 +150,19 @@ def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
     assert notes.read_text() == "my notes\n"
 
 
+@pytest.mark.parametrize("line", ["nonsense", "{}", "[]", "7", '{"part": "x", "rows": []}',
+                                  '{"part": 1, "rows": 3}', "\0\0\0", '{"part": 0}'])
+def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, line):
+    path = tmp_path / "squares.jsonl"
+    run(squares, PARTS, resume=path)
+    lines = path.read_text().splitlines()
+    damaged = "\n".join([*lines[:2], line, *lines[3:]]) + "\n"
+    path.write_text(damaged)
+    with pytest.raises(ParameterError, match="line 3 of .* is damaged"):
+        run(squares, PARTS, resume=path)
+    assert path.read_text() == damaged
+
+
 @pytest.mark.parametrize("path", ["no/such/folder/sweep.jsonl", "."])
 def test_a_file_that_cannot_be_written_is_refused_before_the_work_begins(tmp_path, path):
     def never(part):

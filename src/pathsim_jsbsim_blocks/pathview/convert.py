@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ast
-import itertools
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -13,8 +12,9 @@ import pathsim.solvers
 
 from ..checks import as_path, did_you_mean, nearest
 from ..errors import DiagramError, ParameterError
+from .clashes import without_clashes
 from .names import bound, used
-from .pvm import plain, read, write
+from .pvm import read, write
 from .toolboxes import FLIGHT, OURS, Toolbox, core_registry, unknown_block, with_toolboxes
 
 _EDITOR_BLOCKS = {"Subsystem", "Interface", "BusCreator", "BusSelector"}
@@ -83,7 +83,7 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
     content = _complete(content)
     check = _Check(content, registry, path)
     check.all()
-    content = _Renaming(check.assigned, check.called_later, path).apply(content)
+    content = without_clashes(content, check.assigned, check.called_later, path)
     code = generate_python(content, registry, source_name=path.name)
     try:
         ast.parse(code)
@@ -233,29 +233,3 @@ class _Check:
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
                 self.called_later.update(used(node))
         return tree
-
-
-class _Renaming:
-    """New names for blocks and events that PathView's script would give a name of the code.
-
-    Their statement would rebind it: for the blocks below, a parameter's value would be a block.
-    """
-
-    def __init__(self, assigned: Collection[str], called_later: Collection[str], path: Path):
-        self.assigned, self.called_later, self.path = assigned, called_later, path
-
-    def apply(self, content: Json) -> Json:
-        """``content`` with the new names."""
-        graph = self._graph(content["graph"], "")
-        taken = {plain(n["name"]) for n in graph["nodes"]}
-        return {**content, "graph": graph,
-                "events": self._named(content["events"], "", "event", taken)}
-
-    def _graph(self, graph: Json, prefix: str) -> Json:
-        inner = [n for n in graph["nodes"] if n["type"] == "Subsystem"]
-        for node in inner:
-            # functions know the blocks inside by names that begin with the subsystem's
-            variable = plain(node["name"])
-            if {variable, f"{prefix}{variable}_interface"} & self.assigned:
-                raise DiagramError(f"subsystem {node['name']!r}: the code has the name {variable!r}"
-                                   " too; rename one of them", path=self.path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import logging
 import pickle
 import random
@@ -101,7 +102,11 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     if not callable(build):
         raise ParameterError(f"build must be a function, not {build!r}", parameter="build",
                              value=build)
-    parameters = inspect.signature(build).parameters
+    try:
+        parameters = inspect.signature(build).parameters
+    except ValueError:  # many a built-in function
+        raise ParameterError(f"build must be a function that says its parameters, not {build!r}",
+                             parameter="build", value=build) from None
     free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     takes_seed = free or "seed" in parameters
     for i, row in enumerate(rows):
@@ -160,4 +165,5 @@ def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
 def _value(key: str, value: Any) -> Any:
     if isinstance(value, (float, np.floating)):
         return float(value)  # NaN passes: "not measured" is a result
-    return plain(key, value)
+    # as a resumed batch would read it from its file
+    return json.loads(json.dumps(plain(key, value)))

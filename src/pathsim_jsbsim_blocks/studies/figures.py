@@ -40,7 +40,7 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
         ax.set_ylabel(name)
         ax.grid(alpha=0.4)
     axes[-1].set_xlabel("calibrated airspeed [kt]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3,
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2,
                   fontsize="small")
     figure.suptitle(title or "Trim: angle of attack, and elevator (trailing edge down positive)")
     return figure
@@ -155,12 +155,14 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
         headline
     """
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import MaxNLocator
 
     trimmed = table[table.trimmed]
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
                               (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]")):
         ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)
+        ax.xaxis.set_major_locator(MaxNLocator(5))
         ax.set_xlabel("altitude [ft]")
         ax.set_ylabel(label)
         ax.grid(alpha=0.4)

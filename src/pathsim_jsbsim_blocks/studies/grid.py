@@ -11,20 +11,20 @@ from typing import Any
 
 from ..checks import did_you_mean, nearest, number
 from ..errors import ParameterError
-from ..trim import TrimCondition
+from ..trim import UNITS, TrimCondition
 
-# unit of each field of TrimCondition, as the tail of a column's name
-CONDITION_UNITS = {
-    "altitude": "ft", "speed": "kcas", "mach": "", "gamma": "deg", "heading": "deg",
-    "bank": "deg", "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
-    "alpha_min": "deg", "alpha_max": "deg", "wind_north": "fps", "wind_east": "fps",
-    "payload": "lb", "fuel": "lb", "empty_cg_x": "in",
-}
+# columns that a grid can have, besides JSBSim properties
+_COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "properties"]
+
+# a unit as the tail of a column's name, where it is not the unit itself
+_TAILS = {"KCAS": "kcas", "ft/s": "fps", "ft/s2": "fps2", "rad/s2": "radps2", "lbf": "lb",
+          "cmd norm": "cmd_norm"}
 
 
-def column(name: str, unit: str) -> str:
+def column(name: str) -> str:
     """Name of a table's column: the quantity, then its unit."""
-    return f"{name}_{unit}" if unit else name
+    tail = _TAILS.get(UNITS[name], UNITS[name])
+    return name if not tail or name.endswith(f"_{tail}") else f"{name}_{tail}"
 
 
 def expand(name: str, grid: Any) -> list[dict[str, Any]]:
@@ -109,11 +109,11 @@ def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:
 def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
     fields = {key: value for key, value in point.items() if "/" not in key}
     for key in fields:
-        if key not in CONDITION_UNITS:
+        if key not in _COLUMNS:
             raise ParameterError(
                 f"the grid has a column {key!r} that no trim condition has"
-                + did_you_mean(nearest(key, CONDITION_UNITS))
-                + f" (columns: {', '.join(CONDITION_UNITS)}, and JSBSim properties by their path)",
+                + did_you_mean(nearest(key, _COLUMNS))
+                + f" (columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path)",
                 parameter=key, value=point[key])
     try:
         if fields.get("mach") is not None and fields.get("speed") is not None:
@@ -135,18 +135,18 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
     """
     return (condition.mode, *(value is None for value in (
         condition.mach, condition.gear, condition.flaps, condition.alpha_min, condition.alpha_max)),
-        *(tuple(_shown(condition, name)) for name in ("payload", "fuel", "properties")))
+        *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "properties")))
 
 
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
     """The table's columns of what was asked for, filled in where the grid did not say."""
     given = {key for point in points for key in point}
-    shown = [name for name in CONDITION_UNITS if name in given
-             or name in ("altitude", "speed", "gamma")]
+    shown = [name for name in _COLUMNS if name in given or name in ("altitude", "speed", "gamma")]
     columns: dict[str, list] = {}
     for name in shown:
-        values = [_shown(condition, name) for condition in conditions]
-        title = f"requested_{column(name, CONDITION_UNITS[name])}"
+        values = [None if name == "speed" and condition.mach is not None
+                  else getattr(condition, name) for condition in conditions]
+        title = f"requested_{column(name)}"
         if name in ("payload", "fuel"):
             for index in sorted({index for value in values for index in value}):
                 columns[f"{title}[{index}]"] = [value.get(index, math.nan) for value in values]
@@ -156,19 +156,3 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
         columns[f"requested_{name}"] = [condition.properties.get(name, math.nan)
                                         for condition in conditions]
     return columns
-
-
-def _shown(condition: TrimCondition, name: str) -> Any:
-    value = getattr(condition, name)
-    if name == "speed" and condition.mach is not None:
-        return None
-    if name in ("payload", "fuel"):
-        return dict(enumerate(value)) if isinstance(value, (list, tuple)) else dict(value or {})
-    return value
-
-
-def as_dict(condition: TrimCondition) -> dict[str, Any]:
-    """A condition as plain data."""
-    values = {f.name: getattr(condition, f.name) for f in dataclasses.fields(condition)}
-    return {name: dict(value) if isinstance(value, Mapping) else value
-            for name, value in values.items()}

@@ -34,7 +34,7 @@ class Journal:
     Raises
     ------
     ParameterError
-        if the file cannot be written, or holds something else
+        if the file cannot be written, is damaged, or holds something else
     """
 
     def __init__(self, path: str | Path, title: str, job: Any):
@@ -65,11 +65,16 @@ class Journal:
                 f"{str(self.path)!r} holds {_holds(first)}, not this one ({title}); name another "
                 "file or delete it", parameter="resume", value=str(self.path))
         size = len(first)
-        for line in lines:
+        for number, line in enumerate(lines, 2):
             if not line.endswith(b"\n"):
                 break
-            part = json.loads(line)
-            self.finished[part["part"]] = part["rows"]
+            try:
+                part = json.loads(line)
+                self.finished[int(part["part"])] = list(part["rows"])
+            except (ValueError, TypeError, KeyError):
+                raise ParameterError(
+                    f"line {number} of {str(self.path)!r} is damaged: delete the line and it is "
+                    "computed again", parameter="resume", value=str(self.path)) from None
             size += len(line)
         self._file.truncate(size)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -13,22 +14,15 @@ import jsbsim
 from ..airframe import Airframe
 from ..checks import whole
 from ..errors import ParameterError, TrimError
-from ..trim import TrimCondition, TrimState, trim
-from .grid import as_dict, column, expand, requested, structure, trim_conditions
+from ..trim import UNITS, TrimCondition, TrimState, trim
+from .grid import column, expand, requested, structure, trim_conditions
 from .workers import WORKER_DIED, require, run_parts
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# quantity of TrimState: unit, in the order of the table
-_FOUND = {
-    "altitude": "ft", "speed": "kcas", "mach": "", "tas": "fps", "gamma": "deg", "alpha": "deg",
-    "beta": "deg", "theta": "deg", "phi": "deg", "psi": "deg", "throttle": "norm", "thrust": "lb",
-    "pitch_trim": "norm", "elevator_rad": "", "elevator_norm": "", "elevator": "cmd_norm",
-    "aileron": "cmd_norm", "rudder": "cmd_norm", "udot": "fps2", "vdot": "fps2", "wdot": "fps2",
-    "pdot": "radps2", "qdot": "radps2", "rdot": "radps2", "weight": "lb", "cg_x": "in",
-    "cg_y": "in", "cg_z": "in",
-}
+# what a table shows of a state, in this order
+_FOUND = [name for name in UNITS if name in {f.name for f in dataclasses.fields(TrimState)}]
 
 
 def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: str | None = None,
@@ -98,11 +92,11 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
         title=f"trim_sweep {aircraft}, {len(points)} points",
-        job=lambda: {"aircraft": aircraft, "root": root, "outputs": outputs, "chunk": chunk,
-                     "conditions": [as_dict(condition) for condition in conditions],
+        job=lambda: {"aircraft": aircraft, "root": root and str(root), "outputs": outputs,
+                     "chunk": chunk, "conditions": [dataclasses.asdict(c) for c in conditions],
                      "jsbsim": jsbsim.__version__},
         jobs=jobs, resume=resume, progress=progress)
-    found = [column(name, unit) for name, unit in _FOUND.items()] + outputs
+    found = [column(name) for name in _FOUND] + outputs
     return pd.concat([
         pd.DataFrame(requested(conditions, points)),
         pd.DataFrame(rows, columns=["trimmed", "reason"]),
@@ -161,4 +155,4 @@ def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
 def _found(state: TrimState) -> dict[str, float | None]:
     values = {name: getattr(state, name) for name in _FOUND}
     values["throttle"] = state.throttle[0] if state.throttle else None
-    return {column(name, _FOUND[name]): value for name, value in values.items()}
+    return {column(name): value for name, value in values.items()}
