@@ -92,7 +92,7 @@ def test_a_checkpoint_of_another_flight_is_refused(change, duration, tmp_path):
     if duration:
         sim.run(duration)
     sim.save_checkpoint(str(tmp_path / "stop"))
-    other, plane, scope = diagram(**change)
+    other, plane, _ = diagram(**change)
     with pytest.raises(ParameterError, match="another flight"):
         other.load_checkpoint(str(tmp_path / "stop"))
     # and what was refused has changed nothing

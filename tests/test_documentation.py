@@ -1,19 +1,20 @@
 """Documentation that runs: all code blocks of the README and the pages, all docstring examples."""
 
-import contextlib
 import doctest
 import importlib
 import pkgutil
 import re
 import shlex
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks.catalogue import diagram_names
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -39,24 +40,53 @@ def test_python_blocks_run_in_their_order(page):
         exec(compile(block, str(page), "exec"), namespace)
 
 
-def commands():
+def sessions():
+    """The commands of each block of a page."""
     for page in PAGES:
         for block in blocks(page, "sh"):
-            for line in block.replace("\\\n", " ").splitlines():
-                command, _, _ = line.partition("  #")
-                if command.startswith("pathsim-jsbsim "):
-                    yield pytest.param(command, id=f"{page.name}: {command}")
+            lines = (line.partition("  #")[0] for line in block.replace("\\\n", " ").splitlines())
+            yield page.name, [c.strip() for c in lines if c.startswith("pathsim-jsbsim ")]
 
 
-@pytest.mark.parametrize("command", list(commands()))
+def _uses_pathview(command):
+    return command.split()[1] in ("view", "export", "convert")
+
+
+COMMANDS = [pytest.param(c, id=f"{page}: {c}") for page, session in sessions() for c in session
+            if not _uses_pathview(c)]
+PATHVIEW = [pytest.param(commands, id=f"{page}: {commands[0]}") for page, session in sessions()
+            if (commands := [c for c in session if _uses_pathview(c)])]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command):
-    words = shlex.split(command)[1:]
-    if words[0] in ("view", "export", "convert"):
-        # these have tests of their own, in a browser and with files
-        with contextlib.suppress(SystemExit):
-            main([words[0], "--help"])
-        return
-    assert main(words) == 0
+    assert main(shlex.split(command)[1:]) == 0
+
+
+@pytest.mark.parametrize("session", PATHVIEW)
+def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path, monkeypatch):
+    pytest.importorskip("pathview")
+    shown = []
+    # serving has tests of its own, in a browser
+    load = importlib.import_module("pathsim_jsbsim_blocks.pathview.view")._load
+    monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.view",
+                        lambda target, port, browser: shown.append(load(target)))
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    for number, words in enumerate(map(shlex.split, session), 1):
+        _, command, target, *options = words
+        target = tmp_path / target
+        if target.suffix and not target.exists():
+            target.write_bytes(find_diagram("step_response").with_suffix(target.suffix)
+                               .read_bytes())
+        for package_name in (b for a, b in pairwise(options) if a == "--toolbox"):
+            folder = tmp_path.joinpath("site", *Toolbox.parse(package_name).import_path.split("."))
+            folder.mkdir(parents=True)
+            (folder / "__init__.py").touch()
+        before = set(tmp_path.iterdir())
+        assert main(words[1:]) == 0
+        new = set(tmp_path.iterdir()) - before
+        assert len(new) == (command != "view"), f"command {number} writes {new}"
+    assert len(shown) == sum(" view " in command for command in session)
 
 
 def test_the_first_two_commands_set_up_an_environment_of_their_own():

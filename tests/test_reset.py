@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from fleet_conditions import FLYING, keywords
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope
+from pathsim.blocks import Integrator, Scope
 from plain_jsbsim import FLIGHTS
 
-from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold
 
 OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "velocities/vt-fps",
            "position/h-sl-ft", "position/long-gc-deg", "propulsion/engine/thrust-lbs",
@@ -91,3 +91,28 @@ def test_edited_parameters_count_from_the_reset_on():
     other_scope, other_sim = wire(other, Aircraft.output_port_labels)
     other_sim.run(2.0)
     assert np.array_equal(flown(scope), flown(other_scope))
+
+
+@pytest.mark.parametrize("states", [0, 1])
+def test_another_simulation_of_the_same_blocks_flies_on(states):
+    # as PathSim's own blocks do, when a notebook's cell builds the simulation anew
+    def blocks():
+        plane, hold = Aircraft("c172p", altitude=5000, speed=90), PitchHold(theta_ref=3.0)
+        return plane, hold, *(Integrator(0.0) for _ in range(states))
+
+    def simulation(plane, hold, *integrators):
+        return Simulation(
+            [plane, hold, *integrators],
+            [Connection(plane["theta"], hold["theta"], *integrators),
+             Connection(plane["q"], hold["q"]), Connection(hold["elevator"], plane["elevator"])],
+            dt=1 / 120, log=False)
+
+    once = blocks()
+    simulation(*once).run(7.0)
+    twice = blocks()
+    simulation(*twice).run(5.0)
+    again = simulation(*twice)
+    assert again.time == 0.0
+    again.run(2.0)
+    assert twice[0].samples == once[0].samples == 840
+    assert np.array_equal(twice[0].outputs.to_array(), once[0].outputs.to_array())

@@ -56,7 +56,8 @@ class Aircraft(FlightBlock):
     bank : float
         bank angle in deg, right positive, with ``mode="turn"``
     mode : str
-        "full", "longitudinal", "ground", "pull-up", "turn" or "none"
+        "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
+        "turn" or "none"
     gear : float, optional
         0 (up) to 1 (down); default is the model's own setting
     flaps : float, optional

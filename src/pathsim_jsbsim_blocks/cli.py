@@ -103,7 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("convert", _convert, "write a PathView model as a Python script")
     sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
     sub.add_argument("-o", "--output", metavar="FILE.py", type=Path,
-                     help="default is beside the model")
+                     help="default is NAME.py beside the model, if that does not exist yet")
     sub.add_argument("--toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
                      help="a toolbox that the model does not name itself (repeatable)")
     return parser

@@ -285,7 +285,8 @@ class JSBSimFDM(FlightBlock):
     trim_heading : float
         true heading to trim at, deg
     trim_mode : str
-        "full", "longitudinal", "ground", "pull-up", "turn" or "none"
+        "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
+        "turn" or "none"
     gear : float, optional
         0 (up) to 1 (down); default is the model's own setting
     flaps : float, optional

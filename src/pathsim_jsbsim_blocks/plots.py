@@ -22,14 +22,16 @@ from .errors import ParameterError
 _save_to: list[Iterator[Path]] = []
 
 
-def exact_curves() -> contextlib.AbstractContextManager[None]:
+@contextlib.contextmanager
+def exact_curves() -> Iterator[None]:
     """Within this context curves are drawn where their points are; also decorates a function.
 
     PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, with which
     corners of a curve sit pixels off. A curve keeps the threshold under which it was plotted: plot
     inside the context.
     """
-    return matplotlib.rc_context({"path.simplify_threshold": 1 / 9})  # matplotlib's own
+    with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
+        yield
 
 
 @exact_curves()

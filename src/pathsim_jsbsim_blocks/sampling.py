@@ -207,8 +207,8 @@ class SampledBlock(Block):
         """All blocks hold their final values at ``t``, where the next step starts."""
         clock = self.clock
         clock.step_start = t
-        if t > clock.due_until:
-            # switched off for a while, or reset to a later time: go on from here
+        if t > clock.due_until or t < clock.latest_from:
+            # switched off for a while, another time, another simulation: go on from here
             clock.begin_at(t, clock.index)
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
@@ -322,16 +322,23 @@ class SampledLaw(SampledBlock):
         super().reset()
         self._start_law()
 
-    def step_starts(self, t: float) -> None:
-        # what was computed at the instants up to t is final
+    def _commit(self) -> None:
+        """What was computed at the instants up to now is final."""
+        self._state = self._next_state
+        for _ in range(self._due):
+            self.clock.go_to(self.clock.index + 1)
+        self._due = 0
+
+    def sample(self, t: float, dt: float) -> None:
         if self._due:
-            clock = self.clock
-            # a step that starts before the instant is a rejected one taken anew
-            if t >= clock.due_from:
-                self._state = self._next_state
-                for _ in range(self._due):
-                    clock.go_to(clock.index + 1)
-            self._due = 0
+            self._commit()
+        super().sample(t, dt)
+
+    def step_starts(self, t: float) -> None:
+        # a step that starts before the instant is a rejected one taken anew
+        if self._due and t >= self.clock.due_from:
+            self._commit()
+        self._due = 0
         super().step_starts(t)
 
     def update(self, t: float) -> None:

@@ -3,8 +3,10 @@
 import copy
 import json
 import os
+import re
 import sys
 
+import numpy as np
 import pytest
 
 from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError, ParameterError
@@ -43,7 +45,8 @@ def convert(tmp_path):
     def convert(model, toolboxes=()):
         path = tmp_path / "model.pvm"
         path.write_text(model if isinstance(model, str) else json.dumps(model), encoding="utf-8")
-        return convert_model(path, toolboxes=toolboxes).read_text(encoding="utf-8")
+        out = convert_model(path, tmp_path / "out.py", toolboxes)
+        return out.read_text(encoding="utf-8")
 
     return convert
 
@@ -131,6 +134,146 @@ def test_toolboxes_that_are_none(convert, toolboxes, message):
         convert(MODEL, toolboxes)
 
 
+def test_a_script_that_is_there_is_not_overwritten_unless_named(tmp_path):
+    model, original = tmp_path / "model.pvm", tmp_path / "model.py"
+    model.write_text(json.dumps(MODEL))
+    original.write_text("precious")
+    with pytest.raises(DiagramError, match=r"model\.py: exists.*-o FILE\.py") as caught:
+        convert_model(model)
+    assert caught.value.path == str(original)
+    assert original.read_text() == "precious"
+    convert_model(model, original)
+    assert "StepSource(" in original.read_text()
+    original.unlink()
+    assert convert_model(model) == original
+
+
+def with_code(code, *nodes, events=(), **settings):
+    return {**MODEL, "graph": {"nodes": list(nodes)}, "events": list(events),
+            "codeContext": {"code": code},
+            "simulationSettings": {**MODEL["simulationSettings"], **settings}}
+
+
+def event(name, **params):
+    return {"type": "pathsim.events.Schedule", "name": name, "params": params}
+
+
+def namespace_of(code):
+    namespace = {"__name__": "converted"}
+    exec(code, namespace)
+    return namespace
+
+
+def test_blocks_and_events_do_not_hide_values_of_the_code(convert):
+    names = namespace_of(convert(with_code(
+        "gain = 3.0\ngain_block = 1.0\ndef tick(t): pass",
+        block("gain", "Constant", value="gain"), block("Gain block", "Constant"),
+        block("two", "Constant", value="gain"), block("np", "Constant", value="np.pi"),
+        block("pi", "Constant", value="np.pi"), block("blocks", "Constant", value="4"),
+        events=[event("tick", func_act="tick"), event("tock", func_act="tick")],
+        dt="gain / 100")))
+    assert (names["gain"], names["gain_block"]) == (3.0, 1.0)
+    assert [b.value for b in names["sim"].blocks] == [3.0, 1.0, 3.0, np.pi, np.pi, 4]
+    assert names["gain_block_2"].value == names["two"].value == 3.0
+    assert names["tick_event"].func_act is names["tock"].func_act is names["tick"]
+    assert names["sim"].dt == 0.03
+
+
+def test_blocks_in_subsystems_do_not_hide_values_of_the_code(convert):
+    inside = {"nodes": [block("if", "Interface", 0, 0), block("k", "Constant", value="plant_k"),
+                        block("l", "Constant", value="plant_k")],
+              "events": [event("e", func_act="plant_e")]}
+    names = namespace_of(convert(with_code(
+        "plant_k = 3.0\ndef plant_e(t): pass",
+        {**block("plant", "Subsystem", 0, 0), "graph": inside})))
+    assert names["plant_k_block"].value == names["plant_l"].value == names["plant_k"] == 3.0
+    assert names["plant_e_event"].func_act is names["plant_e"]
+
+
+@pytest.mark.parametrize(("code", "nodes", "message"), [
+    ("gain = 3.0\ndef f(t): return gain * t", [block("Gain", "Constant")],
+     "block 'Gain': .*'gain'"),
+    ("gain = 3.0", [block("gain", "Constant"), block("s", "Source", func="lambda t: gain * t")],
+     "block 'gain': .*uses the name 'gain' for something else; rename one"),
+    ("plant = 3.0", [block("Plant", "Subsystem", 0, 0)], "subsystem 'Plant': .*'plant'"),
+    ("plant_interface = 3.0", [block("Plant", "Subsystem", 0, 0)], "'plant_interface'"),
+])
+def test_a_name_that_could_mean_a_block_or_a_value_is_refused(convert, code, nodes, message):
+    with pytest.raises(DiagramError, match=message):
+        convert(with_code(code, *nodes))
+
+
+def subsystem(**inside):
+    return changed("graph", nodes=[{**block("S", "Subsystem"), "graph": inside}], connections=[])
+
+
+def position(x):
+    return changed("graph", "nodes", 0, position={"x": x, "y": 0})
+
+
+DAMAGED = {
+    "empty node": (changed("graph", nodes=[{}]), "graph.nodes[0].id is missing"),
+    "half a node": (changed("graph", nodes=[{"id": "a", "type": "Scope"}]),
+                    "graph.nodes[0].name is missing"),
+    "node is text": (changed("graph", nodes=["a"]), "graph.nodes[0] must be an object, not 'a'"),
+    "type": (changed("graph", "nodes", 1, type=3), "graph.nodes[1].type must be text, not 3"),
+    "params": (changed("graph", "nodes", 0, params=[1]),
+               "graph.nodes[0].params must be an object, not [1]"),
+    "ports": (changed("graph", "nodes", 0, inputs=3), "graph.nodes[0].inputs must be a list"),
+    "port": (changed("graph", "nodes", 0, outputs=[None]),
+             "graph.nodes[0].outputs[0] must be an object, not None"),
+    "subsystem": (changed("graph", nodes=[{**block("S", "Subsystem"), "graph": [1]}]),
+                  "graph.nodes[0].graph must be an object, not [1]"),
+    "in a subsystem": (subsystem(nodes=[{}]), "graph.nodes[0].graph.nodes[0].id is missing"),
+    "nodes of a subsystem": (subsystem(nodes=3), "graph.nodes[0].graph.nodes must be a list"),
+    "event of a subsystem": (subsystem(events=["e"]),
+                             "graph.nodes[0].graph.events[0] must be an object"),
+    "connections": (changed("graph", connections={}), "graph.connections must be a list, not {}"),
+    "connection": (changed("graph", connections=[{"id": "a"}]),
+                   "graph.connections[0].sourceNodeId is missing"),
+    "port number": (changed("graph", connections=[wire("Step", "Out", True)]),
+                    "graph.connections[0].sourcePortIndex must be a whole number, not True"),
+    "label": (changed("graph", "connections", 0, label=3), "graph.connections[0].label must"),
+    "events": ({**MODEL, "events": "tick"}, "events must be a list, not 'tick'"),
+    "event": ({**MODEL, "events": [{"type": "Schedule"}]}, "events[0].name is missing"),
+    "code context": ({**MODEL, "codeContext": "x = 1"}, "codeContext must be an object"),
+    "code": (changed("codeContext", code=["x"]), "codeContext.code must be text, not ['x']"),
+    "settings": ({**MODEL, "simulationSettings": [1]}, "simulationSettings must be an object"),
+    "solver": (changed("simulationSettings", solver=5), "simulationSettings.solver must be text"),
+    "toolboxes": ({**MODEL, "requiredToolboxes": 5}, "requiredToolboxes must be a list, not 5"),
+    "toolbox": ({**MODEL, "requiredToolboxes": ["a"]}, "requiredToolboxes[0] must be an object"),
+    "annotations": (changed("graph", annotations=[1]), "graph.annotations[0] must be an object"),
+    "position": (position("a"), "graph.nodes[0].position.x must be a coordinate, not 'a'"),
+    "nowhere": (position(float("nan")), "graph.nodes[0].position.x must be a coordinate, not nan"),
+    "far away": (position(10 ** 400), "graph.nodes[0].position.x must be a coordinate, not 1000"),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+@pytest.mark.parametrize("call", [convert_model, lambda path: view(path, browser=False),
+                                  lambda path: export_script(path.with_suffix(".py"))],
+                         ids=["convert", "view", "export over it"])
+def test_of_a_damaged_model_the_error_names_file_and_place(case, call, tmp_path):
+    model, message = DAMAGED[case]
+    path = tmp_path / "model.pvm"
+    path.write_text(json.dumps(model))
+    if call is not convert_model:
+        (tmp_path / "model.py").write_text("from pathsim import Simulation\nsim = Simulation()")
+    with pytest.raises(DiagramError, match=re.escape(f"{path}: damaged: {message}")) as caught:
+        call(path)
+    assert caught.value.path == str(path)
+    assert path.read_text() == json.dumps(model)
+
+
+def test_parts_that_may_be_missing_or_null(convert):
+    nodes = [{k: v for k, v in block("S", "Scope").items() if k not in ("params", "position")},
+             {**block("T", "Subsystem"), "graph": None, "params": None}]
+    code = convert({"version": "1.0.0", "events": None, "codeContext": {"code": None},
+                    "simulationSettings": None, "requiredToolboxes": None,
+                    "graph": {"nodes": nodes, "connections": None}})
+    assert "Scope()" in code
+
+
 BAD = {
     "empty": ("", "not a PathView model"),
     "no JSON": ("import this", "not a PathView model"),
@@ -161,9 +304,15 @@ BAD = {
     "solver": (changed("simulationSettings", solver="RK5"), "unknown solver 'RK5'; did you mean"),
     "code": (changed("codeContext", code="x = ("), "the code is not a Python code"),
     "name": (changed("graph", "nodes", 0, name="Lambda"), "a name makes no Python: 'lambda = "),
-    "damaged": (changed("graph", nodes=[{"type": "Scope"}]), "damaged: KeyError"),
+    "nested too deep": ("[" * 100_000, "not a PathView model"),
+    "name with a null byte": (changed("graph", "nodes", 0, name="S\0", type="Subsystem", params={}),
+                          "a name makes no Python"),
     "embedded toolbox": ({**MODEL, "requiredToolboxes": [{"source": {"type": "inline"}}]},
                          "a toolbox that is not a package"),
+    "toolbox of no name": ({**MODEL, "requiredToolboxes": [requirement("1x", "a b")]},
+                           "a toolbox that is not a package: .*not 'a b:1x'"),
+    "toolbox without one": ({**MODEL, "requiredToolboxes": [{"source": {"type": "pypi"}}]},
+                            "a toolbox that is not a package"),
 }
 
 
@@ -189,7 +338,7 @@ def test_files_that_cannot_be_read_or_written(tmp_path):
 
 
 @pytest.mark.parametrize("call", [
-    lambda path: convert_model(path),
+    lambda path: convert_model(path, path.with_name("out.py")),
     lambda path: export_script(path.with_suffix(".py")),
     lambda path: view(path, browser=False),
     lambda path: view(port=0, browser=False),

@@ -28,6 +28,12 @@ def statement(text):
     ("sum(x * y for x in a for y in x)", ["sum", "a"]),
     ("f'{a:{w}} {b!r}'", "awb"),
     ("x = a", "a"),
+    ("a += b", "ab"),
+    ("a[i] += b", "aib"),
+    ("def f():\n    global y\n    y += 1", "y"),
+    ("def f():\n    global y\n    del y", "y"),
+    ("def f():\n    global y\n    y = 1", ""),
+    ("def f(y):\n    y += g", "g"),
 ])
 def test_used(text, names):
     assert used(statement(text)) == set(names)

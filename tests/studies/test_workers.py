@@ -158,7 +158,7 @@ def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, line):
     lines = path.read_text().splitlines()
     damaged = "\n".join([*lines[:2], line, *lines[3:]]) + "\n"
     path.write_text(damaged)
-    with pytest.raises(ParameterError, match="line 3 of .* is damaged"):
+    with pytest.raises(ParameterError, match=r"line 3 of .* is damaged"):
         run(squares, PARTS, resume=path)
     assert path.read_text() == damaged
 

@@ -18,6 +18,7 @@ Json = dict[str, Any]
 
 # what PathView's script binds beside the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
+_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # of no variable of their own name
 
 
 def without_clashes(content: Json, assigned: Collection[str], called_later: Collection[str],
@@ -53,11 +54,15 @@ class _Clashes:
 
     def without(self, graph: Json, prefix: str) -> Json:
         taken = {prefix + plain(part["name"]) for part in (*graph["nodes"], *graph["events"])}
-        nodes = [self._subsystem(n, prefix) if n["type"] == "Subsystem" else n
-                 if n["type"] == "Interface" else self._renamed(n, "block", prefix, taken)
-                 for n in graph["nodes"]]
-        events = [self._renamed(e, "event", prefix, taken) for e in graph["events"]]
-        return {**graph, "nodes": nodes, "events": events}
+        return {**graph, "nodes": [self._node(n, prefix, taken) for n in graph["nodes"]],
+                "events": [self._renamed(e, "event", prefix, taken) for e in graph["events"]]}
+
+    def _node(self, node: Json, prefix: str, taken: set[str]) -> Json:
+        if node["type"] == "Subsystem":
+            return self._subsystem(node, prefix)
+        if node["type"] in _NAMELESS:
+            return node
+        return self._renamed(node, "block", prefix, taken)
 
     def _subsystem(self, node: Json, prefix: str) -> Json:
         variable = plain(node["name"])  # PathView does not prefix it
@@ -73,13 +78,11 @@ class _Clashes:
             return part
         if variable in self.called_later:
             self._refuse(f"{kind} {part['name']!r}", variable)
-        for number in itertools.chain([""], (f" {i}" for i in itertools.count(2))):
-            name = f"{part['name']} {kind}{number}"
-            variable = prefix + plain(name)
-            if variable not in {*self.bound, *taken}:
-                taken.add(variable)
-                return {**part, "name": name}
-        raise AssertionError
+        wish = f"{part['name']} {kind}"
+        names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
+        name = next(n for n in names if prefix + plain(n) not in {*self.bound, *taken})
+        taken.add(prefix + plain(name))
+        return {**part, "name": name}
 
     def _refuse(self, what: str, name: str) -> NoReturn:
         raise DiagramError(f"{what}: the model's code uses the name {name!r} for something else; "

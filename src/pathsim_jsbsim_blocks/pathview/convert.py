@@ -46,7 +46,8 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     ------
     DiagramError
         if the file is not a model, has blocks or events that nobody knows, broken connections or
-        parameters that are not Python expressions, or the script cannot be written
+        parameters that are not Python expressions, its code has a name of its blocks, or the script
+        cannot be written
     """
     path = as_path("path", path)
     content = read(path)
@@ -76,7 +77,7 @@ def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
 def to_python(content: Json, registry: Json, path: Path) -> str:
     """A model's script. All is checked before: PathView's converter drops what it does not know.
 
-    ``content`` is that of a file that ``pvm.read`` has read, or a model that ``pvm.model`` has made.
+    ``content`` comes from ``pvm.read``, which checks its shape, or from ``pvm.model``.
     """
     from pathview.converter import generate_python
 

@@ -144,8 +144,8 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
     shown = [name for name in _COLUMNS if name in given or name in ("altitude", "speed", "gamma")]
     columns: dict[str, list] = {}
     for name in shown:
-        values = [None if name == "speed" and condition.mach is not None
-                  else getattr(condition, name) for condition in conditions]
+        values: list[Any] = [None if name == "speed" and condition.mach is not None
+                             else getattr(condition, name) for condition in conditions]
         title = f"requested_{column(name)}"
         if name in ("payload", "fuel"):
             for index in sorted({index for value in values for index in value}):
