@@ -53,7 +53,7 @@ CASES = [
     ({"aircraft_model": 172}, AircraftError, "must be a model's name, not 172", []),
     ({"aircraft_model": "blank"}, AircraftError, "cannot load aircraft 'blank'", []),
     ({"aircraft_model": "L17"}, AircraftError, "create={'fcs/flaps-pos-deg': 0.0}", []),
-    ({"JSBSim_path": "/nowhere"}, AircraftError, "among the 0 models in", []),
+    ({"JSBSim_path": "/nowhere"}, AircraftError, "no folder '/nowhere/aircraft'", []),
     ({"JSBSim_path": 5}, ParameterError, "root must be a path", []),
     (inputs("fcs/elevator-cmd-nrm"), PropertyError, "no property", ["fcs/elevator-cmd-norm"]),
     (outputs("theta-deg"), PropertyError, "no property 'theta-deg'", [THETA]),
@@ -263,12 +263,12 @@ def test_ground_impact_ends_the_flight(aircraft):
     plane = Aircraft(aircraft, altitude=3000, speed=400, gamma=-80, mode="none")
     scope = Scope(labels=["h"])
     sim = Simulation([plane, scope], [Connection(plane["h"], scope)], dt=plane.T, log=False)
-    with pytest.raises(FlightError, match=f"aircraft '{aircraft}': state") as error:
+    with pytest.raises(FlightError, match=f"aircraft '{aircraft}': crashed") as error:
         sim.run(30.0)
     time, (height,) = scope.read()
     # 3000 ft at about 700 ft/s
     assert 3.0 < error.value.time < 6.0
-    assert not math.isfinite(error.value.value)
+    assert abs(error.value.value) > 50.0
     assert time[-1] == pytest.approx(error.value.time - plane.T)
     assert np.isfinite(height).all()
     assert height[:int(3.0 / plane.T)].min() > 0.0
@@ -280,12 +280,41 @@ def test_ground_impact_ends_the_flight(aircraft):
 
 
 @pytest.mark.parametrize("shown", [[], ["simulation/sim-time-sec", "inertia/weight-lbs"]])
-def test_ground_impact_ends_the_flight_whatever_is_shown(shown):
-    block = JSBSimFDM(aircraft_model="A4", trim_altitude=3000, trim_airspeed=400, trim_gamma=-80,
-                      trim_mode="none", output_properties=shown)
+def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
+    block = JSBSimFDM(aircraft_model="A4", trim_altitude=3000, trim_airspeed=400,
+                      output_properties=shown)
     sim = Simulation([block], dt=block.T, log=False)
+    sim.run(0.5)
+    block.fdm["fcs/elevator-cmd-norm"] = math.nan
     with pytest.raises(FlightError, match="aircraft 'A4': state 'velocities/vt-fps' is nan"):
-        sim.run(30.0)
+        sim.run(0.5)
+    assert block.samples < 63
+
+
+@pytest.mark.parametrize("fuel", [
+    {"condition": TrimCondition(altitude=5000, speed=90, fuel=[100, 1000])},
+    {"setup": {"propulsion/tank[1]/contents-lbs": 1000}}])
+def test_more_fuel_than_a_tank_holds_is_refused(fuel):
+    with pytest.raises(ParameterError, match=r"tank\[1\].* 1000.* holds 185 lb"):
+        Aircraft("c172p", **fuel)
+
+
+@pytest.mark.parametrize(("altitude", "elevator"), [(500, 1.0), (1000, 1.0), (500, -1.0)])
+def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
+    plane = Aircraft("c172p", altitude=altitude, speed=90)
+    command = Constant(elevator)
+    sim = Simulation([plane, command], [Connection(command, plane["elevator"])], dt=plane.T,
+                     log=False)
+    with pytest.raises(FlightError, match=r"crashed, load factor .* at t =") as error:
+        sim.run(60.0)
+    assert plane.outputs["h"] < 10.0
+    assert abs(error.value.value) > 50.0
+
+
+def test_a_step_too_long_for_jsbsim_is_refused():
+    with pytest.raises(ParameterError, match="T / substeps"):
+        Aircraft("c172p", T=120)
+    assert Aircraft("c172p", T=0.5, substeps=60).samples == 0
 
 
 def test_a_plain_loop_does_go_on_after_the_impact():

@@ -125,7 +125,7 @@ class Aircraft(FlightBlock):
     AircraftError, PropertyError, ParameterError, TrimError
         when the block is built: unknown names and values that cannot be, or no trim
     FlightError
-        in flight, when an input or the state is not finite
+        in flight, when an input or the state is not finite, or the aircraft has crashed
 
     Examples
     --------

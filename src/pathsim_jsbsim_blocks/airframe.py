@@ -80,6 +80,9 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     except (OSError, ValueError):  # no name that a file can have
         known, names = False, []
     if not known:
+        if not folder.is_dir():
+            raise AircraftError(f"no folder {str(folder)!r} with aircraft models",
+                                aircraft=aircraft)
         close = nearest(aircraft, names)
         raise AircraftError(
             f"no aircraft {aircraft!r} among the {len(names)} models in {folder}"
@@ -87,6 +90,7 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     return file
 
 
+_TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 _GROUND = "ic/terrain-elevation-ft"
 
 
@@ -265,7 +269,8 @@ class Airframe:
         Raises
         ------
         PropertyError, ParameterError
-            for an unknown property or a value that is not a finite number; nothing is written then
+            for an unknown property or a value that is not a finite number; nothing is written then.
+            Or for more fuel than a tank holds
         """
         values = mapping(what, values)
         for name in values:
@@ -275,6 +280,13 @@ class Airframe:
                  for name, value in values.items()]
         for write, value in items:
             write(value)
+        for name in filter(_TANK.search, values):
+            # JSBSim fills it up and says nothing
+            full = self.fdm[name]
+            if full < values[name] - 1e-6:
+                raise ParameterError(f"{what}[{name!r}] is {values[name]!r}, but this tank of "
+                                     f"{self.aircraft!r} holds {full:.6g} lb",
+                                     parameter=what, value=values[name])
 
     def access(self, name: str) -> str:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""

@@ -34,7 +34,7 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
     eas
         equivalent airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 
@@ -78,7 +78,7 @@ class EAStoMach(AirDataBlock):
     eas
         equivalent airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------
@@ -120,7 +120,7 @@ class TAStoEAS(AirDataBlock):
     tas
         true airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 
@@ -164,7 +164,7 @@ class TAStoMach(AirDataBlock):
     tas
         true airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 
@@ -208,7 +208,7 @@ class MachtoEAS(AirDataBlock):
     mach
         Mach number
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------
@@ -250,7 +250,7 @@ class MachtoTAS(AirDataBlock):
     mach
         Mach number
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 

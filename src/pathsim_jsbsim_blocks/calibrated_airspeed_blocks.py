@@ -34,7 +34,7 @@ class CAStoEAS(AirDataBlock, flight.CAStoEAS):
     cas
         calibrated airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------
@@ -77,7 +77,7 @@ class CAStoTAS(AirDataBlock, flight.CAStoTAS):
     cas
         calibrated airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 
@@ -122,7 +122,7 @@ class CAStoMach(AirDataBlock, flight.CAStoMach):
     cas
         calibrated airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------
@@ -165,7 +165,7 @@ class EAStoCAS(AirDataBlock):
     eas
         equivalent airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------
@@ -208,7 +208,7 @@ class TAStoCAS(AirDataBlock, flight.TAStoCAS):
     tas
         true airspeed, m/s
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
     temp_deviation
         from the standard temperature, K
 
@@ -253,7 +253,7 @@ class MachtoCAS(AirDataBlock, flight.MachtoCAS):
     mach
         Mach number
     altitude
-        pressure altitude, m
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
 
     Outputs
     -------

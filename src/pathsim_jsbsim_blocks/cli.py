@@ -66,8 +66,9 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("trim", _trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")
     sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
-    sub.add_argument("--speed", type=float, default=100.0, help="KCAS (default %(default)g)")
-    sub.add_argument("--mach", type=float, help="instead of --speed")
+    speed = sub.add_mutually_exclusive_group()
+    speed.add_argument("--speed", type=float, default=100.0, help="KCAS (default %(default)g)")
+    speed.add_argument("--mach", type=float, help="instead of --speed")
     sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
     sub.add_argument("--heading", type=float, default=0.0, help="deg")
     sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
@@ -225,7 +226,7 @@ def _properties(args: argparse.Namespace) -> None:
 
 def _trim(args: argparse.Namespace) -> None:
     from .airframe import Airframe
-    from .trim import TrimCondition, trim
+    from .trim import UNITS, TrimCondition, trim
 
     setup = {}
     for item in args.set:
@@ -240,19 +241,14 @@ def _trim(args: argparse.Namespace) -> None:
         heading=args.heading, bank=args.bank, load_factor=args.load_factor, mode=args.mode,
         gear=args.gear, flaps=args.flaps)
     state = trim(Airframe(args.aircraft), condition, setup)
-    units = {"altitude": "ft", "speed": "KCAS", "tas": "ft/s", "elevator_rad": "rad",
-             "weight": "lb",
-             **dict.fromkeys(("alpha", "beta", "theta", "phi", "psi", "gamma"), "deg"),
-             **dict.fromkeys(("udot", "vdot", "wdot"), "ft/s2"),
-             **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"),
-             **dict.fromkeys(("cg_x", "cg_y", "cg_z"), "in")}
     print(f"{args.aircraft}: {condition}")
     for field in dataclasses.fields(state):
         value = getattr(state, field.name)
         if isinstance(value, tuple):
-            print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value))
+            print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value)
+                  + f" {UNITS[field.name]}")
         elif isinstance(value, float):
-            print(f"  {field.name:<13}{value:14.6f} {units.get(field.name, '')}".rstrip())
+            print(f"  {field.name:<13}{value:14.6f} {UNITS[field.name]}".rstrip())
 
 
 def _study(args: argparse.Namespace) -> None:

@@ -88,7 +88,8 @@ class TrimError(BlocksError, RuntimeError):
     condition : TrimCondition
         what was asked for
     reason : str
-        "thrust", "alpha limit", "elevator", "initial condition" or "no convergence"
+        what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
+        "bank" or "sideslip", on the ground "height", "pitch angle" or "bank"; or "no convergence"
     residuals : dict[str, float]
         what JSBSim left: accelerations in ft/s2 and rad/s2, commands, alpha in deg
     """

@@ -13,17 +13,24 @@ import numpy as np
 from pathsim.utils.register import Register
 
 from .airframe import Airframe
-from .checks import did_you_mean, flag, nearest, number, positive, whole
+from .checks import flag, number, positive, whole
 from .console import capture_console, log
 from .errors import FlightError, ParameterError, PropertyError
+from .ports import NamedPorts
 from .sampling import SHORTEST_PERIOD, SampledPlant
 from .trim import TrimCondition, TrimState, trim
 
+# s; with longer steps than these JSBSim's integration is unstable
+_LONGEST_STEP = 0.1
+
 # whatever is not finite in the state reaches these within a step
-_WATCHED = ("velocities/vt-fps", "position/h-sl-ft")
+_WATCHED = ("velocities/vt-fps", "position/h-sl-ft", "accelerations/Nz")
+
+# g; no aircraft flies that, but JSBSim's springs throw a crashed one about with some hundreds
+_CRASH = 50.0
 
 
-class FlightBlock(SampledPlant):
+class FlightBlock(NamedPorts, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
     setup: Mapping[str, float] | None
@@ -63,13 +70,14 @@ class FlightBlock(SampledPlant):
     def take_off(self) -> None:
         """Load, initialise and trim a fresh aircraft and show its state."""
         self._substeps = whole("substeps", self.substeps, low=1)
-        dt = number("T / substeps", positive("T", self.T) / self._substeps, low=SHORTEST_PERIOD)
+        dt = number("T / substeps", positive("T", self.T) / self._substeps,
+                    low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self.airframe = Airframe(
             self._model(), dt, root=self.JSBSim_path, empty_cg_x=condition.empty_cg_x,
             create=self.create, allow_network=self.allow_network, allow_files=self.allow_files)
         self.trim = trim(self.airframe, condition, self.setup)
-        self._speed, self._height = (self.airframe.reader(name) for name in _WATCHED)
+        self._speed, self._height, self._nz = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
         self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
@@ -86,13 +94,6 @@ class FlightBlock(SampledPlant):
         return self.airframe.fdm
 
     def __getitem__(self, key):
-        names = [*self.inputs._mapping, *self.outputs._mapping]
-        for port in key if isinstance(key, (list, tuple)) else [key]:
-            if isinstance(port, str) and port not in names:
-                close = nearest(port, names)
-                raise PropertyError(
-                    f"{type(self).__name__} has no port {port!r}" + did_you_mean(close),
-                    aircraft=self.airframe.aircraft, name=port, nearest=close)
         reference = super().__getitem__(key)
         for port in reference.ports:
             if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
@@ -100,6 +101,9 @@ class FlightBlock(SampledPlant):
                     f"{type(self).__name__} has {self._n_inputs} inputs and {self._n_outputs} "
                     f"outputs, no port {port}", aircraft=self.airframe.aircraft, name=str(port))
         return reference
+
+    def _no_port(self, message, port, close):
+        return PropertyError(message, aircraft=self.airframe.aircraft, name=port, nearest=close)
 
     def reset(self) -> None:
         """Fly the same flight again: a fresh aircraft, loaded and trimmed as at first."""
@@ -132,11 +136,13 @@ class FlightBlock(SampledPlant):
 
     def publish(self) -> None:
         y = self._read()
-        if not math.isfinite(sum(y) + self._speed() + self._height()):
+        nz = self._nz()
+        if not (math.isfinite(sum(y) + self._speed() + self._height()) and -_CRASH < nz < _CRASH):
             for name, value in [*zip(self.outputs._mapping, y, strict=False),
                                 *((name, self.airframe.fdm[name]) for name in _WATCHED)]:
                 if not math.isfinite(value):
                     self._fail(name, value, "state")
+            self._fail(_WATCHED[-1], nz, "crashed, load factor")
         self.outputs._data[:self._n_outputs] = y
 
     def _fail(self, name: str, value: float, what: str) -> None:
@@ -323,7 +329,7 @@ class JSBSimFDM(FlightBlock):
     AircraftError, PropertyError, ParameterError, TrimError
         when the block is built: unknown names and values that cannot be, or no trim
     FlightError
-        in flight, when an input or the state is not finite
+        in flight, when an input or the state is not finite, or the aircraft has crashed
 
     Examples
     --------
