@@ -250,7 +250,8 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("case", DAMAGED)
-@pytest.mark.parametrize("call", [convert_model, lambda path: view(path, browser=False),
+# view: a port that it refuses, lest it serves what it should not have read
+@pytest.mark.parametrize("call", [convert_model, lambda path: view(path, port=-1),
                                   lambda path: export_script(path.with_suffix(".py"))],
                          ids=["convert", "view", "export over it"])
 def test_of_a_damaged_model_the_error_names_file_and_place(case, call, tmp_path):
