@@ -155,6 +155,14 @@ def test_trim_prints_the_published_state(capsys):
     assert "alpha              2.534215 deg" in out
 
 
+def test_trim_creates_what_a_model_misses(capsys):
+    assert main(["trim", "L17", "--speed", "105", "--gear", "0"]) == 1
+    assert "create={'fcs/flaps-pos-deg': 0.0}" in capsys.readouterr().err
+    assert main(["trim", "L17", "--speed", "105", "--gear", "0",
+                 "--create", "fcs/flaps-pos-deg=0"]) == 0
+    assert " norm" in capsys.readouterr().out
+
+
 def test_properties_shows_access_and_value(capsys):
     assert main(["properties", "c172p", "elevator-cmd"]) == 0
     assert capsys.readouterr().out.split() == ["fcs/elevator-cmd-norm", "rw", "0"]

@@ -177,3 +177,16 @@ def test_any_property_block_too(tmp_path):
     # the air is not still
     assert np.std(np.diff(theta)) > 1e-4
     assert np.array_equal(other_scope.read()[1][0], theta)
+
+
+def test_a_hold_of_another_period_is_refused(tmp_path):
+    def simulation(T):
+        return Simulation([hold := PitchHold(T=T)], dt=1 / 120, log=False), hold
+
+    sim, _ = simulation(1 / 120)
+    sim.run(1.0)
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    other, hold = simulation(1 / 30)
+    with pytest.raises(ParameterError, match=r"PitchHold with T = 0.00833.* has T = 0.0333"):
+        other.load_checkpoint(str(tmp_path / "stop"))
+    assert hold.clock.period == 1 / 30

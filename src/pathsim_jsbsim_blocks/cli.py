@@ -67,7 +67,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("aircraft")
     sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
     speed = sub.add_mutually_exclusive_group()
-    speed.add_argument("--speed", type=float, default=100.0, help="KCAS (default %(default)g)")
+    speed.add_argument("--speed", type=float, default=100.0,
+                       help="KCAS (default %(default)g; docs/fleet.md has one for each aircraft)")
     speed.add_argument("--mach", type=float, help="instead of --speed")
     sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
     sub.add_argument("--heading", type=float, default=0.0, help="deg")
@@ -79,6 +80,8 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--flaps", type=float, help="0 to 1")
     sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
                      help="a property to write before the trim (repeatable)")
+    sub.add_argument("--create", metavar="PROPERTY=VALUE", action="append", default=[],
+                     help="a property that the model expects from FlightGear (repeatable)")
 
     sub = command("study", _study, "run a trim study: its table, its figure")
     sub.add_argument("name", help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, "
@@ -228,19 +231,12 @@ def _trim(args: argparse.Namespace) -> None:
     from .airframe import Airframe
     from .trim import UNITS, TrimCondition, trim
 
-    setup = {}
-    for item in args.set:
-        name, _, value = item.partition("=")
-        try:
-            setup[name] = float(value)
-        except ValueError:
-            raise ParameterError(f"--set wants PROPERTY=VALUE with a number, not {item!r}",
-                                 parameter="set", value=item) from None
+    setup, create = _values("set", args.set), _values("create", args.create)
     condition = TrimCondition(
         altitude=args.altitude, speed=args.speed, mach=args.mach, gamma=args.gamma,
         heading=args.heading, bank=args.bank, load_factor=args.load_factor, mode=args.mode,
         gear=args.gear, flaps=args.flaps)
-    state = trim(Airframe(args.aircraft), condition, setup)
+    state = trim(Airframe(args.aircraft, create=create), condition, setup)
     print(f"{args.aircraft}: {condition}")
     for field in dataclasses.fields(state):
         value = getattr(state, field.name)
@@ -249,6 +245,18 @@ def _trim(args: argparse.Namespace) -> None:
                   + f" {UNITS[field.name]}")
         elif isinstance(value, float):
             print(f"  {field.name:<13}{value:14.6f} {UNITS[field.name]}".rstrip())
+
+
+def _values(option: str, items: Iterable[str]) -> dict[str, float]:
+    values = {}
+    for item in items:
+        name, _, value = item.partition("=")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise ParameterError(f"--{option} wants PROPERTY=VALUE with a number, not {item!r}",
+                                 parameter=option, value=item) from None
+    return values
 
 
 def _study(args: argparse.Namespace) -> None:

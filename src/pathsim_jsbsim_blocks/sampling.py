@@ -36,6 +36,7 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from .checks import number, positive
+from .errors import ParameterError
 
 # s; more samples than these nobody waits for
 SHORTEST_PERIOD = 1e-6
@@ -218,9 +219,12 @@ class SampledBlock(Block):
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        super().load_checkpoint(prefix, json_data, npz)
         clock, index = self.clock, json_data["index"]
-        clock.period = json_data["period"]
+        if json_data["period"] != clock.period:
+            raise ParameterError(
+                f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
+                f"this one has T = {clock.period!r}", parameter="T", value=clock.period)
+        super().load_checkpoint(prefix, json_data, npz)
         clock.begin_at(json_data["start"] + max(index - 1, 0) * clock.period, index)
 
     def act(self, t: float) -> None:
