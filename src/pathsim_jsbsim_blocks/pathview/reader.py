@@ -179,7 +179,7 @@ class _Reader:
 
     def _called(self, value: Any) -> str:
         names = self._variables(value)
-        return repr(names[0]) if names else f"a {type(value).__name__}"
+        return repr(names[0]) if names else f"this {type(value).__name__}"
 
     def _variables(self, value: Any) -> list[str]:
         return [n for n, v in self.script.namespace.items() if v is value]
