@@ -88,7 +88,7 @@ def editing(block, valid):
 
 def targets():
     """(name, callable, keywords that make a valid call)."""
-    for name, thing in vars(package).items():
+    for name, thing in list(vars(package).items()):
         if inspect.isclass(thing) and issubclass(thing, Block):
             valid = {Aircraft: {"speed": 90.0},
                      JSBSimFDM: {"aircraft_model": "c172p", "trim_airspeed": 90.0,
@@ -99,7 +99,7 @@ def targets():
     yield "TrimCondition", TrimCondition, {}
     air = atmosphere.isa(1000.0)
     for module in (atmosphere, airspeed, axes):
-        for name, thing in vars(module).items():
+        for name, thing in list(vars(module).items()):
             if inspect.isfunction(thing) and name[0] != "_" and name not in INNER and (
                     thing.__module__.startswith(module.__name__)):
                 valid = {p.name: air if p.name == "air" else 1.0 for p in parameters(thing)

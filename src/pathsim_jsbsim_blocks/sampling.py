@@ -146,7 +146,7 @@ class Settling(Event):
         """Nothing: the pass that follows every event is all there is to it."""
 
 
-def _no_simulation() -> None:
+def _nothing() -> None:
     return None
 
 
@@ -172,17 +172,21 @@ class SampledBlock(Block):
         self.clock = SampleClock(self, first)
         self._clock_events: list[Event] = [self.clock]
         self.events = self._clock_events
-        self._simulation: Callable[[], Simulation | None] = _no_simulation
+        self._simulation: Callable[[], Simulation | None] = _nothing
+        self._around: Callable[[], Simulation | Subsystem | None] = _nothing
         self.one_pass = False
         self._warned = False
 
     def set_solver(self, Solver, parent, **solver_args) -> None:
         # the calls come down from the Simulation through each Subsystem around this block
         levels, frame = 0, sys._getframe(1)
+        around = frame.f_locals.get("self")
+        known = isinstance(around, (Simulation, Subsystem))
+        self._around = weakref.ref(around) if known else _nothing
         while isinstance(owner := frame.f_locals.get("self"), Subsystem) and frame.f_back:
             levels, frame = levels + 1, frame.f_back
         alone = levels == 0 and isinstance(owner, Simulation)
-        self._simulation = weakref.ref(owner) if alone else _no_simulation
+        self._simulation = weakref.ref(owner) if alone else _nothing
         self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
         self._act_in_events(True)
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
 from flights import T, fly, start, step
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Integrator, Scope, Source
 
 from pathsim_jsbsim_blocks import Autopilot, PitchHold
@@ -110,3 +112,19 @@ def test_turn_and_climb_at_once():
     assert flight["h"][-1] - flight["h"][0] == pytest.approx(1000.0, abs=10.0)
     assert flight["psi"][-1] == pytest.approx(180.0, abs=0.5)
     assert flight["vc"][-1] - flight["vc"][0] == pytest.approx(10.0, abs=0.5)
+
+
+@pytest.mark.parametrize("nested", [False, True])
+def test_a_measurement_without_a_wire_is_named(nested):
+    hold, theta, interface, integrator = PitchHold(), Source(math.sin), Interface(), Integrator()
+    inner = [Connection(theta, hold[0]), Connection(hold, interface[0])]
+    if nested:
+        part = Subsystem([interface, hold, theta], inner)
+        sim = Simulation([part, integrator], [Connection(part, integrator)], dt=T, log=False)
+    else:
+        sim = Simulation([hold, theta], inner[:1], dt=T, log=False)
+    with pytest.warns(RuntimeWarning, match=r"PitchHold measures 0 where no wire comes in: q$"):
+        sim.run(0.1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sim.run(0.1)

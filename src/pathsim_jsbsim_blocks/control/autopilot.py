@@ -98,6 +98,7 @@ class Autopilot(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     input_port_labels = {name: i for i, name in enumerate((
         "theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc",
         "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import warnings
 from typing import Any
 
 from ..checks import positive
@@ -47,6 +48,9 @@ class Controller(NamedPorts, SampledLaw):
     """
 
     configured = False
+    # inputs that mean nothing without a wire
+    measured: tuple[str, ...] = ()
+    _wires_seen = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -62,6 +66,24 @@ class Controller(NamedPorts, SampledLaw):
         positive("T", self.T)
         self.build()
         self.configured = True
+
+    def sample(self, t: float, dt: float) -> None:
+        super().sample(t, dt)
+        if not self._wires_seen:
+            self._wires_seen = True
+            self._warn_of_missing_wires()
+
+    def _warn_of_missing_wires(self) -> None:
+        around = self._around()
+        if around is None:
+            return
+        wired = {self.inputs._map(port) for connection in around.connections
+                 for target in connection.targets if target.block is self
+                 for port in target.ports}
+        missing = [name for name in self.measured if self.inputs._map(name) not in wired]
+        if missing:
+            warnings.warn(f"{type(self).__name__} measures 0 where no wire comes in: "
+                          f"{', '.join(missing)}", RuntimeWarning, stacklevel=2)
 
     def reset(self) -> None:
         super().reset()

@@ -209,6 +209,7 @@ class DiscretePID(Controller):
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
+    measured = ("y",)
     input_port_labels = {"r": 0, "y": 1, "rate": 2, "sat": 3, "off": 4, "track": 5, "feed": 6}
     output_port_labels = {"u": 0}
 

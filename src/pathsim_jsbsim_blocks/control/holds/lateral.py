@@ -61,6 +61,7 @@ class RollHold(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("phi", "p")
     input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
@@ -135,6 +136,7 @@ class HeadingHold(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("psi", "phi", "p")
     input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
@@ -203,6 +205,7 @@ class YawDamper(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("r",)
     input_port_labels = {"r": 0, "off": 1}
     output_port_labels = {"rudder": 0}
 

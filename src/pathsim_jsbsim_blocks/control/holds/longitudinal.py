@@ -61,6 +61,7 @@ class PitchHold(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("theta", "q")
     input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
@@ -146,6 +147,7 @@ class AltitudeHold(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("h", "hdot", "theta", "q")
     input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5,
                          "elev_sat": 6}
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
@@ -234,6 +236,7 @@ class AirspeedHold(Controller):
         for a gain table or gain that does not exist, naming the nearest, and for bad numbers
     """
 
+    measured = ("vc", "hdot")
     input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 
