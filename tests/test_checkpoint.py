@@ -190,3 +190,11 @@ def test_a_hold_of_another_period_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"PitchHold with T = 0.00833.* has T = 0.0333"):
         other.load_checkpoint(str(tmp_path / "stop"))
     assert hold.clock.period == 1 / 30
+
+
+def test_what_is_no_switch_does_not_record():
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    sim = Simulation([plane], dt=plane.T, log=False)
+    plane.record_inputs = np.array([])
+    sim.run(0.1)
+    assert len(plane._flown) == 0

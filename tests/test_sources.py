@@ -142,6 +142,7 @@ def test_parameters_can_be_edited_while_it_runs():
     (lambda: MultistepSource(widths=[1, 2], signs=[1]), "signs"),
     (lambda: MultistepSource(widths=[], signs=[]), "signs"),
     (lambda: MultistepSource(widths="321"), "widths"),
+    (lambda: MultistepSource(widths=np.array(2.0)), "widths"),
     (lambda: MultistepSource(widths=[1, 0, 1, 1]), "widths[1]"),
     (lambda: MultistepSource(step=float("inf")), "step"),
     (lambda: RampSource(rise_time=0.0), "rise_time"),

@@ -127,7 +127,7 @@ class FlightBlock(NamedPorts, SampledPlant):
             # a diagram may go on in another thread, where JSBSim's console is another one
             self._thread = get_ident()
             capture_console()
-        if self.record_inputs:
+        if self.record_inputs is True:
             self._flown.extend(self._u)
         self._write(self._u)
         run = self.airframe.fdm.run

@@ -207,7 +207,7 @@ class RampSource(_EdgeSource):
 
 
 def _list(name: str, value: Any) -> list:
-    if isinstance(value, (list, tuple, np.ndarray)):
+    if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim):
         return list(value)
     raise ParameterError(f"{name} must be a list of numbers, not {value!r}", parameter=name,
                          value=value)

@@ -460,3 +460,8 @@ def test_running_a_script_leaves_the_process_as_it_was(export, tmp_path):
     export(OSCILLATOR, "left_over")
     assert (list(sys.path), list(sys.argv)) == before[:2]
     assert not [m for m in set(sys.modules) - before[2] if "left_over" in m]
+
+
+def test_no_script_at_all_is_refused():
+    with pytest.raises(DiagramError):
+        export_script("")

@@ -42,7 +42,7 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
         cannot be written
     """
     script = as_path("script", script)
-    out = script.with_suffix(".pvm") if out is None else as_path("out", out)
+    out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
     pvm.write(out, pvm.text(script_model(script, pvm.read(out) if out.exists() else None)))
     return out
 
