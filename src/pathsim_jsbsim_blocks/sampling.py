@@ -172,7 +172,6 @@ class SampledBlock(Block):
         self.clock = SampleClock(self, first)
         self._clock_events: list[Event] = [self.clock]
         self.events = self._clock_events
-        self._simulation: Callable[[], Simulation | None] = _nothing
         self._around: Callable[[], Simulation | Subsystem | None] = _nothing
         self.one_pass = False
         self._warned = False
@@ -183,10 +182,8 @@ class SampledBlock(Block):
         around = frame.f_locals.get("self")
         known = isinstance(around, (Simulation, Subsystem))
         self._around = weakref.ref(around) if known else _nothing
-        while isinstance(owner := frame.f_locals.get("self"), Subsystem) and frame.f_back:
+        while isinstance(frame.f_locals.get("self"), Subsystem) and frame.f_back:
             levels, frame = levels + 1, frame.f_back
-        alone = levels == 0 and isinstance(owner, Simulation)
-        self._simulation = weakref.ref(owner) if alone else _nothing
         self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
         self._act_in_events(True)
 
@@ -200,9 +197,9 @@ class SampledBlock(Block):
 
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
-        simulation = self._simulation()
-        one_pass = (simulation is not None and not simulation._blocks_dyn
-                    and not simulation.engine.is_adaptive)
+        around = self._around()
+        one_pass = (isinstance(around, Simulation) and not around._blocks_dyn
+                    and not around.engine.is_adaptive)
         if one_pass is not self.one_pass:
             self._act_in_events(not one_pass)
         if one_pass:
