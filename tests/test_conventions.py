@@ -109,7 +109,7 @@ FLOORS = [  # each may import what stands above it, and its own floor
     {"errors"},
     {"checks", "catalogue", "console", "ports"},
     {"sampling", "atmosphere", "sources", "axes", "plots"},
-    {"airframe", "airspeed", "atmosphere_blocks"},
+    {"airframe", "airspeed", "atmosphere_blocks", "trim_condition"},
     {"trim", "airspeed_blocks", "calibrated_airspeed_blocks", "control"},
     {"fdm"},
     {"aircraft", "fleet"},

@@ -42,7 +42,8 @@ from .sources import DoubletSource, MultistepSource, RampSource
 if find_spec("jsbsim") is not None:
     from .aircraft import Aircraft
     from .fdm import JSBSimFDM
-    from .trim import TrimCondition, TrimState
+    from .trim import TrimState
+    from .trim_condition import TrimCondition
 
 __version__ = "0.1.0"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from .fdm import FlightBlock, chosen_condition, defaults
-from .trim import TrimCondition
+from .trim_condition import TrimCondition
 
 _DEG = 180.0 / math.pi
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -114,31 +114,6 @@ def writable(parameter: str, value: Any) -> Path:
     return path
 
 
-class FixedMapping(Mapping):
-    """A dict that nobody can change: it has a hash, and `dataclasses.asdict` makes a dict of it."""
-
-    def __init__(self, values: Mapping[Any, Any]):
-        self._values = dict(values)
-
-    def __getitem__(self, key: Any) -> Any:
-        return self._values[key]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._values.items()))
-
-    def __repr__(self) -> str:
-        return repr(self._values)
-
-    def __deepcopy__(self, memo: Any) -> dict[Any, Any]:
-        return dict(self._values)
-
-
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:
     """``value`` as a dict; None is an empty one."""
     if value is None:
@@ -147,20 +122,6 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
         raise ParameterError(f"{parameter} must be a dict of names and values, not {value!r}",
                              parameter=parameter, value=value)
     return dict(value)
-
-
-def weights(parameter: str, value: Any) -> FixedMapping:
-    """Weights in lb, a list or a dict of indices, as a mapping from the index."""
-    if value is None:
-        value = {}
-    if isinstance(value, (list, tuple)):
-        value = dict(enumerate(value))
-    if not isinstance(value, Mapping):
-        raise ParameterError(f"{parameter} must be a list or a dict of weights in lb, not "
-                             f"{value!r}", parameter=parameter, value=value)
-    return FixedMapping({
-        whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
-        for i, w in value.items()})
 
 
 def arrays(**values: Any) -> list[Any]:

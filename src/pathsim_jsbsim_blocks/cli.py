@@ -229,7 +229,8 @@ def _properties(args: argparse.Namespace) -> None:
 
 def _trim(args: argparse.Namespace) -> None:
     from .airframe import Airframe
-    from .trim import UNITS, TrimCondition, trim
+    from .trim import UNITS, trim
+    from .trim_condition import TrimCondition
 
     setup, create = _values("set", args.set), _values("create", args.create)
     condition = TrimCondition(

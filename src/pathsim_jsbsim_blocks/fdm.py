@@ -18,7 +18,8 @@ from .console import capture_console, log
 from .errors import FlightError, ParameterError, PropertyError
 from .ports import NamedPorts
 from .sampling import SHORTEST_PERIOD, SampledPlant
-from .trim import TrimCondition, TrimState, trim
+from .trim import TrimState, trim
+from .trim_condition import TrimCondition
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import jsbsim
 
 from .airframe import Airframe
-from .checks import FixedMapping, mapping, number, one_of, positive, weights
+from .checks import mapping
 from .console import messages
 from .errors import ParameterError, TrimError
-
-# JSBSim's numbers for simulation/do_simple_trim
-MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
+from .trim_condition import MODES, TrimCondition
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
 
@@ -47,133 +43,6 @@ UNITS = {
     "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
     **dict.fromkeys(("wind_north", "wind_east"), "ft/s"), "payload": "lb", "fuel": "lb",
 }
-
-
-@dataclass(frozen=True)
-class TrimCondition:
-    """What to trim for.
-
-    What it leaves open stays as it is: ``flaps=None`` after ``flaps=1`` keeps an airframe's flaps.
-
-    Parameters
-    ----------
-    altitude : float
-        altitude above mean sea level in ft, geometric
-    speed : float
-        calibrated airspeed in kt; not used if ``mach`` is given
-    mach : float, optional
-        Mach number instead of ``speed``
-    gamma : float
-        flight path angle in deg, positive in a climb
-    heading : float
-        true heading in deg
-    bank : float
-        bank angle in deg, right wing down positive (mode "turn" only)
-    load_factor : float
-        lift over weight in g (mode "pull-up" only). It is the load factor of the wind axes: at 2
-        the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
-    mode : str
-        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
-        is the ground's), "pull-up", "turn", or "none" (initialise only). On the ground ``speed``,
-        ``mach`` and ``gamma`` do not apply, and udot is no part of the trim: engines idle and
-        brakes are off, so it may creep (c172p: 5.6 ft/s2)
-    gear : float, optional
-        landing gear, 0 up to 1 down; default is the model's own setting (often down)
-    flaps : float, optional
-        flap command, 0 to 1; default is the model's own setting
-    alpha_min, alpha_max : float, optional
-        limits of the angle of attack in deg for the trim; default is the model's own
-    wind_north, wind_east : float
-        steady wind in ft/s, the direction it blows to; speed and path angle are those through the
-        air. JSBSim trims the velocity over the ground, which a turn in wind changes all the time,
-        and stands few aircraft on the ground in a crosswind
-    payload : dict or list, optional
-        point masses in lb: ``{index: lb}`` or a list from index 0
-    fuel : dict or list, optional
-        contents of the tanks in lb: ``{index: lb}`` or a list from index 0
-    empty_cg_x : float, optional
-        x of the empty-weight CG in inches aft, structural axes; default is the model's own
-    properties : dict, optional
-        further properties to write before the model is initialised
-
-    Raises
-    ------
-    ParameterError
-        for values that no aircraft can have
-    """
-
-    altitude: float = 5000.0
-    speed: float = 100.0
-    mach: float | None = None
-    gamma: float = 0.0
-    heading: float = 0.0
-    bank: float = 0.0
-    load_factor: float = 1.0
-    mode: str = "full"
-    gear: float | None = None
-    flaps: float | None = None
-    alpha_min: float | None = None
-    alpha_max: float | None = None
-    wind_north: float = 0.0
-    wind_east: float = 0.0
-    payload: Mapping[int, float] | list[float] | None = None
-    fuel: Mapping[int, float] | list[float] | None = None
-    empty_cg_x: float | None = None
-    properties: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
-        one_of("mode", self.mode, [*MODES, "none"])
-        put("altitude", number("altitude", self.altitude, low=-2000.0, high=1e6))
-        on_ground = self.mode in ("ground", "none")
-        if self.mach is not None:
-            put("mach", positive("mach", self.mach))
-        elif on_ground:
-            put("speed", number("speed", self.speed, low=0.0))
-        else:
-            put("speed", positive("speed", self.speed))
-        put("gamma", number("gamma", self.gamma, low=-90.0, high=90.0))
-        put("heading", number("heading", self.heading))
-        put("bank", number("bank", self.bank, low=-89.0, high=89.0))
-        put("load_factor", number("load_factor", self.load_factor))
-        for name, low, high in (("gear", 0.0, 1.0), ("flaps", 0.0, 1.0),
-                                ("alpha_min", -90.0, 90.0), ("alpha_max", -90.0, 90.0)):
-            if getattr(self, name) is not None:
-                put(name, number(name, getattr(self, name), low=low, high=high))
-        if None not in (self.alpha_min, self.alpha_max) and self.alpha_min >= self.alpha_max:  # type: ignore[operator]
-            raise ParameterError(
-                f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
-                f"{self.alpha_max:g} deg", parameter="alpha_min", value=self.alpha_min)
-        for name in ("wind_north", "wind_east"):
-            put(name, number(name, getattr(self, name)))
-        if self.empty_cg_x is not None:
-            put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
-        put("payload", weights("payload", self.payload))
-        put("fuel", weights("fuel", self.fuel))
-        put("properties", FixedMapping(mapping("properties", self.properties)))
-        if self.bank != 0.0 and self.mode not in ("turn", "none"):
-            raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
-                                 f"{self.mode!r}", parameter="bank", value=self.bank)
-        if self.load_factor != 1.0 and self.mode != "pull-up":
-            raise ParameterError(f"a load factor of {self.load_factor:g} g needs mode='pull-up', "
-                                 f"not {self.mode!r}", parameter="load_factor",
-                                 value=self.load_factor)
-
-    def __deepcopy__(self, memo: Any) -> TrimCondition:
-        return self
-
-    def __str__(self) -> str:
-        always = ("altitude", "speed", "mach", "gamma", "mode")
-        unused = ["mach" if self.mach is None else "speed"]
-        unused += ["speed", "mach", "gamma"] * (self.mode == "ground")
-        said = []
-        for f in dataclasses.fields(self):
-            value = getattr(self, f.name)
-            if isinstance(value, Mapping):
-                said += [f"{f.name}={value!r}"] * bool(value)
-            elif f.name not in unused and (f.name in always or value != f.default):
-                said.append(f"{f.name}={value!r}")
-        return ", ".join(said)
 
 
 @dataclass(frozen=True)

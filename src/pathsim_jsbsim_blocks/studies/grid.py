@@ -11,7 +11,8 @@ from typing import Any
 
 from ..checks import did_you_mean, nearest, number
 from ..errors import ParameterError
-from ..trim import UNITS, TrimCondition
+from ..trim import UNITS
+from ..trim_condition import TrimCondition
 
 # columns that a grid can have, besides JSBSim properties
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "properties"]

@@ -14,7 +14,8 @@ import jsbsim
 from ..airframe import Airframe
 from ..checks import whole
 from ..errors import ParameterError, TrimError
-from ..trim import UNITS, TrimCondition, TrimState, trim
+from ..trim import UNITS, TrimState, trim
+from ..trim_condition import TrimCondition
 from .grid import column, expand, requested, structure, trim_conditions
 from .workers import WORKER_DIED, require, run_parts
 
