@@ -7,6 +7,8 @@ from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft
 
+pytestmark = pytest.mark.matrix
+
 T = 1 / 120
 
 

@@ -23,6 +23,8 @@ from pathsim_jsbsim_blocks.airspeed import (
 )
 from pathsim_jsbsim_blocks.atmosphere import A0, P0, Air, isa
 
+pytestmark = pytest.mark.matrix
+
 KNOT = 1852 / 3600
 FOOT = 0.3048
 PSF = 47.88025898  # Pa

@@ -24,6 +24,8 @@ from pathsim_jsbsim_blocks.atmosphere import (
     pressure_altitude,
 )
 
+pytestmark = pytest.mark.matrix
+
 QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
 
 with (Path(__file__).parent / "data" / "isa_reference.csv").open() as _file:

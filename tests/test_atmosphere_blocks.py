@@ -12,6 +12,8 @@ from pathsim.blocks import Scope, Source
 from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
 from pathsim_jsbsim_blocks.atmosphere import EARTH_RADIUS, G0, isa
 
+pytestmark = pytest.mark.matrix
+
 QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
 
 

@@ -24,6 +24,8 @@ from pathsim_jsbsim_blocks import (
     TrimError,
 )
 
+pytestmark = pytest.mark.matrix
+
 NAN, INF = math.nan, math.inf
 
 

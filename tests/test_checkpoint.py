@@ -10,6 +10,8 @@ from pathsim.solvers import RK4
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, PitchHold
 
+pytestmark = pytest.mark.matrix
+
 
 def diagram(states=0, aircraft="c172p", dt=1 / 120, **options):
     plane = Aircraft(aircraft, altitude=5000, speed=90, **{"record_inputs": True, **options})

@@ -13,6 +13,8 @@ import pytest
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
+pytestmark = pytest.mark.matrix
+
 DATA = Path(__file__).parent / "data" / "studies"
 
 

@@ -17,6 +17,8 @@ from plain_jsbsim import FLIGHTS, fly, trimmed
 
 from pathsim_jsbsim_blocks import DoubletSource, JSBSimFDM
 
+pytestmark = pytest.mark.matrix
+
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm"]
 OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "attitude/psi-deg",

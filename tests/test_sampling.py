@@ -9,6 +9,8 @@ from pathsim.solvers import RKBS32
 
 from pathsim_jsbsim_blocks.sampling import SampledLaw
 
+pytestmark = pytest.mark.matrix
+
 T = 0.1
 
 

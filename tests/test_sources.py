@@ -8,6 +8,8 @@ from pathsim.solvers import RKBS32, RKCK54
 
 from pathsim_jsbsim_blocks import DoubletSource, MultistepSource, ParameterError, RampSource
 
+pytestmark = pytest.mark.matrix
+
 SOURCES = {
     "doublet": (lambda: DoubletSource(amplitude=2.0, start=0.5, width=0.7),
                 [0.5, 1.2, 1.9]),

@@ -19,6 +19,8 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
 from pathsim_jsbsim_blocks.trim import UNITS, trim
 
+pytestmark = pytest.mark.matrix
+
 
 def found(aircraft, setup=None, **condition):
     return trim(Airframe(aircraft), TrimCondition(**condition), setup)

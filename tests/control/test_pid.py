@@ -16,6 +16,8 @@ from scipy.signal import lfilter
 from pathsim_jsbsim_blocks import DiscretePID, ParameterError
 from pathsim_jsbsim_blocks.control.pid import PID
 
+pytestmark = pytest.mark.matrix
+
 T = 1 / 120
 
 
