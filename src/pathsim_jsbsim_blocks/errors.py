@@ -146,6 +146,24 @@ class DiagramError(BlocksError, ValueError):
         self.reason = reason
 
 
+class FileError(BlocksError, OSError):
+    """A file cannot be read or written: no permission, a full disk, a folder that is gone.
+
+    Attributes
+    ----------
+    path : str
+        the file
+    reason : str
+        what the operating system says
+    """
+
+    def __init__(self, action: str, path: Any, cause: OSError, advice: str = ""):
+        reason = cause.strerror or str(cause)
+        super().__init__(f"cannot {action} {str(path)!r}: {reason}{advice}")
+        self.path = str(path)
+        self.reason = reason
+
+
 class MissingExtraError(BlocksError, ImportError):
     """An optional package is not installed.
 

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 from pathlib import Path
 from typing import Any
 
-from ..errors import ParameterError
+from ..errors import FileError, ParameterError
 
-_FORMAT = "pathsim-jsbsim study 1"
+_FORMAT = "pathsim-jsbsim study"
+_VERSION = 2
 
 
 class Journal:
     """Finished parts, one JSON line each; the first line says which study they belong to.
 
-    A line that a kill cut off is dropped. Floats are written so that they come back bit for bit.
+    Every line carries a checksum. A line that a kill cut off is dropped. Floats are written so that
+    they come back bit for bit. The file is locked while it is open.
 
     Parameters
     ----------
@@ -34,49 +37,68 @@ class Journal:
     Raises
     ------
     ParameterError
-        if the file cannot be written, is damaged, or holds something else
+        if the file cannot be opened, is damaged, holds something else, or is in use by another
+        process
+    FileError
+        if reading or writing fails, here and in `add`: a full disk
     """
 
     def __init__(self, path: str | Path, title: str, job: Any):
         self.path = Path(path)
         digest = hashlib.sha256(json.dumps(job, sort_keys=True).encode()).hexdigest()
-        header = _line({"format": _FORMAT, "study": title, "key": digest})
+        header = _line({"format": _FORMAT, "version": _VERSION, "study": title, "key": digest})
         self.finished: dict[int, list] = {}
+        if self.path.exists() and not self.path.is_file():
+            raise ParameterError(f"cannot write {str(path)!r}: it is not a file",
+                                 parameter="resume", value=str(path))
         try:
-            self._file = self.path.open("a+b")
+            # without Python's buffer, so that what was written survives the end of this process
+            self._file = self.path.open("a+b", buffering=0)
         except OSError as error:
             raise ParameterError(f"cannot write {str(path)!r}: {error.strerror}",
                                  parameter="resume", value=str(path)) from None
         try:
+            self._lock()
             self._file.seek(0)
             self._read(self._file.read(), header, title)
-        except BaseException:
+        except BaseException as error:
             self._file.close()
+            if isinstance(error, OSError) and not isinstance(error, FileError):
+                raise FileError("read", path, error) from None
             raise
+
+    def _lock(self) -> None:
+        from filelock import lock_descriptor
+
+        free = True
+        with contextlib.suppress(OSError):  # a file system without locks
+            free = lock_descriptor(self._file.fileno(), blocking=False)
+        if not free:
+            raise self._refused(f"{str(self.path)!r} is in use: another process runs this study. "
+                                "Wait for it or name another file")
+
+    def _refused(self, message: str) -> ParameterError:
+        return ParameterError(message, parameter="resume", value=str(self.path))
 
     def _read(self, content: bytes, header: bytes, title: str) -> None:
         if header.startswith(content):  # new, or killed before the first line was out
             self._file.truncate(0)
             self._write(header)
             return
-        first, *lines = content.splitlines(keepends=True)
-        if first != header:
-            raise ParameterError(
-                f"{str(self.path)!r} holds {_holds(first)}, not this one ({title}); name another "
-                "file or delete it", parameter="resume", value=str(self.path))
-        size = len(first)
+        # what follows the last end of a line was cut off by a kill
+        first, *lines = content.split(b"\n")[:-1] or [content]
+        if first + b"\n" != header:
+            raise self._refused(f"{str(self.path)!r} holds {_holds(first)}, not this one "
+                                f"({title}); name another file or delete it")
         for number, line in enumerate(lines, 2):
-            if not line.endswith(b"\n"):
-                break
             try:
-                part = json.loads(line)
-                self.finished[int(part["part"])] = list(part["rows"])
-            except (ValueError, TypeError, KeyError):
-                raise ParameterError(
+                part = _checked(line)
+                self.finished[part["part"]] = part["rows"]
+            except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+                raise self._refused(
                     f"line {number} of {str(self.path)!r} is damaged: delete the line and it is "
-                    "computed again", parameter="resume", value=str(self.path)) from None
-            size += len(line)
-        self._file.truncate(size)
+                    "computed again") from None
+        self._file.truncate(content.rindex(b"\n") + 1)
 
     def add(self, part: int, rows: list) -> None:
         """Keep the rows of a finished part."""
@@ -87,18 +109,39 @@ class Journal:
         self._file.close()
 
     def _write(self, line: bytes) -> None:
-        # past Python's buffer it survives the end of this process
-        self._file.write(line)
-        self._file.flush()
+        try:
+            # a full disk takes a part of the line first, and refuses the rest
+            while line:
+                line = line[self._file.write(line):]
+        except OSError as error:
+            raise FileError("write", self.path, error,
+                            "; the parts finished before are kept in it") from None
 
 
 def _line(data: dict[str, Any]) -> bytes:
-    return (json.dumps(data) + "\n").encode()
+    return (json.dumps({**data, "check": _check(data)}) + "\n").encode()
+
+
+def _check(data: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
+
+
+def _checked(line: bytes) -> dict[str, Any]:
+    """Data of a line; ValueError if it is not what was written."""
+    data = json.loads(line)
+    if data.pop("check") != _check(data):
+        raise ValueError
+    return data
 
 
 def _holds(first: bytes) -> str:
     try:
         header = json.loads(first)
-        return f"another study ({header['study']})" if header["format"] == _FORMAT else "other data"
-    except (ValueError, TypeError, KeyError):
+        if not header["format"].startswith(_FORMAT):
+            return "other data"
+        if header.get("version") != _VERSION:
+            return "a study written by another version"
+        _checked(first)
+        return f"another study ({header['study']})"
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return "other data"

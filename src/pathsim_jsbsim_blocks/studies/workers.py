@@ -7,6 +7,7 @@ depend on who computed what.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 from ..checks import whole
 from ..errors import MissingExtraError, ParameterError
 from .journal import Journal
+from .parent import end_with
 
 Row = dict[str, Any]
 Part = list[Any]
@@ -53,6 +55,8 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
         show a progress bar on stderr
     """
     jobs = _count(jobs)
+    if resume is not None:
+        require("filelock")
     journal = Journal(resume, title, job()) if resume is not None else None
     try:
         return _run(work, parts, died, describe, journal, jobs,
@@ -155,7 +159,8 @@ def _results(work: Work, parts: list[Part], pending: list[int],
             under_way.append(index)
             yield joblib.delayed(indexed)(index, parts[index])
 
-    parallel = joblib.Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
+    parallel = joblib.Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered",
+                               initializer=end_with, initargs=(os.getpid(),))
     try:
         for index, rows in parallel(tasks()):
             under_way.remove(index)

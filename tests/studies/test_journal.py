@@ -1,0 +1,130 @@
+"""The file of a resumed study: a corruption gives the same table or a typed error."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from corruptions import PARTS, resumed_from_corruptions, run, thirds
+
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.errors import FileError
+from pathsim_jsbsim_blocks.studies.journal import Journal
+
+
+def test_a_corrupted_file_gives_the_same_table_or_is_refused(tmp_path):
+    assert 20 < resumed_from_corruptions(tmp_path, seed=11, count=60) < 60
+
+
+@pytest.mark.parametrize(("before", "after"), [
+    ("0.3333333333333333", "0.3333333333333334"), ("true", "null"), ('"part": 3', '"part": 4'),
+    ("point 5", "point 6"), ("0.3333", "NaN, 0.3333")])
+def test_a_line_that_is_still_json_is_refused_too(tmp_path, before, after):
+    path = tmp_path / "thirds.jsonl"
+    run(resume=path)
+    text = path.read_text()
+    assert before in text
+    path.write_text(text.replace(before, after, 1))
+    with pytest.raises(ParameterError, match=r"line \d of .* is damaged: delete the line"):
+        run(resume=path)
+
+
+def test_a_carriage_return_loses_no_finished_part(tmp_path):
+    path = tmp_path / "thirds.jsonl"
+    run(resume=path)
+    damaged = path.read_bytes().replace(b'"part": 2', b'"part"\r: 2')
+    path.write_bytes(damaged)
+    # white space within a line means nothing to JSON
+    run(resume=path)
+    assert path.read_bytes() == damaged
+
+
+def test_a_file_of_an_earlier_version_is_named(tmp_path):
+    path = tmp_path / "thirds.jsonl"
+    path.write_text(json.dumps({"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"})
+                    + "\n")
+    with pytest.raises(ParameterError, match="holds a study written by another version"):
+        run(resume=path)
+
+
+def test_deep_nesting_is_refused(tmp_path):
+    path = tmp_path / "thirds.jsonl"
+    run(resume=path)
+    with path.open("a") as file:
+        file.write("[" * 100_000 + "\n")
+    with pytest.raises(ParameterError, match=r"line 10 of .* is damaged"):
+        run(resume=path)
+    path.write_text("[" * 100_000 + "\n")
+    with pytest.raises(ParameterError, match="holds other data"):
+        run(resume=path)
+
+
+SECOND = """
+import sys
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.studies.journal import Journal
+try:
+    Journal(sys.argv[1], "thirds", "thirds").add(7, [])
+except ParameterError as error:
+    print(error)
+"""
+
+
+def test_a_second_process_is_refused_and_the_first_goes_on(tmp_path):
+    path = tmp_path / "thirds.jsonl"
+    journal = Journal(path, "thirds", "thirds")
+    journal.add(0, thirds(PARTS[0]))
+    said = subprocess.run([sys.executable, "-c", SECOND, str(path)], capture_output=True, text=True)
+    assert "is in use: another process runs this study" in said.stdout, said.stderr
+    # nor twice in this process
+    with pytest.raises(ParameterError, match="is in use"):
+        Journal(path, "thirds", "thirds")
+    journal.add(1, thirds(PARTS[1]))
+    journal.close()
+    again = Journal(path, "thirds", "thirds")
+    assert sorted(again.finished) == [0, 1]
+    again.close()
+
+
+FULL = """
+import resource, sys
+sys.path.insert(0, sys.argv[2])
+from corruptions import run
+from pathsim_jsbsim_blocks.errors import FileError
+import signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+# the system then refuses to write beyond this size, in the middle of a line
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    run(resume=sys.argv[1])
+except FileError as error:
+    print(error.path == sys.argv[1], error.reason, error)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
+def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
+    path = tmp_path / "thirds.jsonl"
+    done = subprocess.run([sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[1])],
+                          capture_output=True, text=True)
+    assert done.stderr == ""
+    assert done.stdout.startswith("True File too large cannot write ")
+    assert "the parts finished before are kept" in done.stdout
+    assert path.stat().st_size == 1000
+    journal = Journal(path, "thirds", "thirds")
+    assert 0 < len(journal.finished) < len(PARTS)
+    journal.close()
+    assert run(resume=path) == [row for part in PARTS for row in thirds(part)]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
+def test_a_full_disk_is_named(tmp_path):
+    journal = Journal(tmp_path / "thirds.jsonl", "thirds", "thirds")
+    with open("/dev/full", "wb", buffering=0) as journal._file, \
+            pytest.raises(FileError, match=r"thirds.jsonl': No space left on device"):
+        journal.add(0, [])
+    # to read it would never end
+    with pytest.raises(ParameterError, match="cannot write '/dev/full': it is not a file"):
+        run(resume="/dev/full")
