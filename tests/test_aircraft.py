@@ -1,15 +1,140 @@
-"""The ready ports of `Aircraft`: commands within their range, and by how much they fell short."""
+"""The ready ports of `Aircraft`, each against a source of its own; its commands within their range.
 
+What is compared with: other properties of the same flight in a plain JSBSim loop (radians, metres,
+velocity components, forces), from which each port is worked out anew.
+"""
+
+import numpy as np
+import pymap3d
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Constant
-from plain_jsbsim import FLIGHTS
+from pathsim.blocks import Constant, Scope, Source
+from plain_jsbsim import FLIGHTS, fly, trimmed
 
 from pathsim_jsbsim_blocks import Aircraft
 
 pytestmark = pytest.mark.matrix
 
 T = 1 / 120
+INPUTS = ["elevator", "aileron", "rudder", "throttle"]
+COMMANDS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm",
+            "fcs/throttle-cmd-norm[0]"]
+FOOT = 0.3048  # m
+KNOT = 1852 / 3600 / FOOT  # ft/s
+RAW = ["attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
+       "velocities/phidot-rad_sec", "velocities/thetadot-rad_sec", "velocities/psidot-rad_sec",
+       *(f"velocities/{axis}-aero-fps" for axis in "uvw"),
+       *(f"velocities/v-{axis}-fps" for axis in ("north", "east", "down")),
+       "velocities/vc-fps", "velocities/vtrue-kts", "atmosphere/a-fps", "position/h-sl-meters",
+       *(f"position/ecef-{axis}-ft" for axis in "xyz"),
+       *(f"forces/fb{axis}-{kind}-lbs" for axis in "xz" for kind in ("aero", "prop")),
+       "inertia/weight-lbs"]
+
+
+def moves(t):
+    """Increments that move the aircraft about all axes, within its commands' range."""
+    return [-0.25 * np.sin(2 * np.pi * t / 2), 0.4 * np.sin(2 * np.pi * t / 3),
+            -0.5 * np.sin(2 * np.pi * t / 2.5), 0.2 * np.sin(2 * np.pi * t / 4)]
+
+
+@pytest.fixture(scope="module")
+def flight():
+    """Outputs of the block by port, and raw properties of the same flight in a plain loop."""
+    k = np.arange(4 * 120)
+    setup = {"ic/lat-geod-deg": 47.0, "ic/long-gc-deg": 8.5}
+    fdm = trimmed("c172p", 5000.0, 90.0, gamma=2.0, heading=310.0, setup=setup)
+    wind = {"atmosphere/wind-north-fps": 25.0, "atmosphere/wind-down-fps": -8.0}
+    for name, value in wind.items():
+        fdm[name] = value
+    trim = np.array([fdm[name] for name in COMMANDS])
+    raw = dict(zip(RAW, fly(fdm, COMMANDS, trim + [moves(i * T) for i in k], RAW).T, strict=True))
+
+    plane = Aircraft("c172p", altitude=5000.0, speed=90.0, gamma=2.0, heading=310.0, setup=setup,
+                     properties=wind)
+    sources = [Source(lambda t, i=i: moves(t)[i]) for i in range(4)]
+    scope, names = Scope(), list(plane.output_port_labels)
+    Simulation([*sources, plane, scope], [
+        *(Connection(source, plane[name]) for source, name in zip(sources, INPUTS, strict=True)),
+        Connection(plane[:len(names)], scope[:len(names)])], dt=T, log=False).run(4.0)
+    return dict(zip(names, scope.read()[1], strict=True)), raw
+
+
+def worked_out(raw):
+    """Each port of the block, from other properties and other units."""
+    get = raw.__getitem__
+    phi, theta, psi = (get(f"attitude/{angle}-rad") for angle in ("phi", "theta", "psi"))
+    phidot, thetadot, psidot = (
+        get(f"velocities/{angle}dot-rad_sec") for angle in ("phi", "theta", "psi"))
+    u, v, w = (get(f"velocities/{axis}-aero-fps") for axis in "uvw")
+    north, east, down = (get(f"velocities/v-{axis}-fps") for axis in ("north", "east", "down"))
+    true = np.sqrt(u * u + v * v + w * w)
+    lat, lon, _ = pymap3d.ecef2geodetic(*(FOOT * get(f"position/ecef-{axis}-ft") for axis in "xyz"))
+    # the load factors are those of the forces one step earlier, where JSBSim sums them up
+    nx, nz = (np.concatenate([[np.nan], (
+        (get(f"forces/fb{axis}-aero-lbs") + get(f"forces/fb{axis}-prop-lbs"))
+        / get("inertia/weight-lbs"))[:-1]]) for axis in "xz")
+    return {
+        "theta": np.degrees(theta), "phi": np.degrees(phi), "psi": np.degrees(psi),
+        "p": np.degrees(phidot - psidot * np.sin(theta)),
+        "q": np.degrees(thetadot * np.cos(phi) + psidot * np.cos(theta) * np.sin(phi)),
+        "r": np.degrees(-thetadot * np.sin(phi) + psidot * np.cos(theta) * np.cos(phi)),
+        "alpha": np.degrees(np.arctan2(w, u)), "beta": np.degrees(np.arcsin(v / true)),
+        "gamma": np.degrees(np.arctan2(-down, np.hypot(north, east))),
+        "h": get("position/h-sl-meters") / FOOT, "hdot": -down,
+        "vc": get("velocities/vc-fps") / KNOT, "vt": get("velocities/vtrue-kts") * KNOT,
+        "mach": true / get("atmosphere/a-fps"), "nx": nx, "nz": -nz, "lat": lat, "lon": lon,
+    }
+
+
+# by how much each port moves at least in that flight, in its unit: a wrong factor must show
+PORTS = {"theta": 5.0, "phi": 20.0, "psi": 5.0, "p": 20.0, "q": 10.0, "r": 10.0, "alpha": 5.0,
+         "beta": 5.0, "gamma": 5.0, "h": 10.0, "hdot": 5.0, "vc": 5.0, "vt": 5.0, "mach": 0.005,
+         "nx": 0.1, "nz": 0.5, "lat": 1e-4, "lon": 1e-4}
+
+
+def test_every_port_is_listed_here():
+    assert [*PORTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"] == list(
+        Aircraft.output_port_labels)
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_a_port_is_what_other_properties_say(flight, port):
+    block, raw = flight
+    assert np.ptp(block[port]) > PORTS[port]
+    expected = worked_out(raw)[port]
+    known = np.isfinite(expected)
+    assert np.count_nonzero(~known) <= 1
+    # rounding; JSBSim's weight is in another pound than its load factors, by 1.4e-8
+    tolerance = 1e-7 if port in ("nx", "nz") else 1e-9
+    assert block[port][known] == pytest.approx(expected[known], rel=tolerance, abs=tolerance)
+
+
+@pytest.mark.parametrize(("port", "signs"), [
+    ("elevator", {"q": -1, "theta": -1, "alpha": -1, "nz": -1, "hdot": -1, "gamma": -1}),
+    ("aileron", {"p": 1, "phi": 1}),
+    # the nose goes left, so the wind comes from the right
+    ("rudder", {"r": -1, "psi": -1, "beta": 1}),
+    ("throttle", {"nx": 1, "vc": 1, "vt": 1, "mach": 1})])
+def test_a_positive_input_does_what_its_line_in_the_manual_says(port, signs):
+    def after(increment):
+        plane, constant = Aircraft("c172p", speed=90.0, heading=90.0), Constant(increment)
+        Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False).run(0.5)
+        return {name: plane.outputs[name] for name in signs}
+
+    bare, moved = after(0.0), after(0.1)
+    assert {name: np.sign(moved[name] - bare[name]) for name in signs} == signs
+
+
+def test_north_east_and_up_are_positive():
+    plane = Aircraft("c172p", speed=90.0, gamma=3.0, heading=45.0)
+    lat, lon, h = (plane.outputs[name] for name in ("lat", "lon", "h"))
+    Simulation([plane], dt=T, log=False).run(1.0)
+    assert plane.outputs["psi"] == pytest.approx(45.0, abs=1.0)
+    # 1 s at 163 ft/s, north-east: 115 ft each way, of 6076 ft per minute of arc
+    for name, before in (("lat", lat), ("lon", lon)):
+        assert plane.outputs[name] - before == pytest.approx(115 / 6076 / 60, rel=0.02)
+    assert plane.outputs["h"] - h == pytest.approx(163.6 * np.sin(np.radians(3.0)), rel=0.02)
+    assert plane.outputs["gamma"] == pytest.approx(3.0, abs=0.05)
 
 
 @pytest.mark.parametrize(("aircraft", "port", "increment", "command", "excess"), [

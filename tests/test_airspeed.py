@@ -91,6 +91,13 @@ def test_table_from_the_blocks(source, target):
     np.testing.assert_allclose(out, SPEED[target], rtol=TABLE_RTOL)
 
 
+@pytest.mark.parametrize(("source", "target"), CONVERSIONS)
+def test_no_deviation_is_the_standard_temperature(source, target):
+    block = block_class(source, target)()
+    assert block._eval(0.8, 3000.0) == pytest.approx(
+        convert(source, target)(0.8, isa(3000.0)), rel=1e-14)
+
+
 def test_table_impact_pressure():
     air = isa(HEIGHT, DEVIATION)
     np.testing.assert_allclose(

@@ -259,6 +259,15 @@ def test_bad_deviations_are_refused(bad):
         isa([0.0, 1.0], bad)
 
 
+def test_air_may_be_as_cold_as_any_above_0_K():
+    assert isa(0.0, 0.5 - 288.15).temperature == pytest.approx(0.5)
+    assert isa([0.0, 0.0], 0.5 - 288.15).temperature == pytest.approx([0.5, 0.5])
+    for deviation in (-288.15, -288.65):
+        for altitude in (0.0, [0.0, 0.0]):
+            with pytest.raises(ParameterError, match="temp_deviation"):
+                isa(altitude, deviation)
+
+
 def test_shapes_that_do_not_fit_are_refused():
     with pytest.raises(ParameterError, match=r"altitude \(3,\), temp_deviation \(2,\)"):
         isa([0.0, 1.0, 2.0], [0.0, 1.0])

@@ -10,7 +10,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
-from pathsim_jsbsim_blocks.atmosphere import EARTH_RADIUS, G0, isa
+from pathsim_jsbsim_blocks.atmosphere import EARTH_RADIUS, G0, LIMITS, isa
 
 pytestmark = pytest.mark.matrix
 
@@ -57,6 +57,13 @@ def test_strict_block_refuses():
     block.altitude_kind = "geopotential"
     with pytest.raises(FlightError, match="geopotential altitude 80001 m"):
         set_inputs(block, 80_001.0)
+
+
+@pytest.mark.parametrize("kind", ["geometric", "geopotential"])
+def test_the_ends_of_the_range_belong_to_it(kind):
+    block = ISAtmosphere(altitude_kind=kind, out_of_range="error")
+    for altitude in LIMITS[kind]:
+        assert set_inputs(block, altitude)[0] == isa(altitude, altitude_kind=kind).pressure
 
 
 @pytest.mark.parametrize("out_of_range", ["extrapolate", "clamp", "error"])

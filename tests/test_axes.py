@@ -302,6 +302,17 @@ def test_tangent_plane_and_back(ned, lat0, lon0):
     assert largest(axes.geodetic_to_ned(*there, lat0, lon0), ned) < 1e-5  # up to 3e5 ft high
 
 
+def test_angles_and_heights_not_given_are_0():
+    assert axes.body_to_drag_side_lift(1.0, 2.0, 3.0) == (-1.0, 2.0, -3.0)
+    assert axes.drag_side_lift_to_body(1.0, 2.0, 3.0) == (-1.0, 2.0, -3.0)
+    point = (47.1, 8.2, 3000.0)
+    ned, ecef = axes.geodetic_to_ned(*point, 47.0, 8.0, 0.0), axes.geodetic_to_ecef(*point)
+    assert axes.geodetic_to_ned(*point, 47.0, 8.0) == ned
+    assert axes.ned_to_geodetic(*ned, 47.0, 8.0) == pytest.approx(point, rel=1e-12)
+    assert axes.ecef_to_ned(*ecef, 47.0, 8.0) == pytest.approx(ned, abs=1e-7)
+    assert axes.ned_to_ecef(*ned, 47.0, 8.0) == pytest.approx(ecef, abs=1e-7)
+
+
 def test_arrays_broadcast_and_are_not_shared():
     x = np.array([1.0, 2.0, 3.0])
     got = axes.body_to_stability(x, [[4], [5]], 0, 90.0)

@@ -73,6 +73,23 @@ def test_ramp_drops_after_its_hold():
     assert y[time > 2.005] == pytest.approx(0.0)
 
 
+def test_ramp_does_not_overshoot_within_the_step_that_passes_its_top():
+    source = RampSource(final=2.0, start=0.5, rise_time=1.0)
+    Simulation([source], dt=0.01, log=False).run(1.0)
+    source.update(1.25)
+    assert source.outputs[0] == 1.5
+    source.update(1.51)
+    assert source.outputs[0] == 2.0
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_source_passes_nothing_through_and_starts_at_0(name):
+    source = SOURCES[name][0]()
+    source.update(0.0)
+    assert len(source) == 0
+    assert source.outputs["out"] == 0.0
+
+
 @pytest.mark.parametrize("solver", [RKBS32, RKCK54])
 @pytest.mark.parametrize("name", SOURCES)
 def test_adaptive_runs_land_on_every_edge(name, solver):

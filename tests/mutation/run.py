@@ -1,0 +1,279 @@
+"""Mutation run: change one operator or constant at a time and see whether its own tests notice.
+
+    python tests/mutation/run.py                       the seeded sample of 300
+    python tests/mutation/run.py --only axes --count 50 --seed 3
+
+Needs ``pip install cosmic-ray``, whose operators it uses. A copy of the tree is mutated, never the
+tree itself. Every process is forked from one that has already imported the libraries, so that a
+mutant costs little more than its tests. Survivors are compared with ``survivors.txt``, where each
+has the reason why it changes nothing; the exit code is 1 if one has none, or if fewer than 92 %
+were killed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import contextlib
+import os
+import random
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from importlib import import_module
+from pathlib import Path
+
+os.environ.update(PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", MPLBACKEND="Agg")
+
+import parso.python.tree
+from cosmic_ray.ast import ast_nodes, get_ast, is_number
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.operators.operator import Operator
+from cosmic_ray.plugins import get_operator
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = "src/pathsim_jsbsim_blocks"
+WANTED = 0.92
+
+sys.path.insert(0, str(Path(__file__).parent))
+from own_tests import OWN_TESTS  # noqa: E402
+
+
+class OnePercent(Operator):
+    """Multiply a constant by 1.01: a wrong unit or factor that a loose tolerance hides."""
+
+    def mutation_positions(self, node):
+        if is_number(node) and "." in node.value and float(node.value):
+            yield node.start_pos, node.end_pos
+
+    def mutate(self, node, index):
+        return parso.python.tree.Number(f" {float(node.value) * 1.01!r}", node.start_pos)
+
+    @classmethod
+    def examples(cls):
+        return ()
+
+
+# one change that a mistaken hand might make; nonsense such as a shift of floats dies at once
+OPERATORS = {name: get_operator(f"core/{name}")() for name in (
+    "ReplaceBinaryOperator_Add_Sub", "ReplaceBinaryOperator_Sub_Add",
+    "ReplaceBinaryOperator_Mul_Div", "ReplaceBinaryOperator_Div_Mul",
+    "ReplaceBinaryOperator_Mul_Add", "ReplaceBinaryOperator_Pow_Mul",
+    "ReplaceBinaryOperator_FloorDiv_Div", "ReplaceBinaryOperator_Mod_Div",
+    "ReplaceUnaryOperator_Delete_Not", "ReplaceUnaryOperator_Delete_USub",
+    "ReplaceUnaryOperator_USub_UAdd",
+    "ReplaceComparisonOperator_Lt_LtE", "ReplaceComparisonOperator_LtE_Lt",
+    "ReplaceComparisonOperator_Gt_GtE", "ReplaceComparisonOperator_GtE_Gt",
+    "ReplaceComparisonOperator_Lt_GtE", "ReplaceComparisonOperator_LtE_Gt",
+    "ReplaceComparisonOperator_Gt_LtE", "ReplaceComparisonOperator_GtE_Lt",
+    "ReplaceComparisonOperator_Eq_NotEq", "ReplaceComparisonOperator_NotEq_Eq",
+    "ReplaceComparisonOperator_Is_IsNot", "ReplaceComparisonOperator_IsNot_Is",
+    "ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceAndWithOr", "ReplaceOrWithAnd",
+    "AddNot", "ExceptionReplacer", "ZeroIterationForLoop", "ReplaceBreakWithContinue",
+    "ReplaceContinueWithBreak", "NumberReplacer")} | {"OnePercent": OnePercent()}
+
+
+def own_tests(module: Path) -> list[str]:
+    """Test files of a module: those of the longest key that its path ends with."""
+    path = module.relative_to(ROOT / PACKAGE).with_suffix("").as_posix()
+    keys = [key for key in OWN_TESTS if f"/{path}".endswith(f"/{key}")
+            or (key.endswith("/") and f"/{key}" in f"/{path}")]
+    if not keys:
+        return []
+    found = []
+    for name in OWN_TESTS[max(keys, key=len)]:
+        paths = [p for p in (ROOT / "tests").rglob(name) if "mutation" not in p.parts]
+        if not paths:
+            raise SystemExit(f"no test file {name} (for {path})")
+        found += [p.relative_to(ROOT).as_posix() for p in sorted(paths)]
+    return found
+
+
+def silent(source: str) -> list[tuple[int, int, int, int]]:
+    """Spans that mutants are not made in: annotations, messages, logging, type checking."""
+    spans = []
+
+    def add(node):
+        if node is not None:
+            spans.append((node.lineno, node.col_offset, node.end_lineno, node.end_col_offset))
+
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.AnnAssign):
+            add(node.annotation)
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            add(node.returns)
+        elif isinstance(node, ast.arg):
+            add(node.annotation)
+        elif isinstance(node, ast.JoinedStr):
+            add(node)
+        elif isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            for argument in node.exc.args[:1]:
+                add(argument)
+        elif (isinstance(node, ast.Call)
+              and ast.unparse(node.func).startswith(("log.", "warnings.", "TypeVar"))) or (
+                isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)):
+            add(node)
+        elif isinstance(node, ast.Assign) and re.match(
+                r"(tuple|dict|list|Callable|Sequence|Mapping)\[|\w+ \| ", ast.unparse(node.value)):
+            add(node.value)
+    return spans
+
+
+def mutants(module: Path) -> dict[tuple[int, int], list[tuple[str, int]]]:
+    """(operator, occurrence) of each mutant, by the place that it changes."""
+    source = module.read_text()
+    tree = get_ast(source)
+    spans = silent(source)
+    places = defaultdict(list)
+    for name, operator in OPERATORS.items():
+        positions = (position for node in ast_nodes(tree)
+                     for position in operator.mutation_positions(node))
+        for occurrence, ((line, column), _) in enumerate(positions):
+            if not any((a, b) <= (line, column) < (c, d) for a, b, c, d in spans):
+                places[line, column].append((name, occurrence))
+    return places
+
+
+def sample(only: str, count: int, seed: int) -> list[tuple[Path, str, int]]:
+    """Seeded sample without two mutants at one place."""
+    places = []
+    for module in sorted((ROOT / PACKAGE).rglob("*.py")):
+        if only in module.as_posix() and own_tests(module):
+            places += [(module, *place, choices)
+                       for place, choices in sorted(mutants(module).items())]
+    print(f"{len(places)} places for mutants", flush=True)
+    draw = random.Random(seed)
+    chosen = draw.sample(places, min(count, len(places)))
+    return [(module, *draw.choice(choices)) for module, _, _, choices in chosen]
+
+
+def changed(before: str, after: str) -> tuple[int, str, str]:
+    """Line number of the first difference, and the line before and after."""
+    old, new = before.splitlines(), after.splitlines()
+    for i, (a, b) in enumerate(zip(old, new, strict=False)):
+        if a != b:
+            return i + 1, " ".join(a.split()), " ".join(b.split())
+    return 0, "", ""
+
+
+def run_tests(copy: Path, tests: list[str], limit: float) -> tuple[str, float, str]:
+    """"passed", "failed" or "timeout", seconds, and the test that failed."""
+    start = time.monotonic()
+    report = copy / "report.txt"
+    child = os.fork()
+    if not child:
+        os.setsid()
+        fd = os.open(report, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(fd, 1)
+        os.dup2(fd, 2)
+        os.chdir(copy)
+        os.environ["PYTHONPATH"] = str(copy / "src")
+        sys.path[:] = [str(copy / "src"), *(p for p in sys.path if p not in (
+            str(ROOT / "src"), str(Path(__file__).parent), ""))]
+        pytest = import_module("pytest")
+        code = 99
+        try:
+            code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=no",
+                                "-p", "no:xdist", *tests])
+        finally:
+            sys.stdout.flush()
+            os._exit(int(code))
+    while True:
+        pid, status = os.waitpid(child, os.WNOHANG)
+        taken = time.monotonic() - start
+        if pid:
+            break
+        if taken > limit:
+            os.killpg(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return "timeout", taken, ""
+        time.sleep(0.02)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child, signal.SIGKILL)  # what the tests have started and left
+    lines = report.read_text(errors="replace").splitlines()
+    failed = next((x.split(" - ")[0] for x in lines if x.startswith(("FAILED", "ERROR"))), "")
+    if status == 0:
+        return "passed", taken, ""
+    return "failed", taken, failed or (lines[-1] if lines else f"status {status}")
+
+
+def preload() -> None:
+    """Import the libraries once, and leave the package itself out."""
+    sys.path.insert(0, str(ROOT / "src"))
+    for name in ("matplotlib.pyplot", "pytest", "scipy.signal", "pathsim_jsbsim_blocks"):
+        import_module(name)
+    for name in [name for name in sys.modules if name.startswith("pathsim_jsbsim_blocks")]:
+        del sys.modules[name]
+    hypothesis = import_module("hypothesis")
+    hypothesis.settings.register_profile("mutation", derandomize=True, database=None)
+    hypothesis.settings.load_profile("mutation")
+
+
+def reasons() -> dict[str, str]:
+    """Reasons by mutant (``module: line before -> line after``)."""
+    known, mutant = {}, ""
+    for line in (Path(__file__).parent / "survivors.txt").read_text().splitlines():
+        if line.startswith("    "):
+            known[mutant] = line.strip()
+        elif line and not line.startswith("#"):
+            mutant = line
+    return known
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--only", default="", help="part of the path of the modules")
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=11)
+    parser.add_argument("--list", action="store_true", help="show the sample, run nothing")
+    options = parser.parse_args()
+    chosen = sample(options.only, options.count, options.seed)
+    known = reasons()
+    preload()
+    killed, survivors, baseline = 0, [], {}
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+        copy = Path(folder) / "tree"
+        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(
+            ".git", ".venv*", "__pycache__", ".*_cache", ".hypothesis"))
+        for i, (module, name, occurrence) in enumerate(chosen):
+            path = module.relative_to(ROOT)
+            source = module.read_text()
+            mutated = mutate_code(source, OPERATORS[name], occurrence)
+            number, before, after = changed(source, mutated)
+            where = path.relative_to(PACKAGE).as_posix()
+            mutant = f"{where}: {before} -> {after}"
+            if options.list:
+                print(f"{where}:{number}: {before} -> {after}")
+                continue
+            tests = own_tests(module)
+            if tuple(tests) not in baseline:
+                outcome, taken, failed = run_tests(copy, tests, 900)
+                if outcome != "passed":
+                    print(f"the tests fail without a mutant: {failed}")
+                    return 2
+                baseline[tuple(tests)] = taken
+            (copy / path).write_text(mutated)
+            limit = 20 + 3 * baseline[tuple(tests)]
+            outcome, taken, failed = run_tests(copy, tests, limit)
+            (copy / path).write_text(source)
+            killed += outcome != "passed"
+            print(f"{i + 1:4d} {killed:4d} {outcome:8s}{taken:6.1f} s  {where}:{number} {name}: "
+                  f"{before} -> {after}  {failed}", flush=True)
+            if outcome == "passed":
+                survivors.append((mutant, number))
+    if options.list:
+        return 0
+    share = killed / len(chosen)
+    print(f"\nseed {options.seed}: {killed} of {len(chosen)} mutants killed, {share:.1%}")
+    open_ = [(mutant, number) for mutant, number in survivors if mutant not in known]
+    for mutant, number in survivors:
+        print(f"{mutant}  (line {number})\n    {known.get(mutant, 'NO REASON')}")
+    return 0 if share >= WANTED and not open_ else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

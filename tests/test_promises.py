@@ -1,0 +1,47 @@
+"""Names, order and defaults of parameters and ports: models and scripts rely on each of them.
+
+``data/promises.json`` says what they are. What is added comes after what is there.
+"""
+
+import inspect
+import json
+from pathlib import Path
+
+import pytest
+from pathsim.blocks import Block
+
+import pathsim_jsbsim_blocks as package
+
+PROMISES = json.loads((Path(__file__).parent / "data" / "promises.json").read_text())
+PUBLIC = {name: thing for name, thing in vars(package).items() if inspect.isclass(thing)
+          and thing.__module__.startswith(package.__name__)
+          and (issubclass(thing, Block) or name == "TrimCondition")}
+# a default is compared by its text, which tells 0 from 0.0 and from False
+
+
+def promise(thing):
+    """What the table says of a class."""
+    parameters = list(inspect.signature(thing).parameters.values())
+    kept = {"parameters": [[p.name, repr(p.default)] for p in parameters]}
+    for side in ("inputs", "outputs"):
+        labels = getattr(thing, f"{side[:-1]}_port_labels", None)
+        kept[side] = labels and list(labels.items())
+    return json.loads(json.dumps(kept))
+
+
+def test_every_block_is_in_the_table():
+    assert set(PROMISES) == set(PUBLIC), "add the new ones' promise() to data/promises.json"
+
+
+@pytest.mark.parametrize("name", PROMISES)
+def test_what_was_promised_is_kept(name):
+    now = promise(PUBLIC[name])
+    for kind, promised in PROMISES[name].items():
+        assert promised == (promised and now[kind][:len(promised)]), kind
+
+
+@pytest.mark.parametrize("name", PROMISES)
+def test_ports_are_numbered_in_their_order(name):
+    for side in ("inputs", "outputs"):
+        ports = promise(PUBLIC[name])[side] or []
+        assert [number for _, number in ports] == list(range(len(ports)))
