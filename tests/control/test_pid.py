@@ -298,3 +298,34 @@ def test_without_integral_action_what_was_held_fades():
     assert course[0] == pytest.approx(0.7, abs=1e-12)
     # 10 time constants later the proportional law is all there is
     assert course[-1] == pytest.approx(2.0, abs=1e-4)
+
+
+def test_gains_not_given_are_0():
+    for state in (PID.START, PID.FROM_REST, PID.holding(0.0)):
+        u, _ = run(PID(T), np.ones(50), np.full(50, 3.0), np.ones(50), state)
+        assert not u.any()
+    u, _ = run(PID(T, Ki=0.6), np.full(50, 3.0), np.ones(50), np.ones(50))
+    assert u == pytest.approx(0.6 * 2.0 * T * np.arange(50), abs=1e-12)
+
+
+@pytest.mark.parametrize("gains", [{"Ki": 0.2, "Kd": 0.7}, {"Kd": 0.7, "Tf": 0.1},
+                                   {"Ki": 0.2, "Kd": 0.7, "Tf": 0.1}])
+@pytest.mark.parametrize("state", [PID.START, PID.FROM_REST, PID.holding(0.25)])
+def test_at_rest_the_output_stays_where_it_begins(gains, state):
+    # nothing is known of y before the first sample, so its rate is 0 there
+    u, _ = run(PID(T, Kp=0.4, Te=1e9, **gains), np.full(200, 3.0), np.full(200, 3.0), state=state)
+    assert u == pytest.approx(state[2], abs=1e-9)
+
+
+def test_without_integral_action_the_rate_makes_no_jump_either():
+    pid = PID(T, Kp=2.0, Kd=0.3, Kr=0.4)
+    _, state = pid.sample(pid.holding(0.7), 0.0, 1.0, 0.5, off=True)
+    u, _ = pid.sample(state, 1.0, 1.1, 0.5)
+    assert u == pytest.approx(0.7, abs=1e-12)
+
+
+def test_the_integral_is_led_back_in_two_samples_at_the_quickest():
+    # a proportional part of almost nothing: Kp / Ki would be shorter than a sample
+    pid = PID(T, Kp=1e-9, Ki=1.0, high=1.0)
+    _, (_, integral, *_) = pid.sample((1.0, 3.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+    assert integral == pytest.approx(2.0, abs=1e-6)  # half of the 2 above the limit

@@ -16,7 +16,7 @@ OWN_TESTS = {
     "axes/": ["test_axes.py", "test_promises.py"],
     "axes/aircraft": ["test_axes.py"],
     "control/": ["test_laws.py", "test_gains.py", "test_promises.py"],
-    "control/pid": ["test_pid.py", "test_promises.py"],
+    "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
     "control/autopilot": ["test_laws.py", "test_gains.py", "test_promises.py",
                           "test_autopilot.py"],
 }

@@ -1,0 +1,308 @@
+"""Every hold is the equation in its manual page: outputs over random wires, without an aircraft.
+
+The equations are written down here a second time, from the manual pages and with the sign of the
+actuator in the gains, as one loop over the samples for each kind of hold.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from pathsim_jsbsim_blocks import (
+    AirspeedHold,
+    AltitudeHold,
+    Autopilot,
+    HeadingHold,
+    PitchHold,
+    RollHold,
+    YawDamper,
+)
+from pathsim_jsbsim_blocks.control.autopilot import _share_of_climb
+from pathsim_jsbsim_blocks.control.loops import wrap
+
+T = 1 / 20
+N = 900
+OFF = np.zeros(N)
+OFF[:5] = OFF[300:340] = OFF[600:610] = 1.0
+
+
+def wander(rng, size, mean=0.0):
+    """Noise of that size (rms) about its mean, with a correlation time of 1 s."""
+    pole = math.exp(-T)
+    return mean + size * math.sqrt(1 - pole**2) * lfilter([1.0], [1.0, -pole], rng.normal(size=N))
+
+
+def clip(x, low, high):
+    return min(max(x, low), high)
+
+
+def laws(block, **wires):
+    """Outputs of the block's law by port, over whole signals; what is not wired is 0."""
+    state, out = block.initial_state(), []
+    for k in range(N):
+        u = [float(wires[name][k]) if name in wires else 0.0 for name in block.input_port_labels]
+        y, state = block.law(u, state)
+        out.append(y)
+    return dict(zip(block.output_port_labels, np.array(out).T, strict=True))
+
+
+class PI:
+    """u = Kp (b r - y) + Ki int(r - y) dt - Kd dy/dt - Kr rate + feed, in its limits."""
+
+    def __init__(self, Kp, Ki, low, high, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0):
+        self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
+        self.low, self.high = low, high
+        self.pole = math.exp(-T / Tf) if Tf else 0.0
+        self.back = T * Ki / Kp  # over the integral's own time constant
+        self.u, self.integral, self.fading, self.dydt, self.y = 0.0, 0.0, 0.0, 0.0, None
+
+    def hold(self, y):
+        self._differentiate(y)
+        return self.u
+
+    def _differentiate(self, y):
+        if self.y is not None:
+            self.dydt = self.pole * self.dydt + (1 - self.pole) * (y - self.y) / T
+        self.y = y
+
+    def __call__(self, r, y, rate=0.0, sat=0.0, feed=0.0, engaging=False):
+        self._differentiate(y)
+        static = self.Kp * (self.b * r - y) + feed
+        damping = self.Kd * self.dydt + self.Kr * rate
+        if engaging:  # go on from the output, which the integral and a fading part take over
+            self.integral, self.fading = self.u - static, damping
+        v = static - damping + self.integral + self.fading
+        self.u = clip(v, self.low, self.high)
+        self.fading *= math.exp(-T / 0.3)
+        self.integral += self.Ki * T * (r - y) + self.back * (self.u - v - sat)
+        return self.u
+
+
+def on_a_ramp(pi, ramp, target, y, rate, port, sat, off, feed):
+    """Actuator and reference of a hold that moves to ``target`` (None: what it finds) + port."""
+    u, references = np.empty(N), np.empty(N)
+    engaged = False
+    for k in range(N):
+        if off[k]:
+            references[k] = y[k]
+            u[k] = pi.hold(y[k])
+        else:
+            if engaged:
+                if callable(target):
+                    goal = target(k)
+                else:
+                    goal = (found if target is None else target) + port[k]  # noqa: F821
+                references[k] = references[k - 1] + clip(goal - references[k - 1],
+                                                         -ramp * T, ramp * T)
+            else:
+                references[k] = found = y[k]  # noqa: F841
+                if callable(target):
+                    target(k)
+            u[k] = pi(references[k], y[k], rate[k], sat[k], feed[k], engaging=not engaged)
+        engaged = not off[k]
+    return u, references
+
+
+@pytest.fixture(scope="module")
+def wires():
+    """Random signals for every port, large enough for ramps and limits to act now and then."""
+    rng = np.random.default_rng(22)
+    return {"theta": wander(rng, 1.2, 2.0), "phi": wander(rng, 2.0),
+            "psi": wander(rng, 8.0, 355.0) % 360.0, "vc": wander(rng, 2.0, 90.0),
+            "h": wander(rng, 20.0, 5000.0), "hdot": wander(rng, 3.0),
+            **{rate: wander(rng, 2.0) for rate in "pqr"},
+            "theta_ref": wander(rng, 1.2), "phi_ref": wander(rng, 2.0),
+            "psi_ref": wander(rng, 8.0), "h_ref": wander(rng, 15.0), "vc_ref": wander(rng, 2.0),
+            "off": OFF, "elev_sat": 0.02 * rng.normal(size=N),
+            "ail_sat": 0.02 * rng.normal(size=N), "thr_sat": 0.02 * rng.normal(size=N)}
+
+
+ATTITUDE = {"Kp": 0.11, "Ki": 0.03, "Kr": 0.017, "b": 0.6, "ramp": 4.5}
+SPEED = {"Kp": 0.03, "Ki": 0.001, "Kd": -0.007, "Tf": 0.4, "b": 0.9, "ramp": 1.7, "Kc": 0.0035}
+HEADING = {"Kp": 1.3, "Ki": 0.02}
+ALTITUDE = {"Kh": 0.21, "Kp": 0.09, "Ki": 0.15, "hdot_max": 8.0}
+NOTHING = np.zeros(N)
+
+
+def attitude(sign, low, high):
+    gains = {name: sign * value for name, value in ATTITUDE.items() if name in ("Kp", "Ki", "Kr")}
+    return PI(**gains, b=ATTITUDE["b"], low=low, high=high)
+
+
+def assert_same(ours, theirs, limits):
+    """Rounding; ``limits`` are reached, and most samples are between them."""
+    for name, expected in theirs.items():
+        assert np.max(np.abs(ours[name] - expected)) < 1e-9, name
+    u, (low, high) = next(iter(theirs.values())), limits
+    assert low <= np.min(u) < np.max(u) <= high
+    assert 5 < np.count_nonzero((u == low) | (u == high)) < N / 2
+
+
+@pytest.mark.parametrize("target", [None, 1.0])
+@pytest.mark.parametrize(("hold", "sign", "y", "rate", "actuator"), [
+    (PitchHold, -1.0, "theta", "q", "elevator"), (RollHold, 1.0, "phi", "p", "aileron")])
+def test_attitude_holds(wires, hold, sign, y, rate, actuator, target):
+    limits = (-0.5, 0.4)
+    block = hold(gains=ATTITUDE, authority=limits, T=T, **{f"{y}_ref": target})
+    sat = wires[f"{actuator[:3]}_sat" if actuator == "aileron" else "elev_sat"]
+    u, reference = on_a_ramp(attitude(sign, *limits), ATTITUDE["ramp"], target, wires[y],
+                             wires[rate], wires[f"{y}_ref"], sat, OFF, NOTHING)
+    assert_same(laws(block, **wires), {actuator: u, f"{y}_cmd": reference}, limits)
+
+
+@pytest.mark.parametrize("target", [None, 91.0])
+def test_airspeed_hold(wires, target):
+    limits = (-0.15, 0.1)
+    block = AirspeedHold(gains=SPEED, authority=limits, T=T, vc_ref=target)
+    pi = PI(**{name: value for name, value in SPEED.items() if name not in ("Kc", "ramp")},
+            low=limits[0], high=limits[1])
+    u, reference = on_a_ramp(pi, SPEED["ramp"], target, wires["vc"], NOTHING, wires["vc_ref"],
+                             wires["thr_sat"], OFF, SPEED["Kc"] * wires["hdot"])
+    assert_same(laws(block, **wires), {"throttle": u, "vc_cmd": reference}, limits)
+
+
+@pytest.mark.parametrize("target", [None, 355.0])
+def test_heading_hold(wires, target):
+    bank, limits = 12.0, (-0.9, 0.9)
+    block = HeadingHold(gains={"heading": HEADING, "roll": ATTITUDE}, psi_ref=target,
+                        bank_max=bank, authority=0.9, T=T)
+    start = {"k": None}
+    banks = []
+
+    def heading(k):
+        if start["k"] is None or OFF[k - 1]:
+            start.update(k=k, found=wires["psi"][k], pi=PI(**HEADING, low=-bank, high=bank))
+        error = math.remainder(
+            (start["found"] if target is None else target) + wires["psi_ref"][k]
+            - wires["psi"][k], 360.0)
+        pi = start["pi"]
+        if abs(HEADING["Kp"] * error) >= bank:
+            pi.integral = 0.0
+        banks.append(pi(error, 0.0))
+        return banks[-1]
+
+    u, reference = on_a_ramp(attitude(1.0, *limits), ATTITUDE["ramp"], heading, wires["phi"],
+                             wires["p"], NOTHING, wires["ail_sat"], OFF, NOTHING)
+    assert_same(laws(block, **wires), {"aileron": u, "phi_cmd": reference}, limits)
+    assert 20 < np.count_nonzero(np.abs(banks) == bank) < len(banks) - 20
+
+
+@pytest.mark.parametrize(("target", "hdot_max"), [(None, None), (5010.0, 12.0)])
+def test_altitude_hold(wires, target, hdot_max):
+    limits, theta = (-0.8, 0.8), (-4.0, 6.0)
+    block = AltitudeHold(gains={"altitude": ALTITUDE, "pitch": ATTITUDE}, h_ref=target,
+                         hdot_max=hdot_max, theta_min=theta[0], theta_max=theta[1],
+                         authority=0.8, T=T)
+    climb = ALTITUDE["hdot_max"] if hdot_max is None else hdot_max
+    now, demanded = {}, np.zeros(N)
+
+    def altitude(k):
+        engaging = not now or OFF[k - 1]
+        if engaging:
+            now.update(found=wires["h"][k], pi=PI(ALTITUDE["Kp"], ALTITUDE["Ki"], *theta))
+            now["pi"].u = wires["theta"][k]
+        error = (now["found"] if target is None else target) + wires["h_ref"][k] - wires["h"][k]
+        demanded[k] = clip(ALTITUDE["Kh"] * error, -climb, climb)
+        return now["pi"](demanded[k], wires["hdot"][k], engaging=engaging)
+
+    u, reference = on_a_ramp(attitude(-1.0, *limits), ATTITUDE["ramp"], altitude, wires["theta"],
+                             wires["q"], NOTHING, wires["elev_sat"], OFF, NOTHING)
+    assert_same(laws(block, **wires),
+                {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded}, limits)
+    assert set(np.abs(demanded)) >= {0.0, climb}
+
+
+def test_yaw_damper(wires):
+    K, tau, limit = 0.02, 1.5, 0.05
+    block = YawDamper(gains={"K": K, "tau": tau}, authority=limit, T=T)
+    u, last, engaged = np.empty(N), 0.0, False
+    for k in range(N):
+        r = wires["r"][k]
+        if OFF[k]:
+            last *= math.exp(-T / tau)
+        else:
+            if not engaged:
+                mean = r - last / K
+            last = clip(K * (r - mean), -limit, limit)
+            mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
+        u[k], engaged = last, not OFF[k]
+    assert_same(laws(block, **wires), {"rudder": u}, (-limit, limit))
+    assert not laws(YawDamper(gains={"K": 0.0, "tau": tau}, T=T), **wires)["rudder"].any()
+
+
+GAINS = {"pitch": ATTITUDE, "roll": {**ATTITUDE, "Kr": 0.01}, "heading": HEADING,
+         "altitude": ALTITUDE, "speed": SPEED, "yaw": {"K": 0.02}}
+
+
+@pytest.mark.parametrize("inner", [False, True])
+def test_the_autopilot_is_the_holds(wires, inner):
+    offs = {name: np.roll(OFF, shift) for name, shift in (
+        ("pitch_off", 0), ("roll_off", 60), ("speed_off", 130), ("yaw_off", 190))}
+    numbers = {"elevator_authority": 0.4, "aileron_authority": (-0.3, 0.35),
+               "rudder_authority": 0.05, "throttle_authority": (-0.15, 0.1)}
+    steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
+    modes = {"pitch_mode": NOTHING + inner, "roll_mode": NOTHING + inner}
+    one = laws(Autopilot(GAINS, theta_ref=1.0, h_ref=5020.0, phi_ref=2.0, psi_ref=10.0,
+                         vc_ref=96.0, bank_max=13.0, hdot_max=9.0, theta_min=-3.0, theta_max=5.0,
+                         T=T, **numbers), **steady, **offs, **modes)
+    pitch = {"authority": numbers["elevator_authority"], "T": T}
+    roll = {"authority": numbers["aileron_authority"], "T": T}
+    holds = [
+        ("pitch_off", PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch) if inner else AltitudeHold(
+            {name: GAINS[name] for name in ("altitude", "pitch")}, h_ref=5020.0, hdot_max=9.0,
+            theta_min=-3.0, theta_max=5.0, **pitch)),
+        ("roll_off", RollHold(GAINS["roll"], phi_ref=2.0, **roll) if inner else HeadingHold(
+            {name: GAINS[name] for name in ("heading", "roll")}, psi_ref=10.0, bank_max=13.0,
+            **roll)),
+        ("speed_off", AirspeedHold(GAINS["speed"], vc_ref=96.0, T=T,
+                                   authority=numbers["throttle_authority"])),
+        ("yaw_off", YawDamper(GAINS["yaw"], authority=numbers["rudder_authority"], T=T))]
+    several = {"hdot_cmd": NOTHING}
+    for off, hold in holds:
+        several |= laws(hold, **(steady | {"off": offs[off]}))
+    assert set(one) == set(several)
+    for name, signal in several.items():
+        assert np.array_equal(one[name], signal), name
+
+
+def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
+    mode = (np.arange(N) // 100 % 2).astype(float)
+    quiet = wires | {"off": NOTHING, "vc": NOTHING + 90.0, "vc_ref": NOTHING}
+    y = laws(Autopilot(GAINS, T=T), **quiet, pitch_mode=mode, roll_mode=mode)
+    for name in ("theta_cmd", "phi_cmd"):
+        assert np.max(np.abs(np.diff(y[name]))) == pytest.approx(ATTITUDE["ramp"] * T)
+    assert not y["hdot_cmd"][mode != 0].any()
+    # the altitude found when its mode came back, and the port's way since
+    back = 200
+    error = (quiet["h"][back] + quiet["h_ref"] - quiet["h"])[back:300]
+    assert y["hdot_cmd"][back:300] == pytest.approx(
+        np.clip(ALTITUDE["Kh"] * error, -8.0, 8.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(("vc", "demanded", "share"), [
+    (90.0, 90.0, 1.0), (200.0, 90.0, 1.0), (81.0, 90.0, 1.0), (76.5, 90.0, 0.5), (72.0, 90.0, 0.0),
+    (67.5, 90.0, -0.5), (63.0, 90.0, -1.0), (10.0, 90.0, -1.0), (0.0, 0.0, 1.0), (10.0, -5.0, 1.0),
+    (0.25, 0.5, -1.0)])
+def test_share_of_the_climb_that_the_airspeed_allows(vc, demanded, share):
+    assert _share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
+
+
+def test_the_autopilot_gives_up_a_climb_for_its_airspeed():
+    # held at 90 kt, flown at 76.5: half of the rate of climb demanded, descents in full
+    n = 200
+    for port, hdot in ((1000.0, 4.0), (-1000.0, -8.0)):
+        y = laws(Autopilot(GAINS, vc_ref=90.0, T=T), h=NOTHING + 5000.0, theta=NOTHING,
+                 vc=np.where(np.arange(N) < n, 90.0, 76.5), h_ref=NOTHING + port)
+        assert y["hdot_cmd"][n - 1] == pytest.approx(np.sign(port) * 8.0)
+        assert y["hdot_cmd"][-1] == pytest.approx(hdot)
+
+
+@pytest.mark.parametrize(("angle", "same"), [
+    (0.0, 0.0), (180.0, -180.0), (-180.0, -180.0), (179.0, 179.0), (181.0, -179.0),
+    (-181.0, 179.0), (725.0, 5.0), (-725.0, -5.0)])
+def test_wrap(angle, same):
+    assert wrap(angle) == same
