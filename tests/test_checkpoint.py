@@ -1,14 +1,20 @@
 """Stop and go on: a checkpoint continues bit for bit, by flying the recorded inputs again."""
 
+import json
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from corruptions import flight, loaded_from_corruptions
 from pathsim import Connection, Simulation
 from pathsim.blocks import Integrator, Scope, Source
 from pathsim.solvers import RK4
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, PitchHold
+from pathsim_jsbsim_blocks.errors import FileError
 
 pytestmark = pytest.mark.matrix
 
@@ -200,3 +206,96 @@ def test_what_is_no_switch_does_not_record():
     plane.record_inputs = np.array([])
     sim.run(0.1)
     assert len(plane._flown) == 0
+
+
+def test_corrupted_files_load_the_same_flight_or_are_refused(tmp_path):
+    assert 20 < loaded_from_corruptions(tmp_path, seed=11, count=40) <= 40
+
+
+@pytest.fixture
+def saved(tmp_path):
+    sim, _, _ = diagram(states=1)
+    sim.run(0.5)
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    return tmp_path / "stop"
+
+
+@pytest.mark.parametrize("change", [
+    lambda data: data["simulation"].update(time=1.0),
+    lambda data: data["simulation"].update(dt=0.01),
+    lambda data: data.pop("digest"),
+    lambda data: data.update(digest=None),
+    lambda data: data["blocks"].pop(),
+    lambda data: data["blocks"][0].update(active=False),
+    lambda data: data["blocks"][1].update(latched="no"),
+    lambda data: data["blocks"][-1]["engine"].update(n=3),
+])
+def test_a_changed_value_is_refused_wherever_it_is(saved, change):
+    file = saved.with_suffix(".json")
+    data = json.loads(file.read_text())
+    change(data)
+    file.write_text(json.dumps(data))
+    other, plane, _ = diagram(states=1)
+    with pytest.raises(ParameterError, match="is damaged"):
+        other.load_checkpoint(str(saved))
+    assert (other.time, plane.samples) == (0.0, 0)
+
+
+def test_arrays_of_another_save_are_refused(saved, tmp_path):
+    sim, _, _ = diagram(states=1)
+    sim.run(0.4)
+    sim.save_checkpoint(tmp_path / "other.npz")
+    (tmp_path / "other.npz").replace(saved.with_suffix(".npz"))
+    with pytest.raises(ParameterError, match="is damaged"):
+        diagram(states=1)[0].load_checkpoint(str(saved))
+
+
+def test_the_same_data_written_otherwise_is_loaded(saved):
+    file = saved.with_suffix(".json")
+    file.write_text(json.dumps(json.loads(file.read_text()), indent=None))
+    sim, plane, _ = diagram(states=1)
+    sim.load_checkpoint(saved.with_suffix(".json"))
+    assert plane.samples == 60
+
+
+@pytest.mark.parametrize("gone", [".json", ".npz"])
+def test_a_missing_file_is_named(saved, gone):
+    saved.with_suffix(gone).unlink()
+    with pytest.raises(FileError, match=rf"cannot read .*stop\{gone}': No such file"):
+        diagram(states=1)[0].load_checkpoint(str(saved))
+
+
+def test_no_folder_to_save_in(tmp_path):
+    with pytest.raises(FileError, match=r"cannot write .*: No such file"):
+        diagram(states=1)[0].save_checkpoint(str(tmp_path / "no" / "stop"))
+
+
+FULL = """
+import resource, signal, sys
+sys.path.insert(0, sys.argv[2])
+from corruptions import flight
+from pathsim_jsbsim_blocks.errors import FileError
+sim, _ = flight()
+sim.run(0.5)
+sim.save_checkpoint(sys.argv[1])
+sim.run(2.0)
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+for size in (100, 8000):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+    try:
+        sim.save_checkpoint(sys.argv[1])
+    except FileError as error:
+        print(error.reason)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
+def test_a_save_that_does_not_fit_on_the_disk_keeps_the_last_one(tmp_path):
+    done = subprocess.run([sys.executable, "-c", FULL, str(tmp_path / "stop"),
+                           str(Path(__file__).parent)], capture_output=True, text=True)
+    assert done.stderr == ""
+    assert done.stdout.split("\n") == ["File too large"] * 2 + [""]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["stop.json", "stop.npz"]
+    sim, _ = flight()
+    sim.load_checkpoint(str(tmp_path / "stop"))
+    assert sim.time == pytest.approx(0.5)

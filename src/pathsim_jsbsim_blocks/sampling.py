@@ -35,6 +35,7 @@ from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 
+from .checkpoint import seal
 from .checks import number, positive
 from .errors import ParameterError
 
@@ -184,6 +185,9 @@ class SampledBlock(Block):
         self._around = weakref.ref(around) if known else _nothing
         while isinstance(frame.f_locals.get("self"), Subsystem) and frame.f_back:
             levels, frame = levels + 1, frame.f_back
+        simulation = frame.f_locals.get("self")
+        if isinstance(simulation, Simulation):
+            seal(simulation)
         self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
         self._act_in_events(True)
 

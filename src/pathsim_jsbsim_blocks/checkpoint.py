@@ -1,0 +1,117 @@
+"""Checkpoints with a digest, so that damaged files are refused before anything is loaded.
+
+PathSim writes a JSON and an NPZ file and checks neither: a changed number in them is another
+flight. Blocks cannot check the files themselves, since each sees only its own data, and only after
+PathSim has read the files and loaded others. So a diagram that holds a sampled block gets methods
+of its own that check first.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from pathlib import Path
+from types import MethodType
+from typing import Any
+
+from pathsim import Simulation
+
+from .errors import BlocksError, FileError, ParameterError
+
+
+def seal(simulation: Simulation) -> None:
+    """Let ``save_checkpoint`` and ``load_checkpoint`` of a simulation write and check a digest."""
+    simulation.save_checkpoint = MethodType(save_checkpoint, simulation)
+    simulation.load_checkpoint = MethodType(load_checkpoint, simulation)
+
+
+def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
+                    recordings: bool = True) -> None:
+    """Save a diagram as ``path.json`` and ``path.npz``, with a digest over both.
+
+    Files of that name are replaced when both new ones are complete.
+
+    Parameters
+    ----------
+    simulation : pathsim.Simulation
+    path : str or path
+        with or without an ending
+    recordings : bool
+        whether to save what scopes have recorded
+
+    Raises
+    ------
+    FileError
+        if a file cannot be written: a full disk
+    ParameterError
+        if a block cannot be saved
+    """
+    base = _base(path)
+    part = f"{base}.part-{os.getpid()}"
+    written = [Path(f"{part}{ending}") for ending in (".json", ".npz")]
+    try:
+        Simulation.save_checkpoint(simulation, part, recordings)
+        data = json.loads(written[0].read_text(encoding="utf-8"))
+        data["digest"] = _digest(data, written[1].read_bytes())
+        written[0].write_text(json.dumps(data, indent=2), encoding="utf-8")
+        for file in written:
+            file.replace(f"{base}{file.suffix}")
+    except OSError as error:
+        if isinstance(error, BlocksError):
+            raise
+        raise FileError("write", base, error) from None
+    finally:
+        for file in written:
+            with contextlib.suppress(OSError):
+                file.unlink()
+
+
+def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> None:
+    """Go on from a checkpoint, in a diagram built like the one that was saved.
+
+    Parameters
+    ----------
+    simulation : pathsim.Simulation
+    path : str or path
+        with or without an ending
+
+    Raises
+    ------
+    ParameterError
+        if the files are damaged or of another diagram or flight
+    FileError
+        if the files cannot be read
+    """
+    base = _base(path)
+    try:
+        data = json.loads(Path(f"{base}.json").read_text(encoding="utf-8"))
+        intact = data["digest"] == _digest(data, Path(f"{base}.npz").read_bytes())
+    except OSError as error:
+        raise FileError("read", error.filename or base, error) from None
+    except (ValueError, TypeError, KeyError, RecursionError):
+        intact = False
+    if not intact:
+        raise ParameterError(f"the checkpoint {base!r} is damaged: its files are not as they were "
+                             "saved", parameter="checkpoint", value=base)
+    try:
+        Simulation.load_checkpoint(simulation, base)
+    except BlocksError:
+        raise
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
+        raise ParameterError(f"the checkpoint {base!r} is of another diagram: {error}",
+                             parameter="checkpoint", value=base) from error
+
+
+def _base(path: str | os.PathLike[str]) -> str:
+    base = os.fspath(path)
+    return base.rpartition(".")[0] if base.endswith((".json", ".npz")) else base
+
+
+def _digest(data: dict[str, Any], arrays: bytes) -> str:
+    """Of what the JSON file says, however it is written, and of the other file's bytes."""
+    said = {key: value for key, value in data.items() if key != "digest"}
+    digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+    digest.update(arrays)
+    return digest.hexdigest()
