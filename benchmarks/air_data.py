@@ -14,7 +14,7 @@ from fluids.atmosphere import ATMOSPHERE_1976
 from report import HEADER, row
 
 import pathsim_jsbsim_blocks
-from pathsim_jsbsim_blocks.atmosphere import isa
+from pathsim_jsbsim_blocks.air import isa
 
 HEIGHTS = np.random.default_rng(1).uniform(-500.0, 80_000.0, 1_000_000)  # m, in no order
 IN_EACH_LAYER = [5e3, 15e3, 25e3, 40e3, 49e3, 60e3, 75e3]  # m

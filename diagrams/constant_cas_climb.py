@@ -89,8 +89,7 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.airspeed import cas_to_tas, crossover_altitude
-    from pathsim_jsbsim_blocks.atmosphere import isa
+    from pathsim_jsbsim_blocks.air import cas_to_tas, crossover_altitude, isa
     from pathsim_jsbsim_blocks.plots import show
 
     sim.run(DURATION)

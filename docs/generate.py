@@ -23,14 +23,13 @@ from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
-from pathsim_jsbsim_blocks.fleet import HEADER, fleet_table, format_row
+from pathsim_jsbsim_blocks.flight.fleet import HEADER, fleet_table, format_row
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
 README = DOCS.parent / "README.md"
 GALLERY_BEGINS, GALLERY_ENDS = "<!-- gallery -->", "<!-- end of gallery -->"
-MODULES = ["atmosphere", "airspeed", "axes", "trim", "airframe", "plots", "catalogue", "studies",
-           "pathview", "fleet"]
+MODULES = ["air", "axes", "flight", "plots", "catalogue", "studies", "pathview"]
 
 
 def pictures():
@@ -125,10 +124,10 @@ def fleet_page():
     departs = sum("departs" in row.verdict for row in rows)
     return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
             f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
-            "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.fleet` finds "
-            "it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s with its "
-            "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
-            f"--table` prints the table anew.\n\n{HEADER}"
+            "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.flight` "
+            "finds it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s "
+            "with its controls held; the drift is its\nchange of altitude. `pathsim-jsbsim "
+            f"aircraft --table` prints the table anew.\n\n{HEADER}"
             + "".join(f"{format_row(row)}\n" for row in rows))
 
 

@@ -28,15 +28,11 @@ from pathsim_jsbsim_blocks import (
     BlocksError,
     JSBSimFDM,
     TrimCondition,
-    airframe,
-    airspeed,
-    atmosphere,
     axes,
     catalogue,
-    fleet,
-    trim,
 )
-from pathsim_jsbsim_blocks.airframe import Airframe
+from pathsim_jsbsim_blocks.air import airspeed, atmosphere
+from pathsim_jsbsim_blocks.flight import Airframe, airframe, fleet, trim
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
@@ -114,7 +110,7 @@ def targets():
                    plane.canonical, plane.property_names):
         yield method.__name__, method, {}
     level = TrimCondition(speed=90)
-    yield "trim", lambda condition=level, setup=None: trim.trim(plane, condition, setup), {}
+    yield "trim", lambda condition=level, setup=None: trim(plane, condition, setup), {}
     yield "level_flight", fleet.level_flight, {"aircraft": "c172p"}
     yield "find_diagram", catalogue.find_diagram, {"name": "hello_jsbsim"}
     yield "trim_sweep", lambda aircraft="c172p", grid=({"altitude": [5000], "speed": [90]}), \

@@ -170,8 +170,8 @@ def test_malformed_names_leave_the_process_alive():
     code = """
 import json, sys
 from pathsim_jsbsim_blocks import BlocksError, JSBSimFDM, PropertyError, TrimCondition
-from pathsim_jsbsim_blocks.airframe import Airframe
-from pathsim_jsbsim_blocks.trim import trim
+from pathsim_jsbsim_blocks.flight import Airframe
+from pathsim_jsbsim_blocks.flight import trim
 
 seen = []
 airframe = Airframe("c172p")

@@ -7,10 +7,9 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
-from .airspeed_blocks import EAStoMach, EAStoTAS, MachtoEAS, MachtoTAS, TAStoEAS, TAStoMach
-from .atmosphere_blocks import ISAtmosphere
-from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
-from .calibrated_airspeed_blocks import (
+from .air.airspeed_blocks import EAStoMach, EAStoTAS, MachtoEAS, MachtoTAS, TAStoEAS, TAStoMach
+from .air.atmosphere_blocks import ISAtmosphere
+from .air.calibrated_airspeed_blocks import (
     CAStoEAS,
     CAStoMach,
     CAStoTAS,
@@ -18,6 +17,7 @@ from .calibrated_airspeed_blocks import (
     MachtoCAS,
     TAStoCAS,
 )
+from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
 from .control.autopilot import Autopilot
 from .control.holds import (
     AirspeedHold,
@@ -39,13 +39,59 @@ from .errors import (
 )
 from .sources import DoubletSource, MultistepSource, RampSource
 
+__all__ = [
+    "AircraftError",
+    "AirspeedHold",
+    "AltitudeHold",
+    "Autopilot",
+    "BlocksError",
+    "BodyToNED",
+    "BodyToWind",
+    "CAStoEAS",
+    "CAStoMach",
+    "CAStoTAS",
+    "DiagramError",
+    "DiscretePID",
+    "DoubletSource",
+    "EAStoCAS",
+    "EAStoMach",
+    "EAStoTAS",
+    "FlightError",
+    "GeodeticToNED",
+    "HeadingHold",
+    "ISAtmosphere",
+    "MachtoCAS",
+    "MachtoEAS",
+    "MachtoTAS",
+    "MultistepSource",
+    "NEDToBody",
+    "ParameterError",
+    "PitchHold",
+    "PropertyError",
+    "RampSource",
+    "RollHold",
+    "TAStoCAS",
+    "TAStoEAS",
+    "TAStoMach",
+    "TrimError",
+    "WindToBody",
+    "YawDamper",
+]
+
 if find_spec("jsbsim") is not None:
-    from .aircraft import Aircraft
-    from .fdm import JSBSimFDM
-    from .trim import TrimState
-    from .trim_condition import TrimCondition
+    from .flight._trim import TrimState
+    from .flight.aircraft import Aircraft
+    from .flight.condition import TrimCondition
+    from .flight.fdm import JSBSimFDM
+
+    __all__ += ["Aircraft", "JSBSimFDM", "TrimCondition", "TrimState"]
 
 __version__ = "0.1.0"
 
 # without a handler Python's last resort would write JSBSim's warnings to the console
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+
+def __dir__() -> list[str]:
+    # PathView looks for blocks here
+    return sorted(__all__)

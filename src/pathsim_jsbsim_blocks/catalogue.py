@@ -6,7 +6,7 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
-from .checks import as_path, did_you_mean, nearest
+from ._core.checks import as_path, did_you_mean, nearest
 from .errors import ParameterError
 
 

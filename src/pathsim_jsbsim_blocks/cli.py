@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from . import __version__
+from ._core.checks import one_of, writable
 from .catalogue import diagram_folder, diagram_names, find_diagram
-from .checks import one_of, writable
 from .errors import BlocksError, ParameterError
 
 
@@ -193,10 +193,10 @@ def _write_csv(objects: Iterable[Any], path: Path) -> None:
 
 
 def _aircraft(args: argparse.Namespace) -> None:
-    from .airframe import Airframe, aircraft_names
+    from .flight.airframe import Airframe, aircraft_names
 
     if args.table:
-        from .fleet import HEADER, fleet_table, format_row
+        from .flight.fleet import HEADER, fleet_table, format_row
 
         print(HEADER, end="")
         for row in fleet_table():
@@ -213,7 +213,7 @@ def _aircraft(args: argparse.Namespace) -> None:
 
 
 def _properties(args: argparse.Namespace) -> None:
-    from .airframe import Airframe
+    from .flight.airframe import Airframe
 
     airframe = Airframe(args.aircraft)
     airframe.run_ic()
@@ -228,9 +228,9 @@ def _properties(args: argparse.Namespace) -> None:
 
 
 def _trim(args: argparse.Namespace) -> None:
-    from .airframe import Airframe
-    from .trim import UNITS, trim
-    from .trim_condition import TrimCondition
+    from .flight._trim import UNITS, trim
+    from .flight.airframe import Airframe
+    from .flight.condition import TrimCondition
 
     setup, create = _values("set", args.set), _values("create", args.create)
     condition = TrimCondition(

@@ -16,7 +16,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
-from .checks import did_you_mean, nearest, one_of, writable
+from ._core.checks import did_you_mean, nearest, one_of, writable
 from .errors import ParameterError
 
 _save_to: list[Iterator[Path]] = []

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from pathsim.events import ScheduleList
 
-from .checks import number, positive
+from ._core.checks import number, positive
+from ._core.ports import NamedPorts
 from .errors import ParameterError
-from .ports import NamedPorts
 
 
 class _EdgeSource(NamedPorts):

@@ -12,9 +12,9 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 from pathsim.events import Schedule
 
+from pathsim_jsbsim_blocks._core.sampling import SampledLaw
 from pathsim_jsbsim_blocks.control.gains import GAINS
 from pathsim_jsbsim_blocks.control.pid import PID
-from pathsim_jsbsim_blocks.sampling import SampledLaw
 
 AIRCRAFT = list(POINTS)
 TIMES = {  # s, to the tolerances below

@@ -10,7 +10,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import StepSource
 
 from pathsim_jsbsim_blocks import Aircraft, TrimCondition, studies
-from pathsim_jsbsim_blocks.airframe import empty_weight_cg
+from pathsim_jsbsim_blocks.flight.airframe import empty_weight_cg
 from pathsim_jsbsim_blocks.studies import published
 
 DATA = Path(__file__).parents[1] / "data" / "studies"

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import arrays
+from .._core.checks import arrays
 from ..errors import ParameterError
 
 Values = float | np.ndarray

@@ -6,8 +6,8 @@ from typing import Any
 
 from pathsim.blocks import Function
 
-from ..checks import number
-from ..ports import NamedPorts
+from .._core.checks import number
+from .._core.ports import NamedPorts
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 

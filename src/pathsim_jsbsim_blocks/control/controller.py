@@ -6,10 +6,10 @@ import inspect
 import warnings
 from typing import Any
 
-from ..checks import positive
+from .._core.checks import positive
+from .._core.ports import NamedPorts
+from .._core.sampling import SampledLaw
 from ..errors import ParameterError
-from ..ports import NamedPorts
-from ..sampling import SampledLaw
 
 
 class _Parameter:

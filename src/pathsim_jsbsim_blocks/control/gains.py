@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..checks import did_you_mean, nearest, number, one_of, positive
+from .._core.checks import did_you_mean, nearest, number, one_of, positive
 from ..errors import ParameterError
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..checks import number, positive
+from .._core.checks import number, positive
 from ..errors import ParameterError
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..checks import number, positive
+from .._core.checks import number, positive
 from ..errors import ParameterError
 from .controller import Controller
 

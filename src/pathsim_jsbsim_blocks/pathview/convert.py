@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import pathsim.solvers
 
-from ..checks import as_path, did_you_mean, nearest
+from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import DiagramError, ParameterError
 from .clashes import without_clashes
 from .names import bound, used

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import as_path
+from .._core.checks import as_path
 from ..errors import DiagramError
 from . import pvm
 from .convert import Json, registry_for, to_python

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any
 from urllib.parse import quote
 
-from ..checks import whole
+from .._core.checks import whole
 from ..errors import MissingExtraError, ParameterError
 from . import pvm
 from .convert import Json, required_toolboxes
@@ -23,14 +23,13 @@ PORT = 8360
 
 # PathView installs this toolbox with pip when it first starts in a browser
 _PRELOADED = ("pathsim-chem", "pathsim_chem")
-_CATEGORIES = {  # module of this package: category and shape in PathView's block library
-    "aircraft": ("Aircraft", "rect"),
-    "fdm": ("Aircraft", "rect"),
+_CATEGORIES = {  # folder of this package: category and shape in PathView's block library
+    "flight": ("Aircraft", "rect"),
     "sources": ("Sources", "pill"),
     "control": ("Autopilot", "rect"),
     "axes": ("Axes", "rect"),
+    "air": ("Air data", "rect"),
 }
-_CATEGORY = ("Air data", "rect")
 
 
 class Server:
@@ -167,7 +166,7 @@ def _selection(toolbox: Toolbox) -> list[dict[str, Any]]:
     """This package's blocks with their categories; of other toolboxes PathView takes all."""
     out = []
     for name, block in toolbox.blocks().items() if toolbox == OURS else ():
-        category, shape = _CATEGORIES.get(block.__module__.split(".")[1], _CATEGORY)
+        category, shape = _CATEGORIES[block.__module__.split(".")[1]]
         out.append({"className": name, "enabled": True,
                     "override": {"category": category, "shape": shape}})
     return out

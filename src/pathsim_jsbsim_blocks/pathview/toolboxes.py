@@ -12,7 +12,7 @@ from typing import Any
 
 from pathsim.blocks import Block
 
-from ..checks import did_you_mean, nearest
+from .._core.checks import did_you_mean, nearest
 from ..errors import MissingExtraError, ParameterError
 
 _PYPI_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import jsbsim
 import numpy as np
 
-from ..checks import did_you_mean, nearest, whole
+from .._core.checks import did_you_mean, nearest, whole
 from ..errors import ParameterError
 from .grid import expand, plain
 from .workers import WORKER_DIED, require, run_parts

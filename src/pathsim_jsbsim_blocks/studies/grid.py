@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
 
-from ..checks import did_you_mean, nearest, number
+from .._core.checks import did_you_mean, nearest, number
 from ..errors import ParameterError
-from ..trim import UNITS
-from ..trim_condition import TrimCondition
+from ..flight._trim import UNITS
+from ..flight.condition import TrimCondition
 
 # columns that a grid can have, besides JSBSim properties
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "properties"]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..airframe import empty_weight_cg
+from ..flight.airframe import empty_weight_cg
 from . import figures
 from .sweep import trim_sweep
 

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import jsbsim
 
-from ..airframe import Airframe
-from ..checks import whole
+from .._core.checks import whole
 from ..errors import ParameterError, TrimError
-from ..trim import UNITS, TrimState, trim
-from ..trim_condition import TrimCondition
+from ..flight._trim import UNITS, TrimState, trim
+from ..flight.airframe import Airframe
+from ..flight.condition import TrimCondition
 from .grid import column, expand, requested, structure, trim_conditions
 from .workers import WORKER_DIED, require, run_parts
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..checks import whole
+from .._core.checks import whole
 from ..errors import MissingExtraError, ParameterError
 from .journal import Journal
 from .parent import end_with

@@ -10,7 +10,7 @@ import pytest
 from fluids.atmosphere import ATMOSPHERE_1976
 
 from pathsim_jsbsim_blocks import ISAtmosphere, ParameterError
-from pathsim_jsbsim_blocks.atmosphere import (
+from pathsim_jsbsim_blocks.air.atmosphere import (
     ALTITUDE_KINDS,
     EARTH_RADIUS,
     G0,
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.matrix
 
 QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
 
-with (Path(__file__).parent / "data" / "isa_reference.csv").open() as _file:
+with (Path(__file__).parents[1] / "data" / "isa_reference.csv").open() as _file:
     TABLE = np.array([[float(x) for x in row] for row in list(csv.reader(_file))[1:]]).T
 HEIGHT, GEOPOTENTIAL, DEVIATION = TABLE[:3]
 EXPECTED = dict(zip(("temperature", "pressure", "density", "speed_of_sound", "viscosity"),

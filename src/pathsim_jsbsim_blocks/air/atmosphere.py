@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .checks import finite, one_of
-from .errors import ParameterError
+from .._core.checks import finite, one_of
+from ..errors import ParameterError
 
 G0 = 9.80665  # m/s2, standard acceleration of free fall
 R = 287.05287  # J/(kg K), specific gas constant of dry air

@@ -35,9 +35,9 @@ from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 
+from ..errors import ParameterError
 from .checkpoint import seal
 from .checks import number, positive
-from .errors import ParameterError
 
 # s; more samples than these nobody waits for
 SHORTEST_PERIOD = 1e-6

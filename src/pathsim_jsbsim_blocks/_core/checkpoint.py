@@ -18,7 +18,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from .errors import BlocksError, FileError, ParameterError
+from ..errors import BlocksError, FileError, ParameterError
 
 
 def seal(simulation: Simulation) -> None:

@@ -12,9 +12,9 @@ from pathsim.blocks import Scope, Source
 from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
-from pathsim_jsbsim_blocks.airframe import aircraft_names
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.fleet import fleet_table, format_row, level_flight
+from pathsim_jsbsim_blocks.flight.airframe import aircraft_names
+from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_flight
 
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
@@ -88,7 +88,7 @@ def test_rows_of_the_table():
 
 
 def test_the_command_prints_the_table(capsys, monkeypatch):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.fleet.aircraft_names", lambda: ["A4", "SGS"])
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight.fleet.aircraft_names", lambda: ["A4", "SGS"])
     assert main(["aircraft", "--table"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 4
@@ -96,7 +96,7 @@ def test_the_command_prints_the_table(capsys, monkeypatch):
 
 
 def test_the_page_is_up_to_date():
-    page = Path(__file__).parents[1].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
+    page = Path(__file__).parents[2].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]]
             for line in page.splitlines() if line.startswith("| ")][1:]
     assert [row[0] for row in rows] == aircraft_names()

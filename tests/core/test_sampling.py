@@ -7,7 +7,7 @@ from pathsim.blocks import Integrator, Scope, Source
 from pathsim.events import Event
 from pathsim.solvers import RKBS32
 
-from pathsim_jsbsim_blocks.sampling import SampledLaw
+from pathsim_jsbsim_blocks._core.sampling import SampledLaw
 
 pytestmark = pytest.mark.matrix
 

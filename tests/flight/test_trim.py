@@ -16,8 +16,9 @@ from pathsim_jsbsim_blocks import (
     TrimError,
     TrimState,
 )
-from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
-from pathsim_jsbsim_blocks.trim import UNITS, trim
+from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.flight._trim import UNITS
+from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
 
 pytestmark = pytest.mark.matrix
 
@@ -255,7 +256,8 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
 ])
 def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
     said = f"  Sorry, {axis} doesn't appear to be trimmable"
-    monkeypatch.setattr("pathsim_jsbsim_blocks.trim.messages", lambda *a, **b: (False, [said]))
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages",
+                        lambda *a, **b: (False, [said]))
     with pytest.raises(TrimError) as error:
         found("c172p", **condition)
     assert error.value.reason == reason

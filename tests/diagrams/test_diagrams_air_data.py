@@ -32,7 +32,7 @@ def test_profile_passes_through_the_table(profile):
     _, (height,) = profile.height.read()
     _, air = profile.air.read()
     assert (height[0], height[-1]) == (0.0, 80_000.0)
-    with (Path(__file__).parent / "data" / "isa_reference.csv").open() as file:
+    with (Path(__file__).parents[1] / "data" / "isa_reference.csv").open() as file:
         rows = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
     on_the_way = [row for row in rows if row[2] == 0.0 and row[0] in height]
     assert len(on_the_way) >= 10

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 from pathsim import Simulation
 
+from .._core.checks import whole
+from ..errors import AircraftError, BlocksError, TrimError
+from ._trim import TrimState, trim
 from .airframe import Airframe, aircraft_names, has_retractable_gear
-from .checks import whole
-from .errors import AircraftError, BlocksError, TrimError
+from .condition import TrimCondition
 from .fdm import JSBSimFDM
-from .trim import TrimState, trim
-from .trim_condition import TrimCondition
 
 # (altitude in ft, lift coefficient): the first is where most aircraft cruise, the others are for
 # engines that are weak at that height (pa28) and for speeds that are too high (c310)

@@ -13,6 +13,9 @@ import pathsim_flight.atmosphere as flight
 from pathsim.blocks import Function
 from pathsim.optim.operator import Operator
 
+from .._core.checks import finite, one_of
+from .._core.ports import NamedPorts
+from ..errors import FlightError, ParameterError
 from .atmosphere import (
     A0,
     ALTITUDE_KINDS,
@@ -28,9 +31,6 @@ from .atmosphere import (
     unchecked_air,
     viscosity,
 )
-from .checks import finite, one_of
-from .errors import FlightError, ParameterError
-from .ports import NamedPorts
 
 OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
@@ -122,7 +122,7 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
 
     Stands in for pathsim-flight's block of this name: its ports, units and ``_eval``, with the
     standard's exact constants, and viscosity as a fifth output. The plain function is
-    ``pathsim_jsbsim_blocks.atmosphere.isa``.
+    ``pathsim_jsbsim_blocks.air.isa``.
 
     Parameters
     ----------

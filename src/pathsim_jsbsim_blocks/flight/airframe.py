@@ -19,9 +19,9 @@ from typing import Any
 
 import jsbsim
 
-from .checks import as_path, did_you_mean, flag, mapping, nearest, number, positive
+from .._core.checks import as_path, did_you_mean, flag, mapping, nearest, number, positive
+from ..errors import AircraftError, ParameterError, PropertyError
 from .console import SEALED_PATH, capture_console, messages
-from .errors import AircraftError, ParameterError, PropertyError
 
 
 def aircraft_folder(root: str | None = None) -> Path:

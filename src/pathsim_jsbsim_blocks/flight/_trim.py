@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import jsbsim
 
+from .._core.checks import mapping
+from ..errors import ParameterError, TrimError
 from .airframe import Airframe
-from .checks import mapping
+from .condition import MODES, TrimCondition
 from .console import messages
-from .errors import ParameterError, TrimError
-from .trim_condition import MODES, TrimCondition
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ParameterError
+from ..errors import ParameterError
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:

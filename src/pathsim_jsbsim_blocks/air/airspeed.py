@@ -25,9 +25,9 @@ from typing import Any
 
 import numpy as np
 
+from .._core.checks import finite
+from ..errors import ParameterError
 from .atmosphere import A0, P0, Air, positive_finite, pressure_altitude
-from .checks import finite
-from .errors import ParameterError
 
 RAYLEIGH = 1.2**3.5 * (6 / 7) ** 2.5  # of qc/p + 1 = RAYLEIGH x (1 - 1/(7 x))^-2.5, x = M^2
 SONIC = 1.2**3.5 - 1  # qc/p at Mach 1, in both formulas

@@ -23,11 +23,11 @@ import pytest
 from fleet_conditions import FLYING
 
 from pathsim_jsbsim_blocks import Aircraft, TrimError
-from pathsim_jsbsim_blocks.airframe import Airframe, empty_weight_cg
-from pathsim_jsbsim_blocks.console import capture_console
+from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.flight.console import capture_console
 
 INSTALLED = Path(jsbsim.__file__).parent
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 
 # models that write a file as they come
 WRITERS = ["B17", "ball", "ballx", "c172x", "global5000", "pogo-jsbsim"]
@@ -37,7 +37,7 @@ import json, os, psutil, sys
 from fleet_conditions import keywords
 from pathsim import Simulation
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimCondition
-from pathsim_jsbsim_blocks.airframe import Airframe, aircraft_names
+from pathsim_jsbsim_blocks.flight.airframe import Airframe, aircraft_names
 
 def sockets():
     me = psutil.Process()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from .condition import TrimCondition
 from .fdm import FlightBlock, chosen_condition, defaults
-from .trim_condition import TrimCondition
 
 _DEG = 180.0 / math.pi
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from pathsim.blocks import Block
 
+from ..errors import BlocksError, ParameterError
 from .checks import did_you_mean, nearest
-from .errors import BlocksError, ParameterError
 
 
 class NamedPorts(Block):

@@ -15,7 +15,7 @@ from pathsim_jsbsim_blocks.plots import signal
 
 pytestmark = pytest.mark.matrix
 
-DATA = Path(__file__).parent / "data" / "studies"
+DATA = Path(__file__).parents[1] / "data" / "studies"
 
 
 def table(name):

@@ -12,8 +12,9 @@ import pytest
 from plain_jsbsim import open_fdm
 
 import pathsim_jsbsim_blocks
-from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError, airspeed
-from pathsim_jsbsim_blocks.airspeed import (
+from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
+from pathsim_jsbsim_blocks.air import airspeed
+from pathsim_jsbsim_blocks.air.airspeed import (
     cas_to_mach,
     cas_to_tas,
     crossover_altitude,
@@ -21,7 +22,7 @@ from pathsim_jsbsim_blocks.airspeed import (
     impact_pressure,
     mach_to_cas,
 )
-from pathsim_jsbsim_blocks.atmosphere import A0, P0, Air, isa
+from pathsim_jsbsim_blocks.air.atmosphere import A0, P0, Air, isa
 
 pytestmark = pytest.mark.matrix
 
@@ -33,7 +34,7 @@ SPEEDS = {"cas": "CAS", "eas": "EAS", "tas": "TAS", "mach": "Mach"}
 CONVERSIONS = list(permutations(SPEEDS, 2))
 FROM_PATHSIM_FLIGHT = ["CAStoMach", "CAStoTAS", "TAStoCAS", "CAStoEAS", "EAStoTAS", "MachtoCAS"]
 
-with (Path(__file__).parent / "data" / "airspeed_reference.csv").open() as _file:
+with (Path(__file__).parents[1] / "data" / "airspeed_reference.csv").open() as _file:
     TABLE = np.array([[float(x) for x in row] for row in list(csv.reader(_file))[1:]]).T
 HEIGHT, DEVIATION = TABLE[:2]
 SPEED = dict(zip(("mach", "cas", "tas", "eas"), TABLE[2:6], strict=True))

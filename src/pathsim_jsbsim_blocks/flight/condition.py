@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .checks import mapping, number, one_of, positive, whole
-from .errors import ParameterError
+from .._core.checks import mapping, number, one_of, positive, whole
+from ..errors import ParameterError
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}

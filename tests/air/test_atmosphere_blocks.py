@@ -10,7 +10,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
-from pathsim_jsbsim_blocks.atmosphere import EARTH_RADIUS, G0, LIMITS, isa
+from pathsim_jsbsim_blocks.air.atmosphere import EARTH_RADIUS, G0, LIMITS, isa
 
 pytestmark = pytest.mark.matrix
 

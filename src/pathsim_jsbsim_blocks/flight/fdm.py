@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from pathsim.utils.register import Register
 
+from .._core.checks import flag, number, positive, whole
+from .._core.ports import NamedPorts
+from .._core.sampling import SHORTEST_PERIOD, SampledPlant
+from ..errors import FlightError, ParameterError, PropertyError
+from ._trim import TrimState, trim
 from .airframe import Airframe
-from .checks import flag, number, positive, whole
+from .condition import TrimCondition
 from .console import capture_console, log
-from .errors import FlightError, ParameterError, PropertyError
-from .ports import NamedPorts
-from .sampling import SHORTEST_PERIOD, SampledPlant
-from .trim import TrimState, trim
-from .trim_condition import TrimCondition
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1

@@ -15,7 +15,7 @@ import pytest
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.studies import climb_schedule
 
-DATA = Path(__file__).parent / "data" / "studies"
+DATA = Path(__file__).parents[1] / "data" / "studies"
 DT = 1 / 120
 
 # the tables hold 12 digits; the atol is for angles that start at zero, in deg

@@ -1,0 +1,53 @@
+"""The standard atmosphere and airspeeds: plain functions, and the blocks that serve a diagram."""
+
+from .airspeed import (
+    cas_to_eas,
+    cas_to_mach,
+    cas_to_tas,
+    crossover_altitude,
+    dynamic_pressure,
+    eas_to_cas,
+    eas_to_mach,
+    eas_to_tas,
+    impact_pressure,
+    mach_to_cas,
+    mach_to_eas,
+    mach_to_tas,
+    tas_to_cas,
+    tas_to_eas,
+    tas_to_mach,
+)
+from .atmosphere import (
+    Air,
+    density_altitude,
+    geometric_altitude,
+    geopotential_altitude,
+    isa,
+    pressure_altitude,
+    viscosity,
+)
+
+__all__ = [
+    "Air",
+    "cas_to_eas",
+    "cas_to_mach",
+    "cas_to_tas",
+    "crossover_altitude",
+    "density_altitude",
+    "dynamic_pressure",
+    "eas_to_cas",
+    "eas_to_mach",
+    "eas_to_tas",
+    "geometric_altitude",
+    "geopotential_altitude",
+    "impact_pressure",
+    "isa",
+    "mach_to_cas",
+    "mach_to_eas",
+    "mach_to_tas",
+    "pressure_altitude",
+    "tas_to_cas",
+    "tas_to_eas",
+    "tas_to_mach",
+    "viscosity",
+]
