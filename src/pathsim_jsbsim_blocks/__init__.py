@@ -7,16 +7,21 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
-from .air.airspeed_blocks import EAStoMach, EAStoTAS, MachtoEAS, MachtoTAS, TAStoEAS, TAStoMach
-from .air.atmosphere_blocks import ISAtmosphere
-from .air.calibrated_airspeed_blocks import (
+from .air.airspeed_blocks import (
     CAStoEAS,
     CAStoMach,
     CAStoTAS,
     EAStoCAS,
+    EAStoMach,
+    EAStoTAS,
     MachtoCAS,
+    MachtoEAS,
+    MachtoTAS,
     TAStoCAS,
+    TAStoEAS,
+    TAStoMach,
 )
+from .air.atmosphere_blocks import ISAtmosphere
 from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
 from .control.autopilot import Autopilot
 from .control.holds import (
