@@ -8,10 +8,58 @@ from __future__ import annotations
 
 import pathsim_flight.utils as flight
 
+from .._core.docs import filler
 from . import airspeed
 from .atmosphere_blocks import AirDataBlock
 
+_fill = filler(
+    parameters="""
+    Parameters
+    ----------
+    altitude_kind : str
+        what the altitude input is: "geometric" (height) or "geopotential"
+    out_of_range : str
+        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    """,
+    cas="""
+    cas
+        calibrated airspeed, m/s
+    """,
+    eas="""
+    eas
+        equivalent airspeed, m/s
+    """,
+    tas="""
+    tas
+        true airspeed, m/s
+    """,
+    mach="""
+    mach
+        Mach number
+    """,
+    altitude="""
+    altitude
+        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    """,
+    temp_deviation="""
+    temp_deviation
+        from the standard temperature, K
+    """,
+    pitot="""
+    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
+    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    """,
+    raises="""
+    Raises
+    ------
+    FlightError
+        while it runs: for inputs that are not finite, and for altitudes out of range
+        if ``out_of_range`` is "error"
+    """,
+)
 
+
+@_fill
 class EAStoTAS(AirDataBlock, flight.EAStoTAS):
     r"""True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude.
 
@@ -21,32 +69,19 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
 
     Index 0 is sea level. A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    eas
-        equivalent airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(eas)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    tas
-        true airspeed, m/s
+    %(tas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1, "temp_deviation": 2}
@@ -56,6 +91,7 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
         return airspeed.eas_to_tas(eas, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class EAStoMach(AirDataBlock):
     r"""Mach number at an equivalent airspeed (EAS) and an altitude.
 
@@ -65,30 +101,18 @@ class EAStoMach(AirDataBlock):
 
     Index 0 is sea level. A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    eas
-        equivalent airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(eas)s
+    %(altitude)s
 
     Outputs
     -------
-    mach
-        Mach number
+    %(mach)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1}
@@ -98,6 +122,7 @@ class EAStoMach(AirDataBlock):
         return airspeed.eas_to_mach(eas, self._isa(altitude))
 
 
+@_fill
 class TAStoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude.
 
@@ -107,32 +132,19 @@ class TAStoEAS(AirDataBlock):
 
     Index 0 is sea level. A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    tas
-        true airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(tas)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    eas
-        equivalent airspeed, m/s
+    %(eas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -142,6 +154,7 @@ class TAStoEAS(AirDataBlock):
         return airspeed.tas_to_eas(tas, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class TAStoMach(AirDataBlock):
     """Mach number at a true airspeed (TAS) and an altitude.
 
@@ -151,32 +164,19 @@ class TAStoMach(AirDataBlock):
 
     A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    tas
-        true airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(tas)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    mach
-        Mach number
+    %(mach)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -186,6 +186,7 @@ class TAStoMach(AirDataBlock):
         return airspeed.tas_to_mach(tas, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class MachtoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a Mach number and an altitude.
 
@@ -195,30 +196,18 @@ class MachtoEAS(AirDataBlock):
 
     Index 0 is sea level. A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    mach
-        Mach number
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(mach)s
+    %(altitude)s
 
     Outputs
     -------
-    eas
-        equivalent airspeed, m/s
+    %(eas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1}
@@ -228,6 +217,7 @@ class MachtoEAS(AirDataBlock):
         return airspeed.mach_to_eas(mach, self._isa(altitude))
 
 
+@_fill
 class MachtoTAS(AirDataBlock):
     """True airspeed (TAS) at a Mach number and an altitude.
 
@@ -237,32 +227,19 @@ class MachtoTAS(AirDataBlock):
 
     A negative speed stays negative.
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    mach
-        Mach number
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(mach)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    tas
-        true airspeed, m/s
+    %(tas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1, "temp_deviation": 2}
@@ -272,6 +249,7 @@ class MachtoTAS(AirDataBlock):
         return airspeed.mach_to_tas(mach, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class CAStoEAS(AirDataBlock, flight.CAStoEAS):
     r"""Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude.
 
@@ -279,33 +257,20 @@ class CAStoEAS(AirDataBlock, flight.CAStoEAS):
 
         p f(M) = p_0 f(CAS / a_0), \qquad EAS = M a_0 \sqrt{p / p_0}
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    cas
-        calibrated airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(cas)s
+    %(altitude)s
 
     Outputs
     -------
-    eas
-        equivalent airspeed, m/s
+    %(eas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1}
@@ -315,6 +280,7 @@ class CAStoEAS(AirDataBlock, flight.CAStoEAS):
         return airspeed.cas_to_eas(cas, self._isa(altitude))
 
 
+@_fill
 class CAStoTAS(AirDataBlock, flight.CAStoTAS):
     r"""True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude.
 
@@ -322,35 +288,21 @@ class CAStoTAS(AirDataBlock, flight.CAStoTAS):
 
         p f(M) = p_0 f(CAS / a_0), \qquad TAS = M a
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    cas
-        calibrated airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(cas)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    tas
-        true airspeed, m/s
+    %(tas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1, "temp_deviation": 2}
@@ -360,6 +312,7 @@ class CAStoTAS(AirDataBlock, flight.CAStoTAS):
         return airspeed.cas_to_tas(cas, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class CAStoMach(AirDataBlock, flight.CAStoMach):
     """Mach number at a calibrated airspeed (CAS) and an altitude.
 
@@ -367,33 +320,20 @@ class CAStoMach(AirDataBlock, flight.CAStoMach):
 
         p f(M) = p_0 f(CAS / a_0)
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    cas
-        calibrated airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(cas)s
+    %(altitude)s
 
     Outputs
     -------
-    mach
-        Mach number
+    %(mach)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1}
@@ -403,6 +343,7 @@ class CAStoMach(AirDataBlock, flight.CAStoMach):
         return airspeed.cas_to_mach(cas, self._isa(altitude))
 
 
+@_fill
 class EAStoCAS(AirDataBlock):
     r"""Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude.
 
@@ -410,33 +351,20 @@ class EAStoCAS(AirDataBlock):
 
         M = \frac{EAS}{a_0} \sqrt{p_0 / p}, \qquad p_0 f(CAS / a_0) = p f(M)
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    eas
-        equivalent airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(eas)s
+    %(altitude)s
 
     Outputs
     -------
-    cas
-        calibrated airspeed, m/s
+    %(cas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1}
@@ -446,6 +374,7 @@ class EAStoCAS(AirDataBlock):
         return airspeed.eas_to_cas(eas, self._isa(altitude))
 
 
+@_fill
 class TAStoCAS(AirDataBlock, flight.TAStoCAS):
     r"""Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude.
 
@@ -453,35 +382,21 @@ class TAStoCAS(AirDataBlock, flight.TAStoCAS):
 
         M = TAS / a, \qquad p_0 f(CAS / a_0) = p f(M)
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    tas
-        true airspeed, m/s
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    temp_deviation
-        from the standard temperature, K
+    %(tas)s
+    %(altitude)s
+    %(temp_deviation)s
 
     Outputs
     -------
-    cas
-        calibrated airspeed, m/s
+    %(cas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -491,6 +406,7 @@ class TAStoCAS(AirDataBlock, flight.TAStoCAS):
         return airspeed.tas_to_cas(tas, self._isa(altitude, temp_deviation))
 
 
+@_fill
 class MachtoCAS(AirDataBlock, flight.MachtoCAS):
     """Calibrated airspeed (CAS) at a Mach number and an altitude.
 
@@ -498,33 +414,20 @@ class MachtoCAS(AirDataBlock, flight.MachtoCAS):
 
         p_0 f(CAS / a_0) = p f(M)
 
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
+    %(pitot)s
 
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+    %(parameters)s
 
     Inputs
     ------
-    mach
-        Mach number
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
+    %(mach)s
+    %(altitude)s
 
     Outputs
     -------
-    cas
-        calibrated airspeed, m/s
+    %(cas)s
 
-    Raises
-    ------
-    FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1}

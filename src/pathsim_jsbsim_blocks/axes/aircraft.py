@@ -28,12 +28,44 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import arrays
+from .._core.docs import filler
 from ..errors import ParameterError
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
 
 INCHES_PER_FOOT = 12.0
+
+_fill = filler(
+    raises_reference="""
+    Raises
+    ------
+    ParameterError
+        for a value that is not real, shapes that do not broadcast, a reference without three parts
+    """,
+    raises="""
+    Raises
+    ------
+    ParameterError
+        for a value that is not real, shapes that do not broadcast
+    """,
+    flow_angles="""
+    alpha, beta : array_like
+        angle of attack and sideslip angle, deg
+    """,
+    beta="""
+    beta : array_like
+        sideslip angle, deg, positive with the air from the right
+    """,
+    alpha="""
+    alpha : array_like
+        angle of attack, deg
+    """,
+    euler_angles="""
+    phi, theta, psi : array_like
+        roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg
+    """,
+)
 
 
 def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
@@ -42,6 +74,7 @@ def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
     return a * c + b * s, b * c - a * s
 
 
+@_fill
 def structural_to_body(x: Values, y: Values, z: Values,
                        reference: Sequence[Values]) -> Components:
     """Body coordinates of a point given in structural coordinates.
@@ -61,15 +94,13 @@ def structural_to_body(x: Values, y: Values, z: Values,
     x, y, z : float or ndarray
         forward, right, down of the reference, ft
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a reference without three parts
+    %(raises_reference)s
     """
     x, y, z, x0, y0, z0 = arrays(x=x, y=y, z=z, **_reference(reference))
     return (x0 - x) / INCHES_PER_FOOT, (y - y0) / INCHES_PER_FOOT, (z0 - z) / INCHES_PER_FOOT
 
 
+@_fill
 def body_to_structural(x: Values, y: Values, z: Values,
                        reference: Sequence[Values]) -> Components:
     """Structural coordinates of a point given in body coordinates.
@@ -86,10 +117,7 @@ def body_to_structural(x: Values, y: Values, z: Values,
     x, y, z : float or ndarray
         station (aft), buttline (right) and waterline (up), in
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a reference without three parts
+    %(raises_reference)s
     """
     x, y, z, x0, y0, z0 = arrays(x=x, y=y, z=z, **_reference(reference))
     return x0 - INCHES_PER_FOOT * x, y0 + INCHES_PER_FOOT * y, z0 - INCHES_PER_FOOT * z
@@ -103,6 +131,7 @@ def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 
+@_fill
 def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:
     """Angle of attack, sideslip angle and airspeed of a velocity relative to the air.
 
@@ -121,16 +150,14 @@ def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:
     airspeed : float or ndarray
         in the unit of u, v, w
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     u, v, w = arrays(u=u, v=v, w=w)
     uw = np.hypot(u, w)
     return np.rad2deg(np.arctan2(w, u)), np.rad2deg(np.arctan2(v, uw)), np.hypot(uw, v)
 
 
+@_fill
 def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from body to stability axes, about the y axis.
 
@@ -140,24 +167,21 @@ def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     ----------
     x, y, z : array_like
         components along the body axes
-    alpha : array_like
-        angle of attack, deg
+    %(alpha)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the stability axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
     x, z = turn(x, z, alpha)
     return x, y, z
 
 
+@_fill
 def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from stability to body axes: the inverse of `body_to_stability`.
 
@@ -165,24 +189,21 @@ def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     ----------
     x, y, z : array_like
         components along the stability axes
-    alpha : array_like
-        angle of attack, deg
+    %(alpha)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the body axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
     x, z = turn(x, z, -alpha)
     return x, y, z
 
 
+@_fill
 def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from stability to wind axes, about the z axis.
 
@@ -192,24 +213,21 @@ def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Componen
     ----------
     x, y, z : array_like
         components along the stability axes
-    beta : array_like
-        sideslip angle, deg, positive with the air from the right
+    %(beta)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the wind axes: forward, right, down
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
     x, y = turn(x, y, beta)
     return x, y, z
 
 
+@_fill
 def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from wind to stability axes: the inverse of `stability_to_wind`.
 
@@ -217,24 +235,21 @@ def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Componen
     ----------
     x, y, z : array_like
         components along the wind axes: forward, right, down
-    beta : array_like
-        sideslip angle, deg, positive with the air from the right
+    %(beta)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the stability axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
     x, y = turn(x, y, -beta)
     return x, y, z
 
 
+@_fill
 def body_to_wind(x: Values, y: Values, z: Values, alpha: Values,
                  beta: Values) -> Components:
     """Turn a vector from body to wind axes: through alpha, then through beta.
@@ -243,18 +258,14 @@ def body_to_wind(x: Values, y: Values, z: Values, alpha: Values,
     ----------
     x, y, z : array_like
         components along the body axes
-    alpha, beta : array_like
-        angle of attack and sideslip angle, deg
+    %(flow_angles)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the wind axes: forward, right, down
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
     x, z = turn(x, z, alpha)
@@ -262,6 +273,7 @@ def body_to_wind(x: Values, y: Values, z: Values, alpha: Values,
     return x, y, z
 
 
+@_fill
 def wind_to_body(x: Values, y: Values, z: Values, alpha: Values,
                  beta: Values) -> Components:
     """Turn a vector from wind to body axes: the inverse of `body_to_wind`.
@@ -270,18 +282,14 @@ def wind_to_body(x: Values, y: Values, z: Values, alpha: Values,
     ----------
     x, y, z : array_like
         components along the wind axes: forward, right, down
-    alpha, beta : array_like
-        angle of attack and sideslip angle, deg
+    %(flow_angles)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the body axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
     x, y = turn(x, y, -beta)
@@ -289,6 +297,7 @@ def wind_to_body(x: Values, y: Values, z: Values, alpha: Values,
     return x, y, z
 
 
+@_fill
 def body_to_drag_side_lift(x: Values, y: Values, z: Values, alpha: Values = 0.0,
                            beta: Values = 0.0) -> Components:
     """Drag, side force and lift of an aerodynamic force given in body axes.
@@ -308,15 +317,13 @@ def body_to_drag_side_lift(x: Values, y: Values, z: Values, alpha: Values = 0.0,
     drag, side, lift : float or ndarray
         drag positive aft, side force positive to the right, lift positive up
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z = body_to_wind(x, y, z, alpha, beta)
     return -x, y, -z
 
 
+@_fill
 def drag_side_lift_to_body(drag: Values, side: Values, lift: Values,
                            alpha: Values = 0.0, beta: Values = 0.0) -> Components:
     """Body-axis components of drag, side force and lift.
@@ -325,18 +332,14 @@ def drag_side_lift_to_body(drag: Values, side: Values, lift: Values,
     ----------
     drag, side, lift : array_like
         drag positive aft, side force positive to the right, lift positive up
-    alpha, beta : array_like
-        angle of attack and sideslip angle, deg
+    %(flow_angles)s
 
     Returns
     -------
     x, y, z : float or ndarray
         force along the body axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     drag, side, lift, alpha, beta = arrays(drag=drag, side=side, lift=lift, alpha=alpha, beta=beta)
     x, y = turn(-drag, side, -beta)
@@ -344,6 +347,7 @@ def drag_side_lift_to_body(drag: Values, side: Values, lift: Values,
     return x, y, z
 
 
+@_fill
 def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
                 theta: Values, psi: Values) -> Components:
     """Turn a vector from local NED to body axes by the 3-2-1 Euler angles.
@@ -354,18 +358,14 @@ def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
     ----------
     north, east, down : array_like
         components along the local NED axes
-    phi, theta, psi : array_like
-        roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg
+    %(euler_angles)s
 
     Returns
     -------
     x, y, z : float or ndarray
         components along the body axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, phi, theta, psi = arrays(north=north, east=east, down=down, phi=phi, theta=theta,
                                       psi=psi)
@@ -375,6 +375,7 @@ def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
     return x, y, z
 
 
+@_fill
 def body_to_ned(x: Values, y: Values, z: Values, phi: Values, theta: Values,
                 psi: Values) -> Components:
     """Turn a vector from body to local NED axes: the inverse of `ned_to_body`.
@@ -383,18 +384,14 @@ def body_to_ned(x: Values, y: Values, z: Values, phi: Values, theta: Values,
     ----------
     x, y, z : array_like
         components along the body axes
-    phi, theta, psi : array_like
-        roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg
+    %(euler_angles)s
 
     Returns
     -------
     north, east, down : float or ndarray
         components along the local NED axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, phi, theta, psi = arrays(x=x, y=y, z=z, phi=phi, theta=theta, psi=psi)
     y, z = turn(y, z, -phi)

@@ -7,11 +7,29 @@ from typing import Any
 from pathsim.blocks import Function
 
 from .._core.checks import number
+from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 
+_fill = filler(
+    flow_angles="""
+    alpha, beta : float
+        angle of attack and sideslip angle (positive with the air from the right), deg
+    """,
+    euler_angles="""
+    phi, theta, psi : float
+        roll (right wing down), pitch (nose up) and true heading, deg
+    """,
+    references="""
+    References
+    ----------
+    JSBSim Reference Manual, Concepts, Frames of Reference.
+    """,
+)
 
+
+@_fill
 class WindToBody(NamedPorts, Function):
     """Drag, side force and lift to forces along the body axes.
 
@@ -29,17 +47,14 @@ class WindToBody(NamedPorts, Function):
     ------
     drag, side, lift : float
         drag positive aft, side force positive to the right, lift positive up, lbf (any unit)
-    alpha, beta : float
-        angle of attack and sideslip angle (positive with the air from the right), deg
+    %(flow_angles)s
 
     Outputs
     -------
     x, y, z : float
         force forward, right, down, lbf (the unit of the inputs)
 
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
+    %(references)s
     """
 
     input_port_labels = {"drag": 0, "side": 1, "lift": 2, "alpha": 3, "beta": 4}
@@ -49,6 +64,7 @@ class WindToBody(NamedPorts, Function):
         super().__init__(func=drag_side_lift_to_body)
 
 
+@_fill
 class BodyToWind(NamedPorts, Function):
     """Forces along the body axes to drag, side force and lift.
 
@@ -66,8 +82,7 @@ class BodyToWind(NamedPorts, Function):
     ------
     x, y, z : float
         force forward, right, down, lbf (any unit)
-    alpha, beta : float
-        angle of attack and sideslip angle (positive with the air from the right), deg
+    %(flow_angles)s
 
     Outputs
     -------
@@ -75,9 +90,7 @@ class BodyToWind(NamedPorts, Function):
         drag positive aft, side force positive to the right, lift positive up, lbf (the unit of
         the inputs)
 
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
+    %(references)s
     """
 
     input_port_labels = {"x": 0, "y": 1, "z": 2, "alpha": 3, "beta": 4}
@@ -87,6 +100,7 @@ class BodyToWind(NamedPorts, Function):
         super().__init__(func=body_to_drag_side_lift)
 
 
+@_fill
 class NEDToBody(NamedPorts, Function):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
@@ -97,17 +111,14 @@ class NEDToBody(NamedPorts, Function):
     ------
     north, east, down : float
         components along the local NED axes, any unit
-    phi, theta, psi : float
-        roll (right wing down), pitch (nose up) and true heading, deg
+    %(euler_angles)s
 
     Outputs
     -------
     x, y, z : float
         components forward, right, down, in the unit of the inputs
 
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
+    %(references)s
     """
 
     input_port_labels = {"north": 0, "east": 1, "down": 2, "phi": 3, "theta": 4, "psi": 5}
@@ -117,6 +128,7 @@ class NEDToBody(NamedPorts, Function):
         super().__init__(func=ned_to_body)
 
 
+@_fill
 class BodyToNED(NamedPorts, Function):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
@@ -126,17 +138,14 @@ class BodyToNED(NamedPorts, Function):
     ------
     x, y, z : float
         components forward, right, down, any unit
-    phi, theta, psi : float
-        roll (right wing down), pitch (nose up) and true heading, deg
+    %(euler_angles)s
 
     Outputs
     -------
     north, east, down : float
         components along the local NED axes, in the unit of the inputs
 
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
+    %(references)s
     """
 
     input_port_labels = {"x": 0, "y": 1, "z": 2, "phi": 3, "theta": 4, "psi": 5}
@@ -146,6 +155,7 @@ class BodyToNED(NamedPorts, Function):
         super().__init__(func=body_to_ned)
 
 
+@_fill
 class GeodeticToNED(NamedPorts, Function):
     """Position north, east and down of a reference point, such as a runway threshold.
 
@@ -177,9 +187,7 @@ class GeodeticToNED(NamedPorts, Function):
     ParameterError
         for a reference that is not finite, or a latitude beyond 90 deg
 
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
+    %(references)s
     """
 
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}

@@ -28,11 +28,31 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import arrays
+from .._core.docs import filler
 from ..errors import ParameterError
 from .aircraft import Components, Values, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3
 SEMI_MINOR_AXIS = 20855486.5951  # ft, JSBSim 1.3.3
+
+_fill = filler(
+    raises_latitude="""
+    Raises
+    ------
+    ParameterError
+        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    """,
+    raises="""
+    Raises
+    ------
+    ParameterError
+        for a value that is not real, shapes that do not broadcast
+    """,
+    reference="""
+    lat0, lon0, h0 : array_like
+        geodetic latitude and longitude (deg) and height (ft) of the reference
+    """,
+)
 
 
 @cache
@@ -49,6 +69,7 @@ def _check_latitude(parameter: str, lat: Any) -> None:
                              parameter=parameter, value=lat)
 
 
+@_fill
 def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
     """Earth-centred, Earth-fixed coordinates of a geodetic position.
 
@@ -67,10 +88,7 @@ def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
     x, y, z : float or ndarray
         ECEF coordinates, ft
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     from pymap3d import geodetic2ecef
 
@@ -119,6 +137,7 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     return ecef2geodetic(x, y, z, _ellipsoid())
 
 
+@_fill
 def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
                 h0: Values = 0.0) -> Components:
     """Position of a point in Earth-centred coordinates, north, east and down of a reference.
@@ -127,8 +146,7 @@ def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
     ----------
     x, y, z : array_like
         ECEF coordinates of the point, ft
-    lat0, lon0, h0 : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the reference
+    %(reference)s
 
     Returns
     -------
@@ -136,10 +154,7 @@ def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
         in the tangent axes of the reference, ft; the ground falls away from their plane by 1 ft
         at a distance of 6500 ft, and with the distance's square
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     from pymap3d import ecef2ned
 
@@ -148,6 +163,7 @@ def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
     return ecef2ned(x, y, z, lat0, lon0, h0, _ellipsoid())
 
 
+@_fill
 def ned_to_ecef(north: Values, east: Values, down: Values, lat0: Values,
                 lon0: Values, h0: Values = 0.0) -> Components:
     """Earth-centred coordinates of a point north, east and down of a reference.
@@ -156,18 +172,14 @@ def ned_to_ecef(north: Values, east: Values, down: Values, lat0: Values,
     ----------
     north, east, down : array_like
         position in the tangent axes of the reference, ft
-    lat0, lon0, h0 : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the reference
+    %(reference)s
 
     Returns
     -------
     x, y, z : float or ndarray
         ECEF coordinates, ft
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     from pymap3d import ned2ecef
 
@@ -177,6 +189,7 @@ def ned_to_ecef(north: Values, east: Values, down: Values, lat0: Values,
     return ned2ecef(north, east, down, lat0, lon0, h0, _ellipsoid())
 
 
+@_fill
 def geodetic_to_ned(lat: Values, lon: Values, h: Values, lat0: Values,
                     lon0: Values, h0: Values = 0.0) -> Components:
     """Position of a geodetic position, north, east and down of a reference.
@@ -185,22 +198,19 @@ def geodetic_to_ned(lat: Values, lon: Values, h: Values, lat0: Values,
     ----------
     lat, lon, h : array_like
         geodetic latitude and longitude (deg) and height (ft) of the point
-    lat0, lon0, h0 : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the reference
+    %(reference)s
 
     Returns
     -------
     north, east, down : float or ndarray
         in the tangent axes of the reference, ft
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     return ecef_to_ned(*geodetic_to_ecef(lat, lon, h), lat0, lon0, h0)
 
 
+@_fill
 def ned_to_geodetic(north: Values, east: Values, down: Values, lat0: Values,
                     lon0: Values, h0: Values = 0.0) -> Components:
     """Geodetic position of a point north, east and down of a reference.
@@ -209,22 +219,19 @@ def ned_to_geodetic(north: Values, east: Values, down: Values, lat0: Values,
     ----------
     north, east, down : array_like
         position in the tangent axes of the reference, ft
-    lat0, lon0, h0 : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the reference
+    %(reference)s
 
     Returns
     -------
     lat, lon, h : float or ndarray
         geodetic latitude and longitude (deg) and height (ft)
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     return ecef_to_geodetic(*ned_to_ecef(north, east, down, lat0, lon0, h0))
 
 
+@_fill
 def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
                        lon: Values) -> Components:
     """Turn a vector, a velocity for example, from Earth-centred to local NED axes.
@@ -241,10 +248,7 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
     north, east, down : float or ndarray
         components along the NED axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     x, y, z, lat, lon = arrays(x=x, y=y, z=z, lat=lat, lon=lon)
     _check_latitude("lat", lat)
@@ -253,6 +257,7 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
     return north, east, -up
 
 
+@_fill
 def ned_vector_to_ecef(north: Values, east: Values, down: Values, lat: Values,
                        lon: Values) -> Components:
     """Turn a vector from local NED to Earth-centred axes: inverse of `ecef_vector_to_ned`.
@@ -269,10 +274,7 @@ def ned_vector_to_ecef(north: Values, east: Values, down: Values, lat: Values,
     x, y, z : float or ndarray
         components along the ECEF axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
+    %(raises_latitude)s
     """
     north, east, down, lat, lon = arrays(north=north, east=east, down=down, lat=lat, lon=lon)
     _check_latitude("lat", lat)
@@ -281,6 +283,7 @@ def ned_vector_to_ecef(north: Values, east: Values, down: Values, lat: Values,
     return x, y, z
 
 
+@_fill
 def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
     """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis.
 
@@ -297,16 +300,14 @@ def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Compone
     x, y, z : float or ndarray
         components along the ECEF axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
     x, y = turn(x, y, earth_angle)
     return x, y, z
 
 
+@_fill
 def ecef_to_eci(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
     """Turn a vector from Earth-fixed to Earth-centred inertial axes: inverse of `eci_to_ecef`.
 
@@ -322,10 +323,7 @@ def ecef_to_eci(x: Values, y: Values, z: Values, earth_angle: Values) -> Compone
     x, y, z : float or ndarray
         components along the ECI axes
 
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
+    %(raises)s
     """
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
     x, y = turn(x, y, -earth_angle)

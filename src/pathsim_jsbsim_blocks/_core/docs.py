@@ -1,0 +1,30 @@
+"""Text that stands in many docstrings: written once, filled in when the module is imported."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from inspect import cleandoc
+from textwrap import indent
+from typing import Any, TypeVar
+
+Documented = TypeVar("Documented", bound=Callable[..., Any])
+
+_PLACE = re.compile(r"^( *)%\((\w+)\)s$", re.MULTILINE)
+
+
+def filler(**texts: str) -> Callable[[Documented], Documented]:
+    """A decorator that puts ``texts`` in the place of the lines ``%(name)s`` of a docstring.
+
+    A text takes the indentation of its place. A place whose name is not among the texts is a
+    KeyError at import.
+    """
+    clean = {name: cleandoc(text) for name, text in texts.items()}
+
+    def fill(documented: Documented) -> Documented:
+        if documented.__doc__:  # absent under python -OO
+            documented.__doc__ = _PLACE.sub(lambda place: indent(clean[place[2]], place[1]),
+                                            documented.__doc__)
+        return documented
+
+    return fill
