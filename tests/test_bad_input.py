@@ -3,9 +3,12 @@
 import json
 import math
 import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
+import jsbsim
 import numpy as np
 import pytest
 from pathsim import Connection, Simulation
@@ -327,3 +330,27 @@ def test_a_plain_loop_does_go_on_after_the_impact():
     plain["propulsion/set-running"] = -1
     assert all(plain.run() for _ in range(1200))
     assert math.isnan(plain["velocities/p-rad_sec"])
+
+
+@pytest.mark.parametrize(("before", "after", "message"), [
+    ("</mass_balance>", "</mass_balanc>", "is not well-formed XML: mismatched tag"),
+    ("<?xml version=\"1.0\"?>", "<?xml version=\"1.0\" encoding=\"nonsense\"?>", "not well-formed"),
+    ('<location name="CG" unit="IN">', '<location name="CG" unit="MILES">', "unknown unit 'MILES'"),
+    ('<location name="CG" unit="IN">', '<location name="X" unit="IN">', "no empty-weight CG"),
+    (None, "", "not well-formed XML: no element found"),
+])
+def test_a_malformed_model_with_another_empty_cg(before, after, message, tmp_path):
+    model = tmp_path / "aircraft" / "c172p" / "c172p.xml"
+    bundled = Path(jsbsim.get_default_root_dir()) / "aircraft" / "c172p"
+    shutil.copytree(bundled, model.parent)
+    for folder in ("engine", "systems"):
+        shutil.copytree(bundled.parents[1] / folder, tmp_path / folder)
+    model.chmod(0o644)
+    text = model.read_text()
+    assert before is None or before in text
+    model.write_text(text.replace(before, after) if before else after)
+    with pytest.raises(AircraftError, match=re.escape(message)) as error:
+        Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0),
+                 JSBSim_path=str(tmp_path))
+    assert error.value.aircraft == "c172p"
+    assert "\n" not in str(error.value)

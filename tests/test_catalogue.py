@@ -2,6 +2,8 @@
 
 import ast
 import csv
+import os
+import signal
 import subprocess
 import sys
 
@@ -123,6 +125,155 @@ def test_run_says_that_there_is_nothing_to_save(tmp_path, capsys):
     assert "no figure was shown" in capsys.readouterr().err
     assert main(["run", str(script), "--csv", str(tmp_path / "a.csv")]) == 1
     assert "no simulation" in capsys.readouterr().err
+
+
+STOPPED = """
+from pathsim import Connection, Simulation
+from pathsim.blocks import Function, Scope, Source
+
+def stop(t):
+    if t >= 0.75:
+        {stop}
+    return t
+
+def main():
+    source, scope = Source(stop), Scope(labels=["time again [s]"])
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.25, log=False)
+    sim.run(2.0)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.mark.parametrize(("stop", "status", "text"), [
+    ("raise KeyboardInterrupt", 130, "interrupted"),
+    ("1 / 0", 1, "mine.py failed"),
+    ("from pathsim_jsbsim_blocks import ParameterError; "
+     "raise ParameterError('too late', parameter='t', value=t)", 1, "too late"),
+])
+def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp_path, capsys):
+    script, figure, signals = (tmp_path / name for name in ("mine.py", "a.png", "a.csv"))
+    script.write_text(STOPPED.format(stop=stop))
+    assert main(["run", str(script), "--save", str(figure), "--csv", str(signals)]) == status
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    header, *rows = csv.reader(signals.read_text().splitlines())
+    assert header == ["time [s]", "time again [s]"]
+    assert rows == [[str(t), str(t)] for t in (0.0, 0.25, 0.5)]
+    err = capsys.readouterr().err.splitlines()
+    assert err[-1].startswith("pathsim-jsbsim: ")
+    assert err[-1].endswith(f"{text}; what was recorded until t = 0.5 s is saved")
+    # the lines of a script that is at fault itself, and none of ours
+    assert len(err) == 1 or (err[0].startswith("Traceback") and "cli.py" not in "".join(err))
+
+
+def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
+    script, signals = tmp_path / "mine.py", tmp_path / "a.csv"
+    script.write_text(STOPPED.format(stop="import time; print(t, flush=True); time.sleep(60)"))
+    with subprocess.Popen([sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script),
+                           "--csv", str(signals)], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err == ("pathsim-jsbsim: interrupted; what was recorded until t = 0.5 s is saved\n")
+    assert len(signals.read_text().splitlines()) == 4
+
+
+def test_sys_exit_is_an_ordinary_end(tmp_path):
+    script, figure, signals = (tmp_path / name for name in ("mine.py", "a.png", "a.csv"))
+    script.write_text(SCRIPT + "sys.exit(3)\n")
+    (tmp_path / "helper.py").write_text("TEXT = ''\n")
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(script), "--save", str(figure), "--csv", str(signals)])
+    assert end.value.code == 3
+    assert figure.exists()
+    assert signals.exists()
+
+
+def test_a_stop_before_anything_was_recorded_saves_nothing(tmp_path, capsys):
+    script = tmp_path / "mine.py"
+    script.write_text("raise KeyboardInterrupt\n")
+    assert main(["run", str(script), "--csv", str(tmp_path / "a.csv"),
+                 "--save", str(tmp_path / "a.png")]) == 130
+    assert capsys.readouterr().err == "pathsim-jsbsim: interrupted\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.py"]
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    (b"x = 1\ndef f(:\n", "mine.py:2: invalid syntax"),
+    (b"if x:\ny\n", "mine.py:2: expected an indented block"),
+    (b"# coding: nonsense\n", "unknown encoding: nonsense"),
+    (b"x = '\xff'\n", "mine.py"),
+    (b"x = '\0'\n", "null bytes"),
+])
+def test_a_script_that_python_cannot_read_is_one_line(text, message, tmp_path, capsys):
+    script = tmp_path / "mine.py"
+    script.write_bytes(text)
+    assert main(["run", str(script)]) == 1
+    err = capsys.readouterr().err
+    assert message in err
+    assert err.startswith("pathsim-jsbsim: ")
+    assert len(err.splitlines()) == 1
+
+
+full_disk = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
+
+
+@full_disk
+@pytest.mark.parametrize("full", ["a.csv", "a.png"])
+def test_a_full_disk_is_named_and_the_other_file_is_written(full, tmp_path, capsys):
+    (tmp_path / full).symlink_to("/dev/full")
+    script = tmp_path / "mine.py"
+    script.write_text(SCRIPT)
+    (tmp_path / "helper.py").write_text("TEXT = ''\n")
+    figure, signals = tmp_path / "a.png", tmp_path / "a.csv"
+    assert main(["run", str(script), "--save", str(figure), "--csv", str(signals)]) == 1
+    assert capsys.readouterr().err == (f"pathsim-jsbsim: cannot write {str(tmp_path / full)!r}: "
+                                       "No space left on device\n")
+    other, = {"a.csv", "a.png"} - {full}
+    assert (tmp_path / other).stat().st_size > 50
+
+
+@full_disk
+def test_output_that_does_not_fit_on_the_disk():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "list"],
+                              stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1
+    assert done.stderr == "pathsim-jsbsim: the output: No space left on device\n"
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, capsys, monkeypatch):
+    # root may write everywhere, so the refusal is the one of a file system that is read-only
+    def refuse(self, *args, **options):
+        raise OSError(30, "Read-only file system")
+
+    script = tmp_path / "mine.py"
+    script.write_text("print('flown')\n")
+    for option, name in (("--csv", "a.csv"), ("--save", "a.png")):
+        with monkeypatch.context() as patch:
+            patch.setattr("pathlib.Path.open", refuse)
+            assert main(["run", str(script), option, str(tmp_path / name)]) == 1
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert err == (f"pathsim-jsbsim: cannot write {str(tmp_path / name)!r}: "
+                       "Read-only file system\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a directory in use cannot be deleted")
+@pytest.mark.parametrize("arguments", [
+    ["run", "hello_jsbsim"], ["run", "hello_jsbsim", "--csv", "a.csv", "--save", "a.png"],
+    ["trim", "c172p"], ["aircraft"], ["export", "pitch_hold"]])
+def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert main(arguments) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("pathsim-jsbsim: the working directory does not exist any more")
+    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(("arguments", "text"), [

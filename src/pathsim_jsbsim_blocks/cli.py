@@ -7,8 +7,10 @@ import ast
 import contextlib
 import csv
 import dataclasses
+import os
 import runpy
 import sys
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,23 +18,44 @@ from typing import Any
 from . import __version__
 from ._core.checks import one_of, writable
 from .catalogue import diagram_folder, diagram_names, find_diagram
-from .errors import BlocksError, ParameterError
+from .errors import BlocksError, FileError, ParameterError
+
+_GONE = "the working directory does not exist any more: change to another one"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status (0 done, 1 failed with a message, 2 usage)."""
     args = _parser().parse_args(argv)
     try:
-        return args.command(args) or 0
-    except BlocksError as error:
-        print(f"pathsim-jsbsim: {error}", file=sys.stderr)
-        return 1
+        status = args.command(args) or 0
+        sys.stdout.flush()
+        return status
     except BrokenPipeError:
         # the reader of a pipe (head) has seen enough
         sys.stderr.close()
         return 1
+    except (BlocksError, OSError) as error:
+        # what could not be written would be tried again at the end of the process
+        with contextlib.suppress(OSError):
+            sys.stdout.flush()
+        message = str(error)
+        if _directory_is_gone():
+            message = _GONE
+        elif not isinstance(error, BlocksError) and error.strerror:
+            message = f"{error.filename or 'the output'}: {error.strerror}"
+        print(f"pathsim-jsbsim: {message}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
+        print("pathsim-jsbsim: interrupted", file=sys.stderr)
         return 130
+
+
+def _directory_is_gone() -> bool:
+    try:
+        os.getcwd()
+    except OSError:
+        return True
+    return False
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -122,16 +145,83 @@ def _list(args: argparse.Namespace) -> None:
         print(f"{name:<{width}}  {summary}")
 
 
-def _run(args: argparse.Namespace) -> None:
-    script = find_diagram(args.name).resolve()
-    if args.csv is not None:
-        writable("csv", args.csv)
-    with _saving(args.save), _as_main(script):
-        namespace = runpy.run_path(str(script), run_name="__main__")
-        if args.save is not None:
+def _run(args: argparse.Namespace) -> int:
+    # a script may change the directory
+    script, csv_file = find_diagram(args.name).absolute(), args.csv
+    if csv_file is not None:
+        csv_file = writable("csv", csv_file).absolute()
+    status = 0
+    try:
+        with _saving(args.save), _as_main(script):
+            try:
+                objects = runpy.run_path(str(script), run_name="__main__").values()
+            except SystemExit as error:  # an ordinary end
+                _save(args.save, csv_file, _recording_scopes(_left_by(error)))
+                raise
+            except BaseException as error:
+                status = _stopped(error, script, args.save, csv_file)
+                raise
+            _save(args.save, csv_file, _recording_scopes(objects))
+    except BaseException:
+        if not status:
+            raise
+    return status
+
+
+def _save(figure: Path | None, csv_file: Path | None, scopes: Sequence[Any],
+          until: str = "") -> None:
+    """Write the figures that are open and the signals; one that fails does not keep the other.
+
+    ``until`` is the title of a figure of all that was recorded, where a script drew no figure.
+    """
+    with contextlib.ExitStack() as last:
+        if csv_file is not None:
+            last.callback(_write_csv, scopes, csv_file)
+        if figure is not None:
             _save_open_figures()
-    if args.csv is not None:
-        _write_csv(namespace.values(), args.csv)
+            if until:
+                from .plots import show, time_histories
+
+                show(time_histories(*scopes, title=until), "")
+
+
+def _stopped(error: BaseException, script: Path, figure: Path | None,
+             csv_file: Path | None) -> int:
+    """Save what a script recorded before it stopped, and say why it did."""
+    scopes = _recording_scopes(_left_by(error))
+    saved = ""
+    if scopes and (figure is not None or csv_file is not None):
+        until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
+        try:
+            _save(figure, csv_file, scopes, until)
+            saved = f"; what was recorded {until} is saved"
+        except BlocksError as failure:
+            saved = f"; of what was recorded {until} not all is saved: {failure}"
+    status, message = 1, str(error)
+    if isinstance(error, KeyboardInterrupt):
+        status, message = 130, "interrupted"
+    elif _directory_is_gone():
+        message = _GONE
+    elif isinstance(error, SyntaxError):
+        line = f":{error.lineno}" if error.lineno else ""
+        message = f"{error.filename or script}{line}: {error.msg}"
+    elif not isinstance(error, BlocksError):
+        message = f"{script}: {type(error).__name__}: {error}"
+        inside = error.__traceback__
+        while inside is not None and inside.tb_frame.f_code.co_filename != str(script):
+            inside = inside.tb_next
+        if inside is not None:
+            # the script's own fault: show its lines, as python does
+            traceback.print_exception(type(error), error, inside)
+            message = f"{script} failed"
+    print(f"pathsim-jsbsim: {message}{saved}", file=sys.stderr)
+    return status
+
+
+def _left_by(error: BaseException) -> list[Any]:
+    """What a script holds that an exception has left, in its functions too."""
+    return [x for frame, _ in traceback.walk_tb(error.__traceback__)
+            for x in list(frame.f_locals.values())]
 
 
 def _save_open_figures() -> None:
@@ -147,7 +237,7 @@ def _save_open_figures() -> None:
 def _saving(path: Path | None) -> contextlib.AbstractContextManager[None]:
     from .plots import saving_to
 
-    return contextlib.nullcontext() if path is None else saving_to(path)
+    return contextlib.nullcontext() if path is None else saving_to(path.absolute())
 
 
 @contextlib.contextmanager
@@ -162,7 +252,8 @@ def _as_main(script: Path) -> Iterator[None]:
         sys.argv, sys.path[:] = argv, path
 
 
-def _write_csv(objects: Iterable[Any], path: Path) -> None:
+def _recording_scopes(objects: Iterable[Any]) -> list[Any]:
+    """Scopes with a recording, of all simulations among ``objects``."""
     from pathsim import Simulation, Subsystem
     from pathsim.blocks import Scope
 
@@ -174,21 +265,29 @@ def _write_csv(objects: Iterable[Any], path: Path) -> None:
                 yield from scopes(block.blocks)
 
     simulations = {id(x): x for x in objects if isinstance(x, Simulation)}
-    columns: list[tuple[str, dict[float, float]]] = []
-    for simulation in simulations.values():
-        for scope in scopes(simulation.blocks):
-            time, data = scope.read()
-            for i, values in enumerate(data if data is not None else ()):
-                label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
-                columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=True))))
-    if not columns:
+    return [scope for simulation in simulations.values() for scope in scopes(simulation.blocks)
+            if scope.read()[0] is not None]
+
+
+def _write_csv(scopes: Sequence[Any], path: Path) -> None:
+    if not scopes:
         raise ParameterError("the script leaves no simulation that a Scope recorded",
                              parameter="csv", value=str(path))
+    columns: list[tuple[str, dict[float, float]]] = []
+    for scope in scopes:
+        time, data = scope.read()
+        for i, values in enumerate(data):
+            label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
+            # an interrupt may come between a sample's time and its values
+            columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=False))))
     times = sorted({t for _, column in columns for t in column})
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time [s]", *(label for label, _ in columns)])
-        writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["time [s]", *(label for label, _ in columns)])
+            writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)
+    except OSError as error:
+        raise FileError("write", path, error) from None
     print(f"signals saved: {path}")
 
 
@@ -276,7 +375,10 @@ def _study(args: argparse.Namespace) -> None:
         trimmed = int(table["trimmed"].sum())
         print(f"{args.name}: {trimmed} of {len(table)} points trim")
         if args.csv is not None:
-            table.to_csv(args.csv, index=False)
+            try:
+                table.to_csv(args.csv, index=False)
+            except OSError as error:
+                raise FileError("write", args.csv, error) from None
             print(f"table saved: {args.csv}")
         show(study.figure(table), args.name)
 

@@ -17,7 +17,7 @@ import matplotlib
 import numpy as np
 
 from ._core.checks import did_you_mean, nearest, one_of, writable
-from .errors import ParameterError
+from .errors import FileError, ParameterError
 
 _save_to: list[Iterator[Path]] = []
 
@@ -194,8 +194,12 @@ def show(figure, name: str) -> None:
         plt.show()
         return
     target = next(_save_to[-1]) if _save_to else Path(f"{name}.png")
-    figure.savefig(target, dpi=110)
-    plt.close(figure)
+    try:
+        figure.savefig(target, dpi=110)
+    except OSError as error:
+        raise FileError("write", target, error) from None
+    finally:
+        plt.close(figure)
     print(f"figure saved: {target}")
 
 
@@ -238,7 +242,9 @@ def _recording(scope) -> tuple[np.ndarray, np.ndarray]:
     if time is None:
         raise ParameterError("the scope holds no recording: run the simulation first",
                              parameter="scope", value=scope)
-    return time, data
+    # an interrupt may come between a sample's time and its values
+    n = min(len(time), data.shape[1])
+    return time[:n], data[:, :n]
 
 
 def _label(scope, i: int) -> tuple[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
 from collections.abc import Iterable, Mapping
 from numbers import Real
 from pathlib import Path
@@ -103,14 +104,23 @@ def as_path(parameter: str, value: Any) -> Path:
 
 
 def writable(parameter: str, value: Any) -> Path:
-    """``value`` as the path of a file that can be written: no directory, and in one."""
+    """``value`` as the path of a file that can be written, tried by opening it."""
     path = as_path(parameter, value)
     if path.is_dir():
         raise ParameterError(f"{parameter} must be a file, {str(path)!r} is a directory",
                              parameter=parameter, value=str(path))
-    if not path.resolve().parent.is_dir():
-        raise ParameterError(f"no directory {str(path.resolve().parent)!r} to write "
-                             f"{path.name!r} in", parameter=parameter, value=str(path))
+    if not path.parent.is_dir():
+        raise ParameterError(f"no directory {str(path.parent)!r} to write {path.name!r} in",
+                             parameter=parameter, value=str(path))
+    new = not os.path.lexists(path)
+    if new or path.is_file():  # a pipe would take it for the end of the data
+        try:
+            path.open("ab").close()
+            if new:
+                path.unlink()
+        except OSError as error:
+            raise ParameterError(f"cannot write {str(path)!r}: {error.strerror}",
+                                 parameter=parameter, value=str(path)) from None
     return path
 
 

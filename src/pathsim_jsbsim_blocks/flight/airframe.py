@@ -20,7 +20,7 @@ from typing import Any
 import jsbsim
 
 from .._core.checks import as_path, did_you_mean, flag, mapping, nearest, number, positive
-from ..errors import AircraftError, ParameterError, PropertyError
+from ..errors import AircraftError, FileError, ParameterError, PropertyError
 from .console import SEALED_PATH, capture_console, messages
 
 
@@ -45,19 +45,47 @@ def aircraft_names(root: str | None = None) -> list[str]:
 
 def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, float, float]:
     """Empty-weight centre of gravity of a model, structural axes (x aft, y right, z up), inches."""
-    location = _cg_location(ET.parse(_model_file(aircraft, root)).getroot(), aircraft)
-    factor = _INCHES[location.get("unit", "IN").upper()]
-    x, y, z = (float(str(location.findtext(axis))) * factor for axis in "xyz")
+    location = _cg_location(_parsed(_model_file(aircraft, root), aircraft), aircraft)
+    factor = _inches(location, aircraft)
+    try:
+        x, y, z = (float(str(location.findtext(axis))) * factor for axis in "xyz")
+    except ValueError:
+        raise AircraftError(f"the empty-weight CG of aircraft {aircraft!r} is not three numbers",
+                            aircraft=aircraft) from None
     return x, y, z
 
 
 def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
     """Whether a model says of any of its wheels that it retracts."""
-    wheels = ET.parse(_model_file(aircraft, root)).iterfind("ground_reactions/contact/retractable")
-    return any(float(wheel.text or 0) for wheel in wheels)
+    model = _parsed(_model_file(aircraft, root), aircraft)
+    try:
+        return any(float(wheel.text or 0)
+                   for wheel in model.iterfind("ground_reactions/contact/retractable"))
+    except ValueError:
+        raise AircraftError(f"aircraft {aircraft!r} marks a wheel as neither retractable (1) nor "
+                            "fixed (0)", aircraft=aircraft) from None
 
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
+
+
+def _parsed(file: Path, aircraft: str) -> ET.Element:
+    try:
+        return ET.parse(file).getroot()
+    except (ET.ParseError, ValueError, LookupError) as error:  # an encoding that Python lacks
+        raise AircraftError(f"the file of aircraft {aircraft!r} is not well-formed XML: {error} "
+                            f"({file})", aircraft=aircraft) from None
+    except OSError as error:
+        raise AircraftError(f"the file of aircraft {aircraft!r} cannot be read: {error.strerror} "
+                            f"({file})", aircraft=aircraft) from None
+
+
+def _inches(location: ET.Element, aircraft: str) -> float:
+    unit = location.get("unit", "IN").upper()
+    if unit not in _INCHES:
+        raise AircraftError(f"aircraft {aircraft!r} gives its empty-weight CG in the unknown unit "
+                            f"{unit!r}", aircraft=aircraft)
+    return _INCHES[unit]
 
 
 def _cg_location(model: ET.Element, aircraft: str) -> ET.Element:
@@ -376,13 +404,18 @@ def _stage_with_cg(model_file: Path, aircraft: str, x: float) -> str:
     try:
         copy = Path(stage) / aircraft
         shutil.copytree(model_file.parent, copy)
-        tree = ET.parse(copy / model_file.name)
-        location = _cg_location(tree.getroot(), aircraft)
+        model = _parsed(model_file, aircraft)
+        location = _cg_location(model, aircraft)
         node = location.find("x")
-        assert node is not None
-        node.text = repr(x / _INCHES[location.get("unit", "IN").upper()])
+        if node is None:
+            raise AircraftError(f"the empty-weight CG of aircraft {aircraft!r} has no x",
+                                aircraft=aircraft)
+        node.text = repr(x / _inches(location, aircraft))
         (copy / model_file.name).chmod(0o644)
-        tree.write(copy / model_file.name, encoding="utf-8", xml_declaration=True)
+        ET.ElementTree(model).write(copy / model_file.name, encoding="utf-8", xml_declaration=True)
+    except (OSError, shutil.Error) as error:
+        shutil.rmtree(stage, ignore_errors=True)
+        raise FileError("copy", model_file.parent, error) from None
     except BaseException:
         shutil.rmtree(stage, ignore_errors=True)
         raise
