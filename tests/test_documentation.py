@@ -70,7 +70,7 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
     # serving has tests of its own, in a browser
     load = importlib.import_module("pathsim_jsbsim_blocks.pathview.view")._load
     monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.view",
-                        lambda target, port, browser: shown.append(load(target)))
+                        lambda target, port, browser, **trust: shown.append(load(target, **trust)))
     monkeypatch.syspath_prepend(tmp_path / "site")
     for number, words in enumerate(map(shlex.split, session), 1):
         _, command, target, *options = words

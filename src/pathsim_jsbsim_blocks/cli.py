@@ -18,18 +18,24 @@ from typing import Any
 from . import __version__
 from ._core.checks import one_of, writable
 from .catalogue import diagram_folder, diagram_names, find_diagram
-from .errors import BlocksError, FileError, ParameterError
+from .errors import BlocksError, FileError, ParameterError, UntrustedModelError
 
 _GONE = "the working directory does not exist any more: change to another one"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status (0 done, 1 failed with a message, 2 usage)."""
+    """Run the command; returns its exit status.
+
+    0 done, 1 failed with a message, 2 wrong usage or a model that is not trusted.
+    """
     args = _parser().parse_args(argv)
     try:
         status = args.command(args) or 0
         sys.stdout.flush()
         return status
+    except UntrustedModelError as error:
+        print(f"pathsim-jsbsim: {error}, then say --trust", file=sys.stderr)
+        return 2
     except BrokenPipeError:
         # the reader of a pipe (head) has seen enough
         sys.stderr.close()
@@ -69,6 +75,11 @@ def _parser() -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         sub.set_defaults(command=function)
         return sub
+
+    def trust_toolbox(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--trust-toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
+                         help="import this toolbox if the model asks for it, though it is not one "
+                              "of PathSim's (repeatable)")
 
     command("list", _list, "the diagrams of the catalogue")
 
@@ -121,6 +132,10 @@ def _parser() -> argparse.ArgumentParser:
                                                "is an empty diagram")
     sub.add_argument("--port", type=int, help="default is 8360, or a free one")
     sub.add_argument("--no-browser", action="store_true", help="only serve")
+    sub.add_argument("--trust", action="store_true",
+                     help="open a model from outside without asking, now and later; its code runs "
+                          "as you when the model runs")
+    trust_toolbox(sub)
 
     sub = command("export", _export, "write a diagram script as a PathView model")
     sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
@@ -133,6 +148,7 @@ def _parser() -> argparse.ArgumentParser:
                      help="default is NAME.py beside the model, if that does not exist yet")
     sub.add_argument("--toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
                      help="a toolbox that the model does not name itself (repeatable)")
+    trust_toolbox(sub)
     return parser
 
 
@@ -385,23 +401,50 @@ def _study(args: argparse.Namespace) -> None:
 
 def _view(args: argparse.Namespace) -> None:
     from .pathview import view
+    from .pathview.trusted_models import remember
 
-    view(args.target, args.port, browser=not args.no_browser)
+    def opened(trust: bool) -> None:
+        view(args.target, args.port, browser=not args.no_browser, trust=trust,
+             trust_toolboxes=args.trust_toolbox)
+
+    try:
+        opened(args.trust)
+    except UntrustedModelError as error:
+        if not _says_yes(error):
+            raise
+        remember(error.digest)
+        opened(False)  # the file may be another one by now
+
+
+def _says_yes(error: UntrustedModelError) -> bool:
+    """Whether the user, at a terminal, trusts a model."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return False
+    print(f"{error.path!a} is {error.reason}:\n"
+          f"  pathsim-jsbsim convert FILE.pvm -o FILE.py     (writes its code, runs none of it)\n"
+          "Open it, now and later? [y/N] ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
 def _export(args: argparse.Namespace) -> None:
     from .pathview import export_script
+    from .pathview.pvm import read
+    from .pathview.trusted_models import digest, remember
 
     script = find_diagram(args.script)
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
-    print(f"model saved: {export_script(script, output)}")
+    model = export_script(script, output)
+    # the script, which has just run here, wrote all the code that is in it
+    remember(digest(read(model)))
+    print(f"model saved: {model}")
 
 
 def _convert(args: argparse.Namespace) -> None:
     from .pathview import convert_model
 
-    print(f"script saved: {convert_model(args.model, args.output, args.toolbox)}")
+    script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
+    print(f"script saved: {script}")
 
 
 if __name__ == "__main__":

@@ -164,6 +164,21 @@ class FileError(BlocksError, OSError):
         self.reason = reason
 
 
+class UntrustedModelError(DiagramError):
+    """A model from outside would run, and the user has not said yet that it may.
+
+    Attributes
+    ----------
+    digest : str
+        of the model's content, by which it is remembered once it is trusted
+    """
+
+    def __init__(self, *, path: Any, digest: str):
+        super().__init__("from outside: its parameters and code are Python that runs as you when "
+                         "the model runs; read its code first", path=path)
+        self.digest = digest
+
+
 class MissingExtraError(BlocksError, ImportError):
     """An optional package is not installed.
 

@@ -1,6 +1,8 @@
 """Models to scripts: nothing that the model says is dropped, and bad files say what is bad."""
 
+import ast
 import copy
+import itertools
 import json
 import os
 import re
@@ -11,6 +13,8 @@ import pytest
 
 from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError, ParameterError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script, view
+from pathsim_jsbsim_blocks.pathview.pvm import plain
+from pathsim_jsbsim_blocks.pathview.toolboxes import _distributions
 
 pytest.importorskip("pathview")
 
@@ -42,10 +46,10 @@ MODEL = {
 @pytest.fixture
 def convert(tmp_path):
     """Convert a model given as data or text; returns the script."""
-    def convert(model, toolboxes=()):
+    def convert(model, toolboxes=(), trust=()):
         path = tmp_path / "model.pvm"
         path.write_text(model if isinstance(model, str) else json.dumps(model), encoding="utf-8")
-        out = convert_model(path, tmp_path / "out.py", toolboxes)
+        out = convert_model(path, tmp_path / "out.py", toolboxes, trust)
         return out.read_text(encoding="utf-8")
 
     return convert
@@ -102,6 +106,10 @@ def test_of_one_class_name_the_models_own_toolbox_counts(convert, required, modu
 @pytest.fixture
 def toolbox(tmp_path, monkeypatch):
     """An installed package with a block, and the PathSim block that it is made of."""
+    metadata = tmp_path / "site" / "my_toolbox-1.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: my-toolbox\nVersion: 1.0\n")
+    (metadata / "top_level.txt").write_text("my_toolbox\n")
     folder = tmp_path / "site" / "my_toolbox"
     folder.mkdir(parents=True)
     (folder / "__init__.py").write_text("from .parts import Twice, Amplifier\n")
@@ -110,7 +118,9 @@ def toolbox(tmp_path, monkeypatch):
         "class Twice(Amplifier):\n    def __init__(self, offset=0.0):\n"
         "        super().__init__(2.0)\n")
     monkeypatch.syspath_prepend(folder.parent)
+    _distributions.cache_clear()
     yield "my-toolbox"
+    _distributions.cache_clear()
     for name in ("my_toolbox", "my_toolbox.parts"):
         sys.modules.pop(name, None)
 
@@ -119,10 +129,55 @@ def test_a_toolbox_named_on_the_command_line_or_in_the_model(convert, toolbox):
     model = changed("graph", "nodes", 0, type="Twice", params={"offset": "1.0"})
     with pytest.raises(DiagramError, match="does not know the block 'Twice'"):
         convert(model)
+    named = {**model, "requiredToolboxes": [requirement("my_toolbox")]}
     for code in (convert(model, [toolbox]), convert(model, ["anything:my_toolbox"]),
-                 convert({**model, "requiredToolboxes": [requirement("my_toolbox")]})):
+                 convert(named, [toolbox]), convert(named, trust=[toolbox])):
         assert "from my_toolbox import (\n    Twice\n)" in code
         assert "offset=1.0" in code
+
+
+def test_a_model_imports_no_module_of_its_choice(convert, toolbox, capsys):
+    for import_path, package, reason in [
+        ("my_toolbox", "my-toolbox", "no known toolbox.*--trust-toolbox my-toolbox"),
+        ("this", "this", "no known toolbox of PathSim.*--trust-toolbox this"),
+        ("unittest.__main__", "unittest", "no known toolbox"),
+        ("this", "pathsim-flight", "does not belong to that package.*pathsim-flight:this"),
+        ("unittest.__main__", "pathsim-jsbsim-blocks", "private module"),
+        ("pathsim_flight.__main__", "pathsim-flight", "private module"),
+        ("my_toolbox", "pathsim-flight", "does not belong"),
+        ("this", "pathsim-batt", "does not belong"),
+    ]:
+        model = {**MODEL, "requiredToolboxes": [requirement(import_path, package)]}
+        sys.modules.pop("this", None)
+        with pytest.raises(DiagramError, match=reason):
+            convert(model)
+        assert "my_toolbox" not in sys.modules
+        assert "this" not in sys.modules
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_trusted_package_stands_for_its_own_modules_only(convert, toolbox):
+    def model(import_path):
+        return {**MODEL, "requiredToolboxes": [requirement(import_path, toolbox)]}
+
+    assert "StepSource(" in convert(model("my_toolbox.parts"), trust=[toolbox])
+    with pytest.raises(DiagramError, match="does not belong"):
+        convert(model("this"), trust=[toolbox])
+    assert "StepSource(" in convert(model("this"), trust=[f"{toolbox}:this"])
+
+
+def test_a_known_toolbox_that_is_not_installed(convert, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pathsim_chem", None)
+    with pytest.raises(ParameterError, match=r"not installed.*pip install pathsim-chem"):
+        convert({**MODEL, "requiredToolboxes": [requirement("pathsim_chem")]})
+
+
+@pytest.mark.parametrize("code", ["raise SystemExit(3)", "import sys; sys.exit()", "1 / 0",
+                                  "def f(): f()\nf()", "raise MemoryError"])
+def test_a_toolbox_that_fails_to_import(convert, toolbox, tmp_path, code):
+    (tmp_path / "site" / "my_toolbox" / "__init__.py").write_text(code)
+    with pytest.raises(ParameterError, match="'my-toolbox' cannot be imported: "):
+        convert(MODEL, [toolbox])
 
 
 @pytest.mark.parametrize(("toolboxes", "message"), [
@@ -203,6 +258,84 @@ def test_a_name_that_could_mean_a_block_or_a_value_is_refused(convert, code, nod
         convert(with_code(code, *nodes))
 
 
+@pytest.mark.parametrize("separator", [
+    "\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x85", "\u2028", "\u2029", "\0"])
+def test_a_name_cannot_end_its_line(convert, separator):
+    inside = {"nodes": [block("io", "Interface", 0, 0)]}
+    hostile = f"sub{separator}import os; os.makedirs('owned')"
+    script = convert(changed("graph", nodes=[
+        {**block(hostile, "Subsystem", 0, 0), "graph": inside}], connections=[]))
+    comment = "# Subsystem: sub\N{REPLACEMENT CHARACTER}"
+    assert len([line for line in script.split("\n") if line.startswith(comment)]) == 1
+    assert sum(isinstance(n, ast.Import) for n in ast.walk(ast.parse(script))) == 2  # np, plt
+    assert plain(hostile) in namespace_of(script)
+
+
+@pytest.mark.parametrize("name", [
+    '"""; import antigravity; """', '"""', "\\", 'a\\', '"', 'x"', "\n", "\\N{x}", "\\x",
+    "é\u202e"])
+@pytest.mark.skipif(sys.platform == "win32", reason="no such file names")
+def test_a_file_name_stays_in_its_docstring(name, tmp_path):
+    path = tmp_path / f"{name}.pvm"
+    path.write_text(json.dumps(MODEL))
+    code = convert_model(path, tmp_path / "out.py").read_text(encoding="utf-8")
+    first, *rest = ast.parse(code).body
+    shown = f"{name}.pvm".replace("\n", "\N{REPLACEMENT CHARACTER}").replace(
+        "\u202e", "\N{REPLACEMENT CHARACTER}")
+    assert f"Converted from: {shown}\n" in ast.literal_eval(first.value)
+    path.rename(tmp_path / "model.pvm")
+    plain_name = convert_model(tmp_path / "model.pvm", tmp_path / "out.py").read_text("utf-8")
+    assert [*map(ast.dump, rest)] == [*map(ast.dump, ast.parse(plain_name).body[1:])]
+
+
+@pytest.mark.parametrize(("value", "expected"), [
+    ("2.0 # of full scale", 2.0), ("2.0  # 1), tau=(3", 2.0), ("\n2.0\n", 2.0),
+    ("(1,\n2.0)[1]", 2.0),
+    ("1 +\\\n1", 2), ("'1, tau=2'", "1, tau=2")])
+def test_an_expression_means_between_others_what_it_means_alone(convert, value, expected):
+    script = convert(changed("graph", "nodes", 0, params={"amplitude": value, "tau": "0.5"}))
+    call = next(n for n in ast.walk(ast.parse(script)) if isinstance(n, ast.Call)
+                and ast.unparse(n.func) == "StepSource")
+    given = {k.arg: eval(ast.unparse(k.value)) for k in call.keywords}
+    assert given == {"amplitude": expected, "tau": 0.5}
+
+
+def test_a_setting_with_a_comment(convert):
+    names = namespace_of(convert(changed("simulationSettings", dt="A / 4 # s", duration="3 # s")))
+    assert names["sim"].dt == 0.5
+
+
+def test_blocks_of_other_levels_with_the_same_variable(convert):
+    """PathView names "r" in "q" in "p" as "q_r" in "p", and "q" in "p" as "q" beside it."""
+    ids = itertools.count()
+
+    def constant(name, value):
+        return {**block(name, "Constant", value=value), "id": f"{next(ids)}"}
+
+    def sub(name, *nodes):
+        return {**block(name, "Subsystem", 0, 0), "id": f"{next(ids)}", "graph": {
+            "nodes": [{**block("io", "Interface", 0, 0), "id": f"{next(ids)}"}, *nodes]}}
+
+    names = namespace_of(convert(with_code(
+        "", sub("q", constant("top", "1")),
+        sub("p", constant("q r", "2"), sub("q", constant("r", "3"), constant("interface", "4"))),
+        constant("same", "5"), constant("same", "6"), constant("???", "7"), constant("q", "8"))))
+    q, p, *rest = names["sim"].blocks
+    assert [b.value for b in q.blocks] == [1]
+    assert [b.value for b in p.blocks if not hasattr(b, "blocks")] == [2]
+    assert [b.value for s in p.blocks if hasattr(s, "blocks") for b in s.blocks] == [3, 4]
+    assert [b.value for b in rest] == [5, 6, 7, 8]
+
+
+def test_a_block_does_not_hide_a_function_of_python(convert):
+    names = namespace_of(convert(with_code(
+        "", block("max", "Constant", value="3"), block("c", "Constant", value="max(1, 2)"))))
+    assert [b.value for b in names["sim"].blocks] == [3, 2]
+    with pytest.raises(DiagramError, match="block 'max': the model's code uses the name 'max'"):
+        convert(with_code("", block("max", "Constant"),
+                          block("s", "Source", func="lambda t: max(t, 1)")))
+
+
 def subsystem(**inside):
     return changed("graph", nodes=[{**block("S", "Subsystem"), "graph": inside}], connections=[])
 
@@ -275,6 +408,17 @@ def test_parts_that_may_be_missing_or_null(convert):
     assert "Scope()" in code
 
 
+def nested(levels):
+    graph = {"nodes": [block("k", "Constant")]}
+    for i in range(levels):
+        graph = {"nodes": [{**block(f"s{i}", "Subsystem", 0, 0), "graph": graph}]}
+    return {**MODEL, "graph": graph, "events": []}
+
+
+def test_subsystems_thirty_deep(convert):
+    assert convert(nested(30)).count("Subsystem(") == 30
+
+
 BAD = {
     "empty": ("", "not a PathView model"),
     "no JSON": ("import this", "not a PathView model"),
@@ -306,8 +450,45 @@ BAD = {
     "code": (changed("codeContext", code="x = ("), "the code is not a Python code"),
     "name": (changed("graph", "nodes", 0, name="Lambda"), "a name makes no Python: 'lambda = "),
     "nested too deep": ("[" * 100_000, "not a PathView model"),
-    "name with a null byte": (changed("graph", "nodes", 0, name="S\0", type="Subsystem", params={}),
-                          "a name makes no Python"),
+    "the same id": (changed("graph", nodes=[block("a", "Constant"), {**block("b", "Scope", 1, 0),
+                                                                      "id": "a"}],
+                            connections=[wire("a", "a")]),
+                    "blocks 'a' and 'b' have the same id 'a'"),
+    "the same id inside": (changed("graph", nodes=[
+        block("a", "Constant"), {**block("S", "Subsystem"), "graph": {
+            "nodes": [block("io", "Interface"), {**block("b", "Constant"), "id": "a"}]}}],
+        connections=[]), "blocks 'b' and 'a' have the same id 'a'"),
+    "the id of its subsystem": (changed("graph", nodes=[{**block("S", "Subsystem"), "graph": {
+        "nodes": [block("io", "Interface"), {**block("b", "Constant"), "id": "S"}]}}],
+        connections=[]), "blocks 'b' and 'S' have the same id 'S'"),
+    "an interface outside": (changed("graph", nodes=[block("Step", "StepSource"),
+                                                     block("io", "Interface", 1, 1)],
+                                     connections=[wire("Step", "io")]),
+                             "block 'io' is an Interface outside a subsystem"),
+    "two interfaces": (changed("graph", nodes=[{**block("S", "Subsystem"), "graph": {
+        "nodes": [block("in", "Interface"), block("out", "Interface")]}}], connections=[]),
+        "subsystem 'S' has 2 interfaces, 'in' and 'out'"),
+    "blocks in a block": (changed("graph", "nodes", 1, graph={"nodes": [block("b", "Constant")]}),
+                          "block 'Out' has blocks inside and is no Subsystem but 'Scope'"),
+    "event in the graph": (changed("graph", events=[{"type": "Schedule", "name": "e"}]),
+                           "event 'e' is in the graph"),
+    "deep parameter": (changed("graph", "nodes", 0, params={"amplitude": "-" * 100_000 + "1"}),
+                       "block 'Step': parameter 'amplitude' is nested too deep"),
+    "long sum": (changed("graph", "nodes", 0, params={"amplitude": "+".join("1" * 20_000)}),
+                 "block 'Step': parameter 'amplitude' is nested too deep"),
+    "many brackets": (changed("graph", "nodes", 0, params={"amplitude": "(" * 5_000 + ")" * 5_000}),
+                      "block 'Step': parameter 'amplitude' is"),
+    "deep setting": (changed("simulationSettings", dt="-" * 100_000 + "1"),
+                     "setting 'dt' is nested"),
+    "deep code": (changed("codeContext", code="x = " + "-" * 100_000 + "1"), "the code is nested"),
+    "deep event": (changed("events", 0, params={"func_act": "not " * 100_000 + "1"}),
+                   "event 'tick': parameter 'func_act' is nested too deep"),
+    "deep subsystems": (json.dumps(nested(40)), "damaged: graph.nodes.*nested deeper than 100"),
+    "deep value": (json.dumps({**MODEL, "extra": json.loads("[" * 300 + "]" * 300)}),
+                   "damaged: extra.*nested deeper than 100 levels"),
+    "solver that is none": (changed("simulationSettings", solver="__name__"),
+                            "unknown solver '__name__'"),
+    "return": (changed("codeContext", code="return 1"), "the code is not a Python code"),
     "embedded toolbox": ({**MODEL, "requiredToolboxes": [{"source": {"type": "inline"}}]},
                          "a toolbox that is not a package"),
     "toolbox of no name": ({**MODEL, "requiredToolboxes": [requirement("1x", "a b")]},

@@ -1,7 +1,7 @@
-"""Blocks and events of a model that have a name of its code.
+"""Rename blocks and events whose variables collide in PathView's script.
 
-PathView's script would bind the name anew: where a parameter means the code's value, it would get a
-block.
+The script would bind the name anew. Where a parameter means a value of the code, it would get a
+block; where a subsystem or the simulation lists a block, it would get another one.
 """
 
 from __future__ import annotations
@@ -9,12 +9,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from ..errors import DiagramError
 from .pvm import plain
-
-Json = dict[str, Any]
+from .shape import Json
 
 # what PathView's script binds beside the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
@@ -23,14 +22,16 @@ _NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # of no variable of thei
 
 def without_clashes(content: Json, assigned: Collection[str], called_later: Collection[str],
                     path: Path) -> Json:
-    """A complete model with new names where a block or an event has a name of the code.
+    """A complete model with new names where a variable would be bound twice.
+
+    The block or event further out keeps its name, of one level the first.
 
     Parameters
     ----------
     content : dict
         the model
     assigned : collection of str
-        names that the code binds
+        names that the code binds, and built-in functions that it uses
     called_later : collection of str
         names that functions refer to, in the code and in parameters
     path : Path
@@ -51,39 +52,56 @@ def without_clashes(content: Json, assigned: Collection[str], called_later: Coll
 class _Clashes:
     def __init__(self, bound: Collection[str], called_later: Collection[str], path: Path):
         self.bound, self.called_later, self.path = bound, called_later, path
+        self.taken: set[str] = set()  # variables of the levels done so far
 
     def without(self, graph: Json, prefix: str) -> Json:
-        taken = {prefix + plain(part["name"]) for part in (*graph["nodes"], *graph["events"])}
-        return {**graph, "nodes": [self._node(n, prefix, taken) for n in graph["nodes"]],
-                "events": [self._renamed(e, "event", prefix, taken) for e in graph["events"]]}
+        wishes = {_variable(part, prefix) for part in (*graph["nodes"], *graph["events"])}
+        nodes = [self._renamed(n, "block", prefix, wishes) for n in graph["nodes"]]
+        events = [self._renamed(e, "event", prefix, wishes) for e in graph["events"]]
+        return {**graph, "nodes": [self._inside(n, prefix) for n in nodes], "events": events}
 
-    def _node(self, node: Json, prefix: str, taken: set[str]) -> Json:
-        if node["type"] == "Subsystem":
-            return self._subsystem(node, prefix)
-        if node["type"] in _NAMELESS:
+    def _inside(self, node: Json, prefix: str) -> Json:
+        if node["type"] != "Subsystem" or "graph" not in node:
             return node
-        return self._renamed(node, "block", prefix, taken)
+        return {**node, "graph": self.without(node["graph"], _inner(node, prefix))}
 
-    def _subsystem(self, node: Json, prefix: str) -> Json:
-        variable = plain(node["name"])  # PathView does not prefix it
-        inside = f"{prefix}{variable}_"
-        for name in (variable, f"{inside}interface"):
-            if name in self.bound:
-                self._refuse(f"subsystem {node['name']!r}", name)
-        return {**node, "graph": self.without(node["graph"], inside)} if "graph" in node else node
-
-    def _renamed(self, part: Json, kind: str, prefix: str, taken: set[str]) -> Json:
-        variable = prefix + plain(part["name"])
-        if variable not in self.bound:
+    def _renamed(self, part: Json, kind: str, prefix: str, wishes: Collection[str]) -> Json:
+        if part["type"] in _NAMELESS:
             return part
-        if variable in self.called_later:
+        if part["type"] == "Subsystem":
+            # the names of its blocks begin with its own, so it is not renamed for the code's sake
+            for name in (_variable(part, prefix), f"{_inner(part, prefix)}interface"):
+                if name in self.bound:
+                    self._refuse(f"subsystem {part['name']!r}", name)
+        variable = _variable(part, prefix)
+        if variable in self.bound and variable in self.called_later:
             self._refuse(f"{kind} {part['name']!r}", variable)
-        wish = f"{part['name']} {kind}"
-        names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
-        name = next(n for n in names if prefix + plain(n) not in {*self.bound, *taken})
-        taken.add(prefix + plain(name))
-        return {**part, "name": name}
+        if not plain(part["name"]) or variable in self.bound or (
+                self._variables(part, prefix) & self.taken):
+            wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
+            names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
+            used = {*self.bound, *self.taken, *wishes}
+            part = next(p for p in ({**part, "name": n} for n in names)
+                        if not self._variables(p, prefix) & used)
+        self.taken |= self._variables(part, prefix)
+        return part
+
+    @staticmethod
+    def _variables(part: Json, prefix: str) -> set[str]:
+        if part["type"] != "Subsystem":
+            return {_variable(part, prefix)}
+        return {_variable(part, prefix), f"{_inner(part, prefix)}interface"}
 
     def _refuse(self, what: str, name: str) -> NoReturn:
         raise DiagramError(f"{what}: the model's code uses the name {name!r} for something else; "
                            "rename one of them", path=self.path)
+
+
+def _variable(part: Json, prefix: str) -> str:
+    """PathView puts nothing before the variable of a subsystem in a subsystem."""
+    return ("" if part["type"] == "Subsystem" else prefix) + plain(part["name"])
+
+
+def _inner(subsystem: Json, prefix: str) -> str:
+    """What PathView puts before the variables of blocks in a subsystem."""
+    return f"{prefix}{plain(subsystem['name'])}_"

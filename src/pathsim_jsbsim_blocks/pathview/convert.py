@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -14,18 +16,29 @@ from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import DiagramError, ParameterError
 from .clashes import without_clashes
 from .names import bound, used
-from .pvm import read, write
-from .toolboxes import FLIGHT, OURS, Toolbox, core_registry, unknown_block, with_toolboxes
+from .pvm import printable, read, write
+from .shape import Json
+from .toolboxes import (
+    FLIGHT,
+    OURS,
+    Toolbox,
+    core_registry,
+    unknown_block,
+    why_not_import,
+    with_toolboxes,
+)
 
-_EDITOR_BLOCKS = {"Subsystem", "Interface", "BusCreator", "BusSelector"}
+_BUSES = {"BusCreator", "BusSelector"}
+_EDITOR_BLOCKS = {"Subsystem", "Interface", *_BUSES}
 _NUMBERS = ("duration", "dt", "atol", "rtol", "ftol", "dt_min", "dt_max")
-
-Json = dict[str, Any]
 
 
 def convert_model(path: str | Path, out: str | Path | None = None,
-                  toolboxes: Sequence[str] = ()) -> Path:
+                  toolboxes: Sequence[str] = (), trust_toolboxes: Sequence[str] = ()) -> Path:
     """Write a PathView model as a Python script.
+
+    Nothing of the model is executed. Toolboxes are imported to learn their blocks: those of
+    PathSim, those given here, and no other that the model asks for.
 
     Parameters
     ----------
@@ -36,6 +49,8 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     toolboxes : sequence of str
         toolboxes that the model does not name itself, ``PACKAGE`` or ``PACKAGE:IMPORT.PATH``;
         this package, pathsim-flight and the model's ``requiredToolboxes`` are known already
+    trust_toolboxes : sequence of str
+        toolboxes that may be imported if the model asks for them, though they are not PathSim's
 
     Returns
     -------
@@ -45,9 +60,11 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     Raises
     ------
     DiagramError
-        if the file is not a model, has blocks or events that nobody knows, broken connections or
-        parameters that are not Python expressions, its code has a name of its blocks, or the script
-        cannot be written
+        if the file is not a model, asks for a toolbox that is not trusted, has blocks or events
+        that nobody knows, broken connections, ambiguous ids or parameters that are not Python
+        expressions, its code has a name of its blocks, or the script cannot be written
+    ParameterError
+        if a toolbox cannot be imported
     """
     path = as_path("path", path)
     content = read(path)
@@ -57,15 +74,21 @@ def convert_model(path: str | Path, out: str | Path | None = None,
             raise DiagramError("exists and may be the model's original; name the script to write "
                                "(-o FILE.py)", path=out)
     out = as_path("out", out)
-    code = to_python(content, registry_for(content, path, toolboxes), path)
+    code = to_python(content, registry_for(content, path, toolboxes, trust_toolboxes), path)
     write(out, code)
     return out
 
 
-def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = ()) -> Json:
+def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = (),
+                 trust_toolboxes: Sequence[str] = ()) -> Json:
     """The blocks that a model may use; of one class name, its own toolboxes' last one counts."""
     required = required_toolboxes(content, path)
-    others = [t for t in (FLIGHT, OURS, *map(Toolbox.parse, toolboxes)) if t not in required]
+    named = [Toolbox.parse(t) for t in toolboxes]
+    trusted = [*named, *map(Toolbox.parse, trust_toolboxes)]
+    for toolbox in required:
+        if reason := why_not_import(toolbox, trusted):
+            raise DiagramError(reason, path=path)
+    others = [t for t in (FLIGHT, OURS, *named) if t not in required]
     return with_toolboxes(core_registry(), [*others, *required])
 
 
@@ -84,17 +107,70 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
     content = _complete(content)
     check = _Check(content, registry, path)
     check.all()
-    content = without_clashes(content, check.assigned, check.called_later, path)
-    code = generate_python(content, registry, source_name=path.name)
+    shadowed = check.used & set(dir(builtins))
+    content = without_clashes(content, check.assigned | shadowed, check.called_later, path)
     try:
-        ast.parse(code)
-    except SyntaxError as error:
+        code = generate_python(_spliceable(content), registry, source_name=_in_docstring(path.name))
+        with _compiling():
+            ast.parse(code)
+    except (SyntaxError, ValueError) as error:
         # parameters and code have been parsed one by one: what is left are the names
-        line = code.splitlines()[(error.lineno or 1) - 1].strip()
+        line = (getattr(error, "text", None) or str(error)).strip()
         raise DiagramError(f"a name makes no Python: {line!r}", path=path) from error
-    except ValueError as error:  # null bytes, halves of surrogate pairs
-        raise DiagramError(f"a name makes no Python: {error}", path=path) from error
+    except (RecursionError, MemoryError) as error:
+        raise DiagramError("too deep or too large for a script", path=path) from error
     return code
+
+
+@contextmanager
+def _compiling() -> Iterator[None]:
+    """Python's warnings about the style of code are for those who wrote it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def _in_docstring(name: str) -> str:
+    return printable(name).replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _spliceable(content: Json) -> Json:
+    """A model whose names and expressions mean in PathView's script what they mean alone.
+
+    PathView writes names into comments, where a line separator would end the comment, and
+    parameters between commas, where a comment would hide what follows.
+    """
+    def part(old: Json) -> Json:
+        new = {**old, "name": printable(old["name"]),
+               "params": {k: v if k.startswith("_") else _argument(v)
+                          for k, v in old["params"].items()}}
+        return {**new, "graph": graph(old["graph"])} if "graph" in old else new
+
+    def graph(old: Json) -> Json:
+        return {**old, "nodes": [n if n["type"] in _BUSES else part(n) for n in old["nodes"]],
+                "events": [part(e) for e in old["events"]]}
+
+    settings = content["simulationSettings"]
+    return {**content, "graph": graph(content["graph"]),
+            "events": [part(e) for e in content["events"]],
+            "simulationSettings": {**settings, **{
+                name: _argument(settings[name]) for name in _NUMBERS if name in settings}}}
+
+
+def _argument(value: Any) -> Any:
+    """An expression as it can stand between other arguments of a call."""
+    if not isinstance(value, str) or not value.strip():
+        return value
+    value = value.strip()
+    try:
+        with _compiling():
+            call = ast.parse(f"f(x={value}, y=0)", mode="eval").body
+    except (SyntaxError, ValueError):
+        call = None
+    if isinstance(call, ast.Call) and not call.args and [k.arg for k in call.keywords] == [
+            "x", "y"]:
+        return value
+    return f"({value}\n)"
 
 
 def _required(entry: Any, path: Path) -> Toolbox:
@@ -140,13 +216,16 @@ class _Check:
     ----------
     assigned : set of str
         names that the model's code binds
+    used : set of str
+        names that the code and parameters refer to
     called_later : set of str
-        names that functions refer to, in the code and in parameters
+        those of them that functions refer to
     """
 
     def __init__(self, content: Json, registry: Json, path: Path):
         self.content, self.registry, self.path = content, registry, path
         self.assigned: set[str] = set()
+        self.used: set[str] = set()
         self.called_later: set[str] = set()
 
     def all(self) -> None:
@@ -157,9 +236,10 @@ class _Check:
             if settings.get(name) not in (None, ""):
                 self._parsed(f"setting {name!r}", settings[name])
         solver = settings.get("solver")
-        if solver and not hasattr(pathsim.solvers, solver):
-            self._refuse(f"unknown solver {solver!r}"
-                         + did_you_mean(nearest(solver, dir(pathsim.solvers))))
+        if solver and not isinstance(getattr(pathsim.solvers, solver, None), type):
+            known = [n for n, v in vars(pathsim.solvers).items() if isinstance(v, type)]
+            self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, known)))
+        self._ids(self.content["graph"])
         self._graph(self.content["graph"], None)
         for event in self.content["events"]:
             self._event(event)
@@ -167,8 +247,39 @@ class _Check:
     def _refuse(self, reason: str) -> NoReturn:
         raise DiagramError(reason, path=self.path)
 
-    def _graph(self, graph: Json, parent: Json | None) -> None:
+    def _ids(self, graph: Json) -> dict[str, str]:
+        """Names of all blocks of a graph and below it, by id.
+
+        PathView's converter looks the ends of a wire up in one table of them all.
+        """
+        below: dict[str, str] = {}
         for node in graph["nodes"]:
+            if node.get("graph"):
+                below.update(self._ids(node["graph"]))
+        own: dict[str, str] = {}
+        for node in graph["nodes"]:
+            for known in (own, below):
+                if node["id"] in known:
+                    self._refuse(f"blocks {known[node['id']]!r} and {node['name']!r} have the same "
+                                 f"id {node['id']!r}: a wire to it could mean either")
+            own[node["id"]] = node["name"]
+        return {**below, **own}
+
+    def _graph(self, graph: Json, parent: Json | None) -> None:
+        if parent is None and graph["events"]:
+            self._refuse(f"event {graph['events'][0]['name']!r} is in the graph; those of the top "
+                         "level belong beside it, into 'events'")
+        interfaces = [n["name"] for n in graph["nodes"] if n["type"] == "Interface"]
+        if parent is None and interfaces:
+            self._refuse(f"block {interfaces[0]!r} is an Interface outside a subsystem; PathView "
+                         "leaves it and its wires out")
+        if len(interfaces) > 1 and parent is not None:
+            self._refuse(f"subsystem {parent['name']!r} has {len(interfaces)} interfaces, "
+                         f"{' and '.join(map(repr, interfaces))}; it can have one")
+        for node in graph["nodes"]:
+            if node["type"] != "Subsystem" and node.get("graph"):
+                self._refuse(f"block {node['name']!r} has blocks inside and is no Subsystem but "
+                             f"{node['type']!r}")
             if node["type"] in _EDITOR_BLOCKS:
                 if node.get("graph"):
                     self._graph(node["graph"], node)
@@ -224,13 +335,23 @@ class _Check:
                 self._parsed(f"{what}: parameter {name!r}", value)
 
     def _parsed(self, what: str, value: Any, mode: str = "eval") -> ast.AST:
+        source = str(value).strip() if mode == "eval" else value
         try:
-            tree = ast.parse(str(value).strip() if mode == "eval" else value, mode=mode)
+            with _compiling():
+                # first: it has a limit for depth, which the other lacks in Python 3.10
+                compile(source, what, mode, dont_inherit=True)
+                tree = ast.parse(source, mode=mode)
+            self._note_names(tree)
         except (SyntaxError, ValueError) as error:
             kind = "expression" if mode == "eval" else "code"
             self._refuse(f"{what} is not a Python {kind}: {str(value)!r} "
                          f"({getattr(error, 'msg', error)})")
+        except (RecursionError, MemoryError):
+            self._refuse(f"{what} is nested too deep for Python: {str(value)[:60]!r}...")
+        return tree
+
+    def _note_names(self, tree: ast.AST) -> None:
+        self.used.update(used(tree))
         for node in ast.walk(tree):
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
                 self.called_later.update(used(node))
-        return tree

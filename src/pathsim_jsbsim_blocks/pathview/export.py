@@ -10,10 +10,11 @@ import numpy as np
 from .._core.checks import as_path
 from ..errors import DiagramError
 from . import pvm
-from .convert import Json, registry_for, to_python
+from .convert import registry_for, required_toolboxes, to_python
 from .diagram import Diagram
 from .reader import read_diagram
 from .script import Script, quiet
+from .shape import Json
 
 
 def export_script(script: str | Path, out: str | Path | None = None) -> Path:
@@ -82,7 +83,10 @@ def _run(code: str, namespace: dict[str, Any], mode: str, diagram: Diagram, what
 
 def _rebuild(content: Json, script: Script) -> None:
     """Build the model's diagram once, and compare it with the script's."""
-    code = to_python(content, registry_for(content, script.path), script.path)
+    # the script has imported its toolboxes already
+    imported = [f"{t.package}:{t.import_path}" for t in required_toolboxes(content, script.path)]
+    registry = registry_for(content, script.path, trust_toolboxes=imported)
+    code = to_python(content, registry, script.path)
     namespace: dict[str, Any] = {"__name__": "rebuilt"}
     try:
         with quiet():

@@ -111,6 +111,14 @@ def plain(name: str) -> str:
     return ("n_" + variable if variable[:1].isdigit() else variable).lower()
 
 
+def printable(name: str) -> str:
+    """A name on one line: no line separators, controls or marks that turn the reading direction.
+
+    Its variable is the same.
+    """
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in name)
+
+
 class _Box:
     """Where the blocks of a graph are: the smallest rectangle around them, in px."""
 

@@ -14,7 +14,8 @@ from urllib.parse import quote
 from .._core.checks import whole
 from ..errors import MissingExtraError, ParameterError
 from . import pvm
-from .convert import Json, required_toolboxes
+from .convert import required_toolboxes
+from .shape import Json
 from .toolboxes import OURS, Toolbox
 
 HOST = "127.0.0.1"

@@ -7,6 +7,8 @@ from typing import Any, NoReturn
 
 from ..errors import DiagramError
 
+Json = dict[str, Any]
+
 # A specification is a kind, a list of one specification, or the members of an object. A "?" marks
 # members that may be missing or null; members that are not listed may be anything.
 _POSITION = {"x": float, "y": float}
@@ -26,6 +28,7 @@ _MODEL = {"graph": _GRAPH, "events?": _EVENTS, "codeContext?": {"code?": str},
 _KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list",
           dict: "an object"}
 _FAR = 1e9  # px
+_DEEP = 100  # levels of lists and objects: 30 subsystems, one in the other
 
 
 def check_shape(content: Any, path: Path) -> None:
@@ -36,7 +39,21 @@ def check_shape(content: Any, path: Path) -> None:
     DiagramError
         with the file and the place in it, as ``graph.nodes[2].params``
     """
+    _check_depth(content, path)
     _check(content, _MODEL, "", path)
+
+
+def _check_depth(content: Any, path: Path) -> None:
+    """What follows goes down level by level, and Python ends that at its recursion limit."""
+    todo: list[tuple[Any, tuple[str, ...]]] = [(content, ())]
+    for value, place in todo:
+        if len(place) > _DEEP:
+            _refuse(f"{''.join(place).lstrip('.')[:60]}... is nested deeper than {_DEEP} levels",
+                    path)
+        if isinstance(value, dict):
+            todo += [(v, (*place, f".{k}")) for k, v in value.items()]
+        elif isinstance(value, list):
+            todo += [(v, (*place, f"[{i}]")) for i, v in enumerate(value)]
 
 
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import importlib.util
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -48,6 +50,17 @@ class Toolbox:
     def id(self) -> str:
         return "pypi:" + re.sub(r"[-_.]+", "-", self.package.lower())
 
+    @property
+    def belongs(self) -> bool:
+        """Whether the installed package of this name brings the module."""
+        top = self.import_path.partition(".")[0]
+        return self.id in {Toolbox(name, top).id for name in _distributions(top)}
+
+    @property
+    def missing(self) -> bool:
+        """Whether there is no such module; nothing is imported to find out."""
+        return importlib.util.find_spec(self.import_path.partition(".")[0]) is None
+
     def blocks(self) -> dict[str, type[Block]]:
         """Its blocks by class name, found by PathView's own rule: public, and defined there.
 
@@ -62,6 +75,10 @@ class Toolbox:
             raise ParameterError(
                 f"toolbox {self.package!r} is not installed ({error}); "
                 f"pip install {self.package}", parameter="toolbox", value=self.package) from error
+        except (Exception, SystemExit) as error:
+            raise ParameterError(
+                f"toolbox {self.package!r} cannot be imported: {type(error).__name__}: {error}",
+                parameter="toolbox", value=self.package) from error
         found = {}
         for name in dir(module):
             value = getattr(module, name)
@@ -82,30 +99,62 @@ class Toolbox:
 OURS = Toolbox("pathsim-jsbsim-blocks", "pathsim_jsbsim_blocks")
 FLIGHT = Toolbox("pathsim-flight", "pathsim_flight")
 
+# the toolboxes of PathSim's own project, as PathView's catalogue lists them
+_KNOWN = [OURS, *(Toolbox.parse(f"pathsim-{name}") for name in (
+    "batt", "chem", "flight", "fmi", "rf", "vehicle"))]
+
+
+def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
+    """The reason not to import a toolbox that only a file asks for; empty if there is none.
+
+    An import runs the module's code. So the file may name a module of a known toolbox and no other,
+    unless the user trusts the package.
+
+    Parameters
+    ----------
+    toolbox : Toolbox
+        what the file asks for
+    trusted : sequence of Toolbox
+        what the user trusts
+    """
+    if toolbox in (OURS, FLIGHT, *trusted):
+        return ""
+    asked = f"asks for the toolbox {toolbox.package!r} (module {toolbox.import_path})"
+    if toolbox.id not in {t.id for t in (*_KNOWN, *trusted)}:
+        return (f"{asked}, which is no known toolbox of PathSim, and importing it runs its code; "
+                f"if you trust it: --trust-toolbox {toolbox.package}")
+    if any(part.startswith("_") for part in toolbox.import_path.split(".")):
+        return f"{asked}, which is a private module"
+    if not toolbox.belongs and not toolbox.missing:
+        return (f"{asked}, but that module does not belong to that package; if you trust it: "
+                f"--trust-toolbox {toolbox.package}:{toolbox.import_path}")
+    return ""
+
 
 def toolbox_of(block: type[Block]) -> Toolbox | None:
     """The toolbox in which PathView finds a block class; None if there is none."""
     parts = block.__module__.split(".")
     for n in range(1, len(parts) + 1):
-        candidate = Toolbox(_distribution(parts[0]), ".".join(parts[:n]))
-        if not candidate.package:
+        packages = _distributions(parts[0])
+        if not packages:
             return None
+        candidate = Toolbox(packages[0], ".".join(parts[:n]))
         if candidate.blocks().get(block.__name__) is block:
             return candidate
     return None
 
 
 @lru_cache
-def _distribution(module: str) -> str:
-    """Name on PyPI of the installed package that brings a module; empty if there is none."""
+def _distributions(module: str) -> tuple[str, ...]:
+    """Names on PyPI of the installed packages that bring a top-level module."""
     names = importlib.metadata.packages_distributions().get(module)
     if names:
-        return names[0]
+        return tuple(names)
     try:
         # an editable install does not list its modules
-        return importlib.metadata.distribution(module.replace("_", "-")).metadata["Name"]
+        return importlib.metadata.distribution(module.replace("_", "-")).metadata["Name"],
     except importlib.metadata.PackageNotFoundError:
-        return ""
+        return ()
 
 
 def core_registry() -> dict[str, dict[str, Any]]:

@@ -7,7 +7,7 @@ import signal
 import tempfile
 import threading
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
@@ -16,12 +16,15 @@ from unittest.mock import patch
 
 from ..catalogue import find_diagram
 from . import pvm
-from .convert import Json, registry_for, to_python
+from .convert import registry_for, to_python
 from .export import script_model
 from .server import Server
+from .shape import Json
+from .trusted_models import digest, remember, require_trust
 
 
-def view(target: str | Path | None = None, port: int | None = None, browser: bool = True) -> None:
+def view(target: str | Path | None = None, port: int | None = None, browser: bool = True,
+         trust: bool = False, trust_toolboxes: Sequence[str] = ()) -> None:
     """Serve PathView on 127.0.0.1 until Ctrl-C, with a diagram open and its toolboxes registered.
 
     Parameters
@@ -33,16 +36,23 @@ def view(target: str | Path | None = None, port: int | None = None, browser: boo
         default is 8360, or a free port if that is in use
     browser : bool
         open the user's browser
+    trust : bool
+        whether a model from outside may be opened: its parameters and code are Python that runs
+        when the model runs. Models of this package are always opened, and those trusted once
+    trust_toolboxes : sequence of str
+        toolboxes that may be imported if the model asks for them, though they are not PathSim's
 
     Raises
     ------
     DiagramError
         if the diagram cannot be shown as it is
+    UntrustedModelError
+        if the model is from outside and not trusted
     ParameterError
         if there is no such diagram, a toolbox that it needs is not installed, or the port is in use
     """
     name = "" if target is None else f"{Path(target).stem}.pvm"
-    models = {} if target is None else {name: _load(target)}
+    models = {} if target is None else {name: _load(target, trust, trust_toolboxes)}
     with _interrupts(), _temporary_files(), Server(models, port) as server:
         print(f"PathView: {server.url(name)}\nCtrl-C ends it", flush=True)
         if browser:
@@ -50,7 +60,7 @@ def view(target: str | Path | None = None, port: int | None = None, browser: boo
         server.run()
 
 
-def _load(target: str | Path) -> Json:
+def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Json:
     """A model, checked as a whole: PathView runs a diagram without the blocks it does not know."""
     path = Path(target)
     if path.suffix not in (".pvm", ".json"):
@@ -60,7 +70,10 @@ def _load(target: str | Path) -> Json:
         if existing is None or str(target) != script.stem:
             return script_model(script, existing)
     content = pvm.read(path)
-    to_python(content, registry_for(content, path), path)
+    to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
+    if trust:
+        remember(digest(content))
+    require_trust(content, path)
     return content
 
 

@@ -1,0 +1,93 @@
+"""Which models may run: those of this package, and those that the user has trusted.
+
+Parameters and code of a model are Python and run when the model runs.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+from ..catalogue import diagram_folder
+from ..errors import UntrustedModelError
+from . import pvm
+from .shape import Json
+
+_remembered: set[str] = set()  # in this process; the file may be read-only
+
+
+def digest(content: Json) -> str:
+    """A digest of a model's content but for what PathView changes when a block is moved or saved.
+
+    That is when it was saved, and where blocks are drawn.
+    """
+    def lasting(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {k: v if k == "params" else lasting(v) for k, v in value.items()
+                    if not (k == "position" and _coordinates(v))}
+        return [lasting(v) for v in value] if isinstance(value, list) else value
+
+    metadata = content.get("metadata")
+    if isinstance(metadata, dict):
+        kept = {k: v for k, v in metadata.items() if k not in ("created", "modified")}
+        content = {**content, "metadata": kept}
+    return hashlib.sha256(json.dumps(lasting(content), sort_keys=True).encode()).hexdigest()
+
+
+def _coordinates(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(x, (int, float)) for x in value.values())
+
+
+def require_trust(content: Json, path: Path) -> None:
+    """Refuse a model that is neither one of this package nor trusted by the user.
+
+    Raises
+    ------
+    UntrustedModelError
+        with the digest by which the model can be trusted
+    """
+    value = digest(content)
+    if value not in _remembered and value not in _trusted() and value not in _ours():
+        raise UntrustedModelError(path=path, digest=value)
+
+
+def remember(value: str) -> None:
+    """Remember for good that the user trusts the model with this digest."""
+    _remembered.add(value)
+    try:
+        file = _file()
+        file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with file.open("a", encoding="ascii") as lines:
+            lines.write(f"{value}\n")
+    except OSError as error:
+        warnings.warn(f"cannot remember the model ({error}); you will be asked again", stacklevel=2)
+
+
+def _trusted() -> set[str]:
+    try:
+        return set(_file().read_text(encoding="ascii", errors="replace").split())
+    except OSError:
+        return set()
+
+
+def _ours() -> set[str]:
+    return {digest(pvm.read(p)) for p in diagram_folder().glob("*.pvm")}
+
+
+def _file() -> Path:
+    """One digest a line, in the folder that the system has for what programs remember."""
+    home = Path.home()
+    if sys.platform == "win32":
+        folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        folder = home / "Library" / "Application Support"
+    else:
+        state = Path(os.environ.get("XDG_STATE_HOME", ""))
+        # by its specification, a relative path counts as none
+        folder = state if state.is_absolute() else home / ".local" / "state"
+    return folder / "pathsim-jsbsim-blocks" / "trusted-models"

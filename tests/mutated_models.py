@@ -1,0 +1,368 @@
+"""Models with random faults and hostile text, and what the scripts made of them must not do.
+
+A converted script may hold the expressions and the code of its model, each in its own place, and
+nothing else that the model says; and none of it runs while it is converted.
+"""
+
+import ast
+import copy
+import json
+import random
+import re
+import sys
+import warnings
+from collections import Counter
+from importlib.util import find_spec
+from pathlib import Path
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.errors import BlocksError
+from pathsim_jsbsim_blocks.pathview.convert import (
+    convert_model,
+    core_registry,
+    with_toolboxes,
+)
+from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
+
+EVIL = "__import__('os').system('echo executed')"
+SEPARATORS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1e", "\x85", "\u2028", "\u2029"]
+TEXTS = [
+    *(f"sub{s}{EVIL}{s}" for s in SEPARATORS), *(f"{s}import antigravity" for s in SEPARATORS),
+    '"', f'"""\n{EVIL}\n"""', f'"""; {EVIL} #',
+    f"''' + {EVIL} + '''", f"\\\n{EVIL}", "\\", "\\N{x}",
+    f"1); {EVIL} #", f"1)\n{EVIL}\n#", f"1, {EVIL}", f"*{EVIL}", f"**{EVIL}", f"x={EVIL}", EVIL,
+    "1 # comment", "1, 2", "(1\n)", "lambda: 1", "lambda t: max(t, 1)", "x for x in y", "(x := 3)",
+    "'\ud800'", "\ud800", "\0", "\u202e", "\ufeff", "", " ", "?", "1", "0x", "1_", "é", "名前",
+    "np", "plt", "sim", "blocks", "connections", "events", "Simulation", "Connection", "Interface",
+    "max", "print", "class", "None", "lambda", "this", "__main__", "unittest.__main__",
+    "antigravity", "pathsim-flight", "pathsim_flight", "os", "-" * 3000 + "1", "(" * 300,
+    "+".join("1" * 5000), "9" * 5000, "StepSource", "Subsystem", "Scope", "BusCreator",
+    "BusSelector", "pathsim.events.Schedule", "pathsim.blocks.Scope",
+]
+VALUES = [*TEXTS, None, True, False, 0, 1, -1, 2, 10 ** 40, 1.5, float("nan"), float("inf"), [], {},
+          [[]], {"a": EVIL}, [EVIL], {"x": EVIL, "y": 0}]
+
+
+def _deep(levels):
+    value = []
+    for _ in range(levels):
+        value = [value]
+    return value
+
+
+def block(name, kind, inputs=0, outputs=1, **params):
+    ports = {side: [{"name": f"{i}"} for i in range(n)]
+             for side, n in (("inputs", inputs), ("outputs", outputs))}
+    return {"id": name, "type": kind, "name": name, "params": params, **ports}
+
+
+def _wire(source, target, out=0, into=0):
+    return {"id": f"{source}-{target}", "sourceNodeId": source, "sourcePortIndex": out,
+            "targetNodeId": target, "targetPortIndex": into}
+
+
+def _subsystem(name, *nodes, wires=(), events=()):
+    return {**block(name, "Subsystem", 1, 1), "graph": {
+        "nodes": [block(f"{name}.io", "Interface", 1, 1), *nodes], "connections": list(wires),
+        "events": list(events)}}
+
+
+def _schedule(name):
+    return {"type": "pathsim.events.Schedule", "name": name,
+            "params": {"t_period": "0.5", "func_act": "tick"}}
+
+
+NESTED = {
+    "version": "1.0.0",
+    "graph": {"nodes": [
+        block("step", "StepSource", amplitude="A", tau="0.5"), block("scope", "Scope", 2, 0),
+        _subsystem("plant", block("gain", "Amplifier", 1, 1, gain="2 * A"),
+                   _subsystem("inner", block("k", "Amplifier", 1, 1, gain="max(1, 2)"),
+                              wires=[_wire("inner.io", "k"), _wire("k", "inner.io")]),
+                   wires=[_wire("plant.io", "gain"), _wire("gain", "inner"),
+                          _wire("inner", "plant.io")], events=[_schedule("inside")])],
+        "connections": [_wire("step", "plant"), _wire("plant", "scope"),
+                        {**_wire("step", "scope", 0, 1), "id": "other"}]},
+    "events": [_schedule("tick tock")],
+    "codeContext": {"code": "A = 2.0\n\ndef tick(t):\n    return A * t\n"},
+    "simulationSettings": {"duration": "3", "dt": "0.1", "solver": "SSPRK22", "rtol": ""},
+    "requiredToolboxes": [OURS.requirement(), FLIGHT.requirement()],
+}
+
+
+def originals():
+    """Models to begin with: of subsystems, events, code and buses, of ours and of PathView's."""
+    examples = Path(find_spec("pathview").origin).parent / "static" / "examples"
+    paths = [*sorted(diagram_folder().glob("*.pvm")),
+             *sorted(p for p in examples.glob("*.json") if p.stem != "manifest")]
+    small = [p for p in paths if p.stat().st_size < 20_000]
+    return [NESTED] * len(small) + [json.loads(p.read_text(encoding="utf-8")) for p in small]
+
+
+def mutated(model, rng):
+    """A copy of a model with one to three random changes, most of them where text reaches code."""
+    model = copy.deepcopy(model)
+    for _ in range(rng.randint(1, 3)):
+        places = list(_places(model))
+        likely = [p for p in places if p[1] in (
+            "id", "name", "type", "label", "code", "importPath", "pkg", "displayName", "content",
+            "sourceNodeId", "targetNodeId", "solver", "dt", "duration")] or places
+        holder, key = rng.choice(likely if rng.random() < 0.5 else places)
+        _change(holder, key, rng, model)
+    return model
+
+
+def _places(value):
+    for key in list(value) if isinstance(value, dict) else range(len(value)):
+        yield value, key
+        if isinstance(value[key], (dict, list)):
+            yield from _places(value[key])
+
+
+def _change(holder, key, rng, model):
+    old = holder[key]
+    kind = rng.randrange(9)
+    if kind <= 2:
+        holder[key] = rng.choice(VALUES)
+    elif kind == 3 and isinstance(old, str):
+        at = rng.randint(0, len(old))
+        holder[key] = old[:at] + rng.choice(TEXTS) + old[at:]
+    elif kind == 4:  # what another place of the model says
+        other, name = rng.choice([p for p in _places(model) if p[1] == key])
+        holder[key] = copy.deepcopy(other[name])
+    elif kind == 5 and isinstance(holder, dict):
+        holder[rng.choice(TEXTS)] = holder.pop(key)
+    elif kind == 6 and isinstance(holder, list):
+        holder.insert(rng.randint(0, len(holder)), copy.deepcopy(old))
+    elif kind == 7:
+        del holder[key]
+    elif isinstance(old, dict):
+        old[rng.choice(TEXTS)] = rng.choice(VALUES)
+    else:
+        holder[key] = _deep(rng.choice([3, 90, 150]))
+
+
+class Watch:
+    """What is executed or imported while it is on, by Python's own audit."""
+
+    def __init__(self):
+        self.on, self.seen = False, []
+        sys.addaudithook(self._hook)
+
+    def _hook(self, event, args):
+        if self.on and event in ("exec", "import", "os.system", "subprocess.Popen", "os.fork",
+                                 "os.exec", "os.posix_spawn", "socket.connect", "webbrowser.open"):
+            self.seen.append((event, repr(args)[:200]))
+
+    def __enter__(self):
+        self.seen.clear()
+        self.on = True
+
+    def __exit__(self, *_):
+        self.on = False
+
+
+_watch = None
+
+
+def convert_mutants(count, seed, folder):
+    """Convert mutants; returns how many became scripts, and how many were refused for what."""
+    global _watch
+    _watch = _watch or Watch()
+    models, rng = originals(), random.Random(seed)
+    registry = with_toolboxes(core_registry(), [FLIGHT, OURS])
+    outcomes = Counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for model in models:  # all that a conversion imports
+            _converted(model, folder / "warm.pvm")
+        for i in range(count):
+            model = mutated(rng.choice(models), rng)
+            path = folder / _file_name(rng)
+            try:
+                with _watch:
+                    code = _converted(model, path)
+            except BlocksError as error:
+                outcomes[type(error).__name__] += 1
+            except BaseException as error:
+                raise AssertionError(f"seed {seed}, mutant {i}: {error!r}\n{model}") from error
+            else:
+                outcomes["script"] += 1
+                try:
+                    assert_says_what_the_model_says(code, model, registry)
+                except Exception as error:
+                    raise AssertionError(
+                        f"seed {seed}, mutant {i}: {error}\n{code}\n{model}") from error
+            assert not _watch.seen, f"seed {seed}, mutant {i} executed {_watch.seen}\n{model}"
+    print(f"seed {seed}: {count} mutants, {dict(outcomes)}")
+    return outcomes
+
+
+def _converted(model, path):
+    path.write_text(json.dumps(model), encoding="utf-8")
+    out = path.parent / "out.py"
+    try:
+        return convert_model(path, out).read_text(encoding="utf-8")
+    finally:
+        path.unlink()
+
+
+def _file_name(rng):
+    if rng.random() < 0.8:
+        return "model.pvm"
+    name = re.sub("[/\0\ud800-\udfff]", "", rng.choice(TEXTS))[:60]
+    return f"{name}.pvm"
+
+
+def assert_says_what_the_model_says(code, model, registry):
+    """Compare a script, read as syntax and not run, with its model: text, order and wires."""
+    body = ast.parse(code).body
+    context = ast.parse(((model.get("codeContext") or {}).get("code") or "").strip()).body
+    docstring, *rest = body
+    assert isinstance(docstring.value.value, str)
+    imports = 0
+    while isinstance(rest[imports], (ast.Import, ast.ImportFrom)) and imports < _imported(code):
+        _check_import(rest[imports], registry)
+        imports += 1
+    rest = rest[imports:]
+    assert [*map(ast.dump, rest[:len(context)])] == [*map(ast.dump, context)]
+    *assigned, main = rest[len(context):]
+    there = _read(assigned, registry)
+    assert isinstance(main, ast.If)
+    run, plot, show = main.body
+    assert ast.unparse(run).startswith("sim.run(duration=")
+    assert len(run.value.keywords) == 1
+    assert not run.value.args
+    assert [ast.unparse(plot), ast.unparse(show)] == ["sim.plot()", "plt.show()"]
+    settings = model.get("simulationSettings") or {}
+    _check_setting(run.value.keywords[0].value, settings, "duration")
+    names = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_rel": "rtol",
+             "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
+    for keyword in there.pop("sim").keywords:
+        if keyword.arg != "Solver":
+            _check_setting(keyword.value, settings, names[keyword.arg])
+    wanted = _wanted({**model["graph"], "events": model.get("events") or []}, registry, top=True)
+    if not any(_kind(n) in ("BusCreator", "BusSelector") for n in _all_nodes(model["graph"])):
+        assert there == wanted
+    else:  # their wires are led around them
+        assert _without_wires(there) == _without_wires(wanted)
+
+
+def _without_wires(level):
+    return [(kind, _without_wires(inside) if kind == "Subsystem" else inside)
+            for kind, inside in level["nodes"]], level["events"]
+
+
+def _imported(code):
+    """Lines of imports before the code of the model."""
+    head = code.partition("# USER-DEFINED CODE")[0].partition("# BLOCKS")[0]
+    return sum(isinstance(n, (ast.Import, ast.ImportFrom)) for n in ast.parse(head).body)
+
+
+def _check_import(node, registry):
+    if isinstance(node, ast.Import):
+        assert ast.unparse(node) in ("import numpy as np", "import matplotlib.pyplot as plt")
+    else:
+        known = {e["importPath"] for kind in ("blocks", "events") for e in registry[kind].values()}
+        assert node.module in {"pathsim", "pathsim.solvers", *known}
+
+
+def _check_setting(node, settings, name):
+    if settings.get(name) not in (None, ""):
+        assert ast.dump(node) == _expression(settings[name])
+    else:
+        assert isinstance(node, ast.Constant)
+
+
+def _expression(value):
+    return ast.dump(ast.parse(str(value).strip(), mode="eval").body)
+
+
+def _read(statements, registry):
+    """What the assignments of a script build: variables are followed as Python binds them."""
+    classes = {e[f"{kind}Class"] for kind in ("block", "event")
+               for e in registry[f"{kind}s"].values()}
+    built = {}
+    for statement in statements:
+        assert isinstance(statement, ast.Assign)
+        (target,), value = statement.targets, statement.value
+        if isinstance(value, ast.List):
+            built[target.id] = _list(value, built)
+            continue
+        kind = value.func.id
+        if kind == "Simulation":
+            assert [ast.unparse(a) for a in value.args] in (
+                ["blocks", "connections"], ["blocks", "connections", "events"])
+            built[target.id] = value
+        elif kind == "Subsystem":
+            parts = {k.arg: _list(k.value, built) for k in value.keywords}
+            assert not value.args
+            assert parts.keys() <= {"blocks", "connections", "events"}
+            built[target.id] = (kind, _level(parts["blocks"], parts["connections"],
+                                             parts.get("events", [])))
+        else:
+            assert kind in classes or kind == "Interface"
+            assert not value.args
+            built[target.id] = (kind, tuple(sorted((k.arg, ast.dump(k.value))
+                                                   for k in value.keywords)))
+        built[target.id] = [built[target.id]]  # an identity of its own
+    return {**_level(built["blocks"], built["connections"], built.get("events", [])),
+            "sim": built["sim"][0]}
+
+
+def _list(node, built):
+    out = []
+    for item in node.elts:
+        if isinstance(item, ast.Name):
+            out.append(built[item.id])
+        else:
+            assert item.func.id == "Connection"
+            assert not item.keywords
+            source, *targets = [(built[a.value.id], a.slice.value) for a in item.args]
+            out += [(*source, *target) for target in targets]
+    return out
+
+
+def _level(nodes, wires, events):
+    index = {id(n): i for i, n in enumerate(nodes)}
+    assert len(index) == len(nodes)
+    return {"nodes": [n[0] for n in nodes], "events": [e[0] for e in events],
+            "wires": sorted((index[id(a)], i, index[id(b)], j) for a, i, b, j in wires)}
+
+
+def _kind(node):
+    kind = node["type"]
+    return kind.rpartition(".")[2] if kind.startswith("pathsim.") else kind
+
+
+def _all_nodes(graph):
+    for node in graph.get("nodes") or []:
+        yield node
+        yield from _all_nodes(node.get("graph") or {})
+
+
+def _wanted(graph, registry, top=False):
+    def call(part, kind, entries):
+        params = {k: v for k, v in (part.get("params") or {}).items()
+                  if k in entries[kind]["params"] and v not in (None, "")
+                  and not k.startswith("_")}
+        return kind, tuple(sorted((k, _expression(v)) for k, v in params.items()))
+
+    nodes = [n for n in graph.get("nodes") or [] if _kind(n) not in ("BusCreator", "BusSelector")]
+    first = "Subsystem" if top else "Interface"
+    nodes.sort(key=lambda n: _kind(n) != first)
+    index = {n["id"]: i for i, n in enumerate(nodes)}
+    out = []
+    for node in nodes:
+        kind = _kind(node)
+        if kind == "Subsystem":
+            out.append((kind, _wanted(node.get("graph") or {}, registry)))
+        elif kind == "Interface":
+            out.append((kind, ()))
+        else:
+            out.append(call(node, kind, registry["blocks"]))
+    wires = [(index.get(c["sourceNodeId"]), c["sourcePortIndex"], index.get(c["targetNodeId"]),
+              c["targetPortIndex"]) for c in graph.get("connections") or []]
+    return {"nodes": out, "wires": sorted(w for w in wires if None not in w),  # None: to a bus
+            "events": [call(e, e["type"].rpartition(".")[2], registry["events"])
+                       for e in graph.get("events") or []]}

@@ -1,0 +1,227 @@
+"""A model from outside runs after the user's word only, and the word is for its content."""
+
+import copy
+import json
+import os
+import subprocess
+import sys
+import warnings
+
+import pytest
+
+from pathsim_jsbsim_blocks import cli
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.errors import DiagramError, ParameterError, UntrustedModelError
+from pathsim_jsbsim_blocks.pathview import convert_model, export_script, pvm, view
+from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember
+
+pytest.importorskip("pathview")
+
+MODEL = {
+    "version": "1.0.0", "metadata": {"name": "model", "created": "a", "modified": "b"},
+    "graph": {"nodes": [{"id": "a", "type": "Constant", "name": "one", "inputs": [],
+                         "outputs": [{"name": "0"}], "position": {"x": 0, "y": 0},
+                         "params": {"value": "1.5"}}]},
+    "codeContext": {"code": ""},
+}
+# with this port the server does not start: the model was trusted when that is the error
+NO_PORT = 99_999
+
+
+@pytest.fixture(autouse=True)
+def state(tmp_path, monkeypatch):
+    """The user's folder for what programs remember."""
+    if sys.platform in ("win32", "darwin"):
+        monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "state"))
+        monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path / "state")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.trusted_models._remembered", set())
+    return tmp_path / "state"
+
+
+@pytest.fixture
+def path(tmp_path):
+    owned = tmp_path / "owned"
+    path = tmp_path / "model.pvm"
+    code = f"import os; os.mkdir({str(owned)!r})"
+    path.write_text(json.dumps({**MODEL, "codeContext": {"code": code}}))
+    yield path
+    assert not owned.exists()
+
+
+def opens(*arguments):
+    """The exit status of ``view`` for a model that is trusted is 1, for the port."""
+    return cli.main(["view", *map(str, arguments), "--port", str(NO_PORT)])
+
+
+def test_a_model_from_outside_is_refused_without_a_terminal(path, capsys):
+    assert opens(path) == 2
+    out, errors = capsys.readouterr()
+    assert out == ""
+    assert errors == (f"pathsim-jsbsim: {path}: from outside: its parameters and code are Python "
+                      "that runs as you when the model runs; read its code first, then say "
+                      "--trust\n")
+    with pytest.raises(UntrustedModelError) as caught:
+        view(path, port=NO_PORT)
+    assert caught.value.path == str(path)
+    assert caught.value.digest == digest(pvm.read(path))
+    assert isinstance(caught.value, DiagramError)
+
+
+def test_trust_is_remembered_for_the_content(path, tmp_path, state):
+    assert opens(path, "--trust") == 1
+    assert opens(path) == 1
+    (file,) = [p for p in state.rglob("*") if p.is_file()]
+    assert file.read_text() == digest(pvm.read(path)) + "\n"
+    copied = tmp_path / "another name.pvm"
+    copied.write_bytes(path.read_bytes())
+    assert opens(copied) == 1
+    path.write_text(path.read_text().replace("1.5", "2.5"))
+    assert opens(path) == 2
+
+
+def test_from_python(path):
+    with pytest.raises(ParameterError, match="port"):
+        view(path, port=NO_PORT, trust=True)
+    with pytest.raises(ParameterError, match="port"):
+        view(path, port=NO_PORT)
+
+
+def test_to_convert_runs_nothing_and_needs_no_trust(path):
+    assert cli.main(["convert", str(path)]) == 0
+    assert "os.mkdir" in path.with_suffix(".py").read_text(encoding="utf-8")
+    assert opens(path) == 2
+
+
+def test_a_damaged_model_is_damaged_first(path, capsys):
+    path.write_text("{}")
+    assert opens(path) == 1
+    assert "not a PathView model" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [diagram_names()[0], diagram_names()[-1]])
+def test_models_of_this_package_are_known_by_their_content(name, tmp_path):
+    assert opens(name) == 1
+    model = pvm.read(diagram_folder() / f"{name}.pvm")
+    model["graph"]["nodes"][0]["position"] = {"x": 1234, "y": -5.5}
+    model["metadata"]["modified"] = "today"
+    path = tmp_path / "moved.pvm"
+    path.write_text(json.dumps(model), encoding="utf-8")
+    assert opens(path) == 1
+    model["codeContext"]["code"] += "\nprint()"
+    path.write_text(json.dumps(model), encoding="utf-8")
+    assert opens(path) == 2
+    path = tmp_path / f"{name}.pvm"
+    path.write_text(json.dumps(model), encoding="utf-8")
+    assert opens(path) == 2
+
+
+def test_what_the_user_exports_is_his(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("from pathsim import Simulation\nfrom pathsim.blocks import Constant\n"
+                      "one = Constant(1.0)\nsim = Simulation([one], log=False)\n")
+    assert cli.main(["export", str(script)]) == 0
+    assert opens(script.with_suffix(".pvm")) == 1
+    script.write_text(script.read_text().replace("1.0", "2.0"))
+    export_script(script)  # from Python nothing is remembered
+    assert opens(script.with_suffix(".pvm")) == 2
+
+
+@pytest.mark.parametrize(("place", "key", "value"), [
+    (["codeContext"], "code", "x = 1"), (["graph", "nodes", 0], "name", "two"),
+    (["graph", "nodes", 0], "type", "Scope"), (["graph", "nodes", 0, "params"], "value", "2.0"),
+    (["graph", "nodes", 0, "params"], "position", "1"), (["metadata"], "name", "x"),
+    (["graph", "nodes", 0, "params"], "position", {"x": 1, "y": 0}),
+    (["graph", "nodes", 0], "position", {"x": "print()", "y": 0}),
+    ([], "requiredToolboxes", []), ([], "events", [{}]), ([], "other", 1),
+])
+def test_every_change_but_of_place_and_time_is_another_digest(place, key, value):
+    changed = copy.deepcopy(MODEL)
+    at = changed
+    for step in place:
+        at = at[step]
+    at[key] = value
+    assert digest(changed) != digest(MODEL)
+
+
+def test_moved_and_saved_it_has_the_same_digest():
+    moved = copy.deepcopy(MODEL)
+    moved["graph"]["nodes"][0]["position"] = {"x": 1.5, "y": 20}
+    moved["metadata"].update(created="c", modified="d")
+    assert digest(moved) == digest(MODEL)
+
+
+def test_without_a_place_to_remember_it_is_opened_with_a_warning(path, state):
+    state.write_text("no folder")
+    with pytest.warns(UserWarning, match="cannot remember the model .*you will be asked again"):
+        assert opens(path, "--trust") == 1
+
+
+def test_a_damaged_memory_trusts_nothing_more(path, state):
+    remember("0" * 64)
+    (file,) = [p for p in state.rglob("*") if p.is_file()]
+    file.write_bytes(b"\xff\xfe\0garbage\n")
+    assert opens(path) == 2
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert opens(path, "--trust") == 1
+
+
+def test_a_relative_state_home_counts_as_none(path, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", "here")
+    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path / "home")
+    monkeypatch.chdir(tmp_path)
+    assert opens(path, "--trust") == 1
+    assert not (tmp_path / "here").exists()
+    assert list((tmp_path / "home").rglob("trusted-models"))
+
+
+def test_a_model_that_changes_after_the_yes_is_refused(path, monkeypatch):
+    def yes(error):
+        path.write_text(path.read_text().replace("1.5", "2.5"))
+        return True
+
+    monkeypatch.setattr(cli, "_says_yes", yes)
+    assert opens(path) == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no POSIX terminals")
+def test_at_a_terminal_the_user_is_asked_once(path):
+    def answered(text):
+        import pty
+
+        master, slave = pty.openpty()
+        process = subprocess.Popen(
+            [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "view", str(path), "--port",
+             str(NO_PORT)], stdin=slave, stderr=slave, stdout=subprocess.PIPE)
+        os.write(master, text.encode())
+        status = process.wait(60)
+        os.close(slave)
+        shown = b""
+        try:
+            while part := os.read(master, 4096):
+                shown += part
+        except OSError:  # all is read
+            pass
+        os.close(master)
+        process.stdout.close()
+        return status, shown.decode()
+
+    for no in ("\n", "yess\n", "\x04"):
+        status, shown = answered(no)
+        assert status == 2
+        assert "from outside: its parameters and code are Python" in shown
+        assert "read its code first" in shown
+        assert "pathsim-jsbsim convert" in shown
+    status, shown = answered("y\n")
+    assert status == 1
+    assert "[y/N]" in shown
+    assert "port" in shown
+    status, shown = answered("")
+    assert status == 1
+    assert "[y/N]" not in shown
+
+
+def test_convert_model_has_no_state(path, state):
+    convert_model(path)
+    assert not state.exists()
