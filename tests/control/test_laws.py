@@ -16,6 +16,7 @@ from pathsim_jsbsim_blocks import (
     AirspeedHold,
     AltitudeHold,
     Autopilot,
+    DiscretePID,
     HeadingHold,
     PitchHold,
     RollHold,
@@ -281,6 +282,18 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     error = (quiet["h"][back] + quiet["h_ref"] - quiet["h"])[back:300]
     assert y["hdot_cmd"][back:300] == pytest.approx(
         np.clip(ALTITUDE["Kh"] * error, -8.0, 8.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("hold", [PitchHold, RollHold, HeadingHold, AltitudeHold, AirspeedHold,
+                                  YawDamper, Autopilot, DiscretePID])
+def test_a_wire_beyond_the_last_input_changes_nothing(hold):
+    # PathSim makes room for any port number that is wired
+    block = hold()
+    u = [0.5 + i for i in range(len(block.input_port_labels))]
+    expected, state = block.law(u, block.initial_state()), block.initial_state()
+    assert block.law([*u, 9.0, 9.0], state) == expected
+    _, state = expected
+    assert block.law([*u, 9.0], state) == block.law(u, state)
 
 
 @pytest.mark.parametrize(("vc", "demanded", "share"), [

@@ -125,6 +125,17 @@ def test_a_positive_input_does_what_its_line_in_the_manual_says(port, signs):
     assert {name: np.sign(moved[name] - bare[name]) for name in signs} == signs
 
 
+def test_nothing_is_saturated_before_it_flies_nor_without_an_engine():
+    glider = Aircraft("SGS", altitude=5000.0, speed=50.0, mode="none")
+    saturations = ["elev_sat", "ail_sat", "rud_sat", "thr_sat"]
+    for plane in (Aircraft("c172p", speed=90.0), glider):
+        assert [plane.outputs[name] for name in saturations] == [0.0] * 4
+    constant = Constant(0.5)
+    Simulation([constant, glider], [Connection(constant, glider["throttle"])],
+               dt=T, log=False).run(2 * T)
+    assert [glider.outputs[name] for name in saturations] == [0.0] * 4
+
+
 def test_north_east_and_up_are_positive():
     plane = Aircraft("c172p", speed=90.0, gamma=3.0, heading=45.0)
     lat, lon, h = (plane.outputs[name] for name in ("lat", "lon", "h"))

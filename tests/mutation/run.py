@@ -1,7 +1,7 @@
 """Mutation run: change one operator or constant at a time and see whether its own tests notice.
 
     python tests/mutation/run.py                       the seeded sample of 300
-    python tests/mutation/run.py --only axes --count 50 --seed 3
+    python tests/mutation/run.py --count 1000 --only axes/        of 1000, those in axes/
 
 Needs ``pip install cosmic-ray``, whose operators it uses. A copy of the tree is mutated, never the
 tree itself. Every process is forked from one that has already imported the libraries, so that a
@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import ast
 import contextlib
+import hashlib
 import os
 import random
 import re
@@ -23,7 +24,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from importlib import import_module
 from pathlib import Path
 
@@ -36,7 +37,7 @@ from cosmic_ray.operators.operator import Operator
 from cosmic_ray.plugins import get_operator
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = "src/pathsim_jsbsim_blocks"
+PACKAGE = Path("src/pathsim_jsbsim_blocks")
 WANTED = 0.92
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -77,19 +78,20 @@ OPERATORS = {name: get_operator(f"core/{name}")() for name in (
     "ReplaceContinueWithBreak", "NumberReplacer")} | {"OnePercent": OnePercent()}
 
 
-def own_tests(module: Path) -> list[str]:
-    """Test files of a module: those of the longest key that its path ends with."""
-    path = module.relative_to(ROOT / PACKAGE).with_suffix("").as_posix()
-    keys = [key for key in OWN_TESTS if f"/{path}".endswith(f"/{key}")
-            or (key.endswith("/") and f"/{key}" in f"/{path}")]
-    if not keys:
-        return []
+def own_tests(tree: Path, module: Path) -> list[str]:
+    """Arguments for pytest: the tests of a module, by the longest key that its path ends with."""
+    path = f"/{module.relative_to(PACKAGE).with_suffix('').as_posix()}"
+    keys = [key for key in OWN_TESTS
+            if path.endswith(f"/{key}") or (key.endswith("/") and f"/{key}" in path)]
     found = []
-    for name in OWN_TESTS[max(keys, key=len)]:
-        paths = [p for p in (ROOT / "tests").rglob(name) if "mutation" not in p.parts]
+    for name in OWN_TESTS[max(keys, key=len)] if keys else ():
+        if not name.endswith(".py"):  # an option
+            found.append(name)
+            continue
+        paths = sorted(p for p in (tree / "tests").rglob(name) if "mutation" not in p.parts)
         if not paths:
-            raise SystemExit(f"no test file {name} (for {path})")
-        found += [p.relative_to(ROOT).as_posix() for p in sorted(paths)]
+            raise SystemExit(f"no test file {name}, for {module}")
+        found += [p.relative_to(tree).as_posix() for p in paths]
     return found
 
 
@@ -123,9 +125,8 @@ def silent(source: str) -> list[tuple[int, int, int, int]]:
     return spans
 
 
-def mutants(module: Path) -> dict[tuple[int, int], list[tuple[str, int]]]:
+def mutants(source: str) -> dict[tuple[int, int], list[tuple[str, int]]]:
     """(operator, occurrence) of each mutant, by the place that it changes."""
-    source = module.read_text()
     tree = get_ast(source)
     spans = silent(source)
     places = defaultdict(list)
@@ -138,17 +139,28 @@ def mutants(module: Path) -> dict[tuple[int, int], list[tuple[str, int]]]:
     return places
 
 
-def sample(only: str, count: int, seed: int) -> list[tuple[Path, str, int]]:
-    """Seeded sample without two mutants at one place."""
-    places = []
-    for module in sorted((ROOT / PACKAGE).rglob("*.py")):
-        if only in module.as_posix() and own_tests(module):
-            places += [(module, *place, choices)
-                       for place, choices in sorted(mutants(module).items())]
-    print(f"{len(places)} places for mutants", flush=True)
-    draw = random.Random(seed)
-    chosen = draw.sample(places, min(count, len(places)))
-    return [(module, *draw.choice(choices)) for module, _, _, choices in chosen]
+def sample(tree: Path, only: str, count: int, seed: int) -> list[tuple[Path, str, int]]:
+    """Seeded sample of (module, operator, occurrence) without two mutants at one place.
+
+    Places are drawn by the hash of their text, so that a change elsewhere leaves the sample as it
+    is.
+    """
+    drawn = []
+    for path in sorted((tree / PACKAGE).rglob("*.py")):
+        module = path.relative_to(tree)
+        if not own_tests(tree, module):
+            continue
+        source = path.read_text()
+        lines, seen = source.splitlines(), Counter()
+        for (line, column), choices in sorted(mutants(source).items()):
+            text = f"{module.name} {lines[line - 1]} {column}"
+            seen[text] += 1
+            digest = hashlib.sha256(f"{seed} {text} {seen[text]}".encode()).digest()
+            operator, occurrence = random.Random(digest).choice(choices)
+            drawn.append((digest, module, operator, occurrence))
+    print(f"{len(drawn)} places for mutants", flush=True)
+    return [mutant for _, *mutant in sorted(drawn)[:count]
+            if re.search(only, mutant[0].as_posix())]
 
 
 def changed(before: str, after: str) -> tuple[int, str, str]:
@@ -160,19 +172,19 @@ def changed(before: str, after: str) -> tuple[int, str, str]:
     return 0, "", ""
 
 
-def run_tests(copy: Path, tests: list[str], limit: float) -> tuple[str, float, str]:
+def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, str]:
     """"passed", "failed" or "timeout", seconds, and the test that failed."""
     start = time.monotonic()
-    report = copy / "report.txt"
+    report = tree / "report.txt"
     child = os.fork()
     if not child:
         os.setsid()
         fd = os.open(report, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(fd, 1)
         os.dup2(fd, 2)
-        os.chdir(copy)
-        os.environ["PYTHONPATH"] = str(copy / "src")
-        sys.path[:] = [str(copy / "src"), *(p for p in sys.path if p not in (
+        os.chdir(tree)
+        os.environ["PYTHONPATH"] = str(tree / "src")
+        sys.path[:] = [str(tree / "src"), *(p for p in sys.path if p not in (
             str(ROOT / "src"), str(Path(__file__).parent), ""))]
         pytest = import_module("pytest")
         code = 99
@@ -226,53 +238,67 @@ def reasons() -> dict[str, str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--only", default="", help="part of the path of the modules")
+    parser.add_argument("--only", default="", help="run those whose module fits this pattern")
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--list", action="store_true", help="show the sample, run nothing")
+    parser.add_argument("--journal", type=Path, help="go on from the outcomes kept in this file")
     options = parser.parse_args()
-    chosen = sample(options.only, options.count, options.seed)
+    kept = {}
+    if options.journal and options.journal.exists():
+        kept = dict(line.split() for line in options.journal.read_text().splitlines())
     known = reasons()
-    preload()
-    killed, survivors, baseline = 0, [], {}
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        copy = Path(folder) / "tree"
-        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(
+        tree = Path(folder) / "tree"
+        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(
             ".git", ".venv*", "__pycache__", ".*_cache", ".hypothesis"))
+        chosen = sample(tree, options.only, options.count, options.seed)
+        if not options.list:
+            preload()
+        killed, survivors, baseline = 0, [], {}
         for i, (module, name, occurrence) in enumerate(chosen):
-            path = module.relative_to(ROOT)
-            source = module.read_text()
+            source = (tree / module).read_text()
             mutated = mutate_code(source, OPERATORS[name], occurrence)
             number, before, after = changed(source, mutated)
-            where = path.relative_to(PACKAGE).as_posix()
-            mutant = f"{where}: {before} -> {after}"
+            where = module.relative_to(PACKAGE).as_posix()
             if options.list:
                 print(f"{where}:{number}: {before} -> {after}")
                 continue
-            tests = own_tests(module)
-            if tuple(tests) not in baseline:
-                outcome, taken, failed = run_tests(copy, tests, 900)
-                if outcome != "passed":
-                    print(f"the tests fail without a mutant: {failed}")
-                    return 2
-                baseline[tuple(tests)] = taken
-            (copy / path).write_text(mutated)
-            limit = 20 + 3 * baseline[tuple(tests)]
-            outcome, taken, failed = run_tests(copy, tests, limit)
-            (copy / path).write_text(source)
+            tests = own_tests(tree, module)
+            digest = hashlib.sha256("\0".join([mutated, *tests, *(
+                (tree / test).read_text() for test in tests if test.endswith(".py"))]).encode()
+                ).hexdigest()
+            outcome, taken, failed = kept.get(digest, ""), 0.0, ""
+            if not outcome:
+                limit = 20 + 4 * unchanged(baseline, tree, tests)
+                (tree / module).write_text(mutated)
+                outcome, taken, failed = run_tests(tree, tests, limit)
+                (tree / module).write_text(source)
+                if options.journal:
+                    with options.journal.open("a") as journal:
+                        journal.write(f"{digest} {outcome}\n")
             killed += outcome != "passed"
             print(f"{i + 1:4d} {killed:4d} {outcome:8s}{taken:6.1f} s  {where}:{number} {name}: "
                   f"{before} -> {after}  {failed}", flush=True)
             if outcome == "passed":
-                survivors.append((mutant, number))
+                survivors.append((f"{where}: {before} -> {after}", number))
     if options.list:
         return 0
     share = killed / len(chosen)
     print(f"\nseed {options.seed}: {killed} of {len(chosen)} mutants killed, {share:.1%}")
-    open_ = [(mutant, number) for mutant, number in survivors if mutant not in known]
     for mutant, number in survivors:
         print(f"{mutant}  (line {number})\n    {known.get(mutant, 'NO REASON')}")
-    return 0 if share >= WANTED and not open_ else 1
+    return 0 if share >= WANTED and all(mutant in known for mutant, _ in survivors) else 1
+
+
+def unchanged(baseline: dict, tree: Path, tests: list[str]) -> float:
+    """Seconds that tests take without a mutant; they must pass."""
+    if tuple(tests) not in baseline:
+        outcome, taken, failed = run_tests(tree, tests, 900)
+        if outcome != "passed":
+            raise SystemExit(f"{' '.join(tests)} without a mutant: {outcome} {failed}")
+        baseline[tuple(tests)] = taken
+    return baseline[tuple(tests)]
 
 
 if __name__ == "__main__":
