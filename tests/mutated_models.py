@@ -17,12 +17,8 @@ from pathlib import Path
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder
 from pathsim_jsbsim_blocks.errors import BlocksError
-from pathsim_jsbsim_blocks.pathview.convert import (
-    convert_model,
-    core_registry,
-    with_toolboxes,
-)
-from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
+from pathsim_jsbsim_blocks.pathview import convert_model
+from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS, core_registry, with_toolboxes
 
 EVIL = "__import__('os').system('echo executed')"
 SEPARATORS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1e", "\x85", "\u2028", "\u2029"]

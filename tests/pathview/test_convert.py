@@ -13,8 +13,8 @@ import pytest
 
 from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError, ParameterError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script, view
-from pathsim_jsbsim_blocks.pathview.pvm import plain
 from pathsim_jsbsim_blocks.pathview.toolboxes import _distributions
+from pathsim_jsbsim_blocks.pathview.variables import plain
 
 pytest.importorskip("pathview")
 

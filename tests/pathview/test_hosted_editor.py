@@ -27,7 +27,9 @@ light = [m for m in ("pathview", "pandas", "joblib") if m in sys.modules]
 
 from pathlib import Path
 from pathsim_jsbsim_blocks.errors import DiagramError
-from pathsim_jsbsim_blocks.pathview.convert import read, registry_for, to_python
+from pathsim_jsbsim_blocks.pathview.generate import to_python
+from pathsim_jsbsim_blocks.pathview.pvm import read
+from pathsim_jsbsim_blocks.pathview.toolboxes import registry_for
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
 
 logging.disable()

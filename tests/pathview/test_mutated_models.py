@@ -11,7 +11,8 @@ from mutated_models import (
     convert_mutants,
 )
 
-from pathsim_jsbsim_blocks.pathview.convert import convert_model, core_registry
+from pathsim_jsbsim_blocks.pathview import convert_model
+from pathsim_jsbsim_blocks.pathview.toolboxes import core_registry
 
 pytest.importorskip("pathview")
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..errors import DiagramError
-from .pvm import plain
 from .shape import Json
+from .variables import plain, prefix_inside, variable
 
 # what PathView's script binds beside the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
@@ -70,13 +70,12 @@ class _Clashes:
             return part
         if part["type"] == "Subsystem":
             # the names of its blocks begin with its own, so it is not renamed for the code's sake
-            for name in (_variable(part, prefix), f"{_inner(part, prefix)}interface"):
-                if name in self.bound:
-                    self._refuse(f"subsystem {part['name']!r}", name)
-        variable = _variable(part, prefix)
-        if variable in self.bound and variable in self.called_later:
-            self._refuse(f"{kind} {part['name']!r}", variable)
-        if not plain(part["name"]) or variable in self.bound or (
+            for name in sorted(self._variables(part, prefix) & {*self.bound}):
+                self._refuse(f"subsystem {part['name']!r}", name)
+        name = _variable(part, prefix)
+        if name in self.bound and name in self.called_later:
+            self._refuse(f"{kind} {part['name']!r}", name)
+        if not plain(part["name"]) or name in self.bound or (
                 self._variables(part, prefix) & self.taken):
             wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
             names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
@@ -98,10 +97,8 @@ class _Clashes:
 
 
 def _variable(part: Json, prefix: str) -> str:
-    """PathView puts nothing before the variable of a subsystem in a subsystem."""
-    return ("" if part["type"] == "Subsystem" else prefix) + plain(part["name"])
+    return variable(part["name"], prefix, part["type"] == "Subsystem")
 
 
 def _inner(subsystem: Json, prefix: str) -> str:
-    """What PathView puts before the variables of blocks in a subsystem."""
-    return f"{prefix}{plain(subsystem['name'])}_"
+    return prefix_inside(subsystem["name"], prefix)

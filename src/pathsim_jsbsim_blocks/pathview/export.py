@@ -10,11 +10,12 @@ import numpy as np
 from .._core.checks import as_path
 from ..errors import DiagramError
 from . import pvm
-from .convert import registry_for, required_toolboxes, to_python
 from .diagram import Diagram
+from .generate import to_python
 from .reader import read_diagram
 from .script import Script, quiet
 from .shape import Json
+from .toolboxes import registry_for, required_toolboxes
 
 
 def export_script(script: str | Path, out: str | Path | None = None) -> Path:

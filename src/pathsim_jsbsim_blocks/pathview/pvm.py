@@ -15,6 +15,7 @@ from ..errors import DiagramError
 from .diagram import Diagram, Event, Graph, Node
 from .layout import GRID, arrange, size, touch
 from .shape import check_shape
+from .variables import plain
 
 VERSION = "1.0.0"
 # a fixed time, so that the same script always gives the same file
@@ -103,20 +104,6 @@ def write(path: Path, content: str) -> None:
             temporary.unlink(missing_ok=True)
     except OSError as error:
         raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
-
-
-def plain(name: str) -> str:
-    """The variable that PathView makes of a name."""
-    variable = re.sub(r"[^a-zA-Z0-9_]", "", name.replace(" ", "_"))
-    return ("n_" + variable if variable[:1].isdigit() else variable).lower()
-
-
-def printable(name: str) -> str:
-    """A name on one line: no line separators, controls or marks that turn the reading direction.
-
-    Its variable is the same.
-    """
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in name)
 
 
 class _Box:

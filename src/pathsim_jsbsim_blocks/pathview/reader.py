@@ -18,10 +18,10 @@ from pathsim.blocks import Block
 from .context import PARTS, Context
 from .diagram import Diagram, Event, Graph, Node, Wire
 from .names import passed, used
-from .pvm import plain
 from .script import Script, named_arguments
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
+from .variables import plain, prefix_inside
 
 # methods that build the diagram, or only look at it
 _HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "read",
@@ -343,10 +343,10 @@ def _port_names(block: Block, side: str, wired: int) -> list[str]:
 
 
 def _prefix(parent: _Part | None) -> str:
-    """What PathView puts before the variables of blocks in a subsystem."""
+    """What PathView puts before the variables of the blocks of a part."""
     if parent is None:
         return ""
-    return _prefix(parent.parent) + plain(parent.target.name) + "_"
+    return prefix_inside(parent.target.name, _prefix(parent.parent))
 
 
 def _is_free(variable: str, other: Collection[str]) -> bool:

@@ -14,9 +14,8 @@ from urllib.parse import quote
 from .._core.checks import whole
 from ..errors import MissingExtraError, ParameterError
 from . import pvm
-from .convert import required_toolboxes
 from .shape import Json
-from .toolboxes import OURS, Toolbox
+from .toolboxes import OURS, Toolbox, required_toolboxes
 
 HOST = "127.0.0.1"
 # one address from day to day: the browser keeps the user's settings by address

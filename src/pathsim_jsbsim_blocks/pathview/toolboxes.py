@@ -15,7 +15,8 @@ from typing import Any
 from pathsim.blocks import Block
 
 from .._core.checks import did_you_mean, nearest
-from ..errors import MissingExtraError, ParameterError
+from ..errors import DiagramError, MissingExtraError, ParameterError
+from .shape import Json
 
 _PYPI_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?")
 
@@ -176,6 +177,36 @@ def with_toolboxes(registry: dict[str, dict[str, Any]],
             blocks[name] = {"blockClass": name, "importPath": toolbox.import_path,
                             "params": list(block.info()["parameters"])}
     return {**registry, "blocks": blocks}
+
+
+def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = (),
+                 trust_toolboxes: Sequence[str] = ()) -> Json:
+    """The blocks that a model may use; of one class name, its own toolboxes' last one counts."""
+    required = required_toolboxes(content, path)
+    named = [Toolbox.parse(t) for t in toolboxes]
+    trusted = [*named, *map(Toolbox.parse, trust_toolboxes)]
+    for toolbox in required:
+        if reason := why_not_import(toolbox, trusted):
+            raise DiagramError(reason, path=path)
+    others = [t for t in (FLIGHT, OURS, *named) if t not in required]
+    return with_toolboxes(core_registry(), [*others, *required])
+
+
+def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
+    """The toolboxes that a model names itself."""
+    return [_required(entry, path) for entry in content.get("requiredToolboxes") or []]
+
+
+def _required(entry: Any, path: Path) -> Toolbox:
+    source = entry.get("source") if isinstance(entry, dict) else None
+    if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
+        raise DiagramError(f"requires a toolbox that is not a package: {entry!r}", path=path)
+    try:
+        return Toolbox.parse(f"{source.get('pkg') or entry.get('displayName') or ''}:"
+                             f"{entry.get('importPath') or ''}")
+    except ParameterError as error:
+        raise DiagramError(f"requires a toolbox that is not a package: {error}",
+                           path=path) from error
 
 
 def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:

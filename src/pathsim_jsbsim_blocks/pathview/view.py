@@ -16,10 +16,11 @@ from unittest.mock import patch
 
 from ..catalogue import find_diagram
 from . import pvm
-from .convert import registry_for, to_python
 from .export import script_model
+from .generate import to_python
 from .server import Server
 from .shape import Json
+from .toolboxes import registry_for
 from .trusted_models import digest, remember, require_trust
 
 

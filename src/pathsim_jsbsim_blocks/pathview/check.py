@@ -1,0 +1,202 @@
+"""Whether every part of a model reaches its script: PathView drops what it does not know."""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pathsim.solvers
+
+from .._core.checks import did_you_mean, nearest
+from ..errors import DiagramError
+from .names import bound, used
+from .shape import Json
+from .toolboxes import unknown_block
+
+BUSES = {"BusCreator", "BusSelector"}
+NUMBERS = ("duration", "dt", "atol", "rtol", "ftol", "dt_min", "dt_max")
+_EDITOR_BLOCKS = {"Subsystem", "Interface", *BUSES}
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Without Python's warnings about the style of code: they are for those who wrote it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def complete(content: Json) -> Json:
+    """A model with all of its optional parts.
+
+    Types are written as PathView reads old files: "pathsim.sources.StepSource" is ``StepSource``.
+    """
+    def events(old: Json) -> list[Json]:
+        return [{**e, "params": e.get("params") or {}} for e in old.get("events") or []]
+
+    def graph(old: Json) -> Json:
+        nodes = []
+        for node in old.get("nodes") or []:
+            new = {**node, "params": node.get("params") or {}}
+            if new["type"].startswith("pathsim."):
+                new["type"] = new["type"].rpartition(".")[2]
+            inside = new.pop("graph", None)
+            nodes.append({**new, "graph": graph(inside)} if inside else new)
+        return {**old, "nodes": nodes, "connections": old.get("connections") or [],
+                "events": events(old)}
+
+    return {**content, "graph": graph(content["graph"]), "events": events(content),
+            "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
+            "simulationSettings": content.get("simulationSettings") or {}}
+
+
+class Check:
+    """Whether every part of a model reaches its script.
+
+    Attributes
+    ----------
+    assigned : set of str
+        names that the model's code binds
+    used : set of str
+        names that the code and parameters refer to
+    called_later : set of str
+        those of them that functions refer to
+    """
+
+    def __init__(self, content: Json, registry: Json, path: Path):
+        self.content, self.registry, self.path = content, registry, path
+        self.assigned: set[str] = set()
+        self.used: set[str] = set()
+        self.called_later: set[str] = set()
+
+    def all(self) -> None:
+        settings = self.content["simulationSettings"]
+        code = self._parsed("the code", self.content["codeContext"]["code"], "exec")
+        self.assigned.update(bound(ast.iter_child_nodes(code)))
+        for name in NUMBERS:
+            if settings.get(name) not in (None, ""):
+                self._parsed(f"setting {name!r}", settings[name])
+        solver = settings.get("solver")
+        if solver and not isinstance(getattr(pathsim.solvers, solver, None), type):
+            known = [n for n, v in vars(pathsim.solvers).items() if isinstance(v, type)]
+            self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, known)))
+        self._ids(self.content["graph"])
+        self._graph(self.content["graph"], None)
+        for event in self.content["events"]:
+            self._event(event)
+
+    def _refuse(self, reason: str) -> NoReturn:
+        raise DiagramError(reason, path=self.path)
+
+    def _ids(self, graph: Json) -> dict[str, str]:
+        """Names of all blocks of a graph and below it, by id.
+
+        PathView's converter looks the ends of a wire up in one table of them all.
+        """
+        below: dict[str, str] = {}
+        for node in graph["nodes"]:
+            if node.get("graph"):
+                below.update(self._ids(node["graph"]))
+        own: dict[str, str] = {}
+        for node in graph["nodes"]:
+            for known in (own, below):
+                if node["id"] in known:
+                    self._refuse(f"blocks {known[node['id']]!r} and {node['name']!r} have the same "
+                                 f"id {node['id']!r}: a wire to it could mean either")
+            own[node["id"]] = node["name"]
+        return {**below, **own}
+
+    def _graph(self, graph: Json, parent: Json | None) -> None:
+        if parent is None and graph["events"]:
+            self._refuse(f"event {graph['events'][0]['name']!r} is in the graph; those of the top "
+                         "level belong beside it, into 'events'")
+        interfaces = [n["name"] for n in graph["nodes"] if n["type"] == "Interface"]
+        if parent is None and interfaces:
+            self._refuse(f"block {interfaces[0]!r} is an Interface outside a subsystem; PathView "
+                         "leaves it and its wires out")
+        if len(interfaces) > 1 and parent is not None:
+            self._refuse(f"subsystem {parent['name']!r} has {len(interfaces)} interfaces, "
+                         f"{' and '.join(map(repr, interfaces))}; it can have one")
+        for node in graph["nodes"]:
+            if node["type"] != "Subsystem" and node.get("graph"):
+                self._refuse(f"block {node['name']!r} has blocks inside and is no Subsystem but "
+                             f"{node['type']!r}")
+            if node["type"] in _EDITOR_BLOCKS:
+                if node.get("graph"):
+                    self._graph(node["graph"], node)
+                continue
+            entry = self.registry["blocks"].get(node["type"])
+            if entry is None:
+                self._refuse(f"block {node['name']!r}: "
+                             + unknown_block(node["type"], self.registry))
+            self._parameters(f"block {node['name']!r}", node["params"], entry["params"])
+        for event in graph["events"]:
+            if parent is not None:
+                self._event(event)
+        ends = set()
+        for connection in graph["connections"]:
+            self._end(graph, parent, connection, "source", "output")
+            self._end(graph, parent, connection, "target", "input")
+            end = connection["targetNodeId"], connection["targetPortIndex"]
+            if end in ends:
+                self._refuse(f"connection {connection['id']!r}: input {end[1]} of its target has "
+                             "another wire already")
+            ends.add(end)
+
+    def _end(self, graph: Json, parent: Json | None, connection: Json, end: str,
+             side: str) -> None:
+        name, port = connection[f"{end}NodeId"], connection[f"{end}PortIndex"]
+        node = next((n for n in graph["nodes"] if n["id"] == name), None)
+        if node is None:
+            self._refuse(f"connection {connection['id']!r}: no block {name!r}")
+        ports = node[f"{side}s"]
+        if node["type"] == "Interface" and parent is not None:
+            # the ports of an interface are those of its subsystem, seen from inside
+            ports = parent["inputs" if side == "output" else "outputs"]
+        if not isinstance(port, int) or not 0 <= port < len(ports):
+            self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} "
+                         f"{port!r}")
+
+    def _event(self, event: Json) -> None:
+        name = event["type"].rpartition(".")[2]
+        entry = self.registry["events"].get(name)
+        if entry is None:
+            self._refuse(f"event {event['name']!r}: PathView does not know {event['type']!r}"
+                         + did_you_mean(nearest(name, self.registry["events"])))
+        self._parameters(f"event {event['name']!r}", event["params"], entry["params"])
+
+    def _parameters(self, what: str, params: Json, known: Sequence[str]) -> None:
+        for name, value in params.items():
+            if value in (None, "") or name.startswith("_"):
+                continue
+            if name not in known:
+                # PathView, too, leaves such leftovers of older versions out
+                warnings.warn(f"{self.path}: {what}: no parameter {name!r}; left out", stacklevel=2)
+            else:
+                self._parsed(f"{what}: parameter {name!r}", value)
+
+    def _parsed(self, what: str, value: Any, mode: str = "eval") -> ast.AST:
+        source = str(value).strip() if mode == "eval" else value
+        try:
+            with compiling():
+                # first: it has a limit for depth, which the other lacks in Python 3.10
+                compile(source, what, mode, dont_inherit=True)
+                tree = ast.parse(source, mode=mode)
+            self._note_names(tree)
+        except (SyntaxError, ValueError) as error:
+            kind = "expression" if mode == "eval" else "code"
+            self._refuse(f"{what} is not a Python {kind}: {str(value)!r} "
+                         f"({getattr(error, 'msg', error)})")
+        except (RecursionError, MemoryError):
+            self._refuse(f"{what} is nested too deep for Python: {str(value)[:60]!r}...")
+        return tree
+
+    def _note_names(self, tree: ast.AST) -> None:
+        self.used.update(used(tree))
+        for node in ast.walk(tree):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+                self.called_later.update(used(node))

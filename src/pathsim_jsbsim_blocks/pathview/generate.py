@@ -1,0 +1,82 @@
+"""A model's script, by PathView's own generator."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from pathlib import Path
+from typing import Any
+
+from ..errors import DiagramError
+from .check import BUSES, NUMBERS, Check, compiling, complete
+from .clashes import without_clashes
+from .shape import Json
+from .variables import printable
+
+
+def to_python(content: Json, registry: Json, path: Path) -> str:
+    """A model's script. All is checked before: PathView's converter drops what it does not know.
+
+    ``content`` comes from ``pvm.read``, which checks its shape, or from ``pvm.model``.
+    """
+    from pathview.converter import generate_python
+
+    content = complete(content)
+    check = Check(content, registry, path)
+    check.all()
+    shadowed = check.used & set(dir(builtins))
+    content = without_clashes(content, check.assigned | shadowed, check.called_later, path)
+    try:
+        code = generate_python(_spliceable(content), registry, source_name=_in_docstring(path.name))
+        with compiling():
+            ast.parse(code)
+    except (SyntaxError, ValueError) as error:
+        # parameters and code have been parsed one by one: what is left are the names
+        line = (getattr(error, "text", None) or str(error)).strip()
+        raise DiagramError(f"a name makes no Python: {line!r}", path=path) from error
+    except (RecursionError, MemoryError) as error:
+        raise DiagramError("too deep or too large for a script", path=path) from error
+    return code
+
+
+def _in_docstring(name: str) -> str:
+    return printable(name).replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _spliceable(content: Json) -> Json:
+    """A model whose names and expressions mean in PathView's script what they mean alone.
+
+    PathView writes names into comments, where a line separator would end the comment, and
+    parameters between commas, where a comment would hide what follows.
+    """
+    def part(old: Json) -> Json:
+        new = {**old, "name": printable(old["name"]),
+               "params": {k: v if k.startswith("_") else _argument(v)
+                          for k, v in old["params"].items()}}
+        return {**new, "graph": graph(old["graph"])} if "graph" in old else new
+
+    def graph(old: Json) -> Json:
+        return {**old, "nodes": [n if n["type"] in BUSES else part(n) for n in old["nodes"]],
+                "events": [part(e) for e in old["events"]]}
+
+    settings = content["simulationSettings"]
+    return {**content, "graph": graph(content["graph"]),
+            "events": [part(e) for e in content["events"]],
+            "simulationSettings": {**settings, **{
+                name: _argument(settings[name]) for name in NUMBERS if name in settings}}}
+
+
+def _argument(value: Any) -> Any:
+    """An expression as it can stand between other arguments of a call."""
+    if not isinstance(value, str) or not value.strip():
+        return value
+    value = value.strip()
+    try:
+        with compiling():
+            call = ast.parse(f"f(x={value}, y=0)", mode="eval").body
+    except (SyntaxError, ValueError):
+        call = None
+    if isinstance(call, ast.Call) and not call.args and [k.arg for k in call.keywords] == [
+            "x", "y"]:
+        return value
+    return f"({value}\n)"

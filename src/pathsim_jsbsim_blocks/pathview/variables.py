@@ -1,0 +1,32 @@
+"""How PathView names the variables of a script."""
+
+from __future__ import annotations
+
+import re
+
+
+def plain(name: str) -> str:
+    """The variable that PathView makes of a name."""
+    variable = re.sub(r"[^a-zA-Z0-9_]", "", name.replace(" ", "_"))
+    return ("n_" + variable if variable[:1].isdigit() else variable).lower()
+
+
+def variable(name: str, prefix: str, subsystem: bool) -> str:
+    """The variable of a block, an event or a subsystem; ``prefix`` is that of its graph.
+
+    PathView puts nothing before a subsystem in a subsystem.
+    """
+    return plain(name) if subsystem else prefix + plain(name)
+
+
+def prefix_inside(subsystem: str, prefix: str) -> str:
+    """What PathView puts before the variables of blocks in a subsystem of this name."""
+    return f"{prefix}{plain(subsystem)}_"
+
+
+def printable(name: str) -> str:
+    """A name on one line: no line separators, controls or marks that turn the reading direction.
+
+    Its variable is the same.
+    """
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in name)
