@@ -179,7 +179,7 @@ from pathsim_jsbsim_blocks.flight import trim
 seen = []
 airframe = Airframe("c172p")
 for name in json.loads(sys.argv[1]):
-    condition = TrimCondition(speed=90, properties={name: 1.0})
+    condition = TrimCondition(speed=90, setup={name: 1.0})
     for use in (lambda: airframe.reader(name), lambda: airframe.writer(name),
                 lambda: airframe.access(name), lambda: airframe.canonical(name),
                 lambda: airframe.write({name: 1.0}), lambda: trim(airframe, condition),

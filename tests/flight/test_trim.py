@@ -144,7 +144,7 @@ def test_after_a_ground_trim_the_ground_is_where_it_was():
     assert airframe.fdm["position/h-agl-ft"] == pytest.approx(5000, abs=1)
     # and a terrain that the user has set stays
     trim(airframe, TrimCondition(altitude=5000, speed=90,
-                                 properties={"ic/terrain-elevation-ft": 1000}))
+                                 setup={"ic/terrain-elevation-ft": 1000}))
     trim(airframe, TrimCondition(altitude=6000, mode="ground"))
     trim(airframe, TrimCondition(altitude=5000, speed=90))
     assert airframe.fdm["position/h-agl-ft"] == pytest.approx(4000, abs=1)
@@ -285,7 +285,7 @@ def test_alpha_limits_count():
     ({"gear": 2}, "gear"), ({"bank": 30}, "bank"), ({"load_factor": 2}, "load_factor"),
     ({"payload": [-1]}, "payload[0]"), ({"fuel": {"left": 3}}, "fuel index"),
     ({"fuel": 100}, "fuel"), ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
-    ({"properties": ["a"]}, "properties"), ({"speed": "fast"}, "speed"),
+    ({"setup": ["a"]}, "setup"), ({"speed": "fast"}, "speed"),
 ])
 def test_impossible_conditions_are_refused(values, parameter):
     with pytest.raises(ParameterError) as error:
@@ -299,7 +299,7 @@ def test_missing_tanks_are_named():
 
 
 def test_conditions_can_be_sent_to_other_processes():
-    condition = TrimCondition(altitude=1000, speed=80, payload=[10.0], properties={"a/b": 1.0})
+    condition = TrimCondition(altitude=1000, speed=80, payload=[10.0], setup={"a/b": 1.0})
     copy = pickle.loads(pickle.dumps(condition))
     assert copy == condition
     assert dict(copy.payload) == {0: 10.0}
@@ -307,25 +307,34 @@ def test_conditions_can_be_sent_to_other_processes():
 
 def test_conditions_and_states_are_values():
     condition = TrimCondition(altitude=1000, speed=80, mode="none", payload=[10.0],
-                              properties={"fcs/flap-cmd-norm": 1.0})
+                              setup={"fcs/flap-cmd-norm": 1.0})
     same = TrimCondition(altitude=1000, speed=80, mode="none", payload={0: 10.0},
-                         properties={"fcs/flap-cmd-norm": 1.0})
+                         setup={"fcs/flap-cmd-norm": 1.0})
     assert hash(condition) == hash(same)
     assert len({condition, same, TrimCondition()}) == 2
     for twin in (copy.deepcopy(condition), pickle.loads(pickle.dumps(condition))):
         assert twin == condition
         with pytest.raises(TypeError):
-            twin.properties["fcs/flap-cmd-norm"] = 0.0
+            twin.setup["fcs/flap-cmd-norm"] = 0.0
         with pytest.raises(dataclasses.FrozenInstanceError):
             twin.altitude = 0.0
     assert dataclasses.asdict(condition)["payload"] == {0: 10.0}
     state = trim(Airframe("c172p"), condition)
     data = dataclasses.asdict(state)
     assert data["condition"] == dataclasses.asdict(condition)
-    assert type(data["condition"]["properties"]) is dict
+    assert type(data["condition"]["setup"]) is dict
     assert hash(state) == hash(copy.deepcopy(state))
+
+
+def test_the_setup_of_a_block_is_written_after_that_of_its_condition():
+    # two names of one latitude: the last one written counts
+    condition = TrimCondition(altitude=1000, speed=80, mode="none", setup={
+        "ic/lat-geod-deg": 10.0, "ic/lat-geod-rad": math.radians(20.0)})
+    assert Aircraft("c172p", condition=condition).outputs["lat"] == pytest.approx(20.0)
+    plane = Aircraft("c172p", condition=condition, setup={"ic/lat-geod-deg": 30.0})
+    assert plane.outputs["lat"] == pytest.approx(30.0)
 
 
 def test_every_quantity_has_a_unit():
     names = {f.name for kind in (TrimCondition, TrimState) for f in dataclasses.fields(kind)}
-    assert set(UNITS) == names - {"aircraft", "condition", "properties"}
+    assert set(UNITS) == names - {"aircraft", "condition", "setup"}

@@ -135,7 +135,7 @@ def trim(airframe: Airframe, condition: TrimCondition,
     condition : TrimCondition
         what to trim for
     setup : dict, optional
-        further properties, written before the model is initialised
+        further properties, written before the model is initialised and after the condition's
 
     Returns
     -------
@@ -155,8 +155,9 @@ def trim(airframe: Airframe, condition: TrimCondition,
         raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
                              parameter="condition", value=condition)
     airframe.lower_ground()
-    airframe.write({**_loading(condition), **condition.properties,
-                    **mapping("setup", setup)}, "setup")
+    last = mapping("setup", setup)
+    first = {**_loading(condition), **condition.setup}
+    airframe.write({**{n: v for n, v in first.items() if n not in last}, **last}, "setup")
     _initialise(airframe, condition, condition.heading)
     if condition.mode != "none":
         _find(airframe, condition)

@@ -83,8 +83,9 @@ class TrimCondition:
         contents of the tanks in lb: ``{index: lb}`` or a list from index 0
     empty_cg_x : float, optional
         x of the empty-weight CG in inches aft, structural axes; default is the model's own
-    properties : dict, optional
-        further properties to write before the model is initialised
+    setup : dict, optional
+        further properties to write before the model is initialised; a block's own ``setup`` is
+        written after these
 
     Raises
     ------
@@ -109,7 +110,7 @@ class TrimCondition:
     payload: Mapping[int, float] | list[float] | None = None
     fuel: Mapping[int, float] | list[float] | None = None
     empty_cg_x: float | None = None
-    properties: Mapping[str, float] = field(default_factory=dict)
+    setup: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
@@ -140,7 +141,7 @@ class TrimCondition:
             put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
         put("payload", _weights("payload", self.payload))
         put("fuel", _weights("fuel", self.fuel))
-        put("properties", FixedMapping(mapping("properties", self.properties)))
+        put("setup", FixedMapping(mapping("setup", self.setup)))
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
             raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
                                  f"{self.mode!r}", parameter="bank", value=self.bank)

@@ -85,7 +85,7 @@ def level_flight(aircraft: str, root: str | None = None,
     for altitude, lift_coefficient in TRIES[:whole("tries", tries, low=1)]:
         condition = TrimCondition(
             altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear,
-            properties=frozen)
+            setup=frozen)
         try:
             # a failed search leaves its traces in the next, so each has an airframe of its own
             found = trim(Airframe(aircraft, root=root, create=create), condition)

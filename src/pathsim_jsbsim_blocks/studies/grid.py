@@ -15,7 +15,7 @@ from ..flight._trim import UNITS
 from ..flight.condition import TrimCondition
 
 # columns that a grid can have, besides JSBSim properties
-_COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "properties"]
+_COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "setup"]
 
 # a unit as the tail of a column's name, where it is not the unit itself
 _TAILS = {"KCAS": "kcas", "ft/s": "fps", "ft/s2": "fps2", "rad/s2": "radps2", "lbf": "lb",
@@ -122,7 +122,7 @@ def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
                                  value=fields["mach"])
         return TrimCondition(
             **{key: value for key, value in fields.items() if value is not None},
-            properties={key: number(key, value) for key, value in point.items() if "/" in key})
+            setup={key: number(key, value) for key, value in point.items() if "/" in key})
     except ParameterError as error:
         raise ParameterError(f"grid point {i}: {error}", parameter=error.parameter,
                              value=error.value) from None
@@ -136,7 +136,7 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
     """
     return (condition.mode, *(value is None for value in (
         condition.mach, condition.gear, condition.flaps, condition.alpha_min, condition.alpha_max)),
-        *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "properties")))
+        *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "setup")))
 
 
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
@@ -154,6 +154,6 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
         else:
             columns[title] = [math.nan if value is None else value for value in values]
     for name in dict.fromkeys(key for point in points for key in point if "/" in key):
-        columns[f"requested_{name}"] = [condition.properties.get(name, math.nan)
+        columns[f"requested_{name}"] = [condition.setup.get(name, math.nan)
                                         for condition in conditions]
     return columns
