@@ -4,6 +4,8 @@ What is compared with: other properties of the same flight in a plain JSBSim loo
 velocity components, forces), from which each port is worked out anew.
 """
 
+import re
+
 import numpy as np
 import pymap3d
 import pytest
@@ -11,7 +13,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
 from plain_jsbsim import FLIGHTS, fly, trimmed
 
-from pathsim_jsbsim_blocks import Aircraft
+from pathsim_jsbsim_blocks import Aircraft, AircraftError, JSBSimFDM, TrimCondition
 
 pytestmark = pytest.mark.matrix
 
@@ -181,3 +183,19 @@ def test_the_aircraft_limits_its_throttles(increment, command):
     assert [plane.fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in (0, 1)] == [command, command]
     assert plane.outputs["thr_sat"] == pytest.approx(
         plane.trim.throttle[0] + increment - command, abs=1e-12)
+
+
+def test_a_subclass_with_parameters_of_its_own_takes_a_condition():
+    class Trainer(Aircraft):
+        def __init__(self, speed):
+            super().__init__("c172p", condition=TrimCondition(altitude=3000, speed=speed))
+
+    assert Trainer(80).outputs["vc"] == pytest.approx(80)
+
+
+def test_the_root_is_a_keyword_of_both_aircraft_blocks(tmp_path):
+    # pathsim-flight's name stays in the block that stands in for its own
+    for block, name in ((Aircraft, "root"), (JSBSimFDM, "JSBSim_path")):
+        with pytest.raises(AircraftError, match=re.escape(str(tmp_path))):
+            block(**{name: tmp_path})
+    assert JSBSimFDM().JSBSim_path is None

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from .condition import TrimCondition
-from .fdm import FlightBlock, chosen_condition, defaults
+from .fdm import FlightBlock, fill
 
 _DEG = 180.0 / math.pi
 
@@ -31,6 +30,7 @@ _OUTPUTS = {  # port: (property, factor to the port's unit)
 }
 
 
+@fill
 class Aircraft(FlightBlock):
     """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
 
@@ -58,30 +58,17 @@ class Aircraft(FlightBlock):
     mode : str
         "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
         "turn" or "none"
-    gear : float, optional
-        0 (up) to 1 (down); default is the model's own setting
-    flaps : float, optional
-        0 (up) to 1 (fully down); default is the model's own setting
+    %(configuration)s
     T : float
         sample period in s
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
         instead of the parameters from ``altitude`` to ``flaps``, where they do not say enough
-    setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
-    properties : dict, optional
-        properties written after the trim (turbulence)
-    JSBSim_path : str, optional
+    %(written)s
+    root : str, optional
         JSBSim root directory; default is the one that the jsbsim package brings
-    create : dict, optional
-        properties that the model expects from its surroundings (FlightGear), with their values
-    record_inputs : bool
-        keep the inputs flown (8 bytes per input and sample), which checkpoints need
-    allow_network : bool
-        let the model open the sockets that its XML asks for
-    allow_files : bool
-        let the model write the files that its XML asks for
+    %(surroundings)s
 
     Inputs
     ------
@@ -120,12 +107,7 @@ class Aircraft(FlightBlock):
         increment demanded minus increment applied in the last
         period: not 0 while a command is at the end of its range (feedback against wind-up)
 
-    Raises
-    ------
-    AircraftError, PropertyError, ParameterError, TrimError
-        when the block is built: unknown names and values that cannot be, or no trim
-    FlightError
-        in flight, when an input or the state is not finite, or the aircraft has crashed
+    %(raises)s
 
     Examples
     --------
@@ -139,11 +121,16 @@ class Aircraft(FlightBlock):
         name: i for i, name in enumerate(
             [*_OUTPUTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"])}
 
+    _trim_keywords = {name: name for name in (
+        "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
+
     def __init__(self, aircraft="c172p", altitude=5000.0, speed=100.0, mach=None, gamma=0.0,
                  heading=0.0, bank=0.0, mode="full", gear=None, flaps=None, T=1 / 120, substeps=1,
-                 condition=None, setup=None, properties=None, JSBSim_path=None,
+                 condition=None, setup=None, properties=None, root=None,
                  create=None, record_inputs=False, allow_network=False, allow_files=False):
-        super().__init__(T, substeps, record_inputs)
+        super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
+                         root=root, create=create, record_inputs=record_inputs,
+                         allow_network=allow_network, allow_files=allow_files)
         self.aircraft = aircraft
         self.altitude = altitude
         self.speed = speed
@@ -154,22 +141,10 @@ class Aircraft(FlightBlock):
         self.mode = mode
         self.gear = gear
         self.flaps = flaps
-        self.condition = condition
-        self.setup = setup
-        self.properties = properties
-        self.JSBSim_path = JSBSim_path
-        self.create = create
-        self.allow_network = allow_network
-        self.allow_files = allow_files
         self.take_off()
 
     def _model(self) -> str:
         return self.aircraft
-
-    def _condition(self) -> TrimCondition:
-        flat = {name: getattr(self, name) for name in (
-            "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
-        return chosen_condition(self.condition, flat, defaults(Aircraft)) or TrimCondition(**flat)
 
     def _connect(self) -> None:
         state = self.trim

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import time
 from array import array
@@ -13,6 +14,7 @@ import numpy as np
 from pathsim.utils.register import Register
 
 from .._core.checks import flag, number, positive, whole
+from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
 from ..errors import FlightError, ParameterError, PropertyError
@@ -30,20 +32,60 @@ _WATCHED = ("velocities/vt-fps", "position/h-sl-ft", "accelerations/Nz")
 # g; no aircraft flies that, but JSBSim's springs throw a crashed one about with some hundreds
 _CRASH = 50.0
 
+# what the manual pages of the aircraft blocks share
+fill = filler(
+    configuration="""
+    gear : float, optional
+        0 (up) to 1 (down); default is the model's own setting
+    flaps : float, optional
+        0 (up) to 1 (fully down); default is the model's own setting
+    """,
+    written="""
+    setup : dict, optional
+        properties written before initialisation and trim (fuel, payload)
+    properties : dict, optional
+        properties written after the trim (turbulence)
+    """,
+    surroundings="""
+    create : dict, optional
+        properties that the model expects from its surroundings (FlightGear), with their values
+    record_inputs : bool
+        keep the inputs flown (8 bytes per input and sample), which checkpoints need
+    allow_network : bool
+        let the model open the sockets that its XML asks for
+    allow_files : bool
+        let the model write the files that its XML asks for
+    """,
+    raises="""
+    Raises
+    ------
+    AircraftError, PropertyError, ParameterError, TrimError
+        when the block is built: unknown names and values that cannot be, or no trim
+    FlightError
+        in flight, when an input or the state is not finite, or the aircraft has crashed
+    """,
+)
+
 
 class FlightBlock(NamedPorts, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
-    setup: Mapping[str, float] | None
-    properties: Mapping[str, float] | None
-    create: Mapping[str, float] | None
-    JSBSim_path: str | None
-    allow_network: bool
-    allow_files: bool
+    # trim keywords of the block, which a condition replaces, and the condition's names of them
+    _trim_keywords: Mapping[str, str]
 
-    def __init__(self, T: float, substeps: int, record_inputs: bool):
+    def __init__(self, T: float, substeps: int, *, condition: TrimCondition | None,
+                 setup: Mapping[str, float] | None, properties: Mapping[str, float] | None,
+                 root: str | None, create: Mapping[str, float] | None, record_inputs: bool,
+                 allow_network: bool, allow_files: bool):
         self.substeps = substeps
+        self.condition = condition
+        self.setup = setup
+        self.properties = properties
+        self.root = root
+        self.create = create
         self.record_inputs = flag("record_inputs", record_inputs)
+        self.allow_network = allow_network
+        self.allow_files = allow_files
         super().__init__(T)
         self.airframe: Airframe
         self.trim: TrimState
@@ -53,8 +95,28 @@ class FlightBlock(NamedPorts, SampledPlant):
         raise NotImplementedError
 
     def _condition(self) -> TrimCondition:
-        """The condition that the block's parameters ask for."""
-        raise NotImplementedError
+        """The condition that the block's parameters ask for.
+
+        Raises
+        ------
+        ParameterError
+            for a condition next to flat trim keywords that are not at their defaults
+        """
+        given = {name: getattr(self, name) for name in self._trim_keywords}
+        if self.condition is None:
+            return TrimCondition(**{self._trim_keywords[n]: v for n, v in given.items()})
+        if not isinstance(self.condition, TrimCondition):
+            raise ParameterError(f"condition must be a TrimCondition, not {self.condition!r}",
+                                 parameter="condition", value=self.condition)
+        # a user's subclass may have other parameters
+        block = next(c for c in type(self).__mro__ if "_trim_keywords" in vars(c))
+        parameters = inspect.signature(block).parameters
+        for name, value in given.items():
+            if np.any(value != parameters[name].default):  # an array is refused here too
+                raise ParameterError(
+                    f"both condition and {name}={value!r} are given: put {name} into the "
+                    "condition", parameter=name, value=value)
+        return self.condition
 
     def _connect(self) -> None:
         """Find the properties behind the ports in a fresh, trimmed airframe."""
@@ -75,7 +137,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                     low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self.airframe = Airframe(
-            self._model(), dt, root=self.JSBSim_path, empty_cg_x=condition.empty_cg_x,
+            self._model(), dt, root=self.root, empty_cg_x=condition.empty_cg_x,
             create=self.create, allow_network=self.allow_network, allow_files=self.allow_files)
         self.trim = trim(self.airframe, condition, self.setup)
         self._speed, self._height, self._nz = (self.airframe.reader(name) for name in _WATCHED)
@@ -157,7 +219,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         """What the parameters ask for: the same for a flight to be flown again."""
         return (f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
                 f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
-                f"create={self.create}, JSBSim_path={self.JSBSim_path}, "
+                f"create={self.create}, root={self.root}, "
                 f"inputs={list(self.inputs._mapping)}, outputs={list(self.outputs._mapping)}")
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
@@ -209,27 +271,6 @@ class FlightBlock(NamedPorts, SampledPlant):
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)
 
 
-def chosen_condition(condition: TrimCondition | None, flat: Mapping[str, Any],
-                     unset: Mapping[str, Any]) -> TrimCondition | None:
-    """Refuse a condition next to flat trim keywords that are not at their defaults."""
-    if condition is None:
-        return None
-    if not isinstance(condition, TrimCondition):
-        raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
-                             parameter="condition", value=condition)
-    for name, value in flat.items():
-        if np.any(value != unset[name]):  # an array is refused here too
-            raise ParameterError(
-                f"both condition and {name}={value!r} are given: put {name} into the condition",
-                parameter=name, value=value)
-    return condition
-
-
-def defaults(block: type[FlightBlock]) -> dict[str, Any]:
-    """Default of each parameter of a block."""
-    return {name: p["default"] for name, p in block.info()["parameters"].items()}
-
-
 def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     if names is None:
         return []
@@ -261,6 +302,7 @@ def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe
                              "another block", parameter=parameter, value=names)
 
 
+@fill
 class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
 
@@ -294,26 +336,13 @@ class JSBSimFDM(FlightBlock):
     trim_mode : str
         "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
         "turn" or "none"
-    gear : float, optional
-        0 (up) to 1 (down); default is the model's own setting
-    flaps : float, optional
-        0 (up) to 1 (fully down); default is the model's own setting
+    %(configuration)s
     condition : TrimCondition, optional
         instead of the trim parameters above, where they do not say enough
-    setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
-    properties : dict, optional
-        properties written after the trim (turbulence)
+    %(written)s
     substeps : int
         JSBSim steps per sample period
-    create : dict, optional
-        properties that the model expects from its surroundings (FlightGear), with their values
-    record_inputs : bool
-        keep the inputs flown (8 bytes per input and sample), which checkpoints need
-    allow_network : bool
-        let the model open the sockets that its XML asks for
-    allow_files : bool
-        let the model write the files that its XML asks for
+    %(surroundings)s
 
     Inputs
     ------
@@ -325,12 +354,7 @@ class JSBSimFDM(FlightBlock):
     as ``output_properties``
         the property names are the port names, in the property's unit
 
-    Raises
-    ------
-    AircraftError, PropertyError, ParameterError, TrimError
-        when the block is built: unknown names and values that cannot be, or no trim
-    FlightError
-        in flight, when an input or the state is not finite, or the aircraft has crashed
+    %(raises)s
 
     Examples
     --------
@@ -344,15 +368,20 @@ class JSBSimFDM(FlightBlock):
     input_port_labels = None
     output_port_labels = None
 
+    # pathsim-flight's names
+    _trim_keywords = {"trim_airspeed": "speed", "trim_altitude": "altitude", "trim_gamma": "gamma",
+            "trim_heading": "heading", "trim_mode": "mode", "gear": "gear", "flaps": "flaps"}
+
     def __init__(self, T=1 / 120, input_properties=None, output_properties=None,
                  JSBSim_path=None, aircraft_model="737", trim_airspeed=200, trim_altitude=1000,
                  trim_gamma=0, trim_heading=0.0, trim_mode="full", gear=None, flaps=None,
                  condition=None, setup=None, properties=None, substeps=1, create=None,
                  record_inputs=False, allow_network=False, allow_files=False):
-        super().__init__(T, substeps, record_inputs)
+        super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
+                         root=JSBSim_path, create=create, record_inputs=record_inputs,
+                         allow_network=allow_network, allow_files=allow_files)
         self.input_properties = _names("input_properties", input_properties)
         self.output_properties = _names("output_properties", output_properties)
-        self.JSBSim_path = JSBSim_path
         self.aircraft_model = aircraft_model
         self.trim_airspeed = trim_airspeed
         self.trim_altitude = trim_altitude
@@ -361,12 +390,6 @@ class JSBSimFDM(FlightBlock):
         self.trim_mode = trim_mode
         self.gear = gear
         self.flaps = flaps
-        self.condition = condition
-        self.setup = setup
-        self.properties = properties
-        self.create = create
-        self.allow_network = allow_network
-        self.allow_files = allow_files
         self.inputs = Register(len(self.input_properties),
                                {n: i for i, n in enumerate(self.input_properties)})
         self.outputs = Register(len(self.output_properties),
@@ -376,13 +399,14 @@ class JSBSimFDM(FlightBlock):
     def _model(self) -> str:
         return self.aircraft_model
 
-    def _condition(self) -> TrimCondition:
-        flat = {"trim_airspeed": self.trim_airspeed, "trim_altitude": self.trim_altitude,
-                "trim_gamma": self.trim_gamma, "trim_heading": self.trim_heading,
-                "trim_mode": self.trim_mode, "gear": self.gear, "flaps": self.flaps}
-        return chosen_condition(self.condition, flat, defaults(JSBSimFDM)) or TrimCondition(
-            altitude=self.trim_altitude, speed=self.trim_airspeed, gamma=self.trim_gamma,
-            heading=self.trim_heading, mode=self.trim_mode, gear=self.gear, flaps=self.flaps)
+    @property
+    def JSBSim_path(self) -> str | None:
+        """pathsim-flight's name of ``root``."""
+        return self.root
+
+    @JSBSim_path.setter
+    def JSBSim_path(self, path: str | None) -> None:
+        self.root = path
 
     def _connect(self) -> None:
         _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
