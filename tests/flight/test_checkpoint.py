@@ -292,7 +292,7 @@ for size in (100, 8000):
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_save_that_does_not_fit_on_the_disk_keeps_the_last_one(tmp_path):
     done = subprocess.run([sys.executable, "-c", FULL, str(tmp_path / "stop"),
-                           str(Path(__file__).parent)], capture_output=True, text=True)
+                           str(Path(__file__).parents[1])], capture_output=True, text=True)
     assert done.stderr == ""
     assert done.stdout.split("\n") == ["File too large"] * 2 + [""]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["stop.json", "stop.npz"]
