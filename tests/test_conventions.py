@@ -88,6 +88,15 @@ def test_ports_are_documented(name):
 
 
 @pytest.mark.parametrize("name", BLOCKS)
+def test_parameters_are_set_by_name_and_no_others(name):
+    block = BLOCKS[name]()
+    block.set(**{parameter: getattr(block, parameter) for parameter in parameters(BLOCKS[name])})
+    for parameter in parameters(BLOCKS[name])[:1]:
+        with pytest.raises(BlocksError, match=f"no parameter '{parameter}_'.*'{parameter}'"):
+            block.set(**{f"{parameter}_": 1.0})
+
+
+@pytest.mark.parametrize("name", BLOCKS)
 def test_parameters_are_kept_as_attributes(name):
     block = BLOCKS[name]()
     for parameter in parameters(BLOCKS[name]):

@@ -257,6 +257,25 @@ def test_bad_parameters_are_refused_at_once_and_leave_the_block_as_it_was(name, 
     assert getattr(pid, name) == before
 
 
+def test_both_limits_move_at_once():
+    for limits in ({"low": 2.0, "high": 3.0}, {"high": -2.0, "low": -3.0}):
+        pid = DiscretePID(Kp=100.0)
+        scope = Scope()
+        sim = Simulation([pid, scope], [Connection(pid, scope)], dt=T, log=False)
+        pid.set(**limits)
+        assert (pid.low, pid.high) == (limits["low"], limits["high"])
+        sim.run(T)
+        assert scope.read()[1][0, -1] == pytest.approx(min(limits.values(), key=abs))
+
+
+def test_of_what_is_set_at_once_all_or_none_counts():
+    pid = DiscretePID(Kp=5.0)
+    with pytest.raises(ParameterError) as error:
+        pid.set(Kp=7.0, low=2.0)
+    assert error.value.parameter == "low"
+    assert (pid.Kp, pid.low, pid._pid.Kp) == (5.0, -1.0, 5.0)
+
+
 def test_parameters_keep_their_value_under_their_own_name():
     values = {"Kp": 2, "Ki": 0.5, "Kd": 0.1, "Kr": 0.2, "b": 0.9, "Tf": 0.1, "Tt": None,
               "Te": 0.2, "low": -2.0, "high": 3.0, "T": 0.01}

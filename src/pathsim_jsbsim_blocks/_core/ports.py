@@ -1,4 +1,4 @@
-"""Ports by name: one that does not exist is refused, naming the nearest."""
+"""Ports and parameters by name: one that does not exist is refused, naming the nearest."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .checks import did_you_mean, nearest
 
 
 class NamedPorts(Block):
-    """Base of blocks whose ports have names: ``block["name"]`` is checked against them."""
+    """Base of all blocks here: ``block["name"]`` and ``block.set(name=...)`` check the name."""
 
     def __getitem__(self, key: Any) -> Any:
         names = [*self.inputs._mapping, *self.outputs._mapping]
@@ -25,3 +25,31 @@ class NamedPorts(Block):
 
     def _no_port(self, message: str, port: str, close: list[str]) -> BlocksError:
         return ParameterError(message, parameter="port", value=port)
+
+    def set(self, **values: Any) -> None:
+        """Set several parameters at once, as PathSim's ``@mutable`` blocks do.
+
+        They are checked together: ``pid.set(low=2.0, high=3.0)`` works in either order. If one is
+        refused, none is set.
+
+        Raises
+        ------
+        ParameterError
+            for a parameter that the block does not have, naming the nearest, and for bad values
+        """
+        known = self.info()["parameters"]
+        for name, value in values.items():
+            if name not in known:
+                raise ParameterError(f"{type(self).__name__} has no parameter {name!r}"
+                                     + did_you_mean(nearest(name, known)), parameter=name,
+                                     value=value)
+        before = {name: getattr(self, name) for name in values}
+        try:
+            self._put(values)
+        except BlocksError:
+            self._put(before)
+            raise
+
+    def _put(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            setattr(self, name, value)

@@ -9,7 +9,6 @@ from typing import Any
 from .._core.checks import positive
 from .._core.ports import NamedPorts
 from .._core.sampling import SampledLaw
-from ..errors import ParameterError
 
 
 class _Parameter:
@@ -27,16 +26,10 @@ class _Parameter:
             raise AttributeError(self.name) from None
 
     def __set__(self, block: Controller, value: Any) -> None:
-        values = block.__dict__
-        before = values.get(self.name)
-        values[self.name] = value
         if block.configured:
-            try:
-                block.configure()
-            except ParameterError:
-                values[self.name] = before
-                block.configure()
-                raise
+            block.set(**{self.name: value})
+        else:
+            block.__dict__[self.name] = value
 
 
 class Controller(NamedPorts, SampledLaw):
@@ -84,6 +77,10 @@ class Controller(NamedPorts, SampledLaw):
         if missing:
             warnings.warn(f"{type(self).__name__} measures 0 where no wire comes in: "
                           f"{', '.join(missing)}", RuntimeWarning, stacklevel=2)
+
+    def _put(self, values: dict[str, Any]) -> None:
+        self.__dict__.update(values)
+        self.configure()
 
     def reset(self) -> None:
         super().reset()
