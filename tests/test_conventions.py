@@ -1,6 +1,8 @@
 """What every public name keeps to, and who may import whom."""
 
+import importlib
 import inspect
+import pkgutil
 import re
 import subprocess
 import sys
@@ -40,6 +42,16 @@ def documented(text):
 
 def test_there_are_blocks():
     assert len(BLOCKS) > 20
+
+
+def test_every_block_is_public():
+    # the bases of blocks, which have subclasses in the package, are not
+    for part in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        here = vars(importlib.import_module(part.name)).items()
+        for name, block in [(n, o) for n, o in here if inspect.isclass(o) and issubclass(o, Block)
+                            and o.__module__ == part.name]:
+            base = any(c.__module__.startswith(package.__name__) for c in block.__subclasses__())
+            assert base or BLOCKS.get(name) is block, f"{name} is missing in __all__"
 
 
 def test_dir_shows_the_public_names_and_no_others():

@@ -23,15 +23,9 @@ from .air.airspeed_blocks import (
 )
 from .air.atmosphere_blocks import ISAtmosphere
 from .axes import BodyToNED, BodyToWind, GeodeticToNED, NEDToBody, WindToBody
+from .control import holds as _holds
 from .control.autopilot import Autopilot
-from .control.holds import (
-    AirspeedHold,
-    AltitudeHold,
-    HeadingHold,
-    PitchHold,
-    RollHold,
-    YawDamper,
-)
+from .control.holds import *
 from .control.pid import DiscretePID
 from .errors import (
     AircraftError,
@@ -46,8 +40,6 @@ from .sources import DoubletSource, MultistepSource, RampSource
 
 __all__ = [
     "AircraftError",
-    "AirspeedHold",
-    "AltitudeHold",
     "Autopilot",
     "BlocksError",
     "BodyToNED",
@@ -63,7 +55,6 @@ __all__ = [
     "EAStoTAS",
     "FlightError",
     "GeodeticToNED",
-    "HeadingHold",
     "ISAtmosphere",
     "MachtoCAS",
     "MachtoEAS",
@@ -71,17 +62,15 @@ __all__ = [
     "MultistepSource",
     "NEDToBody",
     "ParameterError",
-    "PitchHold",
     "PropertyError",
     "RampSource",
-    "RollHold",
     "TAStoCAS",
     "TAStoEAS",
     "TAStoMach",
     "TrimError",
     "WindToBody",
-    "YawDamper",
 ]
+__all__ += _holds.__all__
 
 if find_spec("jsbsim") is not None:
     from .flight._trim import TrimState

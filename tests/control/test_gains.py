@@ -18,9 +18,10 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
+from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import GAINS, AttitudeGains, YawGains, loop_gains
 
-HOLDS = [PitchHold, RollHold, HeadingHold, AltitudeHold, AirspeedHold, YawDamper, Autopilot]
+HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
 PITCH = {"Kp": 0.1, "Ki": 0.1}
 
 

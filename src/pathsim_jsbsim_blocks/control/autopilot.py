@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .controller import Controller
+from .controller import Controller, fill
 from .gains import loop_gains
 from .loops import (
     AltitudeLoop,
@@ -18,6 +18,7 @@ from .loops import (
 )
 
 
+@fill
 class Autopilot(Controller):
     """Autopilot with autothrottle and yaw damper in one block, the cheapest way to fly a mission.
 
@@ -59,8 +60,7 @@ class Autopilot(Controller):
         largest rudder increment, of full travel
     throttle_authority : float or pair
         largest throttle increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -92,10 +92,7 @@ class Autopilot(Controller):
     hdot_cmd
         rate of climb demanded, ft/s; 0 in pitch hold
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")

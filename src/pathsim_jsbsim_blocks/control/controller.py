@@ -7,8 +7,23 @@ import warnings
 from typing import Any
 
 from .._core.checks import positive
+from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SampledLaw
+
+# what the manual pages of the holds share
+fill = filler(
+    T="""
+    T : float
+        sample period in s
+    """,
+    raises="""
+    Raises
+    ------
+    ParameterError
+        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    """,
+)
 
 
 class _Parameter:

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_type_hints
 
 from .._core.checks import did_you_mean, nearest, number, one_of, positive
 from ..errors import ParameterError
@@ -156,8 +156,7 @@ class AircraftGains:
     yaw: YawGains
 
 
-_LOOPS = {"pitch": AttitudeGains, "roll": AttitudeGains, "heading": HeadingGains,
-          "altitude": AltitudeGains, "speed": SpeedGains, "yaw": YawGains}
+_LOOPS = get_type_hints(AircraftGains)
 
 # found by flying each aircraft with its nonlinear model at the condition named, in still air
 GAINS = {

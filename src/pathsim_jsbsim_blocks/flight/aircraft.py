@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from .fdm import FlightBlock, fill
 
 _DEG = 180.0 / math.pi
 
-_OUTPUTS = {  # port: (property, factor to the port's unit)
+# port: (property, or None for what a command fell short by; factor to the port's unit). Ports are
+# numbered in this order, and models keep the numbers: a new one comes last
+_OUTPUTS: dict[str, tuple[str | None, float]] = {
     "theta": ("attitude/theta-deg", 1.0),
     "phi": ("attitude/phi-deg", 1.0),
     "psi": ("attitude/psi-deg", 1.0),
@@ -27,6 +30,10 @@ _OUTPUTS = {  # port: (property, factor to the port's unit)
     "nz": ("accelerations/Nz", 1.0),
     "lat": ("position/lat-geod-deg", 1.0),
     "lon": ("position/long-gc-deg", 1.0),
+    "elev_sat": (None, 1.0),
+    "ail_sat": (None, 1.0),
+    "rud_sat": (None, 1.0),
+    "thr_sat": (None, 1.0),
 }
 
 
@@ -117,9 +124,7 @@ class Aircraft(FlightBlock):
     """
 
     input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
-    output_port_labels = {
-        name: i for i, name in enumerate(
-            [*_OUTPUTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"])}
+    output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
 
     _trim_keywords = {name: name for name in (
         "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
@@ -148,37 +153,37 @@ class Aircraft(FlightBlock):
 
     def _connect(self) -> None:
         state = self.trim
-        self._surfaces = [  # writer, trimmed command, lowest and highest command
-            (self.airframe.writer("fcs/elevator-cmd-norm"), state.elevator,
+        self._surfaces = [  # port, writer, trimmed command, lowest and highest command
+            ("elev_sat", self.airframe.writer("fcs/elevator-cmd-norm"), state.elevator,
              # JSBSim limits the sum of command and pitch trim
              *_range(state.pitch_trim)),
-            (self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
-            (self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
+            ("ail_sat", self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
+            ("rud_sat", self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
         ]
         self._throttles = [(self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
                            for i, throttle in enumerate(state.throttle)]
-        self._readers = [self.airframe.reader(name) for name, _ in _OUTPUTS.values()]
+        self._saturation = {port: 0.0 for port, (name, _) in _OUTPUTS.items() if name is None}
+        self._readers = [
+            partial(self._saturation.__getitem__, port) if name is None
+            else self.airframe.reader(name) for port, (name, _) in _OUTPUTS.items()]
         self._factors = [factor for _, factor in _OUTPUTS.values()]
-        self._saturation = [0.0] * 4
 
     def _write(self, u: list[float]) -> None:
-        saturation = []
-        for increment, (write, trimmed, low, high) in zip(u, self._surfaces, strict=False):
+        for increment, (port, write, trimmed, low, high) in zip(u, self._surfaces, strict=False):
             command = trimmed + increment
             limited = min(max(command, low), high)
             write(limited)
-            saturation.append(command - limited)
+            self._saturation[port] = command - limited
         excess = 0.0
         for write, trimmed in self._throttles:
             command = trimmed + u[3]
             limited = min(max(command, 0.0), 1.0)
             write(limited)
             excess = command - limited
-        self._saturation = [*saturation, excess]
+        self._saturation["thr_sat"] = excess
 
     def _read(self) -> list[float]:
-        return [factor * read() for read, factor in zip(self._readers, self._factors, strict=True)
-                ] + self._saturation
+        return [factor * read() for read, factor in zip(self._readers, self._factors, strict=True)]
 
 
 def _range(trim: float) -> tuple[float, float]:

@@ -3,7 +3,8 @@
 Their outputs are increments on the trimmed commands, as ``Aircraft`` takes them.
 """
 
-from .lateral import HeadingHold, RollHold, YawDamper
-from .longitudinal import AirspeedHold, AltitudeHold, PitchHold
+from . import lateral, longitudinal
+from .lateral import *
+from .longitudinal import *
 
-__all__ = ["AirspeedHold", "AltitudeHold", "HeadingHold", "PitchHold", "RollHold", "YawDamper"]
+__all__ = [*lateral.__all__, *longitudinal.__all__]

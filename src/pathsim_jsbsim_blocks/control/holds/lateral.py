@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..controller import Controller
+from ..controller import Controller, fill
 from ..gains import loop_gains
 from ..loops import (
     HeadingLoop,
@@ -14,7 +14,11 @@ from ..loops import (
     roll_loop,
 )
 
+# the package and PathView offer what is named here
+__all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
+
+@fill
 class RollHold(Controller):
     """Holds the roll angle with the ailerons; with ``phi_ref=0`` a wing leveller.
 
@@ -34,8 +38,7 @@ class RollHold(Controller):
         roll angle to hold in deg, right positive; default is the one found at engagement
     authority : float or pair
         largest aileron increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -55,10 +58,7 @@ class RollHold(Controller):
     phi_cmd
         reference on its ramp, deg
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("phi", "p")
@@ -87,6 +87,7 @@ class RollHold(Controller):
         return [aileron, phi_cmd], state
 
 
+@fill
 class HeadingHold(Controller):
     """Holds the heading with the ailerons; turns the short way, across north too.
 
@@ -109,8 +110,7 @@ class HeadingHold(Controller):
         largest bank reference in deg
     authority : float or pair
         largest aileron increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -130,10 +130,7 @@ class HeadingHold(Controller):
     phi_cmd
         bank reference on its ramp, deg
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("psi", "phi", "p")
@@ -169,6 +166,7 @@ class HeadingHold(Controller):
         return [aileron, phi_cmd], (heading, roll)
 
 
+@fill
 class YawDamper(Controller):
     """Damps the Dutch roll with the rudder; a wash-out lets steady turns pass.
 
@@ -184,8 +182,7 @@ class YawDamper(Controller):
         K (s/deg), positive where positive rudder yaws the nose left, and tau (s)
     authority : float or pair
         largest rudder increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -199,10 +196,7 @@ class YawDamper(Controller):
     rudder
         increment of the rudder command; positive yaws the nose left on most models
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("r",)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..controller import Controller
+from ..controller import Controller, fill
 from ..gains import loop_gains
 from ..loops import (
     AltitudeLoop,
@@ -14,7 +14,11 @@ from ..loops import (
     pitch_loop,
 )
 
+# the package and PathView offer what is named here
+__all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
 
+
+@fill
 class PitchHold(Controller):
     """Holds the pitch angle with the elevator.
 
@@ -34,8 +38,7 @@ class PitchHold(Controller):
         pitch angle to hold in deg; default is the one found at engagement
     authority : float or pair
         largest elevator increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -55,10 +58,7 @@ class PitchHold(Controller):
     theta_cmd
         reference on its ramp, deg
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("theta", "q")
@@ -87,6 +87,7 @@ class PitchHold(Controller):
         return [elevator, theta_cmd], state
 
 
+@fill
 class AltitudeHold(Controller):
     """Holds the altitude with the elevator, over the rate of climb and the pitch angle.
 
@@ -116,8 +117,7 @@ class AltitudeHold(Controller):
         highest pitch reference in deg
     authority : float or pair
         largest elevator increment, of full travel
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -141,10 +141,7 @@ class AltitudeHold(Controller):
     hdot_cmd
         rate of climb demanded, ft/s
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("h", "hdot", "theta", "q")
@@ -187,6 +184,7 @@ class AltitudeHold(Controller):
         return [elevator, theta_cmd, hdot_cmd], (altitude, pitch)
 
 
+@fill
 class AirspeedHold(Controller):
     """Holds the calibrated airspeed with the throttle (autothrottle).
 
@@ -207,8 +205,7 @@ class AirspeedHold(Controller):
         airspeed to hold, KCAS; default is the one found at engagement
     authority : float or pair
         largest throttle increment, of full range
-    T : float
-        sample period in s
+    %(T)s
 
     Inputs
     ------
@@ -230,10 +227,7 @@ class AirspeedHold(Controller):
     vc_cmd
         reference on its ramp, kt
 
-    Raises
-    ------
-    ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+    %(raises)s
     """
 
     measured = ("vc", "hdot")
