@@ -149,6 +149,15 @@ def test_parameters_can_be_edited_while_it_runs():
     assert data[0][abs(time - 2.5).argmin()] == -3.0
 
 
+@pytest.mark.parametrize("make", [
+    lambda: DoubletSource(start=1e6, width=1e-11),  # no float between the two edges
+    lambda: RampSource(start=1e308, rise_time=1e308)])
+def test_edges_that_cannot_be_told_apart_are_refused(make):
+    with pytest.raises(ParameterError, match="cannot be told apart") as error:
+        make()
+    assert error.value.parameter == "start"
+
+
 @pytest.mark.parametrize(("make", "parameter"), [
     (lambda: DoubletSource(amplitude="big"), "amplitude"),
     (lambda: DoubletSource(width=0.0), "width"),

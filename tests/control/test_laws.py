@@ -276,6 +276,8 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     y = laws(Autopilot(GAINS, T=T), **quiet, pitch_mode=mode, roll_mode=mode)
     for name in ("theta_cmd", "phi_cmd"):
         assert np.max(np.abs(np.diff(y[name]))) == pytest.approx(ATTITUDE["ramp"] * T)
+    for k in range(200, N, 200):  # the altitude's loop begins with the pitch reference as it is
+        assert y["theta_cmd"][k] == pytest.approx(y["theta_cmd"][k - 1], abs=1e-12)
     assert not y["hdot_cmd"][mode != 0].any()
     # the altitude found when its mode came back, and the port's way since
     back = 200

@@ -6,16 +6,17 @@ file is an option of pytest.
 """
 
 OWN_TESTS = {
-    "sampling": ["test_sampling.py", "test_checkpoint.py", "test_fdm_exact.py", "test_reset.py",
+    "sampling": ["test_sampling.py", "test_instants.py", "test_checkpoint.py", "test_fdm_exact.py",
                  "-k", "not million"],
-    "flight/fdm": ["test_promises.py", "test_checkpoint.py", "test_reset.py", "test_bad_input.py",
+    "flight/fdm": ["test_promises.py", "test_limits.py", "test_checkpoint.py", "test_bad_input.py",
                    "test_fdm_exact.py", "-k", "not million"],
-    "flight/aircraft": ["test_aircraft.py", "test_promises.py", "test_bad_input.py"],
+    "flight/aircraft": ["test_aircraft.py", "test_promises.py"],
     "flight/_trim": ["test_trim.py"],
     "flight/condition": ["test_trim.py", "test_promises.py"],
     "sources": ["test_sources.py", "test_promises.py"],
     "air/atmosphere": ["test_atmosphere.py", "test_atmosphere_blocks.py"],
-    "air/atmosphere_blocks": ["test_atmosphere_blocks.py", "test_promises.py"],
+    "air/atmosphere_blocks": ["test_atmosphere_blocks.py", "test_airspeed.py",
+                              "test_promises.py"],
     "air/airspeed": ["test_airspeed.py"],
     "air/airspeed_blocks": ["test_airspeed.py", "test_promises.py"],
     "axes/": ["test_axes.py", "test_promises.py"],

@@ -40,6 +40,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("src/pathsim_jsbsim_blocks")
 WANTED = 0.92
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).parent))
 from own_tests import OWN_TESTS  # noqa: E402
 
