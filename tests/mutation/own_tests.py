@@ -23,6 +23,12 @@ OWN_TESTS = {
     "control/": ["test_laws.py", "test_gains.py", "test_promises.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
     "control/controller": ["test_gains.py", "test_pid.py", "test_autopilot.py"],
-    "pathview/": ["test_names.py", "test_layout.py", "test_convert.py", "test_export.py",
+    "pathview/": ["test_names.py", "test_convert.py", "test_export.py", "test_layout.py",
                   "test_committed.py"],
+    "pathview/layout": ["test_layout.py", "test_committed.py"],
+    "pathview/names": ["test_names.py", "test_export.py"],
+    "pathview/pvm": ["test_convert.py", "test_layout.py", "test_committed.py"],
+    "pathview/trusted_models": ["test_trust.py"],
+    "pathview/server": ["test_view.py", "test_hosted_editor.py"],
+    "pathview/view": ["test_view.py", "test_hosted_editor.py"],
 }
