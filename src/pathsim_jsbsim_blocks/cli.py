@@ -86,7 +86,9 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("run", _run, "run a diagram: print its results and show its figures")
     sub.add_argument("name", help="a diagram of the catalogue, or the path of a script")
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
-    sub.add_argument("--csv", metavar="FILE", type=Path, help="write all recorded signals")
+    sub.add_argument("--csv", metavar="FILE", type=Path,
+                     help="write all recorded signals, also those of a run that crashes or is "
+                          "interrupted")
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
     sub.add_argument("--table", action="store_true",
