@@ -1,9 +1,9 @@
 """A model from outside runs after the user's word only, and the word is for its content."""
 
 import copy
+import io
 import json
 import os
-import subprocess
 import sys
 import warnings
 
@@ -186,26 +186,22 @@ def test_a_model_that_changes_after_the_yes_is_refused(path, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no POSIX terminals")
-def test_at_a_terminal_the_user_is_asked_once(path):
-    def answered(text):
-        import pty
+def test_at_a_terminal_the_user_is_asked_once(path, monkeypatch):
+    import pty
 
+    def answered(text):
         master, slave = pty.openpty()
-        process = subprocess.Popen(
-            [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "view", str(path), "--port",
-             str(NO_PORT)], stdin=slave, stderr=slave, stdout=subprocess.PIPE)
         os.write(master, text.encode())
-        status = process.wait(60)
-        os.close(slave)
-        shown = b""
-        try:
-            while part := os.read(master, 4096):
-                shown += part
-        except OSError:  # all is read
-            pass
+        with open(slave, "r+b", buffering=0) as terminal, monkeypatch.context() as patched:
+            patched.setattr(sys, "stdin", io.TextIOWrapper(io.BufferedReader(terminal)))
+            patched.setattr(sys, "stderr", io.TextIOWrapper(io.FileIO(os.dup(slave), "w"),
+                                                            write_through=True))
+            status = opens(path)
+            sys.stderr.close()
+            shown = os.read(master, 10_000).decode()
+            sys.stdin.detach()
         os.close(master)
-        process.stdout.close()
-        return status, shown.decode()
+        return status, shown
 
     for no in ("\n", "yess\n", "\x04"):
         status, shown = answered(no)
