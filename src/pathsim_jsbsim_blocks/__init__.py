@@ -7,6 +7,7 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
+from ._core.visible_warnings import keep_warnings_visible
 from .air.airspeed_blocks import (
     CAStoEAS,
     CAStoMach,
@@ -84,6 +85,7 @@ __version__ = "0.1.0"
 
 # without a handler Python's last resort would write JSBSim's warnings to the console
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+keep_warnings_visible()
 
 
 def __dir__() -> list[str]:
