@@ -16,9 +16,6 @@ from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
 from pathsim_jsbsim_blocks.pathview import pvm
 from pathsim_jsbsim_blocks.pathview.server import Server
 
-# offline, without KaTeX's style sheet, each formula would be shown twice; the browser draws MathML
-ONE_FORMULA = ".katex-html { display: none }"
-
 LEFT, TOP, MARGIN = 60, 40, 40  # px: PathView's side bar and top bar, room round the diagram
 SMALLEST = 1100, 700  # px
 WIDEST = 2400  # px
@@ -73,7 +70,6 @@ def main(names):
             page.goto(server.url(f"{name}.pvm"))
             page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=60_000)
             page.wait_for_selector(".svelte-flow__node")
-            page.add_style_tag(content=ONE_FORMULA)
             page.wait_for_timeout(2500)  # the diagram assembles itself
             page.keyboard.press("f")
             page.wait_for_timeout(1000)

@@ -7,8 +7,16 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
 COMMAND = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "view"]
+
+
+def page_headers(url):
+    """What a browser sends with the requests of the page at a printed address."""
+    parts = urlsplit(url)
+    return {"Cookie": f"pathsim-jsbsim-{parts.port}={parse_qs(parts.query)['token'][0]}",
+            "Sec-Fetch-Site": "same-origin", "Origin": f"http://{parts.netloc}"}
 
 
 class Served:

@@ -41,16 +41,16 @@ def models():
 
 @pytest.fixture(scope="session")
 def server(models):
-    """PathView as ``pathsim-jsbsim view`` serves it; returns its address."""
+    """PathView as ``pathsim-jsbsim view`` serves it."""
     from pathsim_jsbsim_blocks.pathview.server import Server
 
     with Server(models, port=0) as server:
         threading.Thread(target=server.run, daemon=True).start()
-        yield server.address
+        yield server
 
 
 @pytest.fixture
 def editor(browser, server):
     """The editor in a fresh browser profile."""
-    with Editor(browser, server) as editor:
+    with Editor(browser, server.address, server.url) as editor:
         yield editor

@@ -10,10 +10,13 @@ TIMED_OUT = "Execution timed out"
 
 
 class Editor:
-    """One page in a fresh browser profile."""
+    """One page in a fresh browser profile.
 
-    def __init__(self, browser, address):
-        self.address = address
+    ``url`` gives the address of a model, with the server's token.
+    """
+
+    def __init__(self, browser, address, url=None):
+        self.address, self.url = address, url
         self.context = browser.new_context(viewport={"width": 1600, "height": 1000},
                                            accept_downloads=True)
         self.page = self.context.new_page()
@@ -23,7 +26,8 @@ class Editor:
         self.page.on("pageerror", lambda e: self.errors.append(str(e)))
         self.page.on("console", self._console)
         self.page.on("response", self._response)
-        # fonts and style sheets from elsewhere: not what is tested, and not always there
+        self.page.on("request", self._request)
+        self.elsewhere = []  # what the page asks of other servers: it gets nothing
         self.page.route(lambda url: not url.startswith((address, "blob:", "data:")),
                         lambda route: route.abort())
 
@@ -32,10 +36,9 @@ class Editor:
 
     def __exit__(self, *exc):
         if self.page.url.startswith(self.address):  # the worker process of this profile
-            session = self.page.evaluate("localStorage.getItem('flask-session-id')")
             with contextlib.suppress(Exception):  # the server has ended
-                self.context.request.delete(f"{self.address}/api/session",
-                                            headers={"X-Session-ID": session})
+                self.page.evaluate("""() => fetch("/api/session", {method: "DELETE", headers: {
+                    "X-Session-ID": localStorage.getItem("flask-session-id")}})""")
         self.context.close()
 
     def _console(self, message):
@@ -43,6 +46,10 @@ class Editor:
         if (message.type == "error" and not lost
                 and message.location["url"].startswith(self.address)):
             self.errors.append(message.text)
+
+    def _request(self, request):
+        if not request.url.startswith((self.address, "blob:", "data:")):
+            self.elsewhere.append(request.url)
 
     def _response(self, response):
         path = response.url.removeprefix(self.address)
@@ -62,7 +69,7 @@ class Editor:
 
     def open(self, name):
         """Open a model of the server, and wait until it can run."""
-        self.page.goto(f"{self.address}/editor?model=/model/{name}")
+        self.page.goto(self.url(name))
         self.ready()
 
     def ready(self):

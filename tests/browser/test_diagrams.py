@@ -83,3 +83,4 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
             assert_same(joined(editor.runs[1], editor.runs[2]), longer.result())
     assert not editor.errors
     assert not editor.complaints()
+    assert not editor.elsewhere

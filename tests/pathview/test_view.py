@@ -1,6 +1,7 @@
 """The server behind ``view``: bound to this machine, gone without a trace."""
 
 import json
+import re
 import signal
 import socket
 import sys
@@ -10,11 +11,12 @@ import urllib.error
 import urllib.request
 
 import pytest
-from served_pathview import Served
+from served_pathview import Served, page_headers
 
 from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
 from pathsim_jsbsim_blocks.pathview import view
-from pathsim_jsbsim_blocks.pathview.server import Server, _registration
+from pathsim_jsbsim_blocks.pathview.page import registration
+from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
 
 pytest.importorskip("pathview")
@@ -31,7 +33,8 @@ def test_interrupted_it_leaves_no_port_process_or_file(number, tmp_path):
     served = Served(tmp_path, "step_response", "--no-browser", "--port", "0")
     request = urllib.request.Request(
         f"{served.address}/api/init", data=b'{"packages": []}',
-        headers={"Content-Type": "application/json", "X-Session-ID": "one"})
+        headers={"Content-Type": "application/json", "X-Session-ID": "one",
+                 **page_headers(served.url)})
     assert json.load(urllib.request.urlopen(request, timeout=60))["type"] == "ready"
     workers = served.children()
     assert workers
@@ -52,7 +55,7 @@ def test_it_opens_the_users_browser_with_the_diagram(tmp_path):
                 break
             time.sleep(0.05)
         assert seen.read_text().strip() == served.url
-        assert served.url.endswith("/editor?model=/model/step_response.pvm")
+        assert re.search(r"/editor\?model=/model/step_response\.pvm&token=[\w-]{43}$", served.url)
     finally:
         served.end()
 
@@ -65,12 +68,12 @@ def server():
 
 
 def test_it_serves_the_model_and_nothing_to_other_names(server):
-    assert json.loads(get(f"{server.address}/model/a%20b.pvm")) == {"graph": 1}
-    assert server.url("a b.pvm") == f"{server.address}/editor?model=/model/a%20b.pvm"
+    page = page_headers(server.url())
+    assert json.loads(get(f"{server.address}/model/a%20b.pvm", **page)) == {"graph": 1}
     with pytest.raises(urllib.error.HTTPError, match="404"):
-        get(f"{server.address}/model/other.pvm")
+        get(f"{server.address}/model/other.pvm", **page)
     with pytest.raises(urllib.error.HTTPError, match="403"):
-        get(f"{server.address}/editor", Host="rebound.example:80")
+        get(server.url(), Host="rebound.example:80")
 
 
 def test_it_listens_on_this_machine_only(server):
@@ -94,7 +97,7 @@ def test_a_port_in_use_is_an_error_if_asked_for(server):
 
 def test_this_package_is_always_registered_and_the_models_toolboxes_last():
     def registered(required):
-        script = _registration(required)
+        script = registration(required)
         start = script.index("toolboxes = ") + len("toolboxes = ")
         return json.JSONDecoder().raw_decode(script[start:])[0]
 

@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-import importlib.util
-import json
 import logging
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from .._core.checks import whole
 from ..errors import MissingExtraError, ParameterError
-from . import pvm
+from . import page, pvm
+from .access import HOST, Access
 from .shape import Json
-from .toolboxes import OURS, Toolbox, required_toolboxes
+from .toolboxes import required_toolboxes
 
-HOST = "127.0.0.1"
 # one address from day to day: the browser keeps the user's settings by address
 PORT = 8360
 
-# PathView installs this toolbox with pip when it first starts in a browser
-_PRELOADED = ("pathsim-chem", "pathsim_chem")
-_CATEGORIES = {  # folder of this package: category and shape in PathView's block library
-    "flight": ("Aircraft", "rect"),
-    "sources": ("Sources", "pill"),
-    "control": ("Autopilot", "rect"),
-    "axes": ("Axes", "rect"),
-    "air": ("Air data", "rect"),
+_HEADERS = {
+    "Content-Security-Policy": page.policy(),
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "same-origin",  # the address carries the token
+    "X-Content-Type-Options": "nosniff",
 }
 
 
@@ -51,12 +47,17 @@ class Server:
     def __init__(self, models: Mapping[str, Json], port: int | None = None):
         self._sessions: set[str] = set()
         self._closed = False
-        self._server = _bound(self._app(models), port)
+        self._models = models
+        self._access = Access(self._served)
+        self.app = self._app()
+        self._server = _bound(self.app, port)
         self.address = f"http://{HOST}:{self._server.effective_port}"
 
     def url(self, name: str = "") -> str:
-        """Where the editor is, with a model open."""
-        return f"{self.address}/editor" + (f"?model=/model/{quote(name)}" if name else "")
+        """Where the editor is, with a model open; whoever knows it may use the server."""
+        # quoted twice: the page asks for the path as it stands in the parameter
+        model = f"model={quote(f'/model/{quote(name)}')}&" if name else ""
+        return f"{self.address}/editor?{model}token={self._access.token}"
 
     def run(self) -> None:
         """Serve until KeyboardInterrupt, or ``close`` in another thread."""
@@ -81,39 +82,79 @@ class Server:
                  trace: TracebackType | None) -> None:
         self.close()
 
-    def _app(self, models: Mapping[str, Json]) -> Any:
+    def _served(self, path: str) -> bool:
+        """Whether the page may open the model at a path."""
+        folder, _, name = path.rpartition("/")
+        if folder == "/examples":
+            return (self._static / "examples" / name).is_file()
+        return folder == "/model" and unquote(name) in self._models
+
+    def _app(self) -> Any:
         try:
             import pathview
-            from flask import abort, request
+            from flask import abort, make_response, request, send_from_directory
             from pathview.app import create_app
+            from werkzeug.utils import safe_join
         except ImportError as error:
             raise MissingExtraError("pathview", "pathview") from error
 
-        index = Path(pathview.__file__).parent / "static" / "index.html"
-        page = index.read_text(encoding="utf-8")
+        self._static = static = Path(pathview.__file__).parent / "static"
+        scripts = page.local_scripts(static)
         app = create_app(serve_static=True)
 
+        def source() -> Path | None:
+            """The file of the page to answer with: PathView has one page for unknown paths."""
+            if request.endpoint in ("model", "katex") or request.path.startswith("/api/"):
+                return None
+            found = safe_join(str(static), request.path.lstrip("/"))
+            if found is None or not Path(found).is_file():
+                return static / "index.html"
+            return Path(found) if found.endswith(".html") else None
+
         @app.before_request
-        def guard() -> None:
-            # the server runs any code it is sent: refuse pages that got here by another name
-            if request.host.partition(":")[0] not in (HOST, "localhost"):
-                abort(403)
+        def answer() -> Any:
+            html = source()
+            if reason := self._access.refusal(request, page=html is not None):
+                return make_response(page.refused(reason), 403)
             if session := request.headers.get("X-Session-ID"):
                 self._sessions.add(session)
+            if html is not None:
+                return editor(html)
+            if text := scripts.get(request.path):
+                response = make_response(text)
+                response.mimetype = "text/javascript"
+                response.add_etag()
+                return response.make_conditional(request)
+            return None
 
-        @app.get("/editor")
-        def editor() -> tuple[str, dict[str, str]]:
-            name = request.args.get("model", "").rpartition("/")[2]
-            required = required_toolboxes(models[name], Path(name)) if name in models else []
-            script = f"<script>{_registration(required)}</script>"
-            return page.replace("<head>", f"<head>{script}", 1), {"Cache-Control": "no-store"}
+        def editor(html: Path) -> Any:
+            name = unquote(request.args.get("model", "").removeprefix("/model/"))
+            required = (required_toolboxes(self._models[name], Path(name))
+                        if name in self._models else [])
+            text, nonce = page.rendered(html.read_text(encoding="utf-8"), required)
+            response = make_response(text)
+            response.headers["Content-Security-Policy"] = page.policy(nonce)
+            response.cache_control.no_store = True  # a nonce is of one answer
+            if self._access.has_token(request):
+                self._access.set_cookie(request, response)
+            return response
+
+        @app.after_request
+        def harden(response: Any) -> Any:
+            for name, value in _HEADERS.items():
+                response.headers.setdefault(name, value)
+            return response
 
         @app.get("/model/<name>")
         def model(name: str) -> tuple[str, dict[str, str]]:
-            if name not in models:
+            if name not in self._models:
                 abort(404)
-            return pvm.text(models[name]), {"Content-Type": "application/json",
-                                            "Cache-Control": "no-store"}
+            return pvm.text(self._models[name]), {"Content-Type": "application/json",
+                                                  "Cache-Control": "no-store"}
+
+        @app.get("/katex/<path:name>")
+        def katex(name: str) -> Any:
+            return send_from_directory(page.KATEX, name)
 
         return app
 
@@ -134,39 +175,3 @@ def _bound(app: Any, port: int | None) -> Any:
             return _bound(app, 0)
         raise ParameterError(f"port {port} cannot be used ({error.strerror})", parameter="port",
                              value=port) from error
-
-
-def _registration(required: list[Toolbox]) -> str:
-    """JavaScript that registers toolboxes before PathView starts; the last one wins a name."""
-    toolboxes = required if OURS in required else [OURS, *required]
-    entries = [{**t.requirement(), "blocks": _selection(t), "events": []} for t in toolboxes]
-    name, module = _PRELOADED
-    seeded = [name] if importlib.util.find_spec(module) is None else []
-    return f"""(() => {{
-        const key = "pathview.toolboxes.v1", toolboxes = {json.dumps(entries)};
-        let state = null;
-        try {{ state = JSON.parse(localStorage.getItem(key)); }} catch {{}}
-        if (state?.version !== 1) state = {{version: 1}};
-        const others = (state.toolboxes ?? []).filter(o => !toolboxes.some(t => t.id === o.id));
-        state.toolboxes = [...others, ...toolboxes];
-        state.seededIds = [...new Set([...(state.seededIds ?? []), ...{json.dumps(seeded)}])];
-        localStorage.setItem(key, JSON.stringify(state));
-        // a model that opens before its toolboxes are there is drawn, and wired, at wrong sizes
-        const fetched = window.fetch, ready = "button[aria-label='Run']:not([disabled])";
-        const pause = ms => new Promise(done => setTimeout(done, ms));
-        window.fetch = async (url, ...rest) => {{
-            if (String(url).startsWith("/model/"))
-                for (let i = 0; i < 600 && !document.querySelector(ready); i++) await pause(100);
-            return fetched(url, ...rest);
-        }};
-    }})();"""
-
-
-def _selection(toolbox: Toolbox) -> list[dict[str, Any]]:
-    """This package's blocks with their categories; of other toolboxes PathView takes all."""
-    out = []
-    for name, block in toolbox.blocks().items() if toolbox == OURS else ():
-        category, shape = _CATEGORIES[block.__module__.split(".")[1]]
-        out.append({"className": name, "enabled": True,
-                    "override": {"category": category, "shape": shape}})
-    return out

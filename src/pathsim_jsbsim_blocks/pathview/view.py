@@ -18,6 +18,7 @@ from ..catalogue import find_diagram
 from . import pvm
 from .export import script_model
 from .generate import to_python
+from .markup import refuse_markup
 from .server import Server
 from .shape import Json
 from .toolboxes import registry_for
@@ -69,8 +70,11 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
         path = script.with_suffix(".pvm")
         existing = pvm.read(path) if path.exists() else None
         if existing is None or str(target) != script.stem:
-            return script_model(script, existing)
+            content = script_model(script, existing)
+            refuse_markup(content, script)
+            return content
     content = pvm.read(path)
+    refuse_markup(content, path)
     to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
     if trust:
         remember(digest(content))

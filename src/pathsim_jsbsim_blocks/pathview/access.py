@@ -1,0 +1,106 @@
+"""Who may talk to PathView's server: it runs any code that it is sent."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable
+from hmac import compare_digest
+from pathlib import Path
+from typing import Any
+
+HOST = "127.0.0.1"
+_NAMES = (HOST, "localhost")
+_SAFE = ("GET", "HEAD")
+
+
+class Access:
+    """A token of one start: it comes in the opened address and goes on as a cookie.
+
+    Parameters
+    ----------
+    served : callable
+        whether the page may open what a path names
+    """
+
+    def __init__(self, served: Callable[[str], bool]):
+        self.token = secrets.token_urlsafe(32)
+        self._served = served
+
+    def refusal(self, request: Any, page: bool) -> str:
+        """Why a request is refused; empty if it may be answered.
+
+        Parameters
+        ----------
+        request : flask.Request
+            the request
+        page : bool
+            whether the answer is an HTML page
+        """
+        headers = request.headers
+        # a page elsewhere can make its own name resolve to this machine
+        if request.host.partition(":")[0] not in _NAMES:
+            return "unknown host name"
+        if not (self.has_token(request) or self._has_cookie(request)):
+            return "open the address that the command has printed: it carries this start's token"
+        if request.path.startswith("/api/"):
+            if headers.get("Sec-Fetch-Site") != "same-origin":
+                return "only the served page may call this"
+            # browsers leave the origin out of what reads from the same one
+            absent = None if request.method not in _SAFE else _origin(request)
+            if headers.get("Origin", absent) != _origin(request):
+                return "only the served page may call this"
+        elif request.method not in _SAFE:
+            return "nothing to write here"
+        return self._bad_parameter(request) if page else ""
+
+    def has_token(self, request: Any) -> bool:
+        """Whether the address carries the token, sent by a program of this server's user."""
+        given = request.args.get("token", "")
+        return (request.method in _SAFE and compare_digest(given.encode(), self.token.encode())
+                and not _of_another_user(request.environ))
+
+    def set_cookie(self, request: Any, response: Any) -> None:
+        """Let the page's own requests in: browsers keep cookies by host, for all its ports."""
+        response.set_cookie(_cookie(request), self.token, httponly=True, samesite="Strict")
+
+    def _has_cookie(self, request: Any) -> bool:
+        given = request.cookies.get(_cookie(request), "")
+        # another port of this host is the same site: its pages send the cookie too
+        return (request.headers.get("Sec-Fetch-Site") in ("same-origin", "none")
+                and compare_digest(given.encode(), self.token.encode()))
+
+    def _bad_parameter(self, request: Any) -> str:
+        """The first query parameter that makes the page load what is not ours, or is unknown."""
+        harmless = ("token", "theme", "tour", "new", "fancyloading")
+        for name, value in request.args.items(multi=True):
+            if not (name in harmless or (name == "model" and self._served(value))
+                    or (name, value) in (("backend", "flask"), ("host", _origin(request)))):
+                return f"not served here: {name}={value}"
+        return ""
+
+
+def _origin(request: Any) -> str:
+    return f"http://{request.host}"
+
+
+def _cookie(request: Any) -> str:
+    return f"pathsim-jsbsim-{request.environ['SERVER_PORT']}"
+
+
+def _of_another_user(environ: dict[str, Any]) -> bool:
+    """Whether Linux knows a connection's far end as another user's, who has read the address.
+
+    The command line of the browser that is opened shows the token to everybody on the machine.
+    """
+    try:
+        # a socket of version 6 may well call version 4
+        lines = [line.split() for table in ("tcp", "tcp6")
+                 for line in Path("/proc/net", table).read_text().splitlines()[1:]]
+        ours, theirs = (f":{int(environ[p]):04X}" for p in ("SERVER_PORT", "REMOTE_PORT"))
+    except (OSError, KeyError, ValueError):
+        return False
+    users = {int(fields[7]) for fields in lines
+             if fields[1].endswith(theirs) and fields[2].endswith(ours)}
+    # forwarders of containers and of WSL belong to root
+    return bool(users - {os.getuid(), 0})

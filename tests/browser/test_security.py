@@ -1,0 +1,248 @@
+"""What other pages and other people's models can do to the editor: nothing."""
+
+import json
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from urllib.parse import urlsplit
+
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.pathview import pvm
+
+PAGES = ["/", "/editor", "/editor.html", "/somewhere/else"]
+
+
+def mark(where):
+    """JavaScript that runs Python in the editor's worker, which leaves a file behind."""
+    code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
+    return ("fetch('/api/exec', {method: 'POST', body: " + json.dumps(code) + ", headers: "
+            "{'Content-Type': 'application/json', 'X-Session-ID': "
+            "localStorage.getItem('flask-session-id') ?? 'x'}}); top.ran = true").replace(
+                '"', "&quot;")
+
+
+def hostile(name, note=""):
+    """A model whose texts hold markup."""
+    port = [{"id": "a-output-0", "name": name}]
+    return {
+        "version": "1.0.0", "metadata": {"name": name},
+        "graph": {
+            "nodes": [
+                {"id": "a", "type": "Constant", "name": name, "position": {"x": 100, "y": 100},
+                 "inputs": [], "outputs": port, "params": {"value": "1.0"}},
+                {"id": "s", "type": "Scope", "name": "s", "position": {"x": 400, "y": 100},
+                 "inputs": [{"id": "s-input-0", "name": name}], "outputs": [],
+                 "params": {"labels": json.dumps([name])}}],
+            "connections": [{"id": "c", "sourceNodeId": "a", "sourcePortIndex": 0,
+                             "targetNodeId": "s", "targetPortIndex": 0}],
+            "annotations": [{"id": "n", "content": note or name, "position": {"x": 0, "y": -200},
+                             "width": 300, "height": 100}]},
+        "events": [{"id": "e", "type": "pathsim.events.ZeroCrossing", "name": name,
+                    "position": {"x": 100, "y": 300},
+                    "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"}}],
+        "codeContext": {"code": ""}, "simulationSettings": {"duration": "1.0", "dt": "0.1"}}
+
+
+class Elsewhere:
+    """Another web server on this machine: it serves pages and a hostile model."""
+
+    def __init__(self, name):
+        self.pages, self.asked = {}, []
+        outer = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self):
+                outer.asked.append(self.path)
+                text = outer.pages.get(self.path, "")
+                self.send_response(200)
+                self.send_header("Access-Control-Allow-Origin", "*")
+                self.send_header("Content-Type", "text/html")
+                self.end_headers()
+                self.wfile.write(text.encode())
+
+            def log_message(self, *args):
+                pass
+
+        self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+        self.address = f"http://{name}:{self.server.server_port}"
+
+    def close(self):
+        self.server.shutdown()
+        self.server.server_close()
+
+
+@pytest.fixture(params=["127.0.0.1", "localhost"])  # the same site, and another one
+def elsewhere(request, editor):
+    editor.page.unroute_all()
+    elsewhere = Elsewhere(request.param)
+    yield elsewhere
+    elsewhere.close()
+
+
+@pytest.fixture
+def model(models):
+    models["sine.pvm"] = pvm.read(diagram_folder() / "damped_oscillator.pvm")
+    return "sine.pvm"
+
+
+@pytest.mark.parametrize("text", [
+    "step $x$<img src=q onerror=\"{}\">", "<img src=q onerror=\"{}\">$x$",
+    "$x$<svg onload=\"{}\"></svg>", "$x$<iframe srcdoc=\"<script>{}</script>\"></iframe>",
+    "$x$<a class=trap href=\"javascript:{}\">a</a>", "<img src=q onerror=\"{}\">",
+    "$\\href{{javascript:{}}}{{x}}$", "$x$<iframe src=\"javascript:{}\"></iframe>"])
+def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path):
+    where = tmp_path / "ran"
+    text = text.format(mark(where))
+    models["hostile.pvm"] = hostile(text)  # as if opened in the page: ``view`` refuses it
+    editor.open("hostile.pvm")
+    editor.page.wait_for_timeout(1000)
+    if "$x$" in text:  # the page does take the name for HTML
+        assert editor.page.locator(
+            ".svelte-flow__node[data-id='a'] :is(img, svg[onload], iframe, .trap)").count()
+    for trap in editor.page.locator(".trap").all():
+        trap.dispatch_event("click")
+    assert editor.run() == "Simulation completed successfully"
+    editor.page.wait_for_timeout(500)
+    assert not editor.page.evaluate("window.ran")
+    assert not where.exists()
+    assert not editor.elsewhere
+
+
+@pytest.mark.parametrize("note", [
+    "[a](javascript:{})", "[a](x\" onmouseover=\"{}\" class=\"trap)",
+    "$x$<img src=q onerror=\"{}\">", "<script>{}</script>"])
+def test_a_note_runs_nothing(note, editor, models, tmp_path):
+    where = tmp_path / "ran"
+    models["hostile.pvm"] = hostile("a", note=note.format(mark(where)))
+    editor.open("hostile.pvm")
+    editor.page.wait_for_timeout(500)
+    for link in editor.page.locator(".svelte-flow__node a").all():
+        link.dispatch_event("mouseover")
+        link.dispatch_event("click")
+    editor.page.wait_for_timeout(500)
+    assert not editor.page.evaluate("window.ran")
+    assert not where.exists()
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_another_page_cannot_make_the_editor_load_its_model(path, editor, elsewhere, model):
+    elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
+    editor.open(model)
+    for query in (f"model={elsewhere.address}/x.pvm", "modelgh=someone/something",
+                  f"backend=flask&host={elsewhere.address}"):
+        target = f"{editor.address}{path}?{query}"
+        elsewhere.pages["/attack"] = f"<script>location = {json.dumps(target)}</script>"
+        editor.page.goto(f"{elsewhere.address}/attack")
+        editor.page.wait_for_url(target)
+        assert "403" in editor.page.title()
+        # nor by the user's own hand
+        assert editor.page.goto(target).status == 403
+    assert set(elsewhere.asked) <= {"/attack", "/favicon.ico"}
+
+
+def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, tmp_path):
+    where = tmp_path / "ran"
+    editor.open(model)
+    session = editor.page.evaluate("localStorage.getItem('flask-session-id')")
+    code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
+    elsewhere.pages["/attack"] = f"""<iframe src="{editor.url(model)}"></iframe>
+        <iframe src="{editor.address}/editor"></iframe>
+        <form method=post target=_blank enctype=text/plain action="{editor.address}/api/exec">
+        <input name='{code[:-1]}, "a": "' value='"}}'></form>
+        <script>window.done = (async () => {{
+            const body = {json.dumps(code)}, out = [];
+            for (const mode of ["cors", "no-cors", "same-origin"])
+                for (const type of ["application/json", "text/plain"])
+                    for (const headers of [{{"Content-Type": type}}, {{"Content-Type": type,
+                                           "X-Session-ID": "{session}"}}])
+                        try {{
+                            const answer = await fetch("{editor.address}/api/exec", {{
+                                method: "POST", credentials: "include", mode, headers, body}});
+                            out.push(answer.type + await answer.text());
+                        }} catch {{}}
+            try {{ out.push(await (await fetch("{editor.address}/model/{model}",
+                {{credentials: "include"}})).text()); }} catch {{}}
+            document.forms[0].submit();
+            return out;
+        }})()</script>"""
+    page = editor.context.new_page()
+    asked, opened = [], []
+    page.on("request", lambda r: asked.append(urlsplit(r.url).path))
+    editor.context.on("page", lambda p: opened.append(p))
+    page.goto(f"{elsewhere.address}/attack")
+    read = page.evaluate("window.done")
+    page.wait_for_timeout(1500)
+    assert set(read) <= {"opaque"}
+    assert asked.count("/api/exec") >= 8  # the browser has tried
+    assert [p.title() for p in opened] == ["403 Forbidden"]  # what the form has opened
+    assert not where.exists()
+    assert not any(frame.url.startswith(editor.address) for frame in page.frames)
+    # and the user's own page goes on
+    assert editor.run() == "Simulation completed successfully"
+
+
+def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(browser, editor, model):
+    stranger = browser.new_context()
+    page = stranger.new_page()
+    for path in (*PAGES, f"/editor?model=/model/{model}", "/editor?token=x", "/api/health"):
+        assert page.goto(f"{editor.address}{path}").status == 403
+    stranger.close()
+    editor.open(model)
+    editor.page.reload()
+    editor.ready()
+    other = editor.context.new_page()  # the cookie is there now
+    for path in PAGES:
+        assert other.goto(f"{editor.address}{path}").status == 200
+        other.reload()
+        other.wait_for_function("() => document.body.innerText.trim()")  # PathView itself says 404
+    [cookie] = editor.context.cookies()
+    assert (cookie["httpOnly"], cookie["sameSite"]) == (True, "Strict")
+    assert not editor.errors
+
+
+def test_opened_from_another_page_the_printed_address_works(editor, elsewhere, model):
+    elsewhere.pages["/terminal"] = f'<a href="{editor.url(model)}">PathView</a>'
+    editor.page.goto(f"{elsewhere.address}/terminal")
+    editor.page.click("a")
+    editor.ready()
+    assert editor.run() == "Simulation completed successfully"
+    editor.page.reload()
+    editor.ready()
+    assert not editor.errors
+
+
+def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, models, model):
+    content = hostile(r"gain $\alpha_0^2$", note=r"Angle $$\frac{\alpha}{\beta}$$")
+    content["graph"]["nodes"].append({
+        "id": "i", "type": "Integrator", "name": "i", "position": {"x": 400, "y": 300},
+        "inputs": [{"id": "i-input-0", "name": "in"}],
+        "outputs": [{"id": "i-output-0", "name": "out"}], "params": {}})
+    models["formula.pvm"] = content
+    editor.open("formula.pvm")
+    page = editor.page
+    formula = page.locator(".svelte-flow__node[data-id='a'] .katex-html .mathnormal").first
+    formula.wait_for()
+    assert formula.evaluate("e => getComputedStyle(e).fontFamily").startswith("KaTeX_Math")
+    page.wait_for_function("() => [...document.fonts].some(f => f.family == 'KaTeX_Math' "
+                           "&& f.status == 'loaded')")
+    # with the style sheet a formula is shown once
+    assert page.locator(".katex-mathml").first.evaluate(
+        "e => getComputedStyle(e).position") == "absolute"
+    assert editor.run() == "Simulation completed successfully"
+    page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
+    assert "gain" in editor.python()
+    page.click("button[aria-label='Blocks']")
+    page.locator(".node-library svg, .node-library .math").first.wait_for()
+    page.get_by_role("button", name="Toolboxes").click()
+    page.locator("dialog, .dialog, [role=dialog]").get_by_text("pathsim-jsbsim").first.wait_for()
+    page.keyboard.press("Escape")
+    page.locator(".svelte-flow__pane").click(button="right", position={"x": 700, "y": 60})
+    with page.expect_download() as download:
+        page.get_by_text("Export SVG").click()
+    with open(download.value.path(), encoding="utf-8") as file:
+        assert "<path" in file.read()
+    assert not editor.errors
+    assert not editor.complaints()
+    assert not editor.elsewhere

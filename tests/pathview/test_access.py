@@ -1,0 +1,245 @@
+"""Who gets an answer from the server behind ``view``, and what its pages may do."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from urllib.parse import quote, urlsplit
+
+import pytest
+from served_pathview import page_headers
+
+from pathsim_jsbsim_blocks.errors import DiagramError
+from pathsim_jsbsim_blocks.pathview import page, view
+from pathsim_jsbsim_blocks.pathview.server import Server
+from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
+
+pathview = pytest.importorskip("pathview")
+
+ODD = "a b#c?d%20&e.pvm"
+PAGES = ["/", "/editor", "/editor.html", "/index.html", "/somewhere/else", "/model/a/b",
+         "/..%2f..%2fetc/passwd"]
+
+
+@pytest.fixture(scope="module")
+def server():
+    with Server({"one.pvm": {"graph": {"nodes": []}}, ODD: {"graph": {"nodes": []}}},
+                port=0) as server:
+        yield server
+
+
+@pytest.fixture
+def ask(server):
+    """A request as a browser sends it: by default from the page, once it has its cookie."""
+    def ask(path, method="GET", **changes):
+        headers = {"Host": urlsplit(server.address).netloc, **page_headers(server.url()), **changes}
+        client = server.app.test_client(use_cookies=False)
+        port = urlsplit(server.address).port
+        return client.open(path, method=method, json={} if method == "POST" else None,
+                           environ_overrides={"SERVER_PORT": str(port)},
+                           headers={k: v for k, v in headers.items() if v is not None})
+    return ask
+
+
+def token(server):
+    return server.url().rpartition("token=")[2]
+
+
+CALLS = [("GET", "/api/health"), ("POST", "/api/init"), ("POST", "/api/exec"),
+         ("POST", "/api/eval"), ("POST", "/api/stream/start"), ("POST", "/api/stream/poll"),
+         ("POST", "/api/stream/exec"), ("POST", "/api/stream/stop"), ("DELETE", "/api/session"),
+         ("OPTIONS", "/api/exec")]
+
+
+@pytest.mark.parametrize(("method", "path"), CALLS)
+def test_code_runs_only_for_the_served_page(method, path, ask, server):
+    # without X-Session-ID, PathView itself says 400: the call has reached it and starts no worker
+    assert ask(path, method).status_code in (200, 400)
+    for changes in [{"Cookie": None}, {"Cookie": "pathsim-jsbsim-1=x"},
+                    {"Cookie": page_headers(server.url())["Cookie"] + "x"},
+                    {"Sec-Fetch-Site": None}, {"Sec-Fetch-Site": "none"},
+                    {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": "cross-site"},
+                    {"Sec-Fetch-Site": "same-origin, same-origin"},
+                    {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": ""},
+                    {"Origin": "http://127.0.0.1:1"}, {"Host": "evil.example"}]:
+        assert ask(path, method, **changes).status_code == 403, changes
+    # browsers name the origin with whatever writes
+    assert (ask(path, method, Origin=None).status_code == 403) == (method != "GET")
+    if method != "GET":  # an address is for opening pages
+        assert ask(f"{path}?token={token(server)}", method, Cookie=None).status_code == 403
+
+
+@pytest.mark.parametrize("path", [*PAGES, "/favicon.png", "/app/version.json", "/model/one.pvm",
+                                  "/katex/katex.min.css", "/model/none.pvm"])
+def test_without_the_token_there_is_nothing(path, ask, server):
+    cookie = page_headers(server.url())["Cookie"]
+    for changes in [{"Cookie": None}, {"Cookie": cookie[:-1]}, {"Cookie": cookie + "\xe9"},
+                    {"Cookie": cookie.replace("=", "0=")}, {"Sec-Fetch-Site": "cross-site"},
+                    {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": None}]:
+        answer = ask(path, **changes)
+        assert answer.status_code == 403
+        assert token(server) not in answer.text
+        assert "open the address that the command has printed" in answer.text
+    assert ask(path).status_code == (404 if "none" in path else 200)
+    assert ask(f"{path}?token=x", Cookie=None).status_code == 403
+    assert ask(f"{path}?token=%E9", Cookie=None).status_code == 403
+
+
+def test_the_token_becomes_a_cookie_of_this_port_without_a_redirect(ask, server):
+    path = server.url("one.pvm").removeprefix(server.address)
+    answer = ask(path, **{"Cookie": None, "Sec-Fetch-Site": "cross-site"})
+    assert answer.status_code == 200
+    cookie = answer.headers["Set-Cookie"]
+    port = urlsplit(server.address).port
+    assert cookie.startswith(f"pathsim-jsbsim-{port}={token(server)};")
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    assert "Set-Cookie" not in ask("/editor").headers
+    with Server({}, port=0) as other:
+        assert token(other) != token(server)
+    assert len(token(server)) == 43  # 256 bits
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_each_page_has_a_policy_and_no_inline_script_but_ours(path, ask):
+    answers = [ask(path), ask(path, **{"If-None-Match": "*"})]
+    nonces = set()
+    for answer in answers:
+        assert answer.status_code == 200
+        assert answer.mimetype == "text/html"
+        assert "no-store" in answer.headers["Cache-Control"]
+        rules = dict(rule.split(" ", 1) for rule in
+                     answer.headers["Content-Security-Policy"].split("; "))
+        nonce = re.fullmatch(r"'self' 'nonce-([\w-]{22})'", rules["script-src"])[1]
+        assert rules["connect-src"] == "'self'"
+        for name in ("default-src", "frame-ancestors", "base-uri", "form-action"):
+            assert rules[name] == "'none'"
+        scripts = re.findall(r"<script([^>]*)>", answer.text)
+        assert len(scripts) >= 2
+        assert all(f'nonce="{nonce}"' in attributes for attributes in scripts)
+        assert "pathview.toolboxes.v1" in answer.text
+        nonces.add(nonce)
+    assert len(nonces) == 2
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_a_page_opens_only_what_is_served(path, ask, server):
+    origin = server.address
+    for good in ["", "model=/model/one.pvm", f"model={quote('/model/' + quote(ODD), safe='')}",
+                 "model=/examples/vanderpol.json", "backend=flask", f"backend=flask&host={origin}",
+                 "theme=dark", "new=1", "tour=start"]:
+        assert ask(f"{path}?{good}").status_code == 200, good
+    for bad in ["model=http://evil.example/x.pvm", "model=//evil.example/model/one.pvm",
+                "model=/model/none.pvm", "model=/model/../model/one.pvm", "model=one.pvm",
+                "model=%5C%5Cevil.example/model/one.pvm", "model=/api/health", "model=",
+                "model=/model/one.pvm&model=http://evil.example/x.pvm", "model=data:,{}",
+                "model=/examples/../index.html", "model=/examples/none.json",
+                "model=/examples/..", "modelgh=someone/something", "modelgh=",
+                "backend=pyodide", "backend=", "host=http://evil.example",
+                "backend=flask&host=http://127.0.0.1:1", "m%6Fdelgh=x", "unheard=of"]:
+        answer = ask(f"{path}?{bad}")
+        assert answer.status_code == 403, bad
+        assert "<script" not in answer.text
+    assert "<img" not in ask(f"{path}?model=<img src=q>").text
+
+
+def test_an_odd_file_name_opens(ask, server):
+    assert ask(server.url(ODD).removeprefix(server.address)).status_code == 200
+    assert ask(f"/model/{quote(ODD)}").json == {"graph": {"nodes": []}}
+
+
+def test_what_is_no_page_has_a_policy_too(ask):
+    for path in ("/model/one.pvm", "/api/health", "/favicon.png", "/katex/katex.min.css"):
+        headers = ask(path).headers
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        assert headers["Cross-Origin-Resource-Policy"] == "same-origin"
+        assert "script-src 'self';" in headers["Content-Security-Policy"]
+
+
+def test_formulas_need_no_other_server(ask):
+    static = Path(pathview.__file__).parent / "static"
+    loading = [f for f in (static / "app").rglob("*.js") if "/npm/katex@" in f.read_text()]
+    assert loading
+    [version] = {v for f in loading for v in re.findall(r"/npm/katex@([\d.]+)/", f.read_text())}
+    style = ask("/katex/katex.min.css").text
+    assert f'content:"{version}"' in style  # else take that version's style sheet and fonts
+    for file in loading:
+        path = f"/{file.relative_to(static).as_posix()}"
+        answer = ask(path)
+        assert answer.mimetype == "text/javascript"
+        assert "/npm/katex@" not in answer.text
+        fonts = re.findall(r"/(KaTeX_[\w-]+\.woff2)", answer.text)
+        assert all(ask(f"/katex/fonts/{font}").status_code == 200 for font in fonts)
+        assert ask(path, **{"If-None-Match": answer.headers["ETag"]}).status_code == 304
+    for font in re.findall(r"url\((fonts/[\w-]+\.woff2)\)", style):
+        assert ask(f"/katex/{font}").status_code == 200
+
+
+def test_a_toolboxs_name_cannot_end_the_script():
+    text, nonce = page.rendered("<head></head><script>1</script>",
+                                [Toolbox("</script><script>alert(1)</script>", "os")])
+    assert re.findall(r"<(/?script[^>]*)>", text) == [
+        f'script nonce="{nonce}"', "/script", f'script nonce="{nonce}"', "/script"]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's table")
+def test_another_user_who_reads_the_command_line_gets_nothing():
+    if os.getuid() != 0:
+        pytest.skip("only root can act as another user")
+    client = """if 1:
+        import os, socket, sys
+        "".encode("idna")  # the other user cannot read this Python's modules
+        family, host, port, path, user = sys.argv[1:]
+        os.setuid(int(user))
+        with socket.socket(getattr(socket, family)) as s:
+            s.connect((host, int(port)))
+            s.sendall(f"GET {path} HTTP/1.0\\r\\nHost: 127.0.0.1\\r\\n\\r\\n".encode())
+            print(s.makefile().readline())"""
+    with Server({}, port=0) as server:
+        threading.Thread(target=server.run, daemon=True).start()
+        port = str(urlsplit(server.address).port)
+        path = server.url().removeprefix(server.address)
+        for user, status in (("65534", " 403 "), ("0", " 200 ")):
+            for family, host in (("AF_INET", "127.0.0.1"), ("AF_INET6", "::ffff:127.0.0.1")):
+                command = [sys.executable, "-c", client, family, host, port, path, user]
+                answer = subprocess.run(command, capture_output=True, text=True, check=True)
+                assert status in answer.stdout
+
+
+@pytest.mark.parametrize("name", ["step $x$<img src=q onerror=alert(1)>", "<b>$x$", "$x$ </p>",
+                                  "$a$<!-- $b$"])
+@pytest.mark.parametrize("place", ["block", "port", "event", "inside"])
+def test_a_name_that_the_page_takes_for_html_is_refused(name, place, tmp_path):
+    node = {"id": "a", "type": "Constant", "name": "a", "inputs": [], "params": {},
+            "outputs": [{"id": "a-output-0", "name": "out"}]}
+    content = {"version": "1.0.0", "graph": {"nodes": [node]}}
+    if place == "block":
+        node["name"] = name
+    elif place == "port":
+        node["outputs"][0]["name"] = name
+    elif place == "event":
+        content["events"] = [{"id": "e", "type": "ZeroCrossing", "name": name, "params": {
+            "func_evt": "lambda t: 1"}}]
+    else:
+        content["graph"]["nodes"] = [{
+            "id": "s", "type": "Subsystem", "name": "s", "inputs": [], "outputs": [], "params": {},
+            "graph": {"nodes": [{"id": "i", "type": "Interface", "name": "i", "inputs": [],
+                                 "outputs": [], "params": {}}, {**node, "name": name}],
+                      "connections": []}}]
+    path = tmp_path / "model.pvm"
+    path.write_text(json.dumps(content))
+    with pytest.raises(DiagramError, match="holds HTML") as caught:
+        view(path, browser=False)
+    assert repr(name) in str(caught.value)
+
+
+@pytest.mark.parametrize("address", ["javascript:alert(1)", '" onmouseover="alert(1)', "data:,x"])
+def test_a_note_with_a_link_that_runs_something_is_refused(address, tmp_path):
+    path = tmp_path / "model.pvm"
+    path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [], "annotations": [
+        {"id": "n", "content": f"see [this]({address})"}]}}))
+    with pytest.raises(DiagramError, match="no web address"):
+        view(path, browser=False)
