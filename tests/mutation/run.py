@@ -271,7 +271,7 @@ def main() -> int:
                 ).hexdigest()
             outcome, taken, failed = kept.get(digest, ""), 0.0, ""
             if not outcome:
-                limit = 20 + 4 * unchanged(baseline, tree, tests)
+                limit = 20 + 2 * unchanged(baseline, tree, tests)
                 (tree / module).write_text(mutated)
                 outcome, taken, failed = run_tests(tree, tests, limit)
                 (tree / module).write_text(source)
