@@ -6,6 +6,8 @@ file is an option of pytest.
 """
 
 OWN_TESTS = {
+    "_core/_pathsim": ["test_pathsim_seam.py", "test_sampling.py", "test_instants.py",
+                       "test_fdm_exact.py", "-k", "not million"],
     "sampling": ["test_sampling.py", "test_instants.py", "test_checkpoint.py", "test_fdm_exact.py",
                  "-k", "not million"],
     "flight/fdm": ["test_promises.py", "test_limits.py", "test_checkpoint.py", "test_bad_input.py",
