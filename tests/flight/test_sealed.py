@@ -4,6 +4,7 @@ Each test flies in a process of its own and measures there what the kernel knows
 and listening ports, the folders that a file could land in, the bytes on descriptors 1 and 2.
 """
 
+import contextlib
 import hashlib
 import json
 import logging
@@ -134,6 +135,36 @@ for name in {WRITERS!r}:
     assert fingerprint(root) == before
     assert printed == b""
     assert left == []
+
+
+def test_sealing_goes_on_to_the_last_output(tmp_path):
+    root = own_root(tmp_path, ["c172p"])
+    model = root / "aircraft" / "c172p" / "c172p.xml"
+    text = model.read_text(encoding="utf-8")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.setblocking(False)
+        # below an absolute path, or else the output path of a sealed model keeps it from the disk
+        outputs = ['<output name="left.csv" type="CSV" rate="1"/>'] * 1000 + [
+            f'<output name="{tmp_path / "work" / "left.csv"}" type="CSV" rate="1"/>',
+            '<output name="127.0.0.1" type="SOCKET" protocol="UDP" rate="1" '
+            f'port="{receiver.getsockname()[1]}"/>']
+        model.write_text(text.replace("</fdm_config>", "".join(outputs) + "</fdm_config>"),
+                         encoding="utf-8")
+        before = fingerprint(root)
+        report, printed, left = outside(f"""
+airframe = Airframe("c172p", root={str(root)!r})
+airframe.run_ic()
+report = [airframe.fdm.run(), files()]
+""", tmp_path)
+        received = []
+        with contextlib.suppress(BlockingIOError):
+            received.append(receiver.recv(1000))
+    assert report == [True, []]
+    assert fingerprint(root) == before
+    assert printed == b""
+    assert left == []
+    assert received == []
 
 
 def test_a_failed_trim_prints_nothing(tmp_path):

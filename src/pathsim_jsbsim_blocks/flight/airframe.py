@@ -7,6 +7,7 @@ modified. *Quiet*: what JSBSim prints goes to the logger ``pathsim_jsbsim_blocks
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shutil
@@ -181,10 +182,10 @@ class Airframe:
             if staged is not None:
                 shutil.rmtree(staged, ignore_errors=True)
         if not allow_files:
-            for i in range(1000):
-                if not self.fdm.get_output_filename(i):
-                    break
-                self.fdm.set_output_filename(i, os.devnull)
+            # false after the last output
+            outputs = itertools.count()
+            while self.fdm.set_output_filename(next(outputs), os.devnull):
+                pass
             self.fdm.disable_output()
         self._properties = self.fdm.get_property_manager()
         self._names: list[str] | None = None
