@@ -4,6 +4,8 @@ import copy
 import dataclasses
 import math
 import pickle
+import subprocess
+import sys
 
 import pytest
 from plain_jsbsim import trimmed
@@ -263,14 +265,96 @@ def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, re
     assert error.value.reason == reason
 
 
-def test_after_a_failed_trim_the_airframe_is_usable():
-    airframe = Airframe("737")
+@pytest.mark.parametrize(("aircraft", "altitude", "good", "bad"), [
+    ("737", 15000, 300, 120), ("A4", 10000, 250, 80)])
+def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):
+    airframe = Airframe(aircraft)
+    fresh = trim(airframe, TrimCondition(altitude=altitude, speed=good))
     with pytest.raises(TrimError):
-        trim(airframe, TrimCondition(altitude=15000, speed=120))
-    again = trim(airframe, TrimCondition(altitude=15000, speed=300))
-    fresh = found("737", altitude=15000, speed=300)
-    # the search starts from other controls, and stops within its tolerance
-    assert again.alpha == pytest.approx(fresh.alpha, abs=1e-5)
+        trim(airframe, TrimCondition(altitude=altitude, speed=bad))
+    again = trim(airframe, TrimCondition(altitude=altitude, speed=good))
+    for name in set(UNITS) & {f.name for f in dataclasses.fields(TrimState)}:
+        assert getattr(again, name) == pytest.approx(getattr(fresh, name), rel=1e-9, abs=1e-9)
+
+
+def test_what_was_written_outlasts_a_failed_trim():
+    # what a condition leaves open stays as it is, whether the trims between were found or not
+    airframe = Airframe("c172p", create={"ours/lamp": 2.0})
+    airframe.write({"fcs/flap-cmd-norm": 0.0})
+    with pytest.raises(TrimError):
+        trim(airframe, TrimCondition(altitude=3000, speed=20, flaps=0.5, fuel=[50, 60]))
+    before = airframe.fdm
+    state = trim(airframe, TrimCondition(altitude=3000, speed=70))
+    assert airframe.fdm is not before
+    assert airframe.fdm["ours/lamp"] == 2.0
+    assert state == dataclasses.replace(
+        found("c172p", altitude=3000, speed=70, flaps=0.5, fuel=[50, 60]),
+        condition=state.condition)
+
+
+@pytest.mark.parametrize("mode", ["none", "full"])
+def test_after_a_flight_that_broke_it_an_airframe_starts_fresh(mode):
+    airframe, condition = Airframe("c172p"), TrimCondition(altitude=5000, speed=90, mode=mode)
+    fresh = trim(airframe, condition)
+    airframe.fdm["fcs/aileron-cmd-norm"] = math.nan
+    for _ in range(10):
+        airframe.fdm.run()
+    assert math.isnan(airframe.fdm["velocities/p-rad_sec"])
+    assert trim(airframe, condition) == fresh
+
+
+@pytest.mark.parametrize("field", sorted(
+    set(UNITS) & {f.name for f in dataclasses.fields(TrimState)}))
+def test_every_field_of_a_state_is_checked(monkeypatch, field):
+    airframe, condition = Airframe("c172p"), TrimCondition(altitude=5000, speed=90, mode="none")
+    fine = trim(airframe, condition)
+    broken = (math.nan,) if field == "throttle" else math.inf
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.state",
+                        lambda *_: dataclasses.replace(fine, **{field: broken}))
+    with pytest.raises(TrimError, match=f"{field} came out as no finite number"):
+        trim(Airframe("c172p"), condition)
+
+
+GROUND = """
+import sys
+from pathsim_jsbsim_blocks import TrimCondition, TrimError
+from pathsim_jsbsim_blocks.flight.airframe import Airframe
+from pathsim_jsbsim_blocks.flight import trim
+airframe = Airframe(sys.argv[1], create={"fcs/flaps-pos-deg": 0.0} if sys.argv[1] == "L17" else {})
+for condition in eval(sys.argv[2]):
+    try:
+        trim(airframe, TrimCondition(**condition))
+        print("found", end=" ")
+    except TrimError as error:
+        print(error.reason, end=" ")
+"""
+
+
+@pytest.mark.parametrize(("aircraft", "conditions", "said"), [
+    # JSBSim's search for a stand reads where there is no memory, and that ends the process
+    ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
+    ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
+    ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
+])
+def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, conditions, said):
+    done = subprocess.run([sys.executable, "-c", GROUND, aircraft, repr(conditions)],
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, said, "")
+
+
+@pytest.mark.parametrize(("aircraft", "condition", "reason", "text"), [
+    ("Short_S23", {"altitude": 2000, "mach": 1.88, "mode": "turn", "bank": 30}, "mach",
+     "Mach 1.88, and propellers"),
+    ("c172p", {"altitude": 30000, "speed": 450}, "mach", "propellers"),
+    ("737", {"altitude": 5e5, "speed": 300}, "altitude", "above 278,386 ft"),
+    ("c172p", {"altitude": 1e6, "mode": "ground"}, "altitude", "above 278,386 ft"),
+])
+def test_what_cannot_be_is_refused_before_the_search(monkeypatch, aircraft, condition, reason,
+                                                     text):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages", None)
+    with pytest.raises(TrimError, match=text) as error:
+        found(aircraft, **condition)
+    assert error.value.reason == reason
 
 
 def test_alpha_limits_count():

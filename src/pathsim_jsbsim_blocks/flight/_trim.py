@@ -14,8 +14,15 @@ from ..errors import ParameterError, TrimError
 from .airframe import Airframe
 from .condition import MODES, TrimCondition
 from .console import messages
+from .rehearsal import survives
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
+
+_ROUNDING = 1e-9  # deg
+
+_NEAR_GROUND = 200.0  # ft, more than any wheel is below its aircraft
+
+_TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: where the US Standard Atmosphere, 1976 ends
 
 # deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
 _ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
@@ -145,7 +152,9 @@ def trim(airframe: Airframe, condition: TrimCondition,
     Raises
     ------
     TrimError
-        if JSBSim finds no trim; the airframe stays usable
+        if JSBSim finds no trim. The airframe stays usable: the next trim starts from a fresh
+        executive (`Airframe.renew`), as does a trim on the ground after any other. ``fuel`` burnt
+        in between and what was written to ``airframe.fdm`` directly are gone then
     AircraftError
         if the model cannot be initialised
     PropertyError
@@ -154,12 +163,21 @@ def trim(airframe: Airframe, condition: TrimCondition,
     if not isinstance(condition, TrimCondition):
         raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
                              parameter="condition", value=condition)
+    if airframe.spent or (airframe.used and condition.mode == "ground"):
+        airframe.renew()
+    used = airframe.used
     airframe.lower_ground()
     last = mapping("setup", setup)
     first = {**_loading(condition), **condition.setup}
     airframe.write({**{n: v for n, v in first.items() if n not in last}, **last}, "setup")
+    # until the trim is found: whatever ends the search early leaves its traces
+    airframe.used = airframe.spent = True
     _initialise(airframe, condition, condition.heading)
+    if used and _not_finite(state(airframe, condition)):
+        # what was flown before has broken it
+        return trim(airframe, condition, setup)
     if condition.mode != "none":
+        _refuse_hopeless(airframe, condition)
         _find(airframe, condition)
     if condition.mode == "turn":
         # JSBSim keeps the direction of the path and turns the nose: start as far to the other side
@@ -167,20 +185,52 @@ def trim(airframe: Airframe, condition: TrimCondition,
         _initialise(airframe, condition, condition.heading - beyond)
         _find(airframe, condition)
     found = state(airframe, condition)
-    if not math.isfinite(found.alpha + found.theta + found.phi + found.tas + found.altitude):
-        raise _failure(airframe, condition, "no convergence")
+    broken = _not_finite(found)
+    if broken:
+        raise _failure(airframe, condition, "no convergence",
+                       f"{', '.join(broken)} came out as no finite number")
+    airframe.spent = False
     return found
+
+
+def _not_finite(found: TrimState) -> list[str]:
+    """Names of the fields of a state that hold no finite number."""
+    return [name for name in UNITS if hasattr(found, name)
+            for value in [getattr(found, name)]
+            if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))]
+
+
+def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
+    """TrimError for what JSBSim's search would not survive, or look for in vain for long."""
+    fdm = airframe.fdm
+    if condition.altitude > _TOP_OF_THE_AIR:
+        raise _failure(airframe, condition, "altitude",
+                       f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the air ends")
+    mach = fdm[_STATE["mach"]]
+    if mach >= 1.0 and any(airframe.has(f"propulsion/engine[{i}]/propeller-rpm")
+                           for i in range(airframe.engines)):
+        raise _failure(airframe, condition, "mach",
+                       f"that is Mach {mach:.3g}, and propellers pull to below Mach 1")
+    # of the rest, such as a thrust, the search may still make a number
+    if broken := [name for name in _not_finite(state(airframe, condition)) if name in _LIMITS]:
+        raise _failure(airframe, condition, "no convergence",
+                       f"{', '.join(broken)} are no finite numbers there")
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     """The state that an initialised airframe is in now."""
     fdm = airframe.fdm
+    found = {name: fdm[source] for name, source in _STATE.items()}
+    if 360.0 - found["psi"] < _ROUNDING:
+        # else a heading north is 360 at one point and 0 at the next
+        found["psi"] = 0.0
+    thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
     return TrimState(
         aircraft=airframe.aircraft, condition=condition,
         throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
-        thrust=math.fsum(fdm[f"propulsion/engine[{i}]/thrust-lbs"]
-                         for i in range(airframe.engines)),
-        **{name: fdm[source] for name, source in _STATE.items()})
+        # fsum refuses infinities of both signs
+        thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
+        **found)
 
 
 def _start_engines(airframe: Airframe) -> None:
@@ -258,6 +308,11 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
+    # with wheels near the ground JSBSim's search may read where there is no memory
+    near_ground = condition.mode == "ground" or airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
+    if near_ground and not survives(find):
+        raise _failure(airframe, condition, "no convergence",
+                       "JSBSim cannot put it on its wheels there")
     # what it says of a failure is in the error
     found, said = messages(find, hushed=True)
     if not found:
@@ -268,7 +323,8 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
                        else "no convergence" if powered else "thrust")
 
 
-def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimError:
+def _failure(airframe: Airframe, condition: TrimCondition, reason: str,
+             why: str = "") -> TrimError:
     fdm = airframe.fdm
     residuals = {name: fdm[_STATE[name]] for name in _LIMITS}
     alpha_min, alpha_max = (math.degrees(fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
@@ -283,7 +339,7 @@ def _failure(airframe: Airframe, condition: TrimCondition, reason: str) -> TrimE
     }
     return TrimError(
         f"aircraft {airframe.aircraft!r} does not trim at {condition}: "
-        f"{limits.get(reason, f'the {reason} ran to the end of its range')}; without trim "
+        f"{why or limits.get(reason, f'the {reason} ran to the end of its range')}; without trim "
         + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
         + " (ft/s2, rad/s2)",
         aircraft=airframe.aircraft, condition=condition, reason=reason, residuals=residuals)

@@ -149,7 +149,10 @@ class Airframe:
     Attributes
     ----------
     fdm : jsbsim.FGFDMExec
-        the executive: one object, one model
+        the executive: one object, one model. `renew` replaces it
+    used, spent : bool
+        whether a search has run on the executive, and whether one left it in a state that nothing
+        may start from; `pathsim_jsbsim_blocks.flight.trim` sets and heeds them
 
     Raises
     ------
@@ -163,25 +166,44 @@ class Airframe:
         self.dt = positive("dt", dt)
         self.root = root
         self.aircraft = aircraft
-        model_file = _model_file(aircraft, root)
+        self._model_file = _model_file(aircraft, root)
+        self._network = flag("allow_network", allow_network)
+        self._files = flag("allow_files", allow_files)
+        self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
+        self._given = dict(mapping("create", create))
+        self._written: dict[str, float] = {}
+        self._open()
+
+    def renew(self) -> None:
+        """Load the model anew and give it again what `create` and `write` gave it.
+
+        What JSBSim has changed itself is gone, and so is what was written to ``fdm`` directly.
+        Readers and writers that were handed out still belong to the executive before.
+        """
+        written, self._written = self._written, {}
+        self._open()
+        self.write(written)
+
+    def _open(self) -> None:
         capture_console()
-        self.fdm = jsbsim.FGFDMExec(None if root is None else os.fspath(root))
-        if not flag("allow_network", allow_network):
+        self.used = self.spent = False
+        self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
+        if not self._network:
             self.fdm.disable_input()
-        if not flag("allow_files", allow_files):
+        if not self._files:
             self.fdm.disable_output()
             self.fdm.set_output_path(SEALED_PATH)
         self.fdm.set_dt(self.dt)
         staged = None
-        if empty_cg_x is not None:
-            staged = _stage_with_cg(model_file, aircraft, number("empty_cg_x", empty_cg_x))
+        if self._cg is not None:
+            staged = _stage_with_cg(self._model_file, self.aircraft, self._cg)
             self.fdm.set_aircraft_path(staged)
         try:
             self._load()
         finally:
             if staged is not None:
                 shutil.rmtree(staged, ignore_errors=True)
-        if not allow_files:
+        if not self._files:
             # false after the last output
             outputs = itertools.count()
             while self.fdm.set_output_filename(next(outputs), os.devnull):
@@ -193,7 +215,7 @@ class Airframe:
         self._writers: dict[str, Callable[[float], Any]] = {}
         self._created: set[str] = set()
         self._ground_before: float | None = None
-        self._create(create)
+        self._create()
 
     def _load(self) -> None:
         failure = _failure_of(lambda: self.fdm.load_model(self.aircraft))
@@ -201,8 +223,8 @@ class Airframe:
             raise AircraftError(f"JSBSim cannot load aircraft {self.aircraft!r}: {failure}",
                                 aircraft=self.aircraft)
 
-    def _create(self, values: Mapping[str, float] | None) -> None:
-        for name, value in mapping("create", values).items():
+    def _create(self) -> None:
+        for name, value in self._given.items():
             x = number(f"create[{name!r}]", value)
             if self._known(name):
                 self.writer(name)(x)
@@ -316,6 +338,10 @@ class Airframe:
                 raise ParameterError(f"{what}[{name!r}] is {values[name]!r}, but this tank of "
                                      f"{self.aircraft!r} holds {full:.6g} lb",
                                      parameter=what, value=values[name])
+        for name, value in values.items():
+            # in the order in which they were written last
+            self._written.pop(name, None)
+            self._written[name] = value
 
     def access(self, name: str) -> str:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""

@@ -32,7 +32,8 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     """Trim an aircraft at every point of a grid.
 
     The table does not depend on the number of workers, bit for bit: a loaded aircraft is used again
-    only along a chunk of points, and the chunks are fixed by the grid.
+    only along a chunk of points, and the chunks are fixed by the grid. A failed search leaves its
+    traces in JSBSim, so that the point after it gets a fresh aircraft.
 
     Parameters
     ----------
@@ -140,7 +141,6 @@ def _try_out(aircraft: str, root: str | None, conditions: list[TrimCondition],
 def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
                  conditions: list[TrimCondition]) -> list[dict[str, Any]]:
     airframe = Airframe(aircraft, root=root, empty_cg_x=conditions[0].empty_cg_x)
-    readers = {name: airframe.reader(name) for name in outputs}
     rows: list[dict[str, Any]] = []
     for condition in conditions:
         try:
@@ -149,7 +149,7 @@ def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
             rows.append({"trimmed": False, "reason": error.reason})
         else:
             rows.append({"trimmed": True, "reason": "", **_found(state),
-                         **{name: read() for name, read in readers.items()}})
+                         **{name: airframe.fdm[name] for name in outputs}})
     return rows
 
 

@@ -1,0 +1,104 @@
+"""Random sequences of trims on one airframe: each ends in a finite state or a typed error.
+
+A process of its own makes each batch, because JSBSim's faults end the process. What it is about to
+do stands in a file, so that a batch that dies names its last calls.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).parents[1]
+SEEDS = range(20)
+SEQUENCES = 50  # of each seed, with up to 6 trims each
+
+BATCH = """
+import json, math, random, sys, time
+from fleet_conditions import FLYING, NOT_FLYING
+from pathsim_jsbsim_blocks import AircraftError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks.flight.airframe import Airframe, has_retractable_gear
+from pathsim_jsbsim_blocks.flight._trim import _not_finite, trim
+
+seed, sequences, modes, log, report = sys.argv[1:]
+rng = random.Random(int(seed))
+create = {name: dict.fromkeys(found[3], 0.0) for name, found in FLYING.items()}
+create["dr1"] = create["fokker50"] = create["Pterosaur"] = create["fokker100"]
+speeds = {name: found[1] for name, found in FLYING.items()}
+names = sorted(set(FLYING) | set(NOT_FLYING) - {"blank"})
+
+def condition(name):
+    mode = rng.choice(modes.split(","))
+    speed = speeds.get(name, 100.0)
+    said = {"mode": mode, "heading": rng.choice([0.0, rng.uniform(0.0, 360.0)]),
+            "altitude": rng.choice([0.0, rng.uniform(-1500.0, 60.0), rng.uniform(0.0, 15000.0),
+                                    rng.uniform(0.0, 15000.0), 10.0 ** rng.uniform(3.0, 6.0)])}
+    if rng.random() < 0.1:
+        said["mach"] = 10.0 ** rng.uniform(-2.0, 2.0)
+    else:
+        said["speed"] = rng.choice([rng.uniform(0.3, 2.0), rng.uniform(0.7, 1.4),
+                                    10.0 ** rng.uniform(-2.0, 1.5)]) * speed
+    if mode != "ground":
+        said["gamma"] = rng.choice([0.0, rng.uniform(-10.0, 10.0), rng.uniform(-90.0, 90.0)])
+    if mode == "turn":
+        said["bank"] = rng.uniform(-80.0, 80.0)
+    if mode == "pull-up":
+        said["load_factor"] = rng.uniform(-2.0, 5.0)
+    if rng.random() < 0.3:
+        said |= {"wind_north": rng.uniform(-100.0, 100.0), "wind_east": rng.uniform(-100.0, 100.0)}
+    if rng.random() < 0.3:
+        said["gear"] = rng.choice([0.0, 1.0, rng.random()])
+    if rng.random() < 0.2:
+        said |= {"alpha_min": rng.uniform(-20.0, 0.0), "alpha_max": rng.uniform(0.1, 40.0)}
+    return said
+
+counts = {"trims": 0, "found": 0, "TrimError": 0, "AircraftError": 0, "slowest": 0.0}
+with open(log, "w", buffering=1) as log:
+    for sequence in range(int(sequences)):
+        name = rng.choice(names)
+        try:
+            airframe = Airframe(name, create=create.get(name))
+        except AircraftError:
+            continue
+        for _ in range(rng.randint(1, 6)):
+            said = condition(name)
+            steps = rng.choice([0, 0, 1, 200])
+            print(json.dumps([sequence, name, said, steps]), file=log)
+            start = time.process_time()
+            counts["trims"] += 1
+            try:
+                state = trim(airframe, TrimCondition(**said))
+                assert _not_finite(state) == [], (name, said)
+                counts["found"] += 1
+            except (TrimError, AircraftError) as error:
+                counts[type(error).__name__] += 1
+            counts["slowest"] = max(counts["slowest"], time.process_time() - start)
+            print(time.process_time() - start, file=log)
+            for _ in range(steps):
+                airframe.fdm.run()
+json.dump(counts, open(report, "w"))
+"""
+
+
+def batch(folder, seed, sequences, modes):
+    log, report = folder / "log.txt", folder / "report.json"
+    path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", BATCH, str(seed), str(sequences), modes, str(log), str(report)],
+        env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True)
+    assert done.returncode == 0, (done.returncode, done.stderr[-2000:],
+                                  log.read_text().splitlines()[-12:])
+    return json.loads(report.read_text())
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("modes", ["full,longitudinal,ground,pull-up,turn,none", "ground,none"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_sequence_of_trims_ends_the_process(tmp_path, seed, modes):
+    counts = batch(tmp_path, seed, SEQUENCES, modes)
+    print(f"seed {seed}, {modes}: {counts}")
+    assert counts["trims"] > SEQUENCES
+    assert counts["found"] > 0
