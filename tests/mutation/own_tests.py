@@ -34,7 +34,7 @@ OWN_TESTS = {
     "pathview/layout": ["test_layout.py", "test_positions.py", "test_committed.py"],
     "pathview/names": ["test_names.py", "test_export.py"],
     "pathview/pvm": ["test_positions.py", "test_export.py", "test_convert.py"],
-    "pathview/trusted_models": ["test_trust.py"],
+    "pathview/trusted_models": ["test_trusted_place.py", "test_trust.py"],
     "pathview/server": ["test_view.py", "test_hosted_editor.py"],
     "pathview/view": ["test_view.py", "test_hosted_editor.py"],
 }
