@@ -29,7 +29,7 @@ OWN_TESTS = {
     "pathview/check": ["test_convert.py"],
     "pathview/generate": ["test_convert.py"],
     "pathview/context": ["test_names.py", "test_export.py"],
-    "pathview/reader": ["test_export.py"],
+    "pathview/reader": ["test_positions.py", "test_export.py"],
     "pathview/script": ["test_export.py"],
     "pathview/layout": ["test_layout.py", "test_positions.py", "test_committed.py"],
     "pathview/names": ["test_names.py", "test_export.py"],

@@ -1,9 +1,11 @@
-"""Where a model file puts blocks, events and its note, in pixels; what it keeps of an old file."""
+"""What a model file says of blocks, ports, events and the note: positions in pixels, numbers."""
 
+import json
 from pathlib import Path
 
 import pytest
 
+from pathsim_jsbsim_blocks.pathview import export_script
 from pathsim_jsbsim_blocks.pathview.diagram import Diagram, Event, Graph, Node, Wire
 from pathsim_jsbsim_blocks.pathview.pvm import model
 
@@ -88,3 +90,40 @@ def test_names_of_ports_are_shown_where_they_say_something(ports, labels):
     assert "_showOutputLabels" not in node["params"]
     assert [(p["name"], p["index"], p["direction"]) for p in node["inputs"]] == [
         (name, i, "input") for i, name in enumerate(ports)]
+
+
+SCRIPT = '''
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Adder, Constant, Scope
+
+port = Interface()
+total = Adder()
+part = Subsystem([port, total], [
+    Connection(port[0], total[0]), Connection(port[1], total[1]), Connection(total, port[0])])
+a = Constant(1.0)
+b = Constant(2.0)
+c = Constant(3.0)
+scope = Scope()
+sim = Simulation([a, b, c, part, scope], [
+    Connection(a, part[0]), Connection(b, part[1]), Connection(c, part[2]),
+    Connection(part[0], scope[0]), Connection(part[1], scope[2])], log=False)
+
+if __name__ == "__main__":
+    sim.run(1.0)
+'''
+
+
+def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
+    path = tmp_path / "ports.py"
+    path.write_text(SCRIPT)
+    graph = json.loads(export_script(path).read_text())["graph"]
+
+    def ports(nodes):
+        return {n["name"]: (len(n["inputs"]), len(n["outputs"])) for n in nodes}
+
+    assert ports(graph["nodes"]) == {
+        "a": (0, 1), "b": (0, 1), "c": (0, 1), "part": (3, 2), "scope": (3, 0)}
+    (part,) = (n for n in graph["nodes"] if n["name"] == "part")
+    assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (2, 1)}
+    assert sorted((w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]) == [
+        (0, 0), (0, 0), (0, 1), (0, 2), (1, 2)]
