@@ -351,6 +351,6 @@ def test_a_malformed_model_with_another_empty_cg(before, after, message, tmp_pat
     model.write_text(text.replace(before, after) if before else after)
     with pytest.raises(AircraftError, match=re.escape(message)) as error:
         Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0),
-                 JSBSim_path=str(tmp_path))
+                 root=str(tmp_path))
     assert error.value.aircraft == "c172p"
     assert "\n" not in str(error.value)
