@@ -132,6 +132,13 @@ def test_port_names_can_be_told_apart_in_the_editor(name):
         assert len(set(shown)) == len(shown)
 
 
+def test_no_name_is_a_module_and_something_else():
+    for part in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        folder, _, name = part.name.rpartition(".")
+        module = importlib.import_module(part.name)
+        assert getattr(importlib.import_module(folder), name) is module, part.name
+
+
 def test_imports_point_down():
     # the contracts are in pyproject.toml
     lint = "from importlinter.cli import lint_imports_command; lint_imports_command()"

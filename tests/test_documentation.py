@@ -68,7 +68,7 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
     pytest.importorskip("pathview")
     shown = []
     # serving has tests of its own, in a browser
-    load = importlib.import_module("pathsim_jsbsim_blocks.pathview.view")._load
+    load = importlib.import_module("pathsim_jsbsim_blocks.pathview._view")._load
     monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.view",
                         lambda target, port, browser, **trust: shown.append(load(target, **trust)))
     monkeypatch.syspath_prepend(tmp_path / "site")

@@ -36,5 +36,5 @@ OWN_TESTS = {
     "pathview/pvm": ["test_positions.py", "test_export.py", "test_convert.py"],
     "pathview/trusted_models": ["test_trusted_place.py", "test_trust.py"],
     "pathview/server": ["test_view.py", "test_hosted_editor.py"],
-    "pathview/view": ["test_view.py", "test_hosted_editor.py"],
+    "pathview/_view": ["test_view.py", "test_hosted_editor.py"],
 }

@@ -3,8 +3,8 @@
 PathView (the package ``pathview``) is needed only when one of these functions is called.
 """
 
+from ._view import view
 from .convert import convert_model
 from .export import export_script
-from .view import view
 
 __all__ = ["convert_model", "export_script", "view"]
