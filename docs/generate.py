@@ -16,7 +16,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import matplotlib
-from fleet_table import HEADER, fleet_table, format_row
 
 matplotlib.use("agg")
 
@@ -24,6 +23,7 @@ from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
+from pathsim_jsbsim_blocks.flight.fleet import HEADER, fleet_table, format_row
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
@@ -32,14 +32,15 @@ GALLERY_BEGINS, GALLERY_ENDS = "<!-- gallery -->", "<!-- end of gallery -->"
 MODULES = ["air", "axes", "flight", "plots", "catalogue", "studies", "pathview"]
 
 
-def picture(name):
-    """The figure of a diagram: the first that its script shows."""
+def pictures():
+    """One figure for each diagram: the first that its script shows."""
     (DOCS / "pictures").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        with contextlib.redirect_stdout(io.StringIO()):
-            runpy.run_path(str(find_diagram(name)), run_name="__main__")
-        shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
+        for name in diagram_names():
+            with contextlib.redirect_stdout(io.StringIO()):
+                runpy.run_path(str(find_diagram(name)), run_name="__main__")
+            shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
         os.chdir(DOCS)
 
 
@@ -125,8 +126,8 @@ def fleet_page():
             f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
             "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.flight` "
             "finds it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s "
-            "with its controls held; the drift is its\nchange of altitude. "
-            f"`docs/generate.py` makes this page.\n\n{HEADER}"
+            "with its controls held; the drift is its\nchange of altitude. `pathsim-jsbsim "
+            f"aircraft --table` prints the table anew.\n\n{HEADER}"
             + "".join(f"{format_row(row)}\n" for row in rows))
 
 
@@ -134,8 +135,7 @@ def main():
     (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "api.md").write_text(reference(), encoding="utf-8")
     README.write_text(readme(), encoding="utf-8")
-    for name in diagram_names():
-        picture(name)
+    pictures()
     study_pictures()
 
 

@@ -90,7 +90,9 @@ def _parser() -> argparse.ArgumentParser:
                      help="write all recorded signals, also those of a run that crashes or is "
                           "interrupted")
 
-    command("aircraft", _aircraft, "the aircraft models, and which of them load")
+    sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
+    sub.add_argument("--table", action="store_true",
+                     help="trim each in level flight and fly it for 30 s, controls held")
 
     sub = command("properties", _properties,
                   "the properties of an aircraft: name, access, value as initialised")
@@ -310,6 +312,13 @@ def _write_csv(scopes: Sequence[Any], path: Path) -> None:
 def _aircraft(args: argparse.Namespace) -> None:
     from .flight.airframe import Airframe, aircraft_names
 
+    if args.table:
+        from .flight.fleet import HEADER, fleet_table, format_row
+
+        print(HEADER, end="")
+        for row in fleet_table():
+            print(format_row(row), flush=True)
+        return
     for name in aircraft_names():
         try:
             airframe = Airframe(name)

@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from pathsim.blocks import Scope, Source
 from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
-from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight.airframe import aircraft_names
+from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_flight
 
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
@@ -65,3 +68,41 @@ def test_the_others_say_why_not(aircraft, reason):
 def test_the_error_tells_of_all_tries():
     with pytest.raises(TrimError, match="and at 2 other conditions"):
         level_flight("SGS")
+
+
+def test_an_aircraft_that_does_not_stay_level_is_no_success():
+    # 20 deg of bank after 30 s
+    (row,) = fleet_table(["DHC6"])
+    assert row.drift < -100.0
+    assert row.verdict == "trims, then departs"
+
+
+def test_rows_of_the_table():
+    flies, created, refused, broken = fleet_table(["c172p", "L17", "SGS", "blank"], duration=2.0)
+    assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")
+    assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
+    assert refused.verdict == "no trim: thrust"
+    assert math.isnan(refused.drift)
+    assert broken.verdict == "does not load"
+    assert broken.engines is None
+
+
+def test_the_command_prints_the_table(capsys, monkeypatch):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight.fleet.aircraft_names", lambda: ["A4", "SGS"])
+    assert main(["aircraft", "--table"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 4
+    assert lines[2].startswith("| A4 | 1 | 5000 | 194 | up |")
+
+
+def test_the_page_is_up_to_date():
+    page = Path(__file__).parents[2].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]]
+            for line in page.splitlines() if line.startswith("| ")][1:]
+    assert [row[0] for row in rows] == aircraft_names()
+    for name, _, altitude, speed, *_, verdict in rows:
+        if name in FLYING:
+            assert (float(altitude), float(speed)) == FLYING[name][:2]
+            assert verdict.startswith("trims")
+        else:
+            assert verdict in (f"no trim: {NOT_FLYING[name]}", "does not load")
