@@ -1,13 +1,10 @@
-"""Make what is generated in the documentation: the gallery with its figures, the API reference.
+"""Make what is generated in the documentation: the gallery, its figures, the table of the fleet.
 
     python docs/generate.py
 """
 
 import ast
 import contextlib
-import html
-import importlib
-import inspect
 import io
 import os
 import runpy
@@ -19,17 +16,17 @@ import matplotlib
 
 matplotlib.use("agg")
 
-from pathsim.blocks import Block
-
-import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.flight.fleet import HEADER, fleet_table, format_row
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
-README = DOCS.parent / "README.md"
-GALLERY_BEGINS, GALLERY_ENDS = "<!-- gallery -->", "<!-- end of gallery -->"
-MODULES = ["air", "axes", "flight", "plots", "catalogue", "studies", "pathview"]
+GALLERY_INTRODUCTION = """\
+# Gallery
+
+Each diagram is a script and a model for PathView. `pathsim-jsbsim run NAME` flies it,
+`pathsim-jsbsim view NAME` opens it in the editor.
+"""
 
 
 def pictures():
@@ -65,55 +62,31 @@ def shrink(source, target, width=800):
         small.quantize(128, Image.Quantize.FASTOCTREE).save(target, optimize=True)
 
 
-def gallery(columns=3):
-    """The README's gallery: a picture, the name and the first line of each script."""
-    cells = []
+def gallery():
+    """One section for each diagram: what it shows, its figure, its model, its script."""
+    parts = [GALLERY_INTRODUCTION]
     for name in diagram_names():
-        summary = ast.get_docstring(ast.parse(find_diagram(name).read_text())).splitlines()[0]
-        cells.append(f'<td width="33%" valign="top"><a href="diagrams/{name}.py">'
-                     f'<img src="docs/pictures/{name}.png" alt="{name}"></a><br>'
-                     f"<code>{name}</code> "
-                     f'(<a href="docs/pictures/{name}_pathview.png">in PathView</a>)<br>'
-                     f"{html.escape(summary)}</td>")
-    rows = [cells[i:i + columns] for i in range(0, len(cells), columns)]
-    return "<table>\n" + "\n".join(
-        "<tr>\n" + "\n".join(row) + "\n</tr>" for row in rows) + "\n</table>"
+        summary, _, rest = ast.get_docstring(ast.parse(
+            find_diagram(name).read_text(encoding="utf-8"))).partition("\n")
+        parts.append(f"""\
+## {name}
 
+**{summary}**
 
-def readme():
-    """The README with the gallery as it is now."""
-    before, _, rest = README.read_text(encoding="utf-8").partition(GALLERY_BEGINS)
-    _, end, after = rest.partition(GALLERY_ENDS)
-    if not end:
-        raise ValueError(f"no {GALLERY_BEGINS} ... {GALLERY_ENDS} in {README}")
-    return f"{before}{GALLERY_BEGINS}\n{gallery()}\n{GALLERY_ENDS}{after}"
+{rest.strip().replace("``", "`")}
 
+![Time histories of {name}](pictures/{name}.png)
 
-def _entry(name, thing, level):
-    signature = ""
-    with contextlib.suppress(ValueError, TypeError):
-        signature = str(inspect.signature(thing))
-    text = inspect.getdoc(thing) or ""
-    return f"{'#' * level} {name}\n\n```text\n{name}{signature}\n\n{text}\n```\n"
+:::{{dropdown}} The diagram in PathView
+[![The diagram {name} in PathView](pictures/{name}_pathview.png)](pictures/{name}_pathview.png)
+:::
 
-
-def reference():
-    """The API reference, from the docstrings of all public names."""
-    parts = ["# API reference\n\nMade from the docstrings by `docs/generate.py`.\n"]
-    public = {n: o for n, o in vars(package).items()
-              if inspect.isclass(o) and o.__module__.startswith(package.__name__)}
-    parts.append("## Blocks\n")
-    parts += [_entry(n, o, 3) for n, o in sorted(public.items()) if issubclass(o, Block)]
-    parts.append("## Conditions, states, errors\n")
-    parts += [_entry(n, o, 3) for n, o in sorted(public.items()) if not issubclass(o, Block)]
-    for name in MODULES:
-        module = importlib.import_module(f"{package.__name__}.{name}")
-        own = {n: o for n, o in vars(module).items()
-               if not n.startswith("_") and n not in public
-               and (inspect.isfunction(o) or inspect.isclass(o))
-               and o.__module__.startswith(module.__name__)}
-        parts.append(f"## {package.__name__}.{name}\n\n{inspect.getdoc(module)}\n")
-        parts += [_entry(n, o, 3) for n, o in sorted(own.items())]
+:::{{dropdown}} The script
+```{{literalinclude}} ../diagrams/{name}.py
+:language: python
+```
+:::
+""")
     return "\n".join(parts)
 
 
@@ -124,17 +97,16 @@ def fleet_page():
     departs = sum("departs" in row.verdict for row in rows)
     return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
             f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
-            "Each is trimmed by JSBSim where `level_flight` of `pathsim_jsbsim_blocks.flight` "
-            "finds it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s "
-            "with its controls held; the drift is its\nchange of altitude. `pathsim-jsbsim "
-            f"aircraft --table` prints the table anew.\n\n{HEADER}"
+            "Each is trimmed by JSBSim where `level_flight` of "
+            "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s with its "
+            "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
+            f"--table` prints the table anew.\n\n{HEADER}"
             + "".join(f"{format_row(row)}\n" for row in rows))
 
 
 def main():
     (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
-    (DOCS / "api.md").write_text(reference(), encoding="utf-8")
-    README.write_text(readme(), encoding="utf-8")
+    (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
     pictures()
     study_pictures()
 

@@ -91,6 +91,9 @@ def _parser() -> argparse.ArgumentParser:
                           "interrupted")
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
+    sub.add_argument("name", nargs="?", help="one model only")
+    sub.add_argument("--points", metavar="FIG", type=Path,
+                     help="draw the points that the model names: CG, wheels, tanks, ...")
     sub.add_argument("--table", action="store_true",
                      help="trim each in level flight and fly it for 30 s, controls held")
 
@@ -319,7 +322,10 @@ def _aircraft(args: argparse.Namespace) -> None:
         for row in fleet_table():
             print(format_row(row), flush=True)
         return
-    for name in aircraft_names():
+    if args.points is not None:
+        _draw_points(args.name, args.points)
+        return
+    for name in aircraft_names() if args.name is None else [args.name]:
         try:
             airframe = Airframe(name)
             airframe.run_ic()
@@ -327,6 +333,25 @@ def _aircraft(args: argparse.Namespace) -> None:
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
         except BlocksError as error:
             print(f"{name:<14} {error}")
+
+
+def _draw_points(name: str | None, path: Path) -> None:
+    from .flight.airframe import Airframe
+    from .flight.points import aircraft_points
+    from .plots import aircraft_points as draw
+    from .plots import show
+
+    if name is None:
+        raise ParameterError("--points needs the name of an aircraft", parameter="points",
+                             value=str(path))
+    airframe = Airframe(name)
+    airframe.run_ic()
+    points = aircraft_points(airframe)
+    for kind, found in points.items():
+        for x, y, z in found:
+            print(f"{kind:<28} x {x:9.2f}  y {y:9.2f}  z {z:9.2f} in")
+    with _saving(path):
+        show(draw(points, f"{name}: named points"), "")
 
 
 def _properties(args: argparse.Namespace) -> None:

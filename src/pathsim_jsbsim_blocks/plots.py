@@ -10,7 +10,7 @@ import contextlib
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -97,6 +97,41 @@ def signal(scope, label: str) -> tuple[np.ndarray, np.ndarray]:
         raise ParameterError(f"the scope has no signal {label!r}"
                              + did_you_mean(nearest(label, names)), parameter="label", value=label)
     return time, data[names.index(wanted)]
+
+
+def aircraft_points(points: Mapping[str, Sequence[tuple[float, float, float]]], title: str = ""):
+    """Side and top view of the named points of an aircraft.
+
+    Parameters
+    ----------
+    points : dict
+        as `pathsim_jsbsim_blocks.flight.points.aircraft_points` returns them: (x, y, z) in inches,
+        structural axes (x aft, y right, z up)
+    title : str
+        headline of the figure
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    import matplotlib.pyplot as plt
+
+    figure, (side, top) = plt.subplots(2, 1, layout="constrained", figsize=(8, 9),
+                                       height_ratios=(1, 2))
+    for (kind, found), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
+        x, y, z = np.transpose(found)
+        side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
+        top.plot(x, y, marker, markersize=8, alpha=0.8)
+    side.set(ylabel="z, up [in]", title="from the left side")
+    top.set(ylabel="y, right [in]", xlabel="x, aft [in]", title="from above")
+    for ax in (side, top):
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.margins(0.08)
+        ax.grid(alpha=0.4)
+    figure.legend(loc="outside right upper", fontsize="small")
+    if title:
+        figure.suptitle(title)
+    return figure
 
 
 def ground_track(time, latitude, longitude, title: str = "ground track"):

@@ -1,0 +1,36 @@
+"""Sphinx configuration: python -m sphinx -W --keep-going docs site."""
+
+from importlib.metadata import version as installed_version
+
+project = "pathsim-jsbsim-blocks"
+copyright = "pathsim-jsbsim-blocks contributors"
+version = release = installed_version(project)
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_design",
+]
+exclude_patterns = ["generate.py", "screenshots.py"]
+
+html_theme = "furo"
+html_title = f"{project} {version}"
+html_show_sphinx = False
+
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+
+# the docstrings are reST, as PathView's dialogs want them, with sections for the ports
+napoleon_google_docstring = False
+napoleon_custom_sections = [("Inputs", "params_style"), ("Outputs", "params_style")]
+napoleon_use_rtype = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+add_module_names = False
+
+copybutton_exclude = ".linenos, .gp, .go"
+copybutton_prompt_text = r">>> |\.\.\. "
+copybutton_prompt_is_regexp = True

@@ -1,0 +1,51 @@
+"""Named points of an aircraft model, in structural axes."""
+
+from __future__ import annotations
+
+import contextlib
+
+from ..errors import AircraftError
+from .airframe import Airframe, empty_weight_cg
+
+Point = tuple[float, float, float]
+
+# {} is the axis, * the index
+_PROPERTIES = {
+    "centre of gravity": "inertia/cg-{}-in",
+    "aerodynamic reference point": "metrics/aero-rp-{}-in",
+    "eye point": "metrics/eyepoint-{}-in",
+    "visual reference point": "metrics/visualrefpoint-{}-in",
+    "wheels": "gear/unit*/{}-position",
+    "other contact points": "contact/unit*/{}-position",
+    "tanks": "propulsion/tank*/{}-position",
+    "point masses": "inertia/pointmass-location-{}-inches*",
+}
+
+
+def aircraft_points(airframe: Airframe) -> dict[str, list[Point]]:
+    """Points that a model names: CG, aerodynamic reference point, wheels, tanks, point masses.
+
+    Parameters
+    ----------
+    airframe : Airframe
+        an initialised aircraft (`Airframe.run_ic`)
+
+    Returns
+    -------
+    dict
+        from the kind of point to a list of (x, y, z) in inches, structural axes: x aft, y right,
+        z up. Wheels and contact points are those of the unloaded gear
+    """
+    points: dict[str, list[Point]] = {}
+    with contextlib.suppress(AircraftError):
+        points["empty-weight CG"] = [empty_weight_cg(airframe.aircraft, airframe.root)]
+    for kind, template in _PROPERTIES.items():
+        axes = "XYZ" if "inches" in template else "xyz"
+        before, _, after = template.format(axes[0]).partition("*")
+        indices = sorted(n[len(before):len(n) - len(after)] for n in airframe.property_names(before)
+                         if n.startswith(before) and n.endswith(after)) if "*" in template else [""]
+        for index in indices:
+            x, y, z = (airframe.reader(template.format(axis).replace("*", index))()
+                       for axis in axes)
+            points.setdefault(kind, []).append((x, y, z))
+    return points
