@@ -29,15 +29,14 @@ Each diagram is a script and a model for PathView. `pathsim-jsbsim run NAME` fli
 """
 
 
-def pictures():
-    """One figure for each diagram: the first that its script shows."""
+def picture(name):
+    """The figure of a diagram: the first that its script shows."""
     (DOCS / "pictures").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name in diagram_names():
-            with contextlib.redirect_stdout(io.StringIO()):
-                runpy.run_path(str(find_diagram(name)), run_name="__main__")
-            shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
+        with contextlib.redirect_stdout(io.StringIO()):
+            runpy.run_path(str(find_diagram(name)), run_name="__main__")
+        shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
         os.chdir(DOCS)
 
 
@@ -98,7 +97,8 @@ def fleet_page():
     return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
             f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
             "Each is trimmed by JSBSim where `level_flight` of "
-            "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n(gear up where it retracts, fuel frozen) and flown for 30 s with its "
+            "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n"
+            "(gear up where it retracts, fuel frozen) and flown for 30 s with its "
             "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
             f"--table` prints the table anew.\n\n{HEADER}"
             + "".join(f"{format_row(row)}\n" for row in rows))
@@ -107,7 +107,8 @@ def fleet_page():
 def main():
     (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
-    pictures()
+    for name in diagram_names():
+        picture(name)
     study_pictures()
 
 
