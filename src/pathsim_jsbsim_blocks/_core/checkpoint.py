@@ -36,7 +36,7 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
     Parameters
     ----------
     simulation : pathsim.Simulation
-    path : str or path
+    Path : str or path
         with or without an ending
     recordings : bool
         whether to save what scopes have recorded
@@ -74,7 +74,7 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     Parameters
     ----------
     simulation : pathsim.Simulation
-    path : str or path
+    Path : str or path
         with or without an ending
 
     Raises

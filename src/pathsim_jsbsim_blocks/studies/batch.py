@@ -49,7 +49,7 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     jobs : int
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
-    resume : path, optional
+    resume : Path, optional
         file that keeps finished cases: the same call with the same file goes on where a killed one
         stopped, for as long as the name of ``build`` is the same: after changing what it does,
         name another file

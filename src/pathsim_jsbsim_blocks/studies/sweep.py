@@ -55,7 +55,7 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     jobs : int
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
-    resume : path, optional
+    resume : Path, optional
         file that keeps finished chunks: the same call with the same file goes on where a killed one
         stopped
     progress : bool

@@ -49,7 +49,7 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
         all that the results depend on, as plain data, to know a file to resume from
     jobs : int
         worker processes; -1 for all cores. Not used on a cluster
-    resume : path, optional
+    resume : Path, optional
         file that keeps finished parts
     progress : bool
         show a progress bar on stderr
