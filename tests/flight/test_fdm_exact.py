@@ -361,7 +361,7 @@ def test_a_million_samples_are_counted_exactly():
     # the diagram's clock has drifted by then; the sample count must not have
     fdm = JSBSimFDM(T=T, aircraft_model="ball", trim_mode="none", trim_altitude=1e5,
                     trim_airspeed=0, output_properties=["simulation/sim-time-sec"])
-    fdm.advance = lambda: None  # the count is under test, not the flight
+    fdm.advance = lambda index, u: [0.0]  # the count is under test, not the flight
     sim = Simulation([fdm], dt=T, log=False)
     sim._update(0.0)
     step = sim.timestep

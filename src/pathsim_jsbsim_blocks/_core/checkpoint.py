@@ -2,8 +2,8 @@
 
 PathSim writes a JSON and an NPZ file and checks neither: a changed number in them is another
 flight. Blocks cannot check the files themselves, since each sees only its own data, and only after
-PathSim has read the files and loaded others. So a diagram that holds a sampled block gets methods
-of its own that check first.
+PathSim has read the files and loaded others. So the functions here take the place of PathSim's
+methods; for a diagram without sampled blocks nothing changes.
 """
 
 from __future__ import annotations
@@ -13,18 +13,20 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from types import MethodType
 from typing import Any
 
 from pathsim import Simulation
 
 from ..errors import BlocksError, FileError, ParameterError
+from ._pathsim import ClockEvent
+
+_save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
 
 
-def seal(simulation: Simulation) -> None:
-    """Let ``save_checkpoint`` and ``load_checkpoint`` of a simulation write and check a digest."""
-    simulation.save_checkpoint = MethodType(save_checkpoint, simulation)
-    simulation.load_checkpoint = MethodType(load_checkpoint, simulation)
+def _samples(simulation: Simulation) -> bool:
+    """Whether a block in the diagram samples."""
+    return any(isinstance(event, ClockEvent)
+               for block in simulation.blocks for event in block.events)
 
 
 def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
@@ -48,11 +50,13 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
     ParameterError
         if a block cannot be saved
     """
+    if not _samples(simulation):
+        return _save(simulation, path, recordings)
     base = _base(path)
     part = f"{base}.part-{os.getpid()}"
     written = [Path(f"{part}{ending}") for ending in (".json", ".npz")]
     try:
-        Simulation.save_checkpoint(simulation, part, recordings)
+        _save(simulation, part, recordings)
         data = json.loads(written[0].read_text(encoding="utf-8"))
         data["digest"] = _digest(data, written[1].read_bytes())
         written[0].write_text(json.dumps(data, indent=2), encoding="utf-8")
@@ -84,6 +88,8 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     FileError
         if the files cannot be read
     """
+    if not _samples(simulation):
+        return _load(simulation, path)
     base = _base(path)
     try:
         data = json.loads(Path(f"{base}.json").read_text(encoding="utf-8"))
@@ -96,7 +102,7 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
         raise ParameterError(f"the checkpoint {base!r} is damaged: its files are not as they were "
                              "saved", parameter="checkpoint", value=base)
     try:
-        Simulation.load_checkpoint(simulation, base)
+        _load(simulation, base)
     except BlocksError:
         raise
     except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
@@ -115,3 +121,6 @@ def _digest(data: dict[str, Any], arrays: bytes) -> str:
     digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
     digest.update(arrays)
     return digest.hexdigest()
+
+
+Simulation.save_checkpoint, Simulation.load_checkpoint = save_checkpoint, load_checkpoint

@@ -7,6 +7,7 @@ from typing import Any
 from pathsim.blocks import Block
 
 from ..errors import BlocksError, ParameterError
+from ._pathsim import port_names
 from .checks import did_you_mean, nearest
 
 
@@ -14,7 +15,7 @@ class NamedPorts(Block):
     """Base of all blocks here: ``block["name"]`` and ``block.set(name=...)`` check the name."""
 
     def __getitem__(self, key: Any) -> Any:
-        names = [*self.inputs._mapping, *self.outputs._mapping]
+        names = [*port_names(self.inputs), *port_names(self.outputs)]
         for port in key if isinstance(key, (list, tuple)) else [key]:
             if isinstance(port, str) and port not in names:
                 close = nearest(port, names)

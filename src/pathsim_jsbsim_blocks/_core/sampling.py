@@ -1,42 +1,51 @@
 """The one mechanism by which blocks sample at a period T.
 
 PathSim evaluates a diagram several times per step: at every solver stage, at the end of the
-step, and again after every event. A sampled block must act on its sample instants
-``t_k = start + k T`` only, and exactly once on each. Two kinds exist:
+step, and again after every event. It evaluates it between runs too, when somebody looks at it, and
+it takes a step anew that was rejected, or that an exception or Ctrl-C has ended. A sampled block
+must act on its sample instants ``t_k = start + k T`` only, and exactly once on each. Two kinds
+exist:
 
 - `SampledPlant` reads its inputs at t_k, holds them over [t_k, t_k+1) and shows its new outputs
   at t_k+1 (no direct feed-through): the aircraft.
 - `SampledLaw` computes its outputs at t_k from its inputs at t_k and holds them (direct
   feed-through at the sample instants): controllers.
 
-Instants are counted by an integer, never by adding T. A plant acts once and for good. A law may
-be evaluated several times at one instant, always from the state before that instant; the last
-result is kept when the step is over, so the order of blocks and events does not matter.
+Instants are counted by an integer, never by adding T. What a block has computed is kept under the
+number of its instant, and an evaluation shows what belongs to its time: going back to the start of
+a step shows the values from before it. An instant is over when a step starts at it or after it;
+the clock then goes on to the next one by a single assignment, which no interrupt can split.
 
-In a step without solver stages the first evaluation of the graph is the one at the step's end, and
-both kinds act there: one pass through the graph instead of two, and no event. Whether a step has
-stages is known only to the `Simulation`; blocks inside a `Subsystem`, in adaptive runs and in
-diagrams with continuous states act in the resolution of an event, which is always right.
+A plant acts once and for good. A law may be evaluated several times at one instant, always from
+the state before that instant; the last result counts, so the order of blocks and events does not
+matter.
 
-A `Subsystem` without direct feed-through is evaluated before its surroundings, so what enters it
-needs one more pass for each level to reach a block inside; `Settling` events ask for these.
+Blocks act in the resolution of an event, which is always right: it happens in a step only, never
+in a look. But every event costs one more pass through the graph, a fourth of a step. In a fixed
+step without solver stages the first evaluation is the one at the step's end; blocks that are not in
+a subsystem show their outputs there, and need no event. `SampledBlock.in_one_pass` is the switch.
+A plant may then not act in the evaluation, which could be a look; it acts when the step starts.
 """
 
 from __future__ import annotations
 
 import math
-import sys
 import warnings
-import weakref
-from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
-from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 
 from ..errors import ParameterError
-from .checkpoint import seal
+from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
+from ._pathsim import (
+    ClockEvent,
+    WiredRegister,
+    show,
+    step_begins,
+    values,
+    without_stages,
+)
 from .checks import number, positive
 
 # s; more samples than these nobody waits for
@@ -44,14 +53,26 @@ SHORTEST_PERIOD = 1e-6
 
 # PathSim resolves the events of a step in the order of their place in it
 BEFORE_OTHER_EVENTS = math.nextafter(1.0, 0.0)
-AFTER_OTHER_EVENTS = math.inf
+
+NOT_DETECTED = False, False, 1.0
 
 
 def _period(T: Any) -> float:
     return number("T", positive("T", T), low=SHORTEST_PERIOD)
 
 
-class SampleClock(Event):
+class Instant(NamedTuple):
+    """The instant that a block waits for, and when those before it and it are reached."""
+
+    k: int
+    time: float
+    due_from: float
+    due_until: float
+    latest_from: float
+    latest_until: float
+
+
+class SampleClock(ClockEvent):
     """Event on the sample instants of one block, and the count of them.
 
     Parameters
@@ -65,101 +86,80 @@ class SampleClock(Event):
     def __init__(self, block: SampledBlock, first: int):
         self._block = block
         self._first = first
-        self.due_from = self.due_until = 0.0
+        self.next: Instant
         super().__init__()
         self.reset()
 
-    def __bool__(self) -> bool:
-        return self._active and self._block._active
-
     def reset(self) -> None:
         super().reset()
+        if not self._block:
+            self.off()
         self.period = _period(self._block.T)
-        self.step_start = 0.0
-        # between the start of a step and its end; a run begins outside of any step
+        self.step_start = -math.inf
+        # between the start of a step and its end
         self.in_step = False
-        # the graph's values at this time may still be on their way to the block
         self.settling = False
-        self._detected_at = 0.0
+        self.reached = 0.0
         self.begin_at(0.0, self._first)
+
+    @property
+    def index(self) -> int:
+        """Index of the instant that the block waits for."""
+        return self.next.k
 
     def begin_at(self, t: float, index: int) -> None:
         """Let the sample before ``index`` be at ``t`` (the first, if there is none before)."""
         self.start = t - max(index - 1, 0) * self.period
-        self.go_to(max(index - 1, 0))
         self.go_to(index)
 
     def go_to(self, index: int) -> None:
-        """Wait for sample ``index``, the one after that waited for until now."""
-        self.latest_from, self.latest_until = self.due_from, self.due_until
-        self.index = index
-        self.next = self.start + index * self.period
-        # how far the diagram's accumulated clock may be from an instant
-        slack = min(1e-13 + 1e-9 * self.next, 0.01 * self.period)
-        self.due_from = self.next - slack
-        self.due_until = self.next + slack
+        """Wait for sample ``index``."""
+        time = self.start + index * self.period
+        slack = self._slack(time)
+        latest = self.start + max(index - 1, 0) * self.period
+        before = self._slack(latest)
+        self.next = Instant(index, time, time - slack, time + slack,
+                            latest - before, latest + before)
+
+    def _slack(self, time: float) -> float:
+        """How far the diagram's accumulated clock may be from an instant."""
+        slack, longest = 1e-13 + 1e-9 * time, 0.01 * self.period
+        return slack if slack < longest else longest
 
     def due(self, t: float) -> int:
-        """Number of instants up to ``t`` at which the block has not acted yet."""
-        if t < self.due_from:
+        """Number of instants up to ``t`` that are not over yet."""
+        due_from = self.next.due_from
+        if t < due_from:
             return 0
-        return 1 + math.floor((t - self.due_from) / self.period)
+        return 1 + int((t - due_from) / self.period)
 
     def buffer(self, t: float) -> None:
-        self.in_step = True
         self._block.step_starts(t)
+        self.in_step = True
 
     def estimate(self, t: float) -> float:
-        return self.next - t
+        return self.start + self._block.awaited * self.period - t
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
-        if not self.in_step:
+        if not self.in_step or t <= self.step_start:
+            # a run begins, maybe after one that ended within a step
+            self.in_step = False
             self.settling = True
-            return False, False, 1.0
+            return NOT_DETECTED
         self.in_step = self.settling = False
-        if t < self.due_from:
-            return False, False, 1.0
-        self._detected_at = t
+        next_ = self.next
+        if t < next_.due_from:
+            return NOT_DETECTED
         self.settling = True
-        if t <= self.due_until:
+        if self._block.has_acted(t):
+            return NOT_DETECTED
+        self.reached = t
+        if t <= next_.due_until:
             return True, True, BEFORE_OTHER_EVENTS
-        return True, False, (self.next - self.step_start) / (t - self.step_start)
+        return True, False, (next_.time - self.step_start) / (t - self.step_start)
 
     def resolve(self, t: float) -> None:
-        self._block.act(self._detected_at)
-
-
-class Settling(Event):
-    """One more pass through the graph whenever a block in a `Subsystem` has acted.
-
-    It comes last, so that what other events change at that time has reached the block too.
-    """
-
-    def __init__(self, clock: SampleClock):
-        super().__init__()
-        self._clock = clock
-
-    def detect(self, t: float) -> tuple[bool, bool, float]:
-        settling = self._clock.settling and bool(self._clock)
-        return settling, settling, AFTER_OTHER_EVENTS
-
-    def resolve(self, t: float) -> None:
-        """Nothing: the pass that follows every event is all there is to it."""
-
-
-def _nothing() -> None:
-    return None
-
-
-def _within_a_step() -> bool:
-    """Whether a step is under way, or just a look at the graph as in `Simulation.to_statespace`.
-
-    It takes a microsecond, so it is asked only where no step usually leads.
-    """
-    frame = sys._getframe(2)
-    while frame is not None and frame.f_code is not Simulation.timestep.__code__:
-        frame = frame.f_back  # type: ignore[assignment]
-    return frame is not None
+        self._block.act(self.reached)
 
 
 class SampledBlock(Block):
@@ -171,70 +171,129 @@ class SampledBlock(Block):
         super().__init__()
         self.T = _period(T)
         self.clock = SampleClock(self, first)
-        self._clock_events: list[Event] = [self.clock]
-        self.events = self._clock_events
-        self._around: Callable[[], Simulation | Subsystem | None] = _nothing
-        self.one_pass = False
+        self.events: list[Event] = [self.clock]
+        self._engine: Any = None
+        # the last step had solver stages, so the next one probably has them too
+        self._stages = False
+        self._dt = 0.0
         self._warned = False
+        self._forget()
 
-    def set_solver(self, Solver, parent, **solver_args) -> None:
-        # the calls come down from the Simulation through each Subsystem around this block
-        levels, frame = 0, sys._getframe(1)
-        around = frame.f_locals.get("self")
-        known = isinstance(around, (Simulation, Subsystem))
-        self._around = weakref.ref(around) if known else _nothing
-        while isinstance(frame.f_locals.get("self"), Subsystem) and frame.f_back:
-            levels, frame = levels + 1, frame.f_back
-        simulation = frame.f_locals.get("self")
-        if isinstance(simulation, Simulation):
-            seal(simulation)
-        self._clock_events = [self.clock, *(Settling(self.clock) for _ in range(levels))]
-        self._act_in_events(True)
+    def _forget(self) -> None:
+        """Nothing has been computed, and no instant reached."""
+        # what belongs to the instants around the next one, by index
+        self._results: dict[int, Any] = {}
+        self._sampled = self.clock.index - 1
+        self._resolved = False
+        self.one_pass = False
 
-    def _act_in_events(self, yes: bool) -> None:
-        self.one_pass = not yes
-        self.events = self._clock_events if yes else []
+    @property
+    def awaited(self) -> int:
+        """Index of the first instant that was not reached yet."""
+        return max(self.clock.next.k, self._sampled + 1)
+
+    def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
+        """PathSim calls this when the block comes into a simulation, with that one's engine."""
+        self._finish()
+        self._engine = parent
+        self.clock.nested = False
 
     def reset(self) -> None:
-        self._act_in_events(True)
         super().reset()
+        self._forget()
+
+    def in_one_pass(self) -> bool:
+        """Whether the evaluation under way is the only one of its step.
+
+        Fixed steps without stages have one evaluation, at their end; so no event need ask for
+        another. In a subsystem, what enters comes one evaluation late, and adaptive runs may
+        reject the step. What other blocks' events find at a step's end is decided here too.
+        """
+        return self.one_pass and without_stages(self._engine)
 
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
-        around = self._around()
-        one_pass = (isinstance(around, Simulation) and not around._blocks_dyn
-                    and not around.engine.is_adaptive)
-        if one_pass is not self.one_pass:
-            self._act_in_events(not one_pass)
-        if one_pass:
-            self.step_starts(t)
+        self._dt = dt
+        self._resolved = False
+        if t >= self.clock.next.due_from:
+            self._sampled = self._latest(t)
 
     def step_starts(self, t: float) -> None:
         """All blocks hold their final values at ``t``, where the next step starts."""
         clock = self.clock
+        next_ = clock.next
+        if t == clock.step_start and t < next_.due_from:
+            # the step is taken anew: its end was not reached, whatever was recorded there
+            self._sampled = next_.k - 1
+        elif self._sampled < next_.k and t >= next_.due_from:
+            self._sampled = self._latest(t)
+        if self._sampled >= next_.k:
+            self._finish()
+            next_ = clock.next
+        self._resolved = False
         clock.step_start = t
-        if t > clock.due_until or t < clock.latest_from:
+        if t > next_.due_until or t < next_.latest_from:
             # switched off for a while, another time, another simulation: go on from here
-            clock.begin_at(t, clock.index)
+            clock.begin_at(t, next_.k)
+        engine = self._engine
+        self.one_pass = not (clock.nested or engine.is_adaptive or self._stages)
+        step_begins(engine)
+
+    def _latest(self, t: float) -> int:
+        """Index of the latest instant up to ``t`` of which there is a result."""
+        k, results = self.clock.next.k, self._results
+        latest = k - 1 + self.clock.due(t)
+        return latest if latest in results else max(
+            (i for i in results if k <= i <= latest), default=k - 1)
+
+    def _finish(self) -> None:
+        """Let the instants that were reached be over."""
+        clock, sampled = self.clock, self._sampled
+        k = clock.next.k
+        if sampled >= k:
+            clock.go_to(sampled + 1)
+            for i in range(k - 1, sampled):
+                self._results.pop(i, None)
+
+    def _shown(self, t: float) -> int:
+        """Index of the instant whose outputs belong to ``t``."""
+        next_ = self.clock.next
+        if t >= next_.due_from and (
+                self._sampled >= next_.k or self._resolved or self.in_one_pass()):
+            return next_.k - 1 + self.clock.due(t)
+        return next_.k - 1
+
+    def has_acted(self, t: float) -> bool:
+        """Whether the outputs at ``t``, the end of a step, are shown already."""
+        self._stages = not without_stages(self._engine)
+        return (self.one_pass and not self._stages
+                and self.clock.next.k - 1 + self.clock.due(t) in self._results)
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         clock = self.clock
-        json_data.update(period=clock.period, start=clock.start, index=clock.index)
+        json_data.update(period=clock.period, start=clock.start, index=clock.index,
+                         sampled=self._sampled, step_start=clock.step_start)
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        clock, index = self.clock, json_data["index"]
+        clock = self.clock
         if json_data["period"] != clock.period:
             raise ParameterError(
                 f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
                 f"this one has T = {clock.period!r}", parameter="T", value=clock.period)
         super().load_checkpoint(prefix, json_data, npz)
-        clock.begin_at(json_data["start"] + max(index - 1, 0) * clock.period, index)
+        clock.in_step = False
+        clock.start, clock.step_start = json_data["start"], json_data["step_start"]
+        clock.go_to(json_data["index"])
+        self._forget()
+        self._sampled = json_data["sampled"]
 
     def act(self, t: float) -> None:
-        """Act on all instants up to ``t``."""
-        raise NotImplementedError
+        """Act on all instants up to ``t``, the end of the step."""
+        if t > self.clock.next.due_until:
+            self._warn_of_late_instants(t)
+        self._resolved = True
 
     def _warn_of_late_instants(self, t: float) -> None:
         if self._warned:
@@ -250,56 +309,70 @@ class SampledBlock(Block):
 class SampledPlant(SampledBlock):
     """Base of sampled blocks without direct feed-through: y[k+1] = f(x[k], u[k]).
 
-    A subclass implements `latch` (keep the inputs), `advance` (one period with the inputs kept)
-    and `publish` (show the outputs).
+    A subclass implements `latch` (the inputs to keep) and `advance` (one period with these inputs;
+    returns the outputs). `advance` is called again for the same period if it was interrupted.
     """
 
     def __init__(self, T: float):
         super().__init__(T, first=1)
-        self._latched = False
 
     def __len__(self) -> int:
         return 0
 
+    def _forget(self) -> None:
+        super()._forget()
+        # index of the instant up to which the inputs are kept, and the inputs
+        self._latched: tuple[int, list[float]] = (0, [])
+
     @property
     def samples(self) -> int:
         """Number of sample periods advanced since the start or the last reset."""
-        return self.clock.index - 1
+        return self.awaited - 1
 
-    def reset(self) -> None:
-        super().reset()
-        self._latched = False
+    def start_from(self, y: list[float]) -> None:
+        """Show the outputs at the instant before the next one."""
+        self._results[self.clock.index - 1] = y
+        show(self.outputs, y)
+
+    def sample(self, t: float, dt: float) -> None:
+        super().sample(t, dt)
+        next_, reached = self.clock.next, self._sampled
+        if reached >= next_.k:
+            self._latched = reached + 1, self.latch()
+        elif next_.latest_from <= t <= next_.latest_until and next_.k not in self._results:
+            # a run begins at an instant: values may have been edited since the last one
+            self._latched = next_.k, self.latch()
 
     def step_starts(self, t: float) -> None:
         super().step_starts(t)
-        clock = self.clock
-        # at the instant itself the latest values count: they may be edited between two runs
-        if t >= clock.latest_from and (not self._latched or t <= clock.latest_until):
-            self.latch()
-            self._latched = True
+        next_ = self.clock.next
+        if next_.k not in self._results:
+            if self._latched[0] != next_.k:
+                self._latched = next_.k, self.latch()
+            if self.one_pass and t + self._dt >= next_.due_from:
+                self._fly(next_.k)
+
+    def _fly(self, index: int) -> None:
+        """Advance to an instant; an interrupt before the result is kept leaves it to be done."""
+        self._results[index] = self.advance(index, self._latched[1])
 
     def update(self, t: float) -> None:
-        if self.one_pass and t >= self.clock.due_from and (
-                t <= self.clock.due_until or _within_a_step()):
-            self.act(t)
+        results = self._results
+        if self.clock.next.k in results:
+            shown = self._shown(t)
+            show(self.outputs, results[shown] if shown in results else results[max(results)])
 
     def act(self, t: float) -> None:
-        clock = self.clock
-        if t > clock.due_until:
-            self._warn_of_late_instants(t)
-        while t >= clock.due_from:
-            self.advance()
-            clock.go_to(clock.index + 1)
-        self._latched = False
-        self.publish()
+        super().act(t)
+        index = self.clock.index
+        for i in range(index, index + self.clock.due(t)):
+            if i not in self._results:
+                self._fly(i)
 
-    def latch(self) -> None:
+    def latch(self) -> list[float]:
         raise NotImplementedError
 
-    def advance(self) -> None:
-        raise NotImplementedError
-
-    def publish(self) -> None:
+    def advance(self, index: int, u: list[float]) -> list[float]:
         raise NotImplementedError
 
 
@@ -310,14 +383,17 @@ class SampledLaw(SampledBlock):
     (nested) tuples of numbers.
     """
 
+    inputs: WiredRegister
+
     def __init__(self, T: float):
         super().__init__(T, first=0)
-        self._start_law()
+        self.inputs = WiredRegister(len(self.inputs), self.input_port_labels
+                                    and dict(self.input_port_labels))
 
-    def _start_law(self) -> None:
-        self._state = self._next_state = self.initial_state()
-        # the first instant is the first evaluation of the graph
-        self._due = 1
+    def _forget(self) -> None:
+        super()._forget()
+        # outputs at an instant, and the state after it
+        self._results[-1] = None, self.initial_state()
 
     def initial_state(self) -> Any:
         """State before the first sample."""
@@ -327,54 +403,35 @@ class SampledLaw(SampledBlock):
         """Outputs at an instant and the state after it, from the inputs and the state before."""
         raise NotImplementedError
 
-    def reset(self) -> None:
-        super().reset()
-        self._start_law()
-
-    def _commit(self) -> None:
-        """What was computed at the instants up to now is final."""
-        self._state = self._next_state
-        for _ in range(self._due):
-            self.clock.go_to(self.clock.index + 1)
-        self._due = 0
-
-    def sample(self, t: float, dt: float) -> None:
-        if self._due:
-            self._commit()
-        super().sample(t, dt)
-
-    def step_starts(self, t: float) -> None:
-        # a step that starts before the instant is a rejected one taken anew
-        if self._due and t >= self.clock.due_from:
-            self._commit()
-        self._due = 0
-        super().step_starts(t)
-
     def update(self, t: float) -> None:
-        if self.one_pass and (t <= self.clock.due_until or _within_a_step()):
-            self.act(t)
-        if self._due:
-            state = self._state
-            u = self.inputs._data.tolist()
-            for _ in range(self._due):
+        index = self.clock.next.k
+        shown = max(self._shown(t), 0)  # the first instant is the first evaluation of the graph
+        if shown >= index > self._sampled:
+            state = self._results[index - 1][1]
+            u = values(self.inputs)
+            for _ in range(index, shown + 1):
                 y, state = self.law(u, state)
-            self._next_state = state
+            self._results = {index - 1: self._results[index - 1], shown: (y, state)}
             self.outputs.update_from_array(y)
+        elif len(self._results) > 1:
+            y, _ = self._results[max(i for i in self._results if i <= max(shown, index - 1))]
+            if y is not None:
+                self.outputs.update_from_array(y)
 
-    def act(self, t: float) -> None:
-        self._due = self.clock.due(t)
-        if self._due and t > self.clock.due_until:
+    def has_acted(self, t: float) -> bool:
+        acted = super().has_acted(t)
+        if acted and t > self.clock.next.due_until:
             self._warn_of_late_instants(t)
+        return acted
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        json_data.update(state=self._state, next_state=self._next_state, due=self._due)
+        json_data.update(results=[[i, y, state] for i, (y, state) in self._results.items()])
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
-        self._state, self._next_state = map(_tuples, (json_data["state"], json_data["next_state"]))
-        self._due = json_data["due"]
+        self._results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
 
 
 def _tuples(state: Any) -> Any:

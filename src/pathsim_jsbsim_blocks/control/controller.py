@@ -6,6 +6,7 @@ import inspect
 import warnings
 from typing import Any
 
+from .._core._pathsim import port_names
 from .._core.checks import positive
 from .._core.docs import filler
 from .._core.ports import NamedPorts
@@ -82,13 +83,8 @@ class Controller(NamedPorts, SampledLaw):
             self._warn_of_missing_wires()
 
     def _warn_of_missing_wires(self) -> None:
-        around = self._around()
-        if around is None:
-            return
-        wired = {self.inputs._map(port) for connection in around.connections
-                 for target in connection.targets if target.block is self
-                 for port in target.ports}
-        missing = [name for name in self.measured if self.inputs._map(name) not in wired]
+        ports = port_names(self.inputs)
+        missing = [name for name in self.measured if ports[name] not in self.inputs.wired]
         if missing:
             warnings.warn(f"{type(self).__name__} measures 0 where no wire comes in: "
                           f"{', '.join(missing)}", RuntimeWarning, stacklevel=2)

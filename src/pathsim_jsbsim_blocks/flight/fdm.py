@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pathsim.utils.register import Register
 
+from .._core._pathsim import port_names, show, values
 from .._core.checks import flag, number, positive, whole
 from .._core.docs import filler
 from .._core.ports import NamedPorts
@@ -27,10 +28,13 @@ from .console import capture_console, log
 _LONGEST_STEP = 0.1
 
 # whatever is not finite in the state reaches these within a step
-_WATCHED = ("velocities/vt-fps", "position/h-sl-ft", "accelerations/Nz")
+_WATCHED = ("velocities/vt-fps", "position/h-agl-ft", "accelerations/Nz")
 
 # g; no aircraft flies that, but JSBSim's springs throw a crashed one about with some hundreds
 _CRASH = 50.0
+
+# ft; a centre of gravity lower than this is under the ground, where nothing of JSBSim's stops it
+_UNDERGROUND = -1.0
 
 # what the manual pages of the aircraft blocks share
 fill = filler(
@@ -144,12 +148,15 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._connect()
         self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
-        self._n_inputs = len(self.inputs._mapping)
-        self._n_outputs = len(self.outputs._mapping)
-        self._u: list[float] = []
+        self._n_inputs = len(port_names(self.inputs))
+        self._n_outputs = len(port_names(self.outputs))
+        self._step = dt
+        self._time_zero = self.airframe.fdm.get_sim_time()
+        # index of the instant to which the aircraft is or was on its way
+        self._begun = 0
         self._flown = array("d")
         self._flying = self._flight()
-        self.publish()
+        self.start_from(self._observe(0.0))
 
     @property
     def fdm(self):
@@ -173,46 +180,70 @@ class FlightBlock(NamedPorts, SampledPlant):
         super().reset()
         self.take_off()
 
-    def latch(self) -> None:
-        u = self.inputs._data.tolist()
+    def latch(self) -> list[float]:
+        u = values(self.inputs)
         if len(u) > self._n_inputs:
             raise ParameterError(
                 f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
                 f"{self._n_inputs} inputs", parameter="inputs", value=len(u))
         if not math.isfinite(sum(u)):
-            for port, value in zip(self.inputs._mapping, u, strict=False):
+            for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not math.isfinite(value):
-                    self._fail(port, value, "input")
-        self._u = u
+                    self._fail(f"input {port!r}", port, value,
+                               self.clock.start + self.samples * self.clock.period)
+        return u
 
-    def advance(self) -> None:
+    def advance(self, index: int, u: list[float]) -> list[float]:
         if get_ident() != self._thread:
             # a diagram may go on in another thread, where JSBSim's console is another one
             self._thread = get_ident()
             capture_console()
-        if self.record_inputs is True:
-            self._flown.extend(self._u)
-        self._write(self._u)
+        # an interrupt may have come before the inputs were written, or between the steps
+        done = self._steps_since(index - 1) if self._begun == index else 0
+        if not done:
+            self._begun = index
+            self._write(u)
         run = self.airframe.fdm.run
-        for _ in range(self._substeps):
+        for _ in range(self._substeps - done):
             run()
+        t = self.clock.start + index * self.clock.period
+        if self._steps_since(index):
+            time = self.airframe.fdm.get_sim_time() - self._time_zero
+            raise FlightError(
+                f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
+                f"{index} periods of {self.clock.period:.9g} s: something else runs or holds it. "
+                "Fly on after a reset", aircraft=self.airframe.aircraft, time=t,
+                name="simulation/sim-time-sec", value=time)
+        y = self._observe(t)
+        before = (index - 1) * self._n_inputs
+        if self.record_inputs is True and len(self._flown) >= before:
+            self._flown[before:] = array("d", u)
+        return y
 
-    def publish(self) -> None:
+    def _steps_since(self, index: int) -> int:
+        """JSBSim's own count of its steps since an instant."""
+        time = self.airframe.fdm.get_sim_time() - self._time_zero
+        return round(time / self._step) - index * self._substeps
+
+    def _observe(self, t: float) -> list[float]:
+        """The outputs; at ``t`` the flight ends if the aircraft cannot be flown on."""
         y = self._read()
-        nz = self._nz()
-        if not (math.isfinite(sum(y) + self._speed() + self._height()) and -_CRASH < nz < _CRASH):
-            for name, value in [*zip(self.outputs._mapping, y, strict=False),
+        height, nz = self._height(), self._nz()
+        if not (math.isfinite(sum(y) + self._speed()) and height >= _UNDERGROUND
+                and -_CRASH < nz < _CRASH):
+            for name, value in [*zip(port_names(self.outputs), y, strict=False),
                                 *((name, self.airframe.fdm[name]) for name in _WATCHED)]:
                 if not math.isfinite(value):
-                    self._fail(name, value, "state")
-            self._fail(_WATCHED[-1], nz, "crashed, load factor")
-        self.outputs._data[:self._n_outputs] = y
+                    self._fail(f"state {name!r}", name, value, t)
+            if -_CRASH < nz < _CRASH:
+                self._fail(f"under the ground, height of the centre of gravity {_WATCHED[1]!r}",
+                           _WATCHED[1], height, t)
+            self._fail(f"crashed, load factor {_WATCHED[2]!r}", _WATCHED[2], nz, t)
+        return y
 
-    def _fail(self, name: str, value: float, what: str) -> None:
-        # the last instant reached is the one before that waited for
-        t = self.clock.next - self.clock.period
+    def _fail(self, what: str, name: str, value: float, t: float) -> None:
         raise FlightError(
-            f"aircraft {self.airframe.aircraft!r}: {what} {name!r} is {value} at t = {t:.9g} s",
+            f"aircraft {self.airframe.aircraft!r}: {what} is {value} at t = {t:.9g} s",
             aircraft=self.airframe.aircraft, time=t, name=name, value=value)
 
     def _flight(self) -> str:
@@ -220,7 +251,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         return (f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
                 f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
                 f"create={self.create}, root={self.root}, "
-                f"inputs={list(self.inputs._mapping)}, outputs={list(self.outputs._mapping)}")
+                f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}")
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Save the flight as the inputs flown: JSBSim's state itself cannot be saved.
@@ -230,15 +261,17 @@ class FlightBlock(NamedPorts, SampledPlant):
         ParameterError
             if the aircraft has flown and ``record_inputs`` is or was off
         """
-        if len(self._flown) != self.samples * self._n_inputs:
+        flown = max(self._results)
+        if len(self._flown) != flown * self._n_inputs:
             raise ParameterError(
                 f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
                 f"were recorded. Build the block with record_inputs=True",
                 parameter="record_inputs", value=self.record_inputs)
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        json_data.update(flight=self._flying, samples=self.samples, latched=self._latched)
+        latched, u = self._latched
+        json_data.update(flight=self._flying, samples=flown, latched=latched)
         npz_data[f"{prefix}/flown"] = np.array(self._flown)
-        npz_data[f"{prefix}/latched"] = np.array(self._u)
+        npz_data[f"{prefix}/latched"] = np.array(u)
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
@@ -257,17 +290,20 @@ class FlightBlock(NamedPorts, SampledPlant):
         start = time.perf_counter()
         saved = self.outputs.to_array()
         self.take_off()
-        samples = json_data["samples"]
-        for row in npz[f"{prefix}/flown"].reshape(samples, self._n_inputs).tolist():
-            self._u = row
-            self.advance()
-        self.publish()
+        samples, kept = json_data["samples"], json_data["index"] - 1
+        rows = npz[f"{prefix}/flown"].reshape(samples, self._n_inputs).tolist()
+        self._results = results = {0: self._results[kept]}
+        for index, row in enumerate(rows, 1):
+            results[index] = self.advance(index, row)
+            if index <= kept:
+                del results[index - 1]
         self._flown = array("d", npz[f"{prefix}/flown"].tolist())
-        self._u, self._latched = npz[f"{prefix}/latched"].tolist(), json_data["latched"]
-        if not np.array_equal(self.outputs.to_array(), saved):
+        self._latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
+        if not any(np.array_equal(y, saved) for y in results.values()):
             raise ParameterError(
                 "the recorded inputs lead to another state than the one saved: is it the same "
                 "version of jsbsim?", parameter="checkpoint", value=flight)
+        show(self.outputs, saved)
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)
 
 
@@ -297,7 +333,7 @@ def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe
                 + (f", first as {other!r}" if other != name else ""),
                 parameter=parameter, value=names)
         listed[property_] = name
-    if names != list(ports._mapping):
+    if names != list(port_names(ports)):
         raise ParameterError(f"{parameter} cannot change, they are the block's ports: build "
                              "another block", parameter=parameter, value=names)
 

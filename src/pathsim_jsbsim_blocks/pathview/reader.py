@@ -15,6 +15,7 @@ from typing import Any
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
+from .._core._pathsim import own_events, port_names, port_number
 from .context import PARTS, Context
 from .diagram import Diagram, Event, Graph, Node, Wire
 from .names import passed, used
@@ -105,8 +106,8 @@ class _Reader:
                     self.refuse(f"{self._called(end.block)} is wired but not in the list of blocks",
                                 self._node(end.block))
             for out, into in zip(source.ports, target.ports, strict=True):
-                yield Wire(index[id(source.block)], source.block.outputs._map(out),
-                           index[id(target.block)], target.block.inputs._map(into))
+                yield Wire(index[id(source.block)], port_number(source.block.outputs, out),
+                           index[id(target.block)], port_number(target.block.inputs, into))
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: _Part | None) -> Node:
         node = Node("", type(block).__name__, line=getattr(self._node(block), "lineno", None))
@@ -120,7 +121,7 @@ class _Reader:
         if type(block) is Subsystem:
             self._construction(part, {"blocks", "connections", "events"})
             inside = [block.interface, *block.blocks]
-            node.graph = self._graph(inside, block.connections, block._events, part)
+            node.graph = self._graph(inside, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
             interface = node.graph.nodes[0]
             for mine, theirs in (("inputs", "outputs"), ("outputs", "inputs")):
@@ -332,7 +333,7 @@ def _port_names(block: Block, side: str, wired: int) -> list[str]:
         n = max(len(register), wired)
     # PathView shows eight characters: of a path, the last part says more than the first
     names = {i: name.rpartition("/")[2] or name
-             for name, i in (register._mapping or labels or {}).items()}
+             for name, i in (port_names(register) or labels or {}).items()}
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
         if type(block).__name__ in ("Scope", "Spectrum", "Adder", "Divider"):

@@ -1,0 +1,130 @@
+"""All that this package knows of PathSim's inside, in one place.
+
+`tests/core/test_pathsim_seam.py` has a test for each name here, which says what has changed when a
+new PathSim breaks it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+from weakref import WeakKeyDictionary
+
+from pathsim import Subsystem
+from pathsim.events import Event
+from pathsim.solvers._solver import Solver
+from pathsim.utils.register import Register
+
+
+def values(register: Register) -> list[float]:
+    """The values in a block's inputs or outputs."""
+    return register._data.tolist()
+
+
+def show(register: Register, y: Sequence[float]) -> None:
+    """Put values into the first ports."""
+    register._data[:len(y)] = y
+
+
+def port_names(register: Register) -> dict[str, int]:
+    """Name and number of each port that has a name."""
+    return register._mapping
+
+
+def port_number(register: Register, port: str | int) -> int:
+    """Number of a port that is given by name or number."""
+    return register._map(port)
+
+
+def own_events(subsystem: Subsystem) -> list[Event]:
+    """Events of a subsystem itself, without those of the blocks inside."""
+    return subsystem._events
+
+
+class WiredRegister(Register):
+    """Inputs that know which ports a connection leads to: PathSim looks up their numbers."""
+
+    __slots__ = ["wired"]
+
+    def __init__(self, size: int | None = None, mapping: dict[str, int] | None = None):
+        super().__init__(size, mapping)
+        self.wired: set[int] = set()
+
+    def _map(self, key: Any) -> Any:
+        port = super()._map(key)
+        self.wired.add(port)
+        return port
+
+
+# PathSim counts the stages of a step from 0
+_BEFORE_STAGES = -1
+
+
+def step_begins(engine: Solver) -> None:
+    """Mark the start of a step in the engine of the simulation."""
+    engine.stage = _BEFORE_STAGES
+
+
+def without_stages(engine: Solver) -> bool:
+    """Whether no solver stage was evaluated since the start of the step.
+
+    A diagram without continuous states has none: its first evaluation in a step is that of the
+    step's end. (The buffers of implicit solvers start counting at once; the answer is no then.)
+    """
+    return engine.stage == _BEFORE_STAGES
+
+
+class ClockEvent(Event):
+    """Event of a sampled block, which tells when the graph's values are on their way to it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.settling = False
+        # inside a subsystem
+        self.nested = False
+
+
+class Settling(Event):
+    """One more pass through the graph after a block in a subsystem has acted.
+
+    A subsystem without direct feed-through is evaluated before its surroundings, so what enters it
+    needs another pass to reach the blocks inside. It comes last, so that what other events change
+    at that time has reached them too.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.clocks: list[ClockEvent] = []
+
+    def detect(self, t: float) -> tuple[bool, bool, float]:
+        settling = any(clock.settling and bool(clock) for clock in self.clocks)
+        return settling, settling, math.inf
+
+    def resolve(self, t: float) -> None:
+        """Nothing: the pass that follows every event is all there is to it."""
+
+
+_events_of_blocks = Subsystem.events.fget
+_settling: WeakKeyDictionary[Subsystem, Settling] = WeakKeyDictionary()
+
+
+def _events(subsystem: Subsystem) -> list[Event]:
+    """Events of the blocks inside and, where blocks sample there, the pass that they need.
+
+    The simulation asks its subsystems for their events, and these ask the ones inside. It is the
+    only call in which a subsystem and the blocks at any depth in it meet, so this function takes
+    the place of `Subsystem.events`; for subsystems without sampled blocks nothing changes.
+    """
+    events = _events_of_blocks(subsystem)
+    clocks = [event for event in events if isinstance(event, ClockEvent)]
+    if clocks:
+        for clock in clocks:
+            clock.nested = True
+        settling = _settling.setdefault(subsystem, Settling())
+        settling.clocks = clocks
+        events.append(settling)
+    return events
+
+
+Subsystem.events = property(_events, doc=Subsystem.events.__doc__)

@@ -1,0 +1,135 @@
+"""What this package takes from inside PathSim: each failure here says what a new PathSim changed.
+
+A diagram of PathSim's own blocks must go on to work then; the last tests run one.
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Amplifier, Integrator, Scope, Source
+from pathsim.events import Event, ZeroCrossing
+from pathsim.solvers import EUB, EUF, RK4, SSPRK22
+from pathsim.utils.register import Register
+
+import pathsim_jsbsim_blocks
+from pathsim_jsbsim_blocks import DiscretePID
+from pathsim_jsbsim_blocks._core import _pathsim as seam
+
+pytestmark = pytest.mark.matrix
+
+SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
+PRIVATE = re.compile(r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
+                     r"|get_active_events|detected_events|stage|solver_parent)\b")
+
+
+def test_registers_keep_their_values_in_data():
+    register = Register(3)
+    assert hasattr(register, "_data"), "Register._data is gone: _pathsim.values and show need it"
+    seam.show(register, [1.0, 2.0])
+    assert seam.values(register) == [1.0, 2.0, 0.0] == register.to_array().tolist()
+    assert all(type(value) is float for value in seam.values(register))
+
+
+def test_registers_keep_their_names_in_mapping():
+    register = Register(2, {"a": 0, "b": 1})
+    assert hasattr(register, "_mapping"), "Register._mapping is gone: _pathsim.port_names needs it"
+    assert list(seam.port_names(register).items()) == [("a", 0), ("b", 1)]
+
+
+def test_registers_find_ports_by_name_and_number():
+    register = Register(2, {"a": 0, "b": 1})
+    assert hasattr(register, "_map"), "Register._map is gone: _pathsim.port_number needs it"
+    assert [seam.port_number(register, port) for port in ("b", 1, "a")] == [1, 1, 0]
+
+
+def test_a_connection_asks_the_register_for_the_port_that_it_leads_to():
+    pid, source, scope = DiscretePID(T=0.1), Source(lambda t: 1.0), Scope()
+    sim = Simulation([pid, source, scope], [Connection(source, pid["y"]), Connection(pid, scope)],
+                     dt=0.1, log=False)
+    sim.run(0.1)
+    assert pid.inputs.wired == {1}, "connections no longer look ports up by Register._map"
+
+
+class Stages(Event):
+    """Notes, at the end of a step, whether it had stages."""
+
+    def __init__(self, engine):
+        super().__init__()
+        self.engine, self.without = engine, []
+
+    def buffer(self, t):
+        seam.step_begins(self.engine)
+
+    def detect(self, t):
+        self.without.append(seam.without_stages(self.engine))
+        return super().detect(t)
+
+
+@pytest.mark.parametrize("solver", [SSPRK22, RK4, EUF, EUB])
+@pytest.mark.parametrize("states", [0, 1])
+def test_the_engine_counts_the_stages_of_a_step(solver, states):
+    sim = Simulation([Source(lambda t: t), Scope(), *(Integrator() for _ in range(states))],
+                     dt=0.1, Solver=solver, log=False)
+    stages = Stages(sim.engine)
+    sim.add_event(stages)
+    sim.run(0.5)
+    steps = stages.without[1:]
+    assert len(steps) == 5
+    # an implicit solver counts from the start of the step, which is the safe answer
+    expected = not states and solver is not EUB
+    assert steps == [expected] * 5, "Solver.stage no longer counts from 0 within a step"
+
+
+def test_blocks_are_given_the_engine_of_the_simulation():
+    pid = DiscretePID(T=0.1)
+    interface = Interface()
+    inner = Subsystem([interface, pid], [Connection(interface, pid), Connection(pid, interface)])
+    sim = Simulation([inner], dt=0.1, log=False)
+    assert pid._engine is sim.engine, "set_solver is no longer given the simulation's engine"
+
+
+def test_a_subsystem_adds_one_pass_for_the_blocks_inside_it():
+    pid, wrapped = DiscretePID(T=0.1), None
+    wrapped = pid
+    for depth in (1, 2, 3):
+        interface = Interface()
+        wrapped = Subsystem([interface, wrapped], [Connection(interface, wrapped),
+                                                   Connection(wrapped, interface)])
+        settling = [e for e in wrapped.events if isinstance(e, seam.Settling)]
+        assert len(settling) == depth, "Subsystem.events no longer collects those of its blocks"
+        assert all(e.clocks == [pid.clock] for e in settling)
+    assert pid.clock.nested
+
+
+def test_a_subsystem_without_sampled_blocks_is_left_alone():
+    crossing = ZeroCrossing(lambda t: t - 0.5)
+    interface, amplifier = Interface(), Amplifier(2.0)
+    system = Subsystem([interface, amplifier], [Connection(interface, amplifier),
+                                                Connection(amplifier, interface)], [crossing])
+    assert system.events == [crossing]
+    assert hasattr(system, "_events"), "Subsystem._events is gone: _pathsim.own_events needs it"
+    assert seam.own_events(system) == [crossing]
+
+
+def test_a_diagram_of_scopes_runs():
+    source, scope = Source(lambda t: 2.0 * t), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.1, log=False)
+    sim.run(1.0)
+    time, data = scope.read()
+    assert np.allclose(data[0], 2.0 * time)
+
+
+def test_private_names_of_pathsim_are_in_the_seam_only():
+    found = set()
+    for path in SOURCE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute) and PRIVATE.match("." + node.attr) and not (
+                    isinstance(node.value, ast.Name) and node.value.id == "self"):
+                found.add(path.name)
+            if isinstance(node, ast.Attribute) and node.attr in ("_getframe", "currentframe"):
+                found.add(f"{path.name}: {node.attr}")
+    assert found <= {"_pathsim.py"}
