@@ -5,24 +5,28 @@
 Needs Chromium. Positions in a model that is there already are kept.
 """
 
-import os
 import sys
+import tempfile
+from pathlib import Path
 
 import generate
 import screenshots
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
+from pathsim_jsbsim_blocks.cli import main as command
 from pathsim_jsbsim_blocks.pathview import export_script
 
 
 def main(names):
     for name in names:
         export_script(find_diagram(name))
-        generate.picture(name)
+        with tempfile.TemporaryDirectory() as folder:
+            figure = Path(folder, f"{name}.png")
+            command(["run", name, "--save", str(figure)])
+            generate.shrink(figure, generate.DOCS / "pictures" / figure.name)
     screenshots.main(names)
     (generate.DOCS / "gallery.md").write_text(generate.gallery(), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("MPLBACKEND", "agg")
     main(sys.argv[1:])
