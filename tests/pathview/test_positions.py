@@ -63,6 +63,8 @@ def test_new_blocks_stand_beside_those_that_were_there():
     assert positions(new["graph"]["nodes"]) == {
         "a": (1040, 503), "b": (1220, 497), "c": (1400, 500)}
     assert [n["params"] for n in new["graph"]["nodes"]] == [{"_rotation": 1}, {}, {}]
+    (note,) = written([A, B], [A_TO_B], docstring="Title.", existing=old)["graph"]["annotations"]
+    assert (note["width"], note["position"]) == (420, {"x": 1000, "y": 480 - 50 - 30})
     # where its place is taken, below: 40 high and 30 between
     old["graph"]["nodes"][1]["position"]["x"] = 1400
     old["graph"]["nodes"][0]["position"]["x"] = 860
@@ -100,7 +102,9 @@ port = Interface()
 total = Adder()
 part = Subsystem([port, total], [
     Connection(port[0], total[0]), Connection(port[1], total[1]), Connection(total, port[0])])
-a = Constant(1.0)
+a = Constant(max(
+    1.0,
+    0.5))
 b = Constant(2.0)
 c = Constant(3.0)
 scope = Scope()
@@ -123,6 +127,7 @@ def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
 
     assert ports(graph["nodes"]) == {
         "a": (0, 1), "b": (0, 1), "c": (0, 1), "part": (3, 2), "scope": (3, 0)}
+    assert graph["nodes"][0]["params"] == {"value": "max(1.0, 0.5)"}
     (part,) = (n for n in graph["nodes"] if n["name"] == "part")
     assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (2, 1)}
     assert sorted((w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]) == [

@@ -38,7 +38,7 @@ def converted(tmp_path, kind, **params):
 
 
 def test_events_inside_a_subsystem_are_checked_too(tmp_path):
-    with pytest.raises(DiagramError, match="event 'tick': .*did you mean 'Schedule'"):
+    with pytest.raises(DiagramError, match=r"event 'tick': .*did you mean 'Schedule'"):
         converted(tmp_path, "pathsim.events.Schedul")
     assert not (tmp_path / "out.py").exists()
     with pytest.warns(UserWarning, match="event 'tick'.*t_perod"):
