@@ -8,44 +8,50 @@ import copy
 import io
 import sys
 import tokenize
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from textwrap import dedent
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 from unittest.mock import patch
 
-from pathsim import Connection, Simulation
-from pathsim.blocks import Block
-from pathsim.events._event import Event
-
+from ..errors import DiagramError
 from .names import bound, passed, references, root, used
+from .same import Functions
 from .script import Script
-
-PARTS = (Block, Event, Connection, Simulation)
+from .values import PARTS, Unwritable, Values
 
 
 class Context:
-    """The statements of a script that the given expressions need, directly or not.
+    """The code that the expressions of a diagram need, directly or not.
+
+    It is made of statements of the script and, where these cannot be taken over or do not give the
+    value that the diagram has, of names with their live values.
 
     Parameters
     ----------
     script : Script
         the script
-    needed_by : iterable of ast.AST
-        parameter expressions, decorated functions, the duration
+    functions : Functions
+        the functions of its source
+    pinned : collection of str
+        names to write with their live values
 
     Attributes
     ----------
-    names : set of str
-        what the statements bind
     parts : set of str
         blocks, events and the simulation, as far as functions refer to them
+    values : Values
+        writes live values as expressions
     """
 
-    def __init__(self, script: Script, needed_by: Iterable[ast.AST]):
+    def __init__(self, script: Script, functions: Functions, pinned: Collection[str] = ()):
         self.script = script
         self.parts: set[str] = set()
+        self.values = Values(script.namespace, functions, self._need)
+        self._pinned = pinned
+        self._pins: dict[str, ast.expr] = {}
         self._binders: dict[str, list[ast.stmt]] = {}
         for statement in script.statements:
             for name in (bound([statement]) | self._changed(statement)) - self._part_names():
@@ -53,21 +59,80 @@ class Context:
         self._needed: set[str] = set()
         self._statements: list[ast.stmt] = []
         # PathView brings numpy as np; a seed set through it belongs to the diagram
-        self._need("np", script.tree)
-        for node in needed_by:
-            if isinstance(node, ast.FunctionDef):  # a block's: its decorator is the block class
-                node = copy.copy(node)
-                node.decorator_list = []
+        self._needed.add("np")
+        for statement in self._binders.get("np", ()):
+            self._try(partial(self._include, statement))
+
+    @property
+    def names(self) -> set[str]:
+        """The names that the code binds."""
+        return ({n for s in self._statements for n in bound([s])} & self._needed
+                | self._pins.keys() | self.values.made.keys())
+
+    def nodes(self) -> list[ast.AST]:
+        """All of the code."""
+        return [*self._statements, *self._pins.values(), *self.values.made.values()]
+
+    def admit(self, node: ast.AST) -> None:
+        """Take in what an expression or a function needs.
+
+        Raises
+        ------
+        DiagramError
+            if that is not possible; nothing is taken in
+        """
+        if isinstance(node, ast.FunctionDef):  # a block's: its decorator is the block class
+            node = copy.copy(node)
+            node.decorator_list = []
+        def need() -> None:
             for name in sorted(used(node)):
                 self._need(name, node)
-        self._statements.sort(key=lambda s: s.lineno)
-        self.names = {n for s in self._statements for n in bound([s])} & self._needed
+
+        error = self._try(need)
+        if error:
+            raise error
+
+    def live(self, value: Any) -> ast.expr:
+        """An expression for a live value.
+
+        Raises
+        ------
+        DiagramError, Unwritable
+            if there is none
+        """
+        found: list[ast.expr] = []
+        error = self._try(lambda: found.append(self.values.expression(value)))
+        if error:
+            raise error
+        return found[0]
+
+    def _try(self, action: Callable[[], object]) -> DiagramError | Unwritable | None:
+        """Do something wholly or not at all."""
+        values = self.values
+        state: list[Any] = [self.parts, self._pins, self._needed, values.made, values.parts,
+                            values.imports, values.names]
+        before = [s.copy() for s in state]
+        statements = list(self._statements)
+        try:
+            action()
+        except (DiagramError, Unwritable) as error:
+            for now, then in zip(state, before, strict=True):
+                now.clear()
+                now.update(then)
+            self._statements[:] = statements
+            return error
+        return None
 
     def text(self, renamed: Mapping[str, str], extra: Iterable[str] = ()) -> str:
         """Source of the context, as written, with parts of the diagram under their new names."""
-        pieces: list[str] = list(extra)
+        statements = sorted(self._statements, key=lambda s: (s.lineno, s.col_offset))
+        again = {n for s in statements for n in (bound([s]) | self._changed(s))}
+        imports = [f"import {m}" for m in sorted(self.values.imports)]
+        pieces = [*extra, *imports, *(
+            f"{name} = {self.expression(node, renamed)}" for name, node in self._pins.items()
+            if not _names(node) - {"np"})]
         end = 0
-        for statement in self._statements:
+        for statement in statements:
             text = self._statement(statement, renamed)
             if not text:
                 continue
@@ -75,12 +140,19 @@ class Context:
             separate = pieces and start > end + 1
             pieces.append(("\n" if separate else "") + text)
             end = statement.end_lineno or 0
-        return "\n".join(pieces)
+        late = {n: e for n, e in self._pins.items() if _names(e) - {"np"} or n in again}
+        for name, node in {**self.values.made, **late}.items():
+            if isinstance(node, ast.FunctionDef):
+                pieces.append("\n" + ast.unparse(ast.fix_missing_locations(
+                    _renamed(node, renamed))))
+            else:
+                pieces.append(f"{name} = {self.expression(node, renamed)}")
+        return "\n".join(pieces).lstrip("\n")
 
     def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:
         """Source of an expression as written, in one line."""
         if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
-            return ast.unparse(_renamed(node, renamed))
+            return ast.unparse(ast.fix_missing_locations(_renamed(node, renamed)))
         return _one_line(_rewrite(self.script.source, node, renamed))
 
     def function(self, node: ast.FunctionDef, name: str, renamed: Mapping[str, str]) -> str:
@@ -89,29 +161,49 @@ class Context:
         plain.name, plain.decorator_list = name, []
         return ast.unparse(plain)
 
-    def bound_before(self, name: str, line: int) -> bool:
-        """Whether a statement above a line binds or changes ``name``."""
-        return any(s.lineno < line for s in self._binders.get(name, ()))
-
-    def bound_after(self, name: str, line: int) -> ast.stmt | None:
-        """The first statement below a line that binds or changes ``name``."""
-        return next((s for s in self._binders.get(name, ()) if s.lineno > line), None)
-
     def _need(self, name: str, where: ast.AST) -> None:
         if name in self._needed:
             return
+        if name.endswith("."):  # a module of an installed package
+            module = name[:-1]
+            if not _installed(module.partition(".")[0], self.script.path):
+                self._beside(module, where)
+            return
         self._needed.add(name)
-        value = self.script.namespace.get(name)
+        value = self.script.namespace.get(name, ...)
         if isinstance(value, PARTS):
             self.parts.add(name)
             return
+        if name == "__file__":
+            self.script.refuse("__file__ has no meaning in PathView", where)
+        if name in self._pinned:
+            self._pin(name, where, None)
+            return
+        error = self._try(lambda: self._need_statements(name, value, where))
+        if error:
+            self._needed.add(name)
+            self._pin(name, where, error)
+
+    def _pin(self, name: str, where: ast.AST, error: Exception | None) -> None:
+        """Write a name's live value; ``error`` says why its statements cannot be taken."""
+        value = self.script.namespace.get(name, ...)
+        try:
+            if value is ... or isinstance(value, ModuleType):
+                raise Unwritable(f"{name!r} is not known")
+            node = self.values.expression(value, name)
+        except (Unwritable, DiagramError) as reason:
+            if error is None:
+                self.script.refuse(f"{name!r} changes before the run, and {reason}", where)
+            raise error from reason
+        if not (isinstance(node, ast.Name) and node.id == name):
+            self._pins[name] = node
+
+    def _need_statements(self, name: str, value: Any, where: ast.AST) -> None:
         if _holds_parts(value):
             self.script.refuse(f"{name!r} holds blocks; PathView's code has no such name", where)
         statements = self._binders.get(name) or self._star_imports(name)
-        if not statements and not hasattr(builtins, name) and name not in ("np", "__name__"):
-            self.script.refuse(
-                "__file__ has no meaning in PathView" if name == "__file__" else
-                f"{name!r} is not defined at the top level before the run", where)
+        if not statements and not hasattr(builtins, name) and name != "__name__":
+            self.script.refuse(f"{name!r} is not defined at the top level before the run", where)
         for statement in statements:
             if statement not in self._statements:
                 self._include(statement)
@@ -128,11 +220,14 @@ class Context:
                        else [a.name for a in statement.names])
             for module in modules:
                 if not _installed(module.partition(".")[0], script.path):
-                    script.refuse(f"module {module!r} is not installed, it lies beside the script; "
-                                  "PathView cannot import it", statement)
+                    self._beside(module, statement)
         self._statements.append(statement)
         for name in sorted(used(statement)):
             self._need(name, statement)
+
+    def _beside(self, module: str, where: ast.AST) -> NoReturn:
+        self.script.refuse(f"module {module!r} is not installed, it lies beside the script; "
+                           "PathView cannot import it", where)
 
     def _part_names(self) -> set[str]:
         return {n for n, v in self.script.namespace.items() if isinstance(v, PARTS)}
@@ -176,6 +271,10 @@ class Context:
         if isinstance(statement, ast.Import):
             names = [a for a in names if (a.name, a.asname) != ("numpy", "np")]
         return ast.unparse(type(statement)(**{**vars(statement), "names": names})) if names else ""
+
+
+def _names(node: ast.AST) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
 
 
 def _holds_parts(value: Any) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .toolboxes import Toolbox
 
@@ -22,7 +22,7 @@ class Wire(NamedTuple):
 class Node:
     """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem.
 
-    ``line`` is where the script builds it.
+    ``line`` is where the script builds it, ``part`` the ``id`` of the block there.
     """
 
     name: str
@@ -32,6 +32,7 @@ class Node:
     outputs: list[str] = field(default_factory=list)
     graph: Graph | None = None
     line: int | None = None
+    part: int | None = None
 
 
 @dataclass
@@ -54,7 +55,12 @@ class Graph:
 
 @dataclass
 class Diagram:
-    """All of a diagram script that PathView can hold."""
+    """All of a diagram script that PathView can hold.
+
+    ``code_names`` are the names that its code binds. ``parts`` has, by the variable in PathView's
+    script, each block and event of the script, and of each of its parameters whether an expression
+    of the source gives it.
+    """
 
     path: Path
     docstring: str
@@ -62,3 +68,5 @@ class Diagram:
     context: str
     settings: dict[str, str]
     toolboxes: list[Toolbox]
+    code_names: frozenset[str] = frozenset()
+    parts: dict[str, tuple[Any, dict[str, bool]]] = field(default_factory=dict)

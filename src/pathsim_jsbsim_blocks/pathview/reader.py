@@ -1,4 +1,8 @@
-"""Read a diagram script: structure from the live diagram, expressions from the source."""
+"""Read a diagram script: structure from the live diagram, expressions from the source.
+
+A parameter keeps its expression as long as the model's code can evaluate it; where it cannot, or
+gives another value than the diagram has (``Choices``), the live value is written.
+"""
 
 from __future__ import annotations
 
@@ -8,31 +12,48 @@ import inspect
 import itertools
 import keyword
 import re
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
 from .._core._pathsim import own_events, port_names, port_number
-from .context import PARTS, Context
+from ..errors import DiagramError
+from .context import Context
 from .diagram import Diagram, Event, Graph, Node, Wire
-from .names import passed, used
-from .script import Script, named_arguments
+from .names import used
+from .same import Functions
+from .script import Construction, Script, named_arguments
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
+from .values import Unwritable
 from .variables import plain, prefix_inside
 
-# methods that build the diagram, or only look at it
-_HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "read",
-             "save"}
 _TAKEN = {"np", "plt", "blocks", "connections", "events", "sim", "json", "gc", "sys", "traceback",
           "base64", *dir(builtins)}
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
-def read_diagram(script: Script) -> Diagram:
+@dataclass
+class Choices:
+    """Where the source does not give what the diagram has.
+
+    Attributes
+    ----------
+    live : set
+        parameters to write with their live values: ``id`` of the block or event and name; settings
+        as None and name
+    pinned : set of str
+        names of the code to write with their live values
+    """
+
+    live: set[tuple[int | None, str]] = field(default_factory=set)
+    pinned: set[str] = field(default_factory=set)
+
+
+def read_diagram(script: Script, functions: Functions, choices: Choices) -> Diagram:
     """Everything that a model file can hold of a diagram script.
 
     Raises
@@ -40,7 +61,7 @@ def read_diagram(script: Script) -> Diagram:
     DiagramError
         for what PathView has no place for, with file, line and reason
     """
-    return _Reader(script).diagram()
+    return _Reader(script, functions, choices).diagram()
 
 
 @dataclass
@@ -49,35 +70,42 @@ class _Part:
 
     target: Node | Event
     value: Any
-    arguments: dict[str, ast.expr]
+    kind: type
+    known: Sequence[str] = ()
+    made: Construction | None = None
+    arguments: dict[str, ast.expr] = field(default_factory=dict)
     function: ast.FunctionDef | None = None
     parent: _Part | None = None
     variable: str = ""
 
 
 class _Reader:
-    def __init__(self, script: Script):
+    def __init__(self, script: Script, functions: Functions, choices: Choices):
         self.script = script
         self.refuse = script.refuse
+        self.choices = choices
+        self.context = Context(script, functions, choices.pinned)
         self.registry = core_registry()
         self.parts: dict[int, _Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
 
     def diagram(self) -> Diagram:
         sim = self.script.simulation
-        self._check_unchanged()
+        if sim.time:
+            self.refuse(f"the simulation stands at t = {sim.time:g} when its first run begins; "
+                        "PathView starts at 0", self._run_node())
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
-        settings = setting_expressions(self.script)
-        context = Context(self.script, [
-            *(e for p in self.parts.values() for e in p.arguments.values()),
-            *(p.function for p in self.parts.values() if p.function), *settings.values()])
-        self._check_order(context)
+        for part in self.parts.values():
+            self._settle(part)
+        settings = self._settings()
+        context = self.context
         for name in sorted(context.names):
             if _GENERATED.fullmatch(name):
                 self.refuse(f"PathView's own code uses the name {name!r}; rename it")
         renamed = self._name_parts(context)
         for name in sorted(context.parts - renamed.keys()):
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
+        code_names = frozenset(context.names)
         renamed = {old: new for old, new in renamed.items() if old != new}
         functions = self._write_parameters(context, renamed)
         imports = self._event_imports(graph)
@@ -87,7 +115,21 @@ class _Reader:
             path=self.script.path, docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph, context="\n\n".join([*filter(None, [context.text(renamed, imports)]),
                                               *functions]),
-            settings=values, toolboxes=self._toolboxes())
+            settings=values, toolboxes=self._toolboxes(), code_names=code_names,
+            parts={p.variable: (p.value, {**dict.fromkeys(p.known, False), **{
+                k: not isinstance(e, ast.Constant) for k, e in p.arguments.items()}})
+                for p in self.parts.values()})
+
+    def _run_node(self) -> ast.AST | None:
+        return self.script.run_call
+
+    def _settings(self) -> dict[str, ast.expr]:
+        found = {}
+        for name, node in setting_expressions(self.script).items():
+            local = self.script.local_names(node)
+            if (None, name) not in self.choices.live and self._refusal(node, local) is None:
+                found[name] = node
+        return found
 
     # structure ----------------------------------------------------------------------------------
 
@@ -110,16 +152,18 @@ class _Reader:
                            index[id(target.block)], port_number(target.block.inputs, into))
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: _Part | None) -> Node:
-        node = Node("", type(block).__name__, line=getattr(self._node(block), "lineno", None))
+        kind = _built_in(type(block))
+        node = Node("", kind.__name__, line=getattr(self._node(block), "lineno", None),
+                    part=id(block))
         n_in = max((w.input + 1 for w in wires if w.target == i), default=0)
         n_out = max((w.output + 1 for w in wires if w.source == i), default=0)
-        part = self._add(_Part(node, block, {}, parent=parent))
-        node.inputs = _port_names(block, "input", n_in)
-        node.outputs = _port_names(block, "output", n_out)
-        if type(block) is Interface:
+        part = self._add(_Part(node, block, kind, parent=parent))
+        node.inputs = _port_names(block, kind, "input", n_in)
+        node.outputs = _port_names(block, kind, "output", n_out)
+        if kind is Interface:
             return node
-        if type(block) is Subsystem:
-            self._construction(part, {"blocks", "connections", "events"})
+        if kind is Subsystem:
+            self._construction(part, ["blocks", "connections", "events"])
             inside = [block.interface, *block.blocks]
             node.graph = self._graph(inside, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
@@ -129,17 +173,15 @@ class _Reader:
                 setattr(node, mine, ports)
                 setattr(interface, theirs, ports)
             return node
-        parameters = self._known(block)
-        self._construction(part, set(parameters))
+        self._construction(part, self._known(block, kind))
         if node.type in _SYNCHRONOUS:
             more = max(len(node.inputs), len(node.outputs))
             node.inputs += [f"in {k}" for k in range(len(node.inputs), more)]
             node.outputs += [f"out {k}" for k in range(len(node.outputs), more)]
         return node
 
-    def _known(self, block: Block) -> list[str]:
+    def _known(self, block: Block, kind: type[Block]) -> list[str]:
         """Parameter names of a block's class, which PathView must know."""
-        kind = type(block)
         name = kind.__name__
         if kind.__module__.startswith("pathsim."):
             entry = self.registry["blocks"].get(name)
@@ -159,10 +201,11 @@ class _Reader:
     def _event(self, event: Any, parent: _Part | None) -> Event:
         name = type(event).__name__
         entry = self.registry["events"].get(name)
-        part = self._add(_Part(Event("", f"pathsim.events.{name}", {}), event, {}, parent=parent))
+        part = self._add(_Part(Event("", f"pathsim.events.{name}", {}), event, type(event),
+                               parent=parent))
         if entry is None or not type(event).__module__.startswith("pathsim."):
             self.refuse(f"PathView does not know the event {name!r}", self._node(event))
-        self._construction(part, set(entry["params"]))
+        self._construction(part, entry["params"])
         return part.target  # type: ignore[return-value]
 
     def _add(self, part: _Part) -> _Part:
@@ -175,7 +218,8 @@ class _Reader:
     # source -------------------------------------------------------------------------------------
 
     def _node(self, value: Any) -> ast.AST | None:
-        made = self.script.construction(value)
+        made = (self.script.construction(value)
+                or self.script.construction(self.script.simulation))
         return made.node if made else None
 
     def _called(self, value: Any) -> str:
@@ -185,78 +229,97 @@ class _Reader:
     def _variables(self, value: Any) -> list[str]:
         return [n for n, v in self.script.namespace.items() if v is value]
 
-    def _construction(self, part: _Part, known: set[str]) -> None:
-        """Arguments of the call that made a part, by parameter name."""
-        made = self.script.construction(part.value)
-        what = self._called(part.value)
-        kind = type(part.value)
-        if made is None:
-            self.refuse(f"{what} is not built by the script itself")
-        if made.around:
-            self.refuse(f"{what} is built in {made.around}; PathView wants a statement of its own "
-                        "for each block", made.node)
-        if not made.direct:
-            self.refuse(f"{what} is built by a function; PathView wants a plain call of "
-                        f"{kind.__name__}(...)", made.node)
-        names = [n for n, p in inspect.signature(kind.__init__).parameters.items()
+    def _construction(self, part: _Part, known: Sequence[str]) -> None:
+        """The arguments of a part, by parameter name, as the source gives them."""
+        part.known = () if part.kind is Subsystem else known
+        made = part.made = self.script.construction(part.value)
+        parameters = _parameters(part.kind)
+        names = [n for n, p in parameters.items()
                  if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)][1:]
-        if isinstance(made.node, ast.FunctionDef):
-            part.function = made.node
-            part.arguments[names[0]] = ast.Name(made.node.name, ast.Load())
+        if made is not None and made.direct and part.kind is type(part.value):
+            if isinstance(made.node, ast.FunctionDef):
+                part.function = made.node
+                part.arguments[names[0]] = ast.Name(made.node.name, ast.Load())
+            elif _plain_call(made.node, names):
+                part.arguments = named_arguments(made.node, names)
+            else:
+                made = None
+            for name in part.arguments:
+                if name not in known or name.startswith("_"):
+                    self.refuse(f"PathView has no place for parameter {name!r} of "
+                                f"{part.kind.__name__}", self._node(part.value))
         else:
-            part.arguments = self._arguments(made.node, names)
-        for name in part.arguments:
-            if name not in known or name.startswith("_"):
-                self.refuse(f"PathView has no place for parameter {name!r} of {kind.__name__}",
-                            made.node)
-        if kind is Subsystem:  # what it is made of is read from the live one
+            made = None
+        if part.kind is Subsystem:  # what it is made of is read from the live one
             part.arguments = {}
-        for name, value in part.arguments.items():
-            if any(isinstance(n, (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom))
-                   for n in ast.walk(value)):
-                self.refuse(f"parameter {name!r} of {what} is not a plain expression", value)
+        elif made is None:
+            for name in known:
+                default = parameters[name].default if name in parameters else ...
+                if not _is_default(getattr(part.value, name, default), default):
+                    self.choices.live.add((id(part.value), name))
 
-    def _arguments(self, call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
-        if any(isinstance(a, ast.Starred) for a in call.args) or any(
-                k.arg is None for k in call.keywords):
-            self.refuse("arguments given as *args or **kwargs; PathView wants them one by one",
-                        call)
-        if len(call.args) > len(names):
-            self.refuse("arguments without a parameter name; PathView wants them named", call)
-        return named_arguments(call, names)
+    def _settle(self, part: _Part) -> None:
+        """Give every parameter an expression that the model's code can evaluate."""
+        live = [n for n in part.known if (id(part.value), n) in self.choices.live]
+        for name, node in part.arguments.items():
+            if name in live:
+                continue
+            if part.function is not None:
+                try:
+                    self.context.admit(part.function)
+                except Unwritable as unwritable:
+                    self.refuse(str(unwritable), part.function)
+                continue
+            error = self._refusal(node, part.made.local if part.made else set())
+            if error is not None:
+                part.arguments[name] = self._live(part, name, error)
+        for name in live:
+            part.arguments[name] = self._live(part, name, None)
+            part.function = None
 
-    def _check_unchanged(self) -> None:
-        parts = {n for n, v in self.script.namespace.items() if isinstance(v, PARTS)}
-        for statement in self.script.statements:
-            for name, node in self.script.changes(statement):
-                if name in parts and not (
-                        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load)
-                        and node.attr in _HARMLESS):
-                    self.refuse(f"{name!r} is changed after it is built; PathView has no place "
-                                "for that", node)
-            call = statement.value if isinstance(statement, ast.Expr) else None
-            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
-                for name in sorted(passed(statement) & parts):
-                    self.refuse(f"{call.func.id}() may change {name!r} after it is built; PathView "
-                                "has no place for that", statement)
+    def _refusal(self, node: ast.expr, local: set[str]) -> DiagramError | None:
+        """Why an expression of the source cannot be kept."""
+        for inner in ast.walk(node):
+            if isinstance(inner, (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)):
+                return self._error("not a plain expression", node)
+        names = sorted(used(node) & local)
+        if names:
+            return self._error(f"{names[0]!r} is a variable of a function", node)
+        try:
+            self.context.admit(node)
+        except DiagramError as error:
+            return error
+        except Unwritable as error:
+            return self._error(str(error), node)
+        return None
 
-    def _check_order(self, context: Context) -> None:
-        """PathView gives a parameter one value: it must not change between two blocks."""
-        for part in self.parts.values():
-            for node in part.arguments.values():
-                line = getattr(node, "lineno", 0)
-                for name in used(node):
-                    after = context.bound_after(name, line)
-                    if line and after and context.bound_before(name, line):
-                        self.refuse(f"{name!r} changes after {self._called(part.value)} was built "
-                                    "with it; PathView builds all blocks at the end", after)
+    def _error(self, reason: str, node: ast.AST | None) -> DiagramError:
+        return DiagramError(reason, path=self.script.path, line=getattr(node, "lineno", None))
+
+    def _live(self, part: _Part, name: str, error: DiagramError | None) -> ast.expr:
+        """The live value of a parameter as an expression; ``error`` refuses the one in the source.
+        """
+        what = f"parameter {name!r} of {self._called(part.value)}"
+        node = part.arguments.get(name)
+        given = part.made.given if part.made else {}
+        value = getattr(part.value, name, given.get(id(node), ...))
+        where = node if hasattr(node, "lineno") else self._node(part.value)
+        if value is ...:
+            reason = f": {error.reason}" if error else ""
+            self.refuse(f"{what} cannot be read from the block{reason}", where)
+        try:
+            return self.context.live(value)
+        except Unwritable as unwritable:
+            if error is not None:
+                raise error from unwritable
+            self.refuse(f"{what} is not what the source gives, and {unwritable}", where)
 
     # names --------------------------------------------------------------------------------------
 
     def _name_parts(self, context: Context) -> dict[str, str]:
         """Name every part; returns the new names of the script's variables."""
         given: set[str] = set()
-        other = _TAKEN | context.names
+        other = _TAKEN | context.names | self._locals(context)
         renamed = {n: "sim" for n in self._variables(self.script.simulation)}
         for part in self.parts.values():
             prefix = _prefix(part.parent)
@@ -264,18 +327,50 @@ class _Reader:
             if isinstance(part.value, Interface):
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
-                wish = variables[0] if variables else type(part.value).__name__
+                wish = (variables[0] if variables else self._told(part)) or part.kind.__name__
                 for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
                     wish = wish.removeprefix(start) or wish
-                for name in _display_names(wish, type(part.value).__name__, other):
+                for name in _display_names(wish, part.kind.__name__, other):
                     # PathView does not prefix the variable of a subsystem in a subsystem
-                    part.variable = ("" if type(part.value) is Subsystem else prefix) + plain(name)
+                    part.variable = ("" if part.kind is Subsystem else prefix) + plain(name)
                     if part.variable not in given and _is_free(part.variable, other):
                         part.target.name = name
                         break
             given.add(part.variable)
             renamed.update({n: part.variable for n in variables})
+        for name, value in context.values.parts.items():
+            if value is self.script.simulation:
+                renamed[name] = "sim"
+            elif id(value) in self.parts:
+                renamed[name] = self.parts[id(value)].variable
+            else:
+                self.refuse(f"a function refers to {self._called(value)}, which is not in the "
+                            "simulation", self._node(value))
         return renamed
+
+    def _locals(self, context: Context) -> set[str]:
+        """Variables of the functions that refer to parts: they would hide a part of that name."""
+        names: set[str] = set()
+        nodes = [*context.nodes(), *(e for p in self.parts.values() for e in p.arguments.values()),
+                 *(p.function for p in self.parts.values() if p.function)]
+        parts = context.parts | context.values.parts.keys()
+        for node in (n for top in nodes for n in ast.walk(top)):
+            if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts:
+                names |= {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)}
+                names |= {n.id for n in ast.walk(node)
+                          if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        return names
+
+    def _told(self, part: _Part) -> str:
+        """A name for a part that no variable of the module holds: its key, or how it was called."""
+        for value in self.script.namespace.values():
+            if isinstance(value, dict):
+                for key, item in value.items():
+                    if item is part.value and isinstance(key, str):
+                        return key
+        made = part.made
+        return made.target if made and not isinstance(self.script.namespace.get(made.target),
+                                                      (list, tuple, dict)) else ""
 
     def _write_parameters(self, context: Context, renamed: dict[str, str]) -> list[str]:
         functions = []
@@ -321,11 +416,11 @@ _SYNCHRONOUS = {
 }
 
 
-def _port_names(block: Block, side: str, wired: int) -> list[str]:
+def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
     """Names of a block's ports: its labels, what it draws them from, or ``in 0``."""
     register = block.inputs if side == "input" else block.outputs
-    labels = getattr(type(block), f"{side}_port_labels")
-    if type(block) in (Interface, Subsystem):
+    labels = getattr(kind, f"{side}_port_labels")
+    if kind in (Interface, Subsystem):
         n = wired
     elif labels is not None:
         n = max(len(labels), wired)
@@ -336,11 +431,44 @@ def _port_names(block: Block, side: str, wired: int) -> list[str]:
              for name, i in (port_names(register) or labels or {}).items()}
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
-        if type(block).__name__ in ("Scope", "Spectrum", "Adder", "Divider"):
+        if kind.__name__ in ("Scope", "Spectrum", "Adder", "Divider"):
             n = max(n, len(drawn))
             names.update(enumerate(map(str, drawn)))
     n = max([n, *(i + 1 for i in names)])
     return [names.get(i, f"{side[:-3]} {i}") for i in range(n)]
+
+
+def _built_in(kind: type[Block]) -> type[Block]:
+    """The class that PathView may know: a class of the script that only builds is its base."""
+    while not kind.__module__.startswith("pathsim.") and len(kind.__bases__) == 1:
+        base = kind.__bases__[0]
+        own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
+        if (not issubclass(base, Block) or base is Block or any(hasattr(base, n) for n in own)
+                or own & _parameters(base).keys() or toolbox_of(kind)):
+            break
+        kind = base
+    return kind
+
+
+def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
+    """The parameters of a class's constructor, with self."""
+    constructor: Any = next(vars(c)["__init__"] for c in kind.__mro__ if "__init__" in vars(c))
+    return inspect.signature(constructor).parameters
+
+
+def _plain_call(call: ast.Call, names: Sequence[str]) -> bool:
+    """Whether each argument stands for one parameter."""
+    return not (any(isinstance(a, ast.Starred) for a in call.args)
+                or any(k.arg is None for k in call.keywords) or len(call.args) > len(names))
+
+
+def _is_default(value: Any, default: Any) -> bool:
+    if value is default:
+        return True
+    try:
+        return type(value) is type(default) and bool(value == default)
+    except ValueError:  # arrays
+        return False
 
 
 def _prefix(parent: _Part | None) -> str:

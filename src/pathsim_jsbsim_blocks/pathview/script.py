@@ -1,15 +1,17 @@
-"""Run a diagram script up to its ``run``, and remember which line built what."""
+"""Run a diagram script up to its first ``run``, and remember which line built what."""
 
 from __future__ import annotations
 
 import ast
+import importlib.util
+import inspect
 import itertools
 import logging
 import sys
 import types
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, TypeGuard
 from unittest.mock import patch
@@ -21,9 +23,14 @@ from pathsim.events._event import Event
 from ..errors import DiagramError
 from .names import bound, changes, root
 
-_RECORD = "__built__"
+RECORD = "__built__"
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 _RUNS = ("run", "run_streaming", "run_realtime")
+_STEPS = ("timestep", "step")
+_STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
+# methods that build the diagram, or only look at it
+HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "plot2D",
+            "plot3D", "read", "save"}
 
 
 @dataclass
@@ -36,20 +43,45 @@ class Construction:
         a call, or the function that a block class decorates
     value : object
         what it made
-    around : str
-        "a loop", "a comprehension", "a condition", or empty
     direct : bool
         the call is one of the object's class, not of a function that builds it
+    local : set of str
+        names that belong to the functions around the expression
+    target : str
+        the variable, attribute or key to which it is assigned, or empty
+    given : dict
+        values of the arguments that could be read again, by the ``id`` of their expression
     """
 
     node: ast.Call | ast.FunctionDef
     value: Any
-    around: str
     direct: bool
+    local: set[str] = field(default_factory=set)
+    target: str = ""
+    given: dict[int, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Run:
+    """The first run of a script: how it is called, and where.
+
+    Attributes
+    ----------
+    method : str
+        "run", "timestep" and the like
+    arguments : dict
+        the values of its arguments, defaults included
+    lines : list of int
+        lines of the script in the frames around it, outermost first
+    """
+
+    method: str
+    arguments: dict[str, Any]
+    lines: list[int]
 
 
 class Script:
-    """A diagram script, run with ``Simulation.run`` held back.
+    """A diagram script, executed as the main program up to its first run.
 
     Attributes
     ----------
@@ -63,8 +95,12 @@ class Script:
         the names that it has bound
     simulation : Simulation
         the diagram
+    run : Run or None
+        the first run; None if the script runs nothing
     run_call : ast.Call or None
-        the call that runs the simulation
+        the call that runs the simulation, if the script itself holds it
+    states : list of tuple
+        method and line of calls before the run that change the simulation's state
     statements : list of ast.stmt
         the statements that come before the run, those of the main guard included
     """
@@ -72,28 +108,32 @@ class Script:
     def __init__(self, path: str | Path):
         self.path = Path(path)
         try:
-            self.source = self.path.read_text(encoding="utf-8")
+            self.source = importlib.util.decode_source(self.path.read_bytes())
             self.tree = ast.parse(self.source, str(self.path))
         except OSError as error:
             self.refuse(f"cannot be read ({error.strerror})")
         except SyntaxError as error:
             raise DiagramError(f"not Python: {error.msg}", path=path, line=error.lineno) from error
-        except ValueError as error:  # not UTF-8, null bytes
+        except ValueError as error:  # not in the declared encoding, null bytes
             self.refuse(f"not a Python script ({error})")
         self.namespace: dict[str, Any] = {}
+        self.states: list[tuple[str, int | None]] = []
+        self.run: Run | None = None
         self._built: dict[int, Construction] = {}
         self._running: Simulation | None = None
-        lines = self._execute()
+        self._parents = {child: node for node in ast.walk(self.tree)
+                         for child in ast.iter_child_nodes(node)}
+        self._execute()
         self.simulation = self._the_simulation()
-        self.run_call = self._find_run(lines[-1] if lines else None)
-        self.statements = self._before_run(lines[0] if lines else None)
+        self.run_call = self._find_run()
+        self.statements = self._before_run(self.run.lines[0] if self.run else None)
 
     def refuse(self, reason: str, node: ast.AST | None = None) -> NoReturn:
         """Raise the error that names the script and the line."""
         raise DiagramError(reason, path=self.path, line=getattr(node, "lineno", None))
 
     def construction(self, value: Any) -> Construction | None:
-        """Where an object was built; None if no expression of the module's own level did."""
+        """Where an object was built; None if no expression of the script did."""
         return self._built.get(id(value))
 
     def changes(self, statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
@@ -115,39 +155,132 @@ class Script:
                     if isinstance(node, ast.Global):
                         yield from ((name, node) for name in node.names)
 
-    def _execute(self) -> list[int]:
-        """Run the script; the lines of its frames at the held-back run, outermost first."""
+    def _execute(self) -> None:
+        """Run the script, as the main program, until its first run."""
         recorder = _Recorder(self.tree)
         tree = ast.parse(self.source)
         recorder.visit(tree)
         code = compile(tree, str(self.path), "exec", dont_inherit=True)
-        module = types.ModuleType(f"_diagram_{self.path.stem}")
+        module = types.ModuleType("__main__")
         module.__file__ = str(self.path)
-        setattr(module, _RECORD, lambda i, value: self._record(*recorder.calls[i], value))
+        # functions of the script call it, also later
+        setattr(module, RECORD, lambda i, value: self._record(recorder.calls[i], value))
         self.namespace = vars(module)
         try:
-            with _as_main_program(module, self.path), _runs_held_back(self._reached):
+            with _as_main_program(module, self.path), self._runs_held_back():
                 exec(code, self.namespace)
         except _RunReached as reached:
-            return self._lines(reached)
-        except (Exception, SystemExit) as error:
+            assert self.run is not None
+            self.run.lines = self._lines(reached)
+            if not self.run.lines:
+                self.refuse("the run starts outside the script")
+        except SystemExit as error:
+            if error.code not in (None, 0):
+                lines = self._lines(error)
+                hint = ("; PathView gives a script no arguments" if error.code == 2 else "")
+                raise DiagramError(
+                    f"the script fails: SystemExit: {error}{hint}", path=self.path,
+                    line=lines[-1] if lines else None) from error
+        except Exception as error:
             lines = self._lines(error)
             raise DiagramError(f"the script fails: {type(error).__name__}: {error}", path=self.path,
                                line=lines[-1] if lines else None) from error
         finally:
-            del self.namespace[_RECORD]
             self._record_decorated()
-        return []
 
-    def _reached(self, simulation: Simulation) -> None:
-        self._running = simulation
-        raise _RunReached
+    @contextmanager
+    def _runs_held_back(self) -> Iterator[None]:
+        def held_back(name: str) -> Callable[..., None]:
+            signature = inspect.signature(getattr(Simulation, name))
 
-    def _record(self, node: ast.Call, around: str, value: Any) -> Any:
+            def method(simulation: Simulation, *args: Any, **kwargs: Any) -> None:
+                call = signature.bind(simulation, *args, **kwargs)
+                call.apply_defaults()
+                self._running, self.run = simulation, Run(name, call.arguments, [])
+                if call.arguments.get("reset"):
+                    simulation.reset()
+                raise _RunReached
+
+            return method
+
+        def noted(name: str) -> Callable[..., Any]:
+            original = getattr(Simulation, name)
+
+            def method(simulation: Simulation, *args: Any, **kwargs: Any) -> Any:
+                # these advance the simulation by steps of their own
+                with patch.multiple(Simulation, **steps):
+                    result = original(simulation, *args, **kwargs)
+                self.states.append((name, self._caller()))
+                return result
+
+            return method
+
+        steps = {name: getattr(Simulation, name) for name in _STEPS}
+        with ExitStack() as stack:
+            for name in (*_RUNS, *_STEPS):
+                stack.enter_context(patch.object(Simulation, name, held_back(name)))
+            for name in _STATES:
+                stack.enter_context(patch.object(Simulation, name, noted(name)))
+            yield
+
+    def _caller(self) -> int | None:
+        """The line of the script that is being executed."""
+        frame = inspect.currentframe()
+        while frame is not None and frame.f_code.co_filename != str(self.path):
+            frame = frame.f_back
+        return frame.f_lineno if frame else None
+
+    def _record(self, node: ast.Call, value: Any) -> Any:
         if isinstance(value, (Block, Event, Simulation)) and id(value) not in self._built:
-            direct = self._evaluated(node.func) is type(value)
-            self._built[id(value)] = Construction(node, value, around, direct)
+            frame = sys._getframe(2)
+            made = Construction(node, value, False, self.local_names(node), self._target(node))
+            for part in (node.func, *node.args, *(k.value for k in node.keywords)):
+                # a second evaluation must change nothing
+                if not any(isinstance(n, _ACTIVE) for n in ast.walk(part)):
+                    try:
+                        made.given[id(part)] = eval(
+                            compile(ast.Expression(part), str(self.path), "eval",
+                                    dont_inherit=True), frame.f_globals, frame.f_locals)
+                    except Exception:  # a name of a comprehension around it
+                        continue
+            made.direct = made.given.get(id(node.func)) is type(value)
+            self._built[id(value)] = made
         return value
+
+    def local_names(self, node: ast.AST) -> set[str]:
+        """Names that belong to the functions around a node."""
+        names: set[str] = set()
+        for around in self.around(node):
+            if isinstance(around, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+                body = around.body if isinstance(around.body, list) else [around.body]
+                names |= bound(body) | {a.arg for a in ast.walk(around.args)
+                                        if isinstance(a, ast.arg)}
+        return names
+
+    def around(self, node: ast.AST) -> Iterator[ast.AST]:
+        """The nodes around one, the innermost first."""
+        while node in self._parents:
+            node = self._parents[node]
+            yield node
+
+    def _target(self, node: ast.Call) -> str:
+        parent = self._parents.get(node)
+        target: ast.AST | None = None
+        if isinstance(parent, ast.Assign):
+            target = parent.targets[0]
+        elif isinstance(parent, (ast.AnnAssign, ast.NamedExpr)):
+            target = parent.target
+        elif isinstance(parent, ast.Dict):
+            target = parent.keys[parent.values.index(node)] if node in parent.values else None
+        elif isinstance(parent, ast.Tuple) and isinstance(self._parents.get(parent), ast.Assign):
+            targets = self._parents[parent].targets[0]  # type: ignore[attr-defined]
+            if isinstance(targets, ast.Tuple) and len(targets.elts) == len(parent.elts):
+                target = targets.elts[parent.elts.index(node)]
+        if isinstance(target, ast.Subscript):
+            target = target.slice
+        if isinstance(target, ast.Constant) and isinstance(target.value, str):
+            return target.value
+        return getattr(target, "attr", getattr(target, "id", ""))
 
     def _evaluated(self, node: ast.expr) -> Any:
         """What a dotted name means; None for any other expression."""
@@ -162,7 +295,7 @@ class Script:
                 value = self.namespace.get(node.name)
                 if isinstance(value, (Block, Event)) and id(value) not in self._built:
                     by = [self._evaluated(d) for d in node.decorator_list]
-                    self._built[id(value)] = Construction(node, value, "", by == [type(value)])
+                    self._built[id(value)] = Construction(node, value, by == [type(value)])
 
     def _lines(self, error: BaseException) -> list[int]:
         lines = []
@@ -178,44 +311,84 @@ class Script:
             return self._running
         found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
         if not found:
-            self.refuse("importing the script builds no Simulation; build it at the top level, "
-                        "outside functions and the main guard")
+            self.refuse("the script runs no Simulation, and has none at its top level; run it, or "
+                        "build it outside functions")
         if len(found) == 1:
             return next(iter(found.values()))
         if isinstance(self.namespace.get("sim"), Simulation):
             return self.namespace["sim"]
         self.refuse(f"the script builds {len(found)} simulations; name the one to show 'sim'")
 
-    def _find_run(self, line: int | None) -> ast.Call | None:
-        def is_it(node: ast.AST) -> TypeGuard[ast.Call]:
-            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
-                    and node.func.attr in _RUNS):
-                return False
-            if line is not None:
-                return node.lineno <= line <= (node.end_lineno or 0)
-            owner = node.func.value
-            return (isinstance(owner, ast.Name)
-                    and self.namespace.get(owner.id) is self.simulation)
-
-        calls = [n for n in ast.walk(self.tree) if is_it(n)]
-        if line is not None and not calls:
-            raise DiagramError("the simulation is run by another module; call its run() here",
-                               path=self.path, line=line)
-        return min(calls, key=lambda n: n.lineno, default=None)
+    def _find_run(self) -> ast.Call | None:
+        """The call of the first run; without one, the first that is written."""
+        calls = sorted(((n, n.func) for n in ast.walk(self.tree) if isinstance(n, ast.Call)
+                        and isinstance(n.func, ast.Attribute) and n.func.attr in (*_RUNS, *_STEPS)),
+                       key=lambda c: c[0].lineno)
+        if self.run is None:
+            return next((n for n, function in calls
+                         if self._evaluated(function.value) is self.simulation), None)
+        line, method = self.run.lines[-1], self.run.method
+        return next((n for n, function in calls if n.lineno <= line <= (n.end_lineno or 0)
+                     and function.attr == method), None)
 
     def _before_run(self, line: int | None) -> list[ast.stmt]:
-        def runs(statement: ast.stmt) -> bool:
-            return any(n is self.run_call for n in ast.walk(statement))
-
+        """The statements of the top level, and of the main guard, that end before the run."""
         statements: list[ast.stmt] = []
         for statement in self.tree.body:
-            if line is not None and line <= (statement.end_lineno or 0):
-                break
-            if not _is_main_guard(statement):
-                statements.append(statement)
-            elif runs(statement):
-                statements += itertools.takewhile(lambda s: not runs(s), statement.body)
+            inner = statement.body if _is_main_guard(statement) else [statement]
+            for one in inner:
+                if line is not None and line <= (one.end_lineno or 0):
+                    return statements
+                statements.append(one)
         return statements
+
+    def left_out(self) -> list[tuple[int, str]]:
+        """What the script does after its first run, by line: it is not in the model."""
+        if self.run is None:
+            return []
+        found: dict[int, str] = {}
+        call = self.run_call
+        parts = (Block, Event, Simulation)
+        for node in ast.walk(self.tree):
+            if not isinstance(node, (ast.stmt, ast.Call)):
+                continue
+            if isinstance(node, ast.Call) and node is not call:
+                name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                owner = (self._evaluated(node.func.value)
+                         if isinstance(node.func, ast.Attribute) else None)
+                made = self.construction(self.simulation)
+                if (name in (*_RUNS, *_STATES) and isinstance(node.func, ast.Attribute)
+                        and (owner is None or isinstance(owner, Simulation))
+                        and (node.lineno, name) not in {(n, s) for s, n in self.states}):
+                    found.setdefault(node.lineno, f"{ast.unparse(node.func)}()")
+                elif (isinstance(self._evaluated(node.func), type)
+                      and issubclass(self._evaluated(node.func), Simulation)
+                      and (made is None or made.node is not node)):
+                    found.setdefault(node.lineno, "another simulation")
+            elif isinstance(node, ast.stmt) and node.lineno > self.run.lines[0] and not any(
+                    isinstance(a, (ast.FunctionDef, ast.Lambda)) for a in self.around(node)):
+                if isinstance(node, ast.FunctionDef):
+                    continue
+                for name, place in self.changes(node):
+                    if isinstance(self.namespace.get(name), parts) and not (
+                            isinstance(place, ast.Attribute) and isinstance(place.ctx, ast.Load)
+                            and place.attr in {*HARMLESS, *_RUNS, *_STATES} - {
+                                "add_block", "add_connection", "add_event"}):
+                        found.setdefault(getattr(place, "lineno", node.lineno),
+                                         f"{name!r} is changed")
+        if self.run.method in _RUNS:
+            for node in ast.walk(self.tree):
+                if isinstance(node, (ast.For, ast.While)) and any(
+                        n.lineno <= line <= (n.end_lineno or 0)
+                        for n in node.body for line in self.run.lines):
+                    found.setdefault(node.lineno, "the loop runs the simulation again")
+        if self.run.method in _STEPS:
+            found[self.run.lines[-1]] = f"how long {self.run.method}() goes on"
+        return sorted(found.items())
+
+
+_ACTIVE = (ast.Call, ast.Await, ast.Yield, ast.YieldFrom, ast.NamedExpr, ast.Lambda,
+           ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
@@ -234,41 +407,21 @@ class _RunReached(BaseException):
     """The script runs its simulation: all is built."""
 
 
-_AROUND = {
-    "a loop": (ast.For, ast.AsyncFor, ast.While),
-    "a comprehension": (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp),
-    "a condition": (ast.If, ast.IfExp, ast.BoolOp, ast.Try, ast.Match),
-}
-
-
 class _Recorder(ast.NodeTransformer):
-    """Wraps every call outside functions: ``f(x)`` becomes ``__built__(i, f(x))``."""
+    """Wraps every call: ``f(x)`` becomes ``__built__(i, f(x))``."""
 
     def __init__(self, original: ast.Module):
-        self.calls: list[tuple[ast.Call, str]] = []
+        self.calls: list[ast.Call] = []
         self._originals = {_span(n): n for n in ast.walk(original) if isinstance(n, ast.Call)}
-        self._around = [""]
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         if isinstance(node.func, ast.Name) and node.func.id in _SCOPE_READERS:
             return node
-        self.calls.append((self._originals[_span(node)], self._around[-1]))
+        self.calls.append(self._originals[_span(node)])
         index = len(self.calls) - 1
         self.generic_visit(node)
-        wrapped = ast.Call(ast.Name(_RECORD, ast.Load()), [ast.Constant(index), node], [])
+        wrapped = ast.Call(ast.Name(RECORD, ast.Load()), [ast.Constant(index), node], [])
         return ast.fix_missing_locations(ast.copy_location(wrapped, node))
-
-    def visit(self, node: ast.AST) -> ast.AST:
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
-            return node
-        around = next((text for text, types in _AROUND.items() if isinstance(node, types)), None)
-        if around is None:
-            return super().visit(node)
-        self._around.append(around)
-        try:
-            return super().visit(node)
-        finally:
-            self._around.pop()
 
 
 def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:
@@ -277,13 +430,13 @@ def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:
 
 @contextmanager
 def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
-    """Python's surroundings of a script: its folder first in ``sys.path``, no arguments."""
+    """Python's surroundings of a main program: its folder first in ``sys.path``, no arguments."""
     with ExitStack() as stack:
         stack.enter_context(patch.object(sys, "path", [str(path.resolve().parent), *sys.path]))
         stack.enter_context(patch.object(sys, "argv", [str(path)]))
         # classes that the script defines look their module up
-        sys.modules[module.__name__] = module
-        stack.callback(sys.modules.pop, module.__name__, None)
+        stack.callback(sys.modules.__setitem__, "__main__", sys.modules["__main__"])
+        sys.modules["__main__"] = module
         stack.enter_context(quiet())
         yield
 
@@ -297,14 +450,3 @@ def quiet() -> Iterator[None]:
         yield
     finally:
         logging.disable(before)
-
-
-@contextmanager
-def _runs_held_back(reached: Callable[[Simulation], None]) -> Iterator[None]:
-    def run(self: Simulation, *args: Any, **kwargs: Any) -> None:
-        reached(self)
-
-    with ExitStack() as stack:
-        for name in _RUNS:
-            stack.enter_context(patch.object(Simulation, name, run))
-        yield

@@ -25,16 +25,14 @@ def setting_expressions(script: Script) -> dict[str, ast.expr]:
     run = script.run_call
     if run is not None:
         given = named_arguments(run, list(inspect.signature(script.simulation.run).parameters))
-        if "duration" in given:
+        if "duration" in given and getattr(run.func, "attr", "").startswith("run"):
             found["duration"] = given["duration"]
-        elif run.args or any(k.arg is None for k in run.keywords):
-            script.refuse("the duration is hidden in *args or **kwargs", run)
-        if "adaptive" in given and _is(given["adaptive"], False) and (
-                script.simulation.engine.is_adaptive):
-            script.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts the "
-                          "step", run)
-    elif "DURATION" in script.namespace:
+    elif script.run is None and "DURATION" in script.namespace:
         found["duration"] = ast.Name("DURATION", ast.Load())
+    if script.run and script.simulation.engine.is_adaptive and (
+            script.run.arguments.get("adaptive") is False):
+        script.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts the "
+                      "step", run)
     return found
 
 
@@ -52,8 +50,12 @@ def setting_values(script: Script) -> dict[str, str]:
     if getattr(pathsim.solvers, name, None) is not solver:
         script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
     defaults = solver()
+    duration = (script.run.arguments.get("duration") if script.run
+                else script.namespace.get("DURATION"))
+    if duration is None:
+        duration = inspect.signature(sim.run).parameters["duration"].default
     live = {
-        "duration": inspect.signature(sim.run).parameters["duration"].default,
+        "duration": duration,
         "dt": sim.dt, "dt_min": sim.dt_min, "dt_max": sim.dt_max,
         "rtol": sim.solver_kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
         "atol": sim.solver_kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
