@@ -2,13 +2,17 @@
 
 import json
 import os
+import runpy
 import sys
 import textwrap
+import warnings
 
+import numpy as np
 import pytest
+from pathsim import Simulation
 
 from pathsim_jsbsim_blocks.errors import DiagramError
-from pathsim_jsbsim_blocks.pathview import export_script
+from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
 pytest.importorskip("pathview")
 
@@ -376,6 +380,9 @@ REFUSED = {
     "exit": ("import sys\nsys.exit(3)", 2, "script fails: SystemExit"),
     "syntax": ("x = (", 1, "not Python"),
     "no simulation": ("x = 1", None, "runs no Simulation"),
+    "nameless object": (script(
+        "class Model:\n    k = 1.0\n    def build(self):\n        return Source(lambda t: self.k)\n"
+        "a = Model().build()", names="a"), 11, "'self' is a variable of a function"),
     "several simulations": ("from pathsim import Simulation\na = Simulation(log=False)\n"
                             "b = Simulation(log=False)", None, "builds 2 simulations"),
 }
@@ -450,3 +457,348 @@ def test_running_a_script_leaves_the_process_as_it_was(export, tmp_path):
 def test_no_script_at_all_is_refused():
     with pytest.raises(DiagramError):
         export_script("")
+
+
+# the model is the diagram as it stands when the first run begins ---------------------------------
+
+HEAD = """
+import numpy as np
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import *
+from pathsim.events import *
+from pathsim.solvers import *
+"""
+LOOP = """
+i = Integrator(1.0)
+a = Amplifier(-1.0)
+s = Scope()
+sim = Simulation([i, a, s], [Connection(i, a, s), Connection(a, i)], dt=0.01, log=False)
+"""
+
+BUILT = {
+    "changed in a loop that runs": LOOP + """
+for g in (-6.0, -7.0):
+    a.gain = g
+    sim.run(1)
+""",
+    "solvers tried in a loop": LOOP + """
+if __name__ == "__main__":
+    for solver in (ESDIRK32, GEAR21):
+        sim._set_solver(Solver=solver, tolerance_lte_abs=1e-4)
+        sim.run(1)
+""",
+    "changed under with, try and if": LOOP + """
+with np.errstate(all="ignore"):
+    a.gain = -2.0
+    try:
+        sim.dt = 0.02
+        if a.gain < 0:
+            i.reset()
+            sim.run(1)
+    finally:
+        a.gain = 0.0
+""",
+    "added under the main guard": LOOP + """
+if __name__ == "__main__":
+    extra = Amplifier(0.5)
+    sim.add_block(extra)
+    sim.add_connection(Connection(i, extra))
+    sim.add_connection(Connection(extra, s[1]))
+    sim.run(1)
+""",
+    "all in main": """
+def main(gain=-3.0):
+    i, a, s = Integrator(1.0), Amplifier(gain), Scope()
+    sim = Simulation([i, a, s], [Connection(i, a, s), Connection(a, i)], dt=0.01, log=False)
+    length = 1.5
+    sim.run(length)
+
+if __name__ == "__main__":
+    main()
+""",
+    "changed through a container": """
+B = {"i": Integrator(1.0), "a": Amplifier(-1.0), "s": Scope()}
+B["a"].gain = -6.0
+sim = Simulation(list(B.values()), [Connection(B["i"], B["a"], B["s"]), Connection(B["a"], B["i"])],
+                 log=False)
+sim.run(1)
+""",
+    "changed by a function": """
+def tune(block):
+    block.gain *= 4
+    return block
+
+i = Integrator(1.0)
+a = tune(Amplifier(-1.0))
+s = Scope()
+sim = Simulation([i, a, s], [Connection(i, a, s), Connection(a, i)], log=False)
+sim.run(1)
+""",
+    "seeded draws in another order": """
+np.random.seed(4)
+rng = np.random.default_rng(5)
+a, b = Amplifier(np.random.rand()), Amplifier(np.random.rand())
+c = Source(lambda t, k=rng.normal(): k + t)
+d = Amplifier(rng.normal())
+s = Scope()
+sim = Simulation([d, s, b, c, a], [Connection(c, a), Connection(a, b), Connection(b, d),
+                                   Connection(d, s)], log=False)
+sim.run(1)
+""",
+    "seeded in a function": """
+def build():
+    np.random.seed(1)
+    return Constant(np.random.rand()), Scope()
+
+c, s = build()
+sim = Simulation([c, s], [Connection(c, s)], log=False)
+sim.run(1)
+""",
+    "a parameter that changes between blocks": """
+k = 1.0
+a = Source(lambda t: t * k)
+b = Amplifier(k)
+k = 3.0
+s = Scope()
+sim = Simulation([a, b, s], [Connection(a, b), Connection(b, s)], log=False)
+sim.run(1)
+""",
+    "a list that changes after it is used": """
+x0 = np.array([1.0, 2.0])
+b = Integrator(x0)
+k = [2.0]
+f = Source(lambda t: k[0] * t)
+x0[0] = 9.0
+s = Scope()
+sim = Simulation([b, f, s], [Connection(b[0:2], s[0:2]), Connection(f, s[2])], log=False)
+def more():
+    k.append(1.0)
+    k[0] += 1
+more()
+sim.run(1)
+""",
+    "loops and comprehensions": """
+n = 3
+ints = [Integrator(float(k)) for k in range(n)]
+srcs = [Source(lambda t, k=k: np.cos(k * t)) for k in range(n)]
+adders = []
+for k in range(n):
+    adders.append(Adder("+-" if k % 2 else "++"))
+s = Scope()
+sim = Simulation([*ints, *srcs, *adders, s], [
+    c for k in range(n) for c in (
+        Connection(srcs[k], adders[k][0]), Connection(ints[k], adders[k][1], s[k]),
+        Connection(adders[k], ints[(k + 1) % n]))], dt=0.01, log=False)
+sim.run(1)
+""",
+    "a factory with functions of its own": """
+def ball(h, e=0.8):
+    x, v, g, s = Integrator(h), Integrator(0.0), Constant(-9.81), Scope()
+    bounces = [0]
+    done = 0
+    def hit(t):
+        nonlocal done
+        x.engine.set(abs(x.engine.state))
+        v.engine.set(-e * v.engine.state)
+        bounces[0] += 1
+        done += 1
+    hits = ZeroCrossing(lambda t: x.engine.state, hit)
+    stop = Condition(lambda t: bounces[0] + done >= 4, lambda t: sim.stop())
+    sim = Simulation([x, v, g, s], [Connection(g, v), Connection(v, x), Connection(x, s)],
+                     [hits, stop], dt=0.01, Solver=RKBS32, log=False)
+    return sim
+
+ball(1.0).run(3)
+""",
+    "a class": """
+class Model:
+    def __init__(self, k):
+        self.k = k
+        self.i, self.s = Integrator(), Scope()
+        self.src = Source(lambda t: np.sin(self.k * t))
+        self.sim = Simulation([self.i, self.src, self.s], [
+            Connection(self.src, self.i), Connection(self.i, self.s)], dt=0.01, log=False)
+
+    def run(self, duration):
+        self.sim.run(duration)
+
+if __name__ == "__main__":
+    model = Model(k=3.0)
+    model.run(2.0)
+""",
+    "subclasses that only build": """
+class Lag(Subsystem):
+    def __init__(self, tau):
+        port, x = Interface(), Integrator()
+        rate = Function(lambda u, x: (u - x) / tau)
+        super().__init__([port, x, rate], [Connection(port, rate[0]), Connection(x, rate[1], port),
+                                           Connection(rate, x)])
+
+class Double(Amplifier):
+    def __init__(self):
+        super().__init__(2.0)
+
+src, a, b, d, s = StepSource(tau=0.1), Lag(0.5), Lag(tau=1.5), Double(), Scope()
+sim = Simulation([src, a, b, d, s], [Connection(src, a), Connection(a, b), Connection(b, d),
+                                     Connection(d, s)], dt=0.01, log=False)
+sim.run(1)
+""",
+    "numpy values": """
+A = -np.eye(2)
+ss = StateSpace(A, np.ones((2, 1)), np.array([[1.0, 0.0]]), np.zeros((1, 1)), np.array([1.0, 2.0]))
+gains = np.linspace(1, 2, 3)
+a = Amplifier(gains[1] * np.float64(2))
+src, s = Source(np.sin), Scope()
+sim = Simulation([src, ss, a, s], [Connection(src, ss), Connection(ss, a), Connection(a, s)],
+                 log=False)
+sim.run(1)
+""",
+    "a dataclass": """
+from dataclasses import dataclass
+
+@dataclass
+class Config:
+    gain: float = 3.0
+
+config = Config()
+src, a, s = Source(lambda t: config.gain * t), Amplifier(config.gain), Scope()
+sim = Simulation([src, a, s], [Connection(src, a), Connection(a, s)], log=False)
+sim.run(1)
+""",
+    "arguments of the command line": """
+import argparse
+parser = argparse.ArgumentParser()
+parser.add_argument("--gain", type=float, default=1.5)
+parser.add_argument("n", nargs="?", type=int, default=2)
+args = parser.parse_args()
+src, a, s = Source(lambda t: args.gain * t), Amplifier(args.gain), Scope()
+sim = Simulation([src, a, s], [Connection(src, a), Connection(a, s)], log=False)
+sim.run(args.n)
+""",
+    "a look at the blocks": """
+k = 2.0
+src, s = Source(lambda t, k=k: k * t), Scope(labels=["a"])
+sim = Simulation([src, s], [Connection(src, s)], log=False)
+print(len(s.labels), len(sim.blocks))
+sim.run(1)
+""",
+    "other ways to give arguments": """
+from functools import partial
+a = Amplifier(**{"gain": 3.0})
+p = PID(*(2.0, 0.5, 0.1), f_max=50)
+c = Source(partial(lambda k, t: k * t, 2.0))
+d = Constant(a.gain + 1 if a else 0)
+noise = [WhiteNoise(seed=i) for i in (1, 2)]
+s = Scope()
+sim = Simulation([a, p, c, d, *noise, s], [
+    Connection(c, a), Connection(a, p), Connection(p, s), Connection(d, s[1]),
+    Connection(noise[1], s[2])], log=False)
+sim.run(1)
+""",
+    "run by getattr": LOOP + """
+getattr(sim, "run")(0.5)
+""",
+}
+
+
+def first_run(path, monkeypatch):
+    """What a script records until the end of its first run, as Python runs it."""
+    class Done(BaseException):
+        pass
+
+    ran = []
+    original = Simulation.run
+
+    def run(simulation, *args, **kwargs):
+        ran.append(simulation)
+        original(simulation, *args, **kwargs)
+        raise Done
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Simulation, "run", run)
+        patched.setattr(sys, "argv", [str(path)])
+        with pytest.raises(Done):
+            runpy.run_path(str(path), run_name="__main__")
+    scopes = [b for b in ran[0].blocks if type(b).__name__ == "Scope"]
+    assert len(scopes) == 1
+    return scopes[0].read()
+
+
+@pytest.mark.parametrize("case", BUILT)
+def test_the_model_flies_as_the_script_until_its_first_run_ends(case, tmp_path, monkeypatch):
+    path = tmp_path / "script.py"
+    path.write_text(HEAD + BUILT[case], encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*the model is the diagram of the first run")
+        again = convert_model(export_script(path), tmp_path / "again.py")
+    (time, signals), (time_there, signals_there) = (
+        first_run(p, monkeypatch) for p in (path, again))
+    assert len(time) > 5
+    np.testing.assert_array_equal(time_there, time)
+    np.testing.assert_array_equal(signals_there, signals)
+
+
+def test_expressions_stay_where_they_give_the_diagrams_value(export):
+    model = export(HEAD + "k = 2.0\na = Amplifier(3 * k)\nb = Amplifier(k)\nc = Amplifier(1)\n"
+                   "b.gain += 0.5\nc.gain = 7.0\n"
+                   "sim = Simulation([a, b, c], [], log=False)\nsim.run(2 * k)")
+    assert [node(model, n)["params"]["gain"] for n in "abc"] == ["3 * k", "2.5", "7.0"]
+    assert model["simulationSettings"]["duration"] == "2 * k"
+
+
+@pytest.mark.parametrize(("after", "told"), [
+    ("sim.run(1)\nsim.run(2)", ["line 13: sim.run()"]),
+    ("sim.run(1)\na.gain = 3\nsim.steadystate()", ["line 13: 'a' is changed",
+                                                   "line 14: sim.steadystate()"]),
+    ("for g in (1.0, 2.0):\n    a.gain = g\n    sim.run(1)", ["line 12: the loop runs"]),
+    ("sim.run(1)\nother = Simulation([Constant()], log=False)\nother.run(3)",
+     ["line 13: another simulation", "line 14: other.run()"]),
+    ("while sim.time < 1:\n    sim.timestep()", ["line 13: how long timestep() goes on"]),
+])
+def test_what_comes_after_the_first_run_is_named(after, told, export):
+    with pytest.warns(UserWarning, match="the model is the diagram of the first run") as caught:
+        export(HEAD + LOOP + after)
+    assert len(caught) == 1
+    for text in told:
+        assert text in str(caught[0].message)
+
+
+def test_a_single_run_needs_no_warning(export):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        export(HEAD + LOOP + "if __name__ == '__main__':\n    sim.run(1)\n    sim.plot()\n"
+                             "    print(s.read())")
+
+
+@pytest.mark.parametrize(("data", "name"), [
+    (b"\xef\xbb\xbf" + OSCILLATOR.encode(), "byte-order mark"),
+    (b"# -*- coding: latin-1 -*-\n" + OSCILLATOR.replace("on a spring", "on a sp\xe9ring")
+     .encode("latin-1"), "latin-1"),
+])
+def test_encodings_that_python_knows(data, name, tmp_path):
+    path = tmp_path / "script.py"
+    path.write_bytes(data)
+    content = json.loads(export_script(path).read_text(encoding="utf-8"))
+    assert len(content["graph"]["nodes"]) == 6, name
+    assert "spring" in str(content) or "sp\xe9ring" in content["graph"]["annotations"][0]["content"]
+
+
+def test_unseeded_draws_stay_as_written(export):
+    model = export(HEAD + "k = np.random.rand()\na = Amplifier(k)\nw = WhiteNoise()\n"
+                   "sim = Simulation([a, w], [], log=False)\nsim.run(1)")
+    assert model["codeContext"]["code"] == "k = np.random.rand()"
+
+
+def test_functions_that_draw_from_a_seeded_generator_in_another_state_are_refused(export):
+    with pytest.raises(DiagramError, match="global random generator") as caught:
+        export(HEAD + "np.random.seed(2)\nunused = np.random.rand()\n"
+               "a = Source(lambda t: np.random.rand())\n"
+               "sim = Simulation([a], [], log=False)\nsim.run(1)")
+    assert caught.value.line == 7
+
+
+def test_the_script_runs_in_no_other_way_than_as_the_main_program(export, tmp_path):
+    marker = tmp_path / "ran"
+    export(HEAD + LOOP + f"if __name__ == '__main__':\n    sim.run(1)\n"
+                         f"    open({str(marker)!r}, 'w').close()")
+    assert not marker.exists()

@@ -72,13 +72,13 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
         names what the script does after its first run: it is not in the model
     """
     with _other_numbers():
-        live = Script(script)
-        content = _Export(live).content(existing)
+        live = Script(script, lambda standing: _Export(standing).content(existing))
     if rest := live.left_out():
         assert live.run is not None
         warnings.warn(f"{live.path}: the model is the diagram of the first run (line "
                       f"{live.run.lines[-1]}); not in it: "
                       + ", ".join(f"line {line}: {what}" for line, what in rest), stacklevel=3)
+    content: Json = live.result
     return content
 
 

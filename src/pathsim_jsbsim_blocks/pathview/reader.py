@@ -310,9 +310,10 @@ class _Reader:
         try:
             return self.context.live(value)
         except Unwritable as unwritable:
-            if error is not None:
-                raise error from unwritable
-            self.refuse(f"{what} is not what the source gives, and {unwritable}", where)
+            reason = error.reason if error else "it is not what the source gives"
+            raise DiagramError(f"{what}: {reason}, and {unwritable}", path=self.script.path,
+                               line=error.line if error else getattr(where, "lineno", None)
+                               ) from unwritable
 
     # names --------------------------------------------------------------------------------------
 

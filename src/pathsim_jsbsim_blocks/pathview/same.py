@@ -257,7 +257,7 @@ class Comparison:
                 ".state", a.bit_generator.state, b.bit_generator.state)),
             (np.random.RandomState, lambda a, b: self._inside(
                 ".state", a.get_state(legacy=False), b.get_state(legacy=False))),
-            (Register, lambda a, b: self._attributes(a, b, {"_mapping"})),
+            (Register, self._register),
             (Mapping, self._mapping),
             ((list, tuple, deque), self._sequence),
             ((set, frozenset), self._equal),
@@ -287,6 +287,12 @@ class Comparison:
             self._sequence(here.ravel().tolist(), there.ravel().tolist())
         elif not np.array_equal(here, there, equal_nan=here.dtype.kind in "fc"):
             self._differ(here, there)
+
+    def _register(self, here: Register, there: Register) -> None:
+        # registers grow with their wires, at the latest when the run begins
+        a, b = here.to_array(), there.to_array()
+        n = max(len(a), len(b))
+        self._compare(*(np.concatenate([x, np.zeros(n - len(x))]) for x in (a, b)))
 
     def _mapping(self, here: Mapping[Any, Any], there: Mapping[Any, Any]) -> None:
         if here.keys() != there.keys():

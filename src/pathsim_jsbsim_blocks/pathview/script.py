@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import importlib.util
 import inspect
 import itertools
@@ -83,6 +84,9 @@ class Run:
 class Script:
     """A diagram script, executed as the main program up to its first run.
 
+    ``at_run`` is called with the script while it stands there: what it does on the way out, as in
+    ``finally``, comes later. Without a run it is called at the end. ``result`` is what it returns.
+
     Attributes
     ----------
     path : Path
@@ -105,7 +109,7 @@ class Script:
         the statements that come before the run, those of the main guard included
     """
 
-    def __init__(self, path: str | Path):
+    def __init__(self, path: str | Path, at_run: Callable[[Script], Any] | None = None):
         self.path = Path(path)
         try:
             self.source = importlib.util.decode_source(self.path.read_bytes())
@@ -123,10 +127,23 @@ class Script:
         self._running: Simulation | None = None
         self._parents = {child: node for node in ast.walk(self.tree)
                          for child in ast.iter_child_nodes(node)}
+        self._at_run = at_run or (lambda script: None)
+        self._error: Exception | None = None
+        self.result: Any = None
         self._execute()
-        self.simulation = self._the_simulation()
-        self.run_call = self._find_run()
-        self.statements = self._before_run(self.run.lines[0] if self.run else None)
+        if self._error is not None:
+            raise self._error
+
+    def _stand(self) -> None:
+        """All is built; nothing may be raised here, for the script would catch it."""
+        try:
+            self.simulation = self._the_simulation()
+            self.run_call = self._find_run()
+            self.statements = self._before_run(self.run.lines[0] if self.run else None)
+            self._record_decorated()
+            self.result = self._at_run(self)
+        except Exception as error:
+            self._error = error
 
     def refuse(self, reason: str, node: ast.AST | None = None) -> NoReturn:
         """Raise the error that names the script and the line."""
@@ -169,11 +186,9 @@ class Script:
         try:
             with _as_main_program(module, self.path), self._runs_held_back():
                 exec(code, self.namespace)
-        except _RunReached as reached:
-            assert self.run is not None
-            self.run.lines = self._lines(reached)
-            if not self.run.lines:
-                self.refuse("the run starts outside the script")
+                self._stand()
+        except _RunReached:
+            pass
         except SystemExit as error:
             if error.code not in (None, 0):
                 lines = self._lines(error)
@@ -181,24 +196,28 @@ class Script:
                 raise DiagramError(
                     f"the script fails: SystemExit: {error}{hint}", path=self.path,
                     line=lines[-1] if lines else None) from error
+            if self.run is None:
+                self._stand()
         except Exception as error:
             lines = self._lines(error)
             raise DiagramError(f"the script fails: {type(error).__name__}: {error}", path=self.path,
                                line=lines[-1] if lines else None) from error
-        finally:
-            self._record_decorated()
 
     @contextmanager
     def _runs_held_back(self) -> Iterator[None]:
         def held_back(name: str) -> Callable[..., None]:
             signature = inspect.signature(getattr(Simulation, name))
 
+            @functools.wraps(getattr(Simulation, name))
             def method(simulation: Simulation, *args: Any, **kwargs: Any) -> None:
                 call = signature.bind(simulation, *args, **kwargs)
                 call.apply_defaults()
-                self._running, self.run = simulation, Run(name, call.arguments, [])
-                if call.arguments.get("reset"):
-                    simulation.reset()
+                if self.run is None:  # a script may catch what ends it, and run again
+                    lines = [line for _, line in self._frames()][::-1]
+                    self._running, self.run = simulation, Run(name, call.arguments, lines)
+                    if call.arguments.get("reset"):
+                        simulation.reset()
+                    self._stand()
                 raise _RunReached
 
             return method
@@ -225,10 +244,15 @@ class Script:
 
     def _caller(self) -> int | None:
         """The line of the script that is being executed."""
+        return next((line for _, line in self._frames()), None)
+
+    def _frames(self) -> Iterator[tuple[types.FrameType, int]]:
+        """Frames of the script and their lines, the innermost first."""
         frame = inspect.currentframe()
-        while frame is not None and frame.f_code.co_filename != str(self.path):
+        while frame is not None:
+            if frame.f_code.co_filename == str(self.path):
+                yield frame, frame.f_lineno
             frame = frame.f_back
-        return frame.f_lineno if frame else None
 
     def _record(self, node: ast.Call, value: Any) -> Any:
         if isinstance(value, (Block, Event, Simulation)) and id(value) not in self._built:

@@ -180,8 +180,9 @@ class Values:
         defaults = self._defaults(value, node)
         if isinstance(node, ast.Lambda) and not renamed and defaults is node.args:
             return node
-        written = _substituted(node, renamed)
-        written.args = _substituted(defaults, {}) if defaults is not node.args else written.args
+        written = _substituted(node, renamed, {n.id for n in inner_names(node)})
+        if defaults is not node.args:
+            written.args = copy.deepcopy(defaults)
         if isinstance(node, ast.Lambda):
             return _without_places(written)
         written.name, written.decorator_list, written.returns = wish, [], None
@@ -254,17 +255,15 @@ def _without_places(node: Any) -> Any:
     return node
 
 
-def _substituted(node: Any, renamed: Mapping[str, str]) -> Any:
-    free = {id(n) for n in inner_names(node)} if not isinstance(node, ast.arguments) else set()
+def _substituted(node: Any, renamed: Mapping[str, str], outer: set[str]) -> Any:
+    """A function with new names for those of outer scopes, which are globals now."""
     memo: dict[int, Any] = {}
     out = copy.deepcopy(node, memo)
-    for old in free:
-        memo[old].id = renamed.get(memo[old].id, memo[old].id)
+    for old in inner_names(node):
+        memo[id(old)].id = renamed.get(old.id, old.id)
     for inner in ast.walk(out):
-        for field, value in ast.iter_fields(inner):
-            if isinstance(value, list):
-                setattr(inner, field, [
-                    ast.Global([renamed.get(n, n) for n in v.names])
-                    if isinstance(v, ast.Nonlocal) and any(n in renamed for n in v.names)
-                    else v for v in value])
+        body = getattr(inner, "body", None)
+        for i, statement in enumerate(body if isinstance(body, list) else ()):
+            if isinstance(statement, ast.Nonlocal) and set(statement.names) <= outer:
+                body[i] = ast.Global([renamed.get(n, n) for n in statement.names])
     return out
