@@ -35,13 +35,15 @@ from .toolboxes import registry_for, required_toolboxes
 def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     """Write a PathSim script as a PathView model.
 
-    The script is imported, which builds its simulation and does not run it. Blocks, wires, events
-    and solver settings are read from the simulation, parameters from the source as written.
+    The script is executed, as the main program and without arguments, until its first run begins;
+    the model is the diagram as it stands there. Blocks, wires, events and solver settings are read
+    from the simulation. Parameters are taken from the source as written where that gives the
+    diagram's values, and are its values elsewhere. A warning names what comes after the first run.
 
     Parameters
     ----------
     script : str or Path
-        a script that builds a ``Simulation`` at its top level
+        a script that runs a ``Simulation``, or builds one at its top level
     out : str or Path, optional
         the model; default is the script's name with .pvm. If it exists, blocks that it has keep
         their positions

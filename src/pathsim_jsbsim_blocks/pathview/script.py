@@ -394,6 +394,8 @@ class Script:
                 if isinstance(node, ast.FunctionDef):
                     continue
                 for name, place in self.changes(node):
+                    if ast.unparse(place).startswith((f"{name}.ax.", f"{name}.fig.")):
+                        continue  # of a figure
                     if isinstance(self.namespace.get(name), parts) and not (
                             isinstance(place, ast.Attribute) and isinstance(place.ctx, ast.Load)
                             and place.attr in {*HARMLESS, *_RUNS, *_STATES} - {

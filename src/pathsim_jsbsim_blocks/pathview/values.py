@@ -262,7 +262,7 @@ def _substituted(node: Any, renamed: Mapping[str, str], outer: set[str]) -> Any:
     for old in inner_names(node):
         memo[id(old)].id = renamed.get(old.id, old.id)
     for inner in ast.walk(out):
-        body = getattr(inner, "body", None)
+        body: Any = getattr(inner, "body", None)
         for i, statement in enumerate(body if isinstance(body, list) else ()):
             if isinstance(statement, ast.Nonlocal) and set(statement.names) <= outer:
                 body[i] = ast.Global([renamed.get(n, n) for n in statement.names])
