@@ -20,6 +20,7 @@ from pathsim.blocks import Block
 from pathsim.utils.graph import Graph
 from pathsim.utils.register import Register
 
+from .._core._pathsim import own_events, port_number
 from .names import bound, references
 
 _FUNCTION_NODES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
@@ -367,14 +368,14 @@ def _blocks(system: Any) -> list[Block]:
 
 
 def _events(system: Any) -> list[Any]:
-    return system._events if isinstance(system, Subsystem) else system.events
+    return own_events(system) if isinstance(system, Subsystem) else system.events
 
 
 def _wires(system: Any, names: Mapping[int, str]) -> set[tuple[str | None, int, str | None, int]]:
     """The wires of a system that are in use."""
-    return {(names.get(id(c.source.block)), c.source.block.outputs._map(out),
-             names.get(id(target.block)), target.block.inputs._map(into))
-            for c in system.connections if c._active for target in c.targets
+    return {(names.get(id(c.source.block)), port_number(c.source.block.outputs, out),
+             names.get(id(target.block)), port_number(target.block.inputs, into))
+            for c in system.connections if c for target in c.targets
             for out, into in zip(c.source.ports, target.ports, strict=True)}
 
 
