@@ -6,12 +6,10 @@ file is an option of pytest.
 """
 
 OWN_TESTS = {
-    "_core/_pathsim": ["test_pathsim_seam.py", "test_sampling.py", "test_instants.py",
-                       "test_fdm_exact.py", "-k", "not million"],
-    "sampling": ["test_sampling.py", "test_instants.py", "test_checkpoint.py", "test_fdm_exact.py",
-                 "-k", "not million"],
-    "flight/fdm": ["test_promises.py", "test_limits.py", "test_checkpoint.py", "test_bad_input.py",
-                   "test_fdm_exact.py", "-k", "not million"],
+    "_core/_pathsim": ["test_pathsim_seam.py", "test_sampling.py", "test_instants.py"],
+    "_core/sampling": ["test_sampling.py", "test_instants.py", "test_checkpoint.py"],
+    "flight/fdm": ["test_promises.py", "test_limits.py", "test_checkpoint.py", "test_reset.py",
+                   "test_bad_input.py", "-k", "not ten_seconds and not process_alive"],
     "flight/aircraft": ["test_aircraft.py", "test_promises.py"],
     "flight/_trim": ["test_trim.py"],
     "flight/condition": ["test_trim.py", "test_promises.py"],

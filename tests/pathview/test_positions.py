@@ -120,7 +120,10 @@ if __name__ == "__main__":
 def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
     path = tmp_path / "ports.py"
     path.write_text(SCRIPT)
-    graph = json.loads(export_script(path).read_text())["graph"]
+    text = export_script(path).read_text(encoding="utf-8")
+    assert text.startswith('{\n  "version": ')
+    assert text.endswith("\n}\n")
+    graph = json.loads(text)["graph"]
 
     def ports(nodes):
         return {n["name"]: (len(n["inputs"]), len(n["outputs"])) for n in nodes}
