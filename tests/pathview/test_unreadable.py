@@ -1,4 +1,4 @@
-"""Scripts that are no text, and events that no PathView knows, inside a subsystem."""
+"""Scripts that are no text; events and blocks that no PathView knows, in and after a subsystem."""
 
 import json
 import re
@@ -20,8 +20,8 @@ def test_a_script_that_is_no_text_is_refused(content, tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def converted(tmp_path, kind, **params):
-    """The script of a model whose subsystem has one event."""
+def converted(tmp_path, kind, after=(), **params):
+    """The script of a model: a subsystem with one event, and the nodes after it."""
     place = {"position": {"x": 0, "y": 0}}
     interface = {"id": "i", "type": "Interface", "name": "Interface", "inputs": [], "outputs": [],
                  "params": {}, **place}
@@ -30,7 +30,7 @@ def converted(tmp_path, kind, **params):
             "params": {}, **place,
             "graph": {"nodes": [interface], "connections": [], "events": [event]}}
     model = {"version": "1.0.0", "metadata": {"name": "m", "created": "", "modified": ""},
-             "graph": {"nodes": [part], "connections": []}, "events": [],
+             "graph": {"nodes": [part, *after], "connections": []}, "events": [],
              "codeContext": {"code": ""}, "simulationSettings": {"duration": "1"}}
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps(model))
@@ -43,3 +43,10 @@ def test_events_inside_a_subsystem_are_checked_too(tmp_path):
     assert not (tmp_path / "out.py").exists()
     with pytest.warns(UserWarning, match="event 'tick'.*t_perod"):
         assert "t_perod" not in converted(tmp_path, "pathsim.events.Schedule", t_perod="1")
+
+
+def test_blocks_after_a_subsystem_are_checked_too(tmp_path):
+    block = {"id": "b", "type": "Amplifer", "name": "gain", "inputs": [], "outputs": [],
+             "params": {}, "position": {"x": 0, "y": 0}}
+    with pytest.raises(DiagramError, match=r"block 'gain': .*did you mean 'Amplifier'"):
+        converted(tmp_path, "pathsim.events.Schedule", [block])
