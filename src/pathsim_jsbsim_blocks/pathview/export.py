@@ -230,7 +230,7 @@ class _Export:
     def _check_opaque(self, parts: list[Any]) -> None:
         """Refuse calls that may change what cannot be compared."""
         for part in parts:
-            place = self._touched(part, only_called=True)
+            place = self._touched(part)
             if place is not None:
                 self.script.refuse(f"{self._called(part)} may be changed here after it is built; "
                                    "PathView has no place for that", place)
@@ -241,7 +241,7 @@ class _Export:
         name = names[0] if names else made.target if made else ""
         return repr(name) if name else f"this {type(part).__name__}"
 
-    def _touched(self, part: Any, only_called: bool = False) -> ast.AST | None:
+    def _touched(self, part: Any) -> ast.AST | None:
         """Where the script may change a part before the run, as far as its source tells."""
         made = self.script.construction(part)
         names = {n for n, v in self.script.namespace.items() if v is part
