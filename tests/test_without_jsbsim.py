@@ -37,7 +37,8 @@ built = [n for n, o in blocks.items() if isinstance(o(), Block)]
 
 kick, hold, scope = package.DoubletSource(), package.PitchHold(), Scope()
 sim = Simulation([kick, hold, scope],
-                 [Connection(kick, hold["theta"]), Connection(hold["elevator"], scope)],
+                 [Connection(kick, hold["theta"], hold["q"]),
+                  Connection(hold["elevator"], scope)],
                  dt=1 / 120, log=False)
 sim.run(2.0)
 print(json.dumps({

@@ -7,6 +7,7 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
+from ._core.running import fly
 from ._core.visible_warnings import keep_warnings_visible
 from .air.airspeed_blocks import (
     CAStoEAS,
@@ -70,6 +71,7 @@ __all__ = [
     "TAStoMach",
     "TrimError",
     "WindToBody",
+    "fly",
 ]
 __all__ += _holds.__all__
 

@@ -7,13 +7,14 @@ new PathSim breaks it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
-from pathsim import Subsystem
+from pathsim import Simulation, Subsystem
 from pathsim.events import Event
 from pathsim.solvers._solver import Solver
+from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
 
@@ -128,3 +129,19 @@ def _events(subsystem: Subsystem) -> list[Event]:
 
 
 Subsystem.events = property(_events, doc=Subsystem.events.__doc__)
+
+
+def tracker(sim: Simulation, duration: float) -> ProgressTracker:
+    """What `Simulation.run` logs its progress and counts its steps with."""
+    return ProgressTracker(duration, "TRANSIENT", logger=sim.logger, log=sim.log)
+
+
+def run_loop(sim: Simulation, duration: float, reset: bool, adaptive: bool,
+             progress: ProgressTracker) -> Iterator[dict[str, Any]]:
+    """The loop of `Simulation.run`, which yields after every step."""
+    return sim._run_loop(duration, reset, adaptive, tracker=progress)
+
+
+def is_running(sim: Simulation) -> bool:
+    """Whether nobody has called `Simulation.stop` since the run began."""
+    return sim._active

@@ -71,7 +71,6 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     """
     require("pandas")
     require("joblib")
-    require("tqdm")
     import pandas as pd
 
     rows = _seeded(expand("cases", cases), whole("seed", seed, low=0))

@@ -81,7 +81,6 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     """
     require("pandas")
     require("joblib")
-    require("tqdm")
     import pandas as pd
 
     points = expand("grid", grid)
