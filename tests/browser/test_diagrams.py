@@ -82,5 +82,6 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
             assert editor.run("Continue") == "Simulation continued successfully"
             assert_same(joined(editor.runs[1], editor.runs[2]), longer.result())
     assert not editor.errors
-    assert not editor.complaints()
+    # continued, isa_profile rises above the standard atmosphere, and PathView's console says so
+    assert not [m for m in editor.complaints() if "extrapolated" not in m]
     assert not editor.elsewhere
