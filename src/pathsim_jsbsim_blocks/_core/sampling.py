@@ -121,6 +121,14 @@ class SampleClock(ClockEvent):
         self.next = Instant(index, time, time - slack, time + slack,
                             latest - before, latest + before)
 
+    def go_on(self) -> None:
+        """Wait for the sample after that waited for until now."""
+        now = self.next
+        time = self.start + (now.k + 1) * self.period
+        slack = self._slack(time)
+        self.next = Instant(now.k + 1, time, time - slack, time + slack,
+                            now.due_from, now.due_until)
+
     def _slack(self, time: float) -> float:
         """How far the diagram's accumulated clock may be from an instant."""
         slack, longest = 1e-13 + 1e-9 * time, 0.01 * self.period
@@ -185,6 +193,8 @@ class SampledBlock(Block):
         self._results: dict[int, Any] = {}
         self._sampled = self.clock.index - 1
         self._resolved = False
+        # end of the step in which the outputs were shown without an event
+        self._acted_at: float | None = None
         self.one_pass = False
 
     @property
@@ -230,7 +240,7 @@ class SampledBlock(Block):
         if self._sampled >= next_.k:
             self._finish()
             next_ = clock.next
-        self._resolved = False
+        self._resolved, self._acted_at = False, None
         clock.step_start = t
         if t > next_.due_until or t < next_.latest_from:
             # switched off for a while, another time, another simulation: go on from here
@@ -251,23 +261,31 @@ class SampledBlock(Block):
         clock, sampled = self.clock, self._sampled
         k = clock.next.k
         if sampled >= k:
-            clock.go_to(sampled + 1)
+            if sampled == k:
+                clock.go_on()
+            else:
+                clock.go_to(sampled + 1)
             for i in range(k - 1, sampled):
                 self._results.pop(i, None)
 
     def _shown(self, t: float) -> int:
         """Index of the instant whose outputs belong to ``t``."""
-        next_ = self.clock.next
-        if t >= next_.due_from and (
-                self._sampled >= next_.k or self._resolved or self.in_one_pass()):
-            return next_.k - 1 + self.clock.due(t)
-        return next_.k - 1
+        clock = self.clock
+        next_ = clock.next
+        if t < next_.due_from:
+            return next_.k - 1
+        if self._sampled < next_.k and not self._resolved:
+            if not self.in_one_pass():
+                return next_.k - 1
+            self._acted_at = t
+        return next_.k - 1 + clock.due(t)
 
     def has_acted(self, t: float) -> bool:
         """Whether the outputs at ``t``, the end of a step, are shown already."""
+        if self._acted_at == t:
+            return True
         self._stages = not without_stages(self._engine)
-        return (self.one_pass and not self._stages
-                and self.clock.next.k - 1 + self.clock.due(t) in self._results)
+        return False
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
@@ -360,7 +378,9 @@ class SampledPlant(SampledBlock):
         results = self._results
         if self.clock.next.k in results:
             shown = self._shown(t)
-            show(self.outputs, results[shown] if shown in results else results[max(results)])
+            if shown not in results:
+                shown, self._acted_at = max(results), None
+            show(self.outputs, results[shown])
 
     def act(self, t: float) -> None:
         super().act(t)

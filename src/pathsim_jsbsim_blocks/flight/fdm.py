@@ -150,7 +150,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._thread = get_ident()
         self._n_inputs = len(port_names(self.inputs))
         self._n_outputs = len(port_names(self.outputs))
-        self._step = dt
+        self._step, self._period = dt, dt * self._substeps
         self._time_zero = self.airframe.fdm.get_sim_time()
         # index of the instant to which the aircraft is or was on its way
         self._begun = 0
@@ -207,8 +207,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         for _ in range(self._substeps - done):
             run()
         t = self.clock.start + index * self.clock.period
-        if self._steps_since(index):
-            time = self.airframe.fdm.get_sim_time() - self._time_zero
+        time = self.airframe.fdm.get_sim_time() - self._time_zero
+        if abs(time - index * self._period) > 0.5 * self._step:
             raise FlightError(
                 f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
                 f"{index} periods of {self.clock.period:.9g} s: something else runs or holds it. "
