@@ -126,6 +126,23 @@ class FlightError(BlocksError, RuntimeError):
         self.value = value
 
 
+class CopyError(BlocksError, TypeError):
+    """An aircraft block cannot be copied or pickled: JSBSim's state stays where it flies.
+
+    Attributes
+    ----------
+    block : str
+        class of the block
+    aircraft : str
+        the model's name
+    """
+
+    def __init__(self, message: str, *, block: str, aircraft: str):
+        super().__init__(message)
+        self.block = block
+        self.aircraft = aircraft
+
+
 class DiagramError(BlocksError, ValueError):
     """A script or a model file cannot be read, or the other form has no way to say what it says.
 

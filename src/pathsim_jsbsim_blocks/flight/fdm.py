@@ -18,7 +18,7 @@ from .._core.checks import flag, number, positive, whole
 from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
-from ..errors import FlightError, ParameterError, PropertyError
+from ..errors import CopyError, FlightError, ParameterError, PropertyError
 from ._trim import TrimState, trim
 from .airframe import Airframe
 from .condition import TrimCondition
@@ -35,6 +35,9 @@ _CRASH = 50.0
 
 # ft; a centre of gravity lower than this is under the ground, where nothing of JSBSim's stops it
 _UNDERGROUND = -1.0
+
+# JSBSim searches a trim when these are written, and ends the process where there is none
+_COMMANDS = ("simulation/do_simple_trim",)
 
 # what the manual pages of the aircraft blocks share
 fill = filler(
@@ -66,7 +69,8 @@ fill = filler(
     AircraftError, PropertyError, ParameterError, TrimError
         when the block is built: unknown names and values that cannot be, or no trim
     FlightError
-        in flight, when an input or the state is not finite, or the aircraft has crashed
+        in flight, when an input or the state is not finite, the aircraft has crashed or is under
+        the ground, or something else runs or holds it
     """,
 )
 
@@ -174,6 +178,14 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _no_port(self, message, port, close):
         return PropertyError(message, aircraft=self.airframe.aircraft, name=port, nearest=close)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        # copy.copy and copy.deepcopy ask here too
+        name, aircraft = type(self).__name__, self.airframe.aircraft
+        raise CopyError(
+            f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
+            f"process. Build another {name} with the same parameters; to go on from here, save the "
+            "diagram with save_checkpoint and load it there", block=name, aircraft=aircraft)
 
     def reset(self) -> None:
         """Fly the same flight again: a fresh aircraft, loaded and trimmed as at first."""
@@ -326,6 +338,10 @@ def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe
     listed: dict[str, str] = {}
     for name in names:
         property_ = airframe.canonical(name)
+        if parameter == "input_properties" and property_ in _COMMANDS:
+            raise PropertyError(
+                f"{name!r} is no input: to write it trims the aircraft anew, at every sample",
+                aircraft=airframe.aircraft, name=name)
         if property_ in listed:
             other = listed[property_]
             raise ParameterError(

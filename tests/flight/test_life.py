@@ -1,0 +1,145 @@
+"""The end of a flight, interrupts, and what else runs or holds an aircraft: its own clock tells."""
+
+import copy
+import ctypes
+import pickle
+import random
+import threading
+import time
+
+import jsbsim
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Integrator
+from test_fdm_exact import block, loop, nested, sines, wire
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    FlightError,
+    JSBSimFDM,
+    PropertyError,
+)
+from pathsim_jsbsim_blocks.errors import CopyError
+
+
+def flying(plane, elevator=0.0):
+    command = Constant(elevator)
+    return Simulation([command, plane], [Connection(command, plane[0])], dt=plane.T, log=False)
+
+
+@pytest.mark.parametrize("states", [0, 1])
+@pytest.mark.parametrize("depth", [0, 1])
+def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
+    T, substeps = 1 / 30, 3
+
+    def diagram():
+        fdm = block(T=T, substeps=substeps, record_inputs=True)
+        system = nested(fdm, depth, False) if depth else fdm
+        integrators = [Integrator(0.0)] * states
+        scope, sim = wire(system, sines(), integrators,
+                          [Connection(system[1], *integrators)] if states else [], dt=T)
+        return fdm, scope, sim
+
+    fdm, _, sim = diagram()
+    flown, advance = {}, fdm.advance
+
+    def kept(index, u):
+        y = advance(index, u)
+        flown[index] = u, y
+        return y
+
+    fdm.advance = kept
+    draw, me = random.Random(100 * depth + states), threading.get_ident()
+    hits = 0
+    for _ in range(40):
+        over = threading.Event()
+
+        def interrupt(over=over):
+            time.sleep(draw.uniform(0.001, 0.02))
+            if not over.is_set():
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(me),
+                                                           ctypes.py_object(KeyboardInterrupt))
+
+        thread = threading.Thread(target=interrupt)
+        try:
+            thread.start()
+            sim.run(3.0)
+            over.set()
+            thread.join()
+            sum(range(1000))
+        except KeyboardInterrupt:
+            hits += 1
+    assert hits > 10
+    # what is saved now is the flight as it is
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    sim.run(1.0)
+    assert fdm.samples == round(sim.time / T)
+    assert round(fdm.fdm.get_sim_time() * substeps / T) == fdm.samples * substeps
+    # PathSim's Scope keeps times and values apart, so an interrupt may leave it one short
+    u = [flown[k + 1][0] for k in range(fdm.samples)]
+    y = [flown[k + 1][1] for k in range(fdm.samples)]
+    assert np.array_equal(y, loop(np.array([*u, u[-1]]), T=T, substeps=substeps)[1:])
+
+    again, _, other = diagram()
+    other.load_checkpoint(str(tmp_path / "stop"))
+    other.run(1.0)
+    assert again.samples == fdm.samples
+    assert np.array_equal(again.outputs.to_array(), fdm.outputs.to_array())
+
+
+def test_an_aircraft_that_something_holds_ends_the_flight():
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    sim = flying(plane)
+    sim.run(1.0)
+    jsbsim.FGLinearization(plane.fdm)  # leaves JSBSim's time standing still
+    for _ in range(2):
+        with pytest.raises(FlightError, match=r"its clock shows 1 s after 121 .*reset") as error:
+            sim.run(1.0)
+        assert error.value.name == "simulation/sim-time-sec"
+        assert plane.samples == 120
+    sim.reset()
+    sim.run(1.0)
+    assert plane.samples == 120
+
+
+def test_an_aircraft_that_somebody_else_runs_ends_the_flight():
+    plane = Aircraft("c172p", altitude=5000, speed=90, substeps=2)
+    sim = flying(plane)
+    sim.run(1.0)
+    plane.fdm.run()
+    with pytest.raises(FlightError, match="something else runs or holds it"):
+        sim.run(1.0)
+    with pytest.raises(FlightError, match="something else runs or holds it"):
+        sim.run(1.0)
+
+
+def test_a_trim_is_no_input():
+    # written at every sample it pins the aircraft, and where it fails JSBSim ends the process
+    with pytest.raises(PropertyError, match="trims the aircraft anew"):
+        JSBSimFDM(aircraft_model="c172p", trim_altitude=5000, trim_airspeed=90,
+                  input_properties=["simulation/do_simple_trim"])
+
+
+@pytest.mark.parametrize("terrain", [0.0, 4000.0])
+def test_under_the_ground_the_flight_ends(terrain):
+    # gear up nothing of a 737 touches the ground
+    plane = Aircraft("737", altitude=terrain + 800, speed=300, gamma=-5, gear=0, mode="none",
+                     properties={"ic/terrain-elevation-ft": terrain})
+    with pytest.raises(FlightError, match=r"under the ground, height .* is -1\.") as error:
+        flying(plane).run(120.0)
+    assert error.value.name == "position/h-agl-ft"
+    # it sinks at some 100 ft/s, less than a foot in a period
+    assert -2.0 < error.value.value < -1.0
+    assert plane.outputs["h"] == pytest.approx(terrain - 1.0, abs=1.0)
+
+
+@pytest.mark.parametrize("copies", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_flight_is_not_copied(copies):
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    with pytest.raises(CopyError, match=r"Build another Aircraft .* save_checkpoint") as error:
+        copies(plane)
+    assert isinstance(error.value, TypeError)
+    assert (error.value.block, error.value.aircraft) == ("Aircraft", "c172p")
+    again = pickle.loads(pickle.dumps(error.value))
+    assert again.aircraft == "c172p"
