@@ -1,11 +1,12 @@
 """What a model file says of blocks, ports, events and the note: positions in pixels, numbers."""
 
 import json
+import runpy
 from pathlib import Path
 
 import pytest
 
-from pathsim_jsbsim_blocks.pathview import export_script
+from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 from pathsim_jsbsim_blocks.pathview.diagram import Diagram, Event, Graph, Node, Wire
 from pathsim_jsbsim_blocks.pathview.pvm import model
 
@@ -101,7 +102,8 @@ from pathsim.blocks import Adder, Constant, Scope
 port = Interface()
 total = Adder()
 part = Subsystem([port, total], [
-    Connection(port[0], total[0]), Connection(port[1], total[1]), Connection(total, port[0])])
+    Connection(port[0], total[0]), Connection(port[1], total[1]), Connection(port[2], total[2]),
+    Connection(total, port[0])])
 a = Constant(max(
     1.0,
     0.5))
@@ -132,6 +134,10 @@ def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
         "a": (0, 1), "b": (0, 1), "c": (0, 1), "part": (3, 2), "scope": (3, 0)}
     assert graph["nodes"][0]["params"] == {"value": "max(1.0, 0.5)"}
     (part,) = (n for n in graph["nodes"] if n["name"] == "part")
-    assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (2, 1)}
+    assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (3, 1)}
     assert sorted((w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]) == [
         (0, 0), (0, 0), (0, 1), (0, 2), (1, 2)]
+    # the third input goes on inside, though the subsystem has two outputs only
+    again = runpy.run_path(str(convert_model(path.with_suffix(".pvm"), tmp_path / "out.py")))
+    again["sim"].run(0.1)
+    assert again["scope"].read()[1][0][-1] == 1.0 + 2.0 + 3.0
