@@ -763,6 +763,19 @@ def test_what_comes_after_the_first_run_is_named(after, told, export):
         assert text in str(caught[0].message)
 
 
+@pytest.mark.parametrize("call", ["fly(sim, 7.0)", "fly(duration=7.0, sim=sim)", "b.fly(sim, 7.0)"])
+def test_fly_is_a_run(call, export):
+    model = export(HEAD + "import pathsim_jsbsim_blocks as b\n"
+                   "from pathsim_jsbsim_blocks import fly\n" + LOOP + call)
+    assert float(model["simulationSettings"]["duration"]) == 7.0
+
+
+def test_a_flight_after_the_first_is_named(export):
+    with pytest.warns(UserWarning, match=r"fly\(\)"):
+        export(HEAD + "from pathsim_jsbsim_blocks import fly\n" + LOOP
+               + "fly(sim, 7.0)\nfly(sim, 1.0)")
+
+
 def test_a_single_run_needs_no_warning(export):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -24,9 +24,12 @@ from pathsim.events._event import Event
 from ..errors import DiagramError
 from .names import bound, changes, root
 
+# scripts import `fly` from here; an import would tie the bridge to all blocks
+_PACKAGE = sys.modules[__name__.partition(".")[0]]
 RECORD = "__built__"
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 _RUNS = ("run", "run_streaming", "run_realtime")
+_FLY = "fly"
 _STEPS = ("timestep", "step")
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
 # methods that build the diagram, or only look at it
@@ -205,16 +208,17 @@ class Script:
 
     @contextmanager
     def _runs_held_back(self) -> Iterator[None]:
-        def held_back(name: str) -> Callable[..., None]:
-            signature = inspect.signature(getattr(Simulation, name))
+        def held_back(run: Callable[..., Any]) -> Callable[..., None]:
+            signature = inspect.signature(run)
 
-            @functools.wraps(getattr(Simulation, name))
-            def method(simulation: Simulation, *args: Any, **kwargs: Any) -> None:
-                call = signature.bind(simulation, *args, **kwargs)
+            @functools.wraps(run)
+            def method(*args: Any, **kwargs: Any) -> None:
+                call = signature.bind(*args, **kwargs)
                 call.apply_defaults()
+                simulation = call.args[0]
                 if self.run is None:  # a script may catch what ends it, and run again
                     lines = [line for _, line in self._frames()][::-1]
-                    self._running, self.run = simulation, Run(name, call.arguments, lines)
+                    self._running, self.run = simulation, Run(run.__name__, call.arguments, lines)
                     if call.arguments.get("reset"):
                         simulation.reset()
                     self._stand()
@@ -236,8 +240,9 @@ class Script:
 
         steps = {name: getattr(Simulation, name) for name in _STEPS}
         with ExitStack() as stack:
-            for name in (*_RUNS, *_STEPS):
-                stack.enter_context(patch.object(Simulation, name, held_back(name)))
+            for owner, name in [(Simulation, n) for n in (*_RUNS, *_STEPS)] + [(_PACKAGE, _FLY)]:
+                run = held_back(getattr(owner, name))
+                stack.enter_context(patch.object(owner, name, run))
             for name in _STATES:
                 stack.enter_context(patch.object(Simulation, name, noted(name)))
             yield
@@ -345,15 +350,23 @@ class Script:
 
     def _find_run(self) -> ast.Call | None:
         """The call of the first run; without one, the first that is written."""
-        calls = sorted(((n, n.func) for n in ast.walk(self.tree) if isinstance(n, ast.Call)
-                        and isinstance(n.func, ast.Attribute) and n.func.attr in (*_RUNS, *_STEPS)),
-                       key=lambda c: c[0].lineno)
+        calls = sorted((n for n in ast.walk(self.tree) if isinstance(n, ast.Call)
+                        and _called(n) in (*_RUNS, *_STEPS, _FLY)), key=lambda c: c.lineno)
         if self.run is None:
-            return next((n for n, function in calls
-                         if self._evaluated(function.value) is self.simulation), None)
+            return next((n for n in calls if self._evaluated(
+                n.args[0] if _called(n) == _FLY and n.args else getattr(n.func, "value", n.func)
+            ) is self.simulation), None)
         line, method = self.run.lines[-1], self.run.method
-        return next((n for n, function in calls if n.lineno <= line <= (n.end_lineno or 0)
-                     and function.attr == method), None)
+        return next((n for n in calls if n.lineno <= line <= (n.end_lineno or 0)
+                     and _called(n) == method), None)
+
+    def run_arguments(self) -> dict[str, ast.expr]:
+        """The expressions given to the call that runs the simulation for a duration."""
+        call = self.run_call
+        if call is None or _called(call) not in (*_RUNS, _FLY):
+            return {}
+        run = getattr(_PACKAGE if _called(call) == _FLY else self.simulation, _called(call))
+        return named_arguments(call, list(inspect.signature(run).parameters))
 
     def _before_run(self, line: int | None) -> list[ast.stmt]:
         """The statements of the top level, and of the main guard, that end before the run."""
@@ -377,13 +390,14 @@ class Script:
             if not isinstance(node, (ast.stmt, ast.Call)):
                 continue
             if isinstance(node, ast.Call) and node is not call:
-                name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                name = _called(node)
                 owner = (self._evaluated(node.func.value)
                          if isinstance(node.func, ast.Attribute) else None)
                 made = self.construction(self.simulation)
-                if (name in (*_RUNS, *_STATES) and isinstance(node.func, ast.Attribute)
+                if (name == _FLY or (name in (*_RUNS, *_STATES)
+                        and isinstance(node.func, ast.Attribute)
                         and (owner is None or isinstance(owner, Simulation))
-                        and (node.lineno, name) not in {(n, s) for s, n in self.states}):
+                        and (node.lineno, name) not in {(n, s) for s, n in self.states})):
                     found.setdefault(node.lineno, f"{ast.unparse(node.func)}()")
                 elif (isinstance(self._evaluated(node.func), type)
                       and issubclass(self._evaluated(node.func), Simulation)
@@ -402,7 +416,7 @@ class Script:
                                 "add_block", "add_connection", "add_event"}):
                         found.setdefault(getattr(place, "lineno", node.lineno),
                                          f"{name!r} is changed")
-        if self.run.method in _RUNS:
+        if self.run.method in (*_RUNS, _FLY):
             for node in ast.walk(self.tree):
                 if isinstance(node, (ast.For, ast.While)) and any(
                         n.lineno <= line <= (n.end_lineno or 0)
@@ -422,6 +436,11 @@ def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]
     positional = itertools.takewhile(lambda a: not isinstance(a, ast.Starred), call.args)
     return {**dict(zip(names, positional, strict=False)),
             **{k.arg: k.value for k in call.keywords if k.arg}}
+
+
+def _called(call: ast.Call) -> str:
+    """Name of the function or method that a call is written with."""
+    return getattr(call.func, "attr", getattr(call.func, "id", ""))
 
 
 def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:

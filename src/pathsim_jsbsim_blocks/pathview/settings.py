@@ -22,17 +22,15 @@ def setting_expressions(script: Script) -> dict[str, ast.expr]:
         given = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
         found = {ours: given[theirs] for theirs, ours in _SETTINGS.items()
                  if theirs in given and not _is(given[theirs], None)}
-    run = script.run_call
-    if run is not None:
-        given = named_arguments(run, list(inspect.signature(script.simulation.run).parameters))
-        if "duration" in given and getattr(run.func, "attr", "").startswith("run"):
-            found["duration"] = given["duration"]
-    elif script.run is None and "DURATION" in script.namespace:
+    given = script.run_arguments()
+    if "duration" in given:
+        found["duration"] = given["duration"]
+    elif script.run_call is None and script.run is None and "DURATION" in script.namespace:
         found["duration"] = ast.Name("DURATION", ast.Load())
     if script.run and script.simulation.engine.is_adaptive and (
             script.run.arguments.get("adaptive") is False):
         script.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts the "
-                      "step", run)
+                      "step", script.run_call)
     return found
 
 
