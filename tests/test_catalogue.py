@@ -19,7 +19,9 @@ from pathsim_jsbsim_blocks.catalogue import (
 from pathsim_jsbsim_blocks.cli import main
 
 
-@pytest.mark.parametrize("name", diagram_names())
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=() if name in ("hello_jsbsim", "pitch_hold", "van_der_pol")
+                 else pytest.mark.long) for name in diagram_names()])
 def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)

@@ -52,8 +52,10 @@ def _uses_pathview(command):
     return command.split()[1] in ("view", "export", "convert")
 
 
-COMMANDS = [pytest.param(c, id=f"{page}: {c}") for page, session in sessions() for c in session
-            if not _uses_pathview(c)]
+# test_published computes the envelope in each run of the tests
+COMMANDS = [pytest.param(c, id=f"{page}: {c}",
+                         marks=pytest.mark.long if "trim_envelope" in c else ())
+            for page, session in sessions() for c in session if not _uses_pathview(c)]
 PATHVIEW = [pytest.param(commands, id=f"{page}: {commands[0]}") for page, session in sessions()
             if (commands := [c for c in session if _uses_pathview(c)])]
 

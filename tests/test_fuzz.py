@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from hypothesis import settings
+
 FUZZ = Path(__file__).with_name("fuzz_public_names.py")
 
 
@@ -15,7 +17,8 @@ def test_random_arguments_end_in_our_own_errors_and_leave_nothing_behind(tmp_pat
     temporary.mkdir()
     report = tmp_path / "report.json"
     done = subprocess.run(
-        [sys.executable, str(FUZZ), str(report)], cwd=work, capture_output=True, timeout=600,
+        [sys.executable, str(FUZZ), str(report), str(settings().max_examples // 20)], cwd=work,
+        capture_output=True, timeout=600,
         env={**os.environ, "TMPDIR": str(temporary), "PYTHONDONTWRITEBYTECODE": "1",
              "HYPOTHESIS_STORAGE_DIRECTORY": str(storage)})
     # an abort would show here

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flights import POINTS, STATES, TURBULENCE, T, fly, on, start, step, wrap
+from flights import POINTS, STATES, TURBULENCE, T, first, fly, on, start, step, wrap
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 from pathsim.events import Schedule
@@ -82,7 +82,7 @@ def test_the_aircrafts_saturation_holds_the_autothrottle_back():
 
 
 @pytest.mark.parametrize("sign", [1, -1], ids=["headwind", "tailwind"])
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(["global5000", "c172p", "737"]))
 def test_shear_of_10_kt(name, sign):
     plane = start(name, heading=0.0)
 
@@ -101,7 +101,7 @@ def test_shear_of_10_kt(name, sign):
     ({}, ("h", "psi", "vc"), 45.0), (PITCH, ("theta", "phi", "vc"), 30.0)],
     ids=["altitude and heading", "pitch and roll"])
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_gust_of_30_fps(name, axis, modes, signals, seconds):
     # 1-cosine, 2 s long, from ahead (X), from the side (Y) and from below (Z)
     gust = "atmosphere/cosine-gust/"
@@ -117,7 +117,7 @@ def test_gust_of_30_fps(name, axis, modes, signals, seconds):
         assert after.settled(signal, reference, TOLERANCES[signal]) < TIMES[name][signal], signal
 
 
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(["737", "c172p", "global5000"]))
 def test_turbulence(name):
     flight = fly(start(name, properties=TURBULENCE), 300.0)
     assert np.max(np.abs(flight["h"] - flight["h"][0])) < 64.0  # ft
@@ -157,7 +157,7 @@ class Sensors(SampledLaw):
         return [x + n for x, n in zip(u, self.noise[state], strict=True)], state + 1
 
 
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_sensor_noise(name):
     flight = fly(start(name), 120.0, {"psi_ref": step(20.0)}, sensors=Sensors(14_500))
     late = flight.after(60.0)
@@ -174,7 +174,7 @@ OFF_POINT = [pytest.param(1.2, 0.0, id="+20 % speed"), pytest.param(0.8, 0.0, id
 
 
 @pytest.mark.parametrize(("speed", "altitude"), OFF_POINT)
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_off_the_point_the_same_gains_settle_in_twice_the_time(name, speed, altitude):
     def plane():
         point = POINTS[name]

@@ -41,47 +41,50 @@ def mission(sampling_period):
     return sim, plane, scope
 
 
-def ten_minutes():
-    """Memory that ten minutes take after the first, in MB."""
+def minutes(count):
+    """Memory that a flight of some minutes takes after the first, in MB."""
     sim, plane, scope = mission(sampling_period=1.0)
     sim.run(60)
     before = megabytes()
-    sim.run(540)
+    sim.run(60 * (count - 1))
     growth = megabytes() - before
-    assert plane.samples == 72000
-    assert plane.fdm.get_sim_time() == pytest.approx(600.0, abs=1e-6)
+    assert plane.samples == 7200 * count
+    assert plane.fdm.get_sim_time() == pytest.approx(60.0 * count, abs=1e-6)
     time, (h, _) = scope.read()
-    assert len(time) == 601
+    assert len(time) == 60 * count + 1
     assert np.abs(h - 10000.0).max() < 64.0
     return growth
 
 
-def nine_hundred_lives():
-    """Memory that 900 lives of a diagram leave behind after the first 100, in MB."""
+def lives(count):
+    """Memory that lives of a diagram leave behind after the first tenth of them, in MB."""
     def life():
         plane = Aircraft("c172p", altitude=5000, speed=90)
         scope = Scope()
         sim = Simulation([plane, scope], [Connection(plane["theta"], scope)], dt=T, log=False)
         sim.run(0.1)
 
-    for _ in range(100):
+    for _ in range(count // 10):
         life()
     before = megabytes()
-    for _ in range(900):
+    for _ in range(count - count // 10):
         life()
     return megabytes() - before
 
 
-@pytest.mark.parametrize(("flight", "most"), [
+@pytest.mark.parametrize(("flight", "count", "most"), [
     # 64800 steps at two numbers a second are 10 kB; a leak of 100 bytes a step were 6 MB
-    (ten_minutes, 3.0),
-    # an aircraft takes 0.37 MB: 900 that stay were 330 MB
-    (nine_hundred_lives, 8.0),
+    pytest.param(minutes, 10, 3.0, marks=pytest.mark.long),
+    # the same of a leak of 420 bytes a step, as a number or two that are kept
+    (minutes, 3, 3.0),
+    # an aircraft takes 0.37 MB: 90 that stay were 33 MB, 900 were 330
+    (lives, 100, 8.0),
+    pytest.param(lives, 1000, 8.0, marks=pytest.mark.long),
 ])
-def test_memory_stays_bounded(flight, most):
+def test_memory_stays_bounded(flight, count, most):
     # in a process of its own, whose memory no other test moves
-    done = subprocess.run([sys.executable, __file__, flight.__name__], capture_output=True,
-                          text=True, timeout=500)
+    done = subprocess.run([sys.executable, __file__, flight.__name__, str(count)],
+                          capture_output=True, text=True, timeout=500)
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < most
 
@@ -109,4 +112,4 @@ def test_twenty_aircraft_in_one_diagram_fly_as_each_alone():
 
 
 if __name__ == "__main__":
-    print({f.__name__: f for f in (ten_minutes, nine_hundred_lives)}[sys.argv[1]]())
+    print({f.__name__: f for f in (minutes, lives)}[sys.argv[1]](int(sys.argv[2])))

@@ -181,7 +181,7 @@ def at_the_instants(plan, time, data):
     return data[:, at].T
 
 
-@settings(max_examples=60, deadline=None, derandomize=True,
+@settings(max_examples=settings().max_examples // 5, derandomize=True,
           suppress_health_check=[HealthCheck.too_slow])
 @given(plans)
 def test_any_diagram_keeps_time_and_can_be_repeated(plan):

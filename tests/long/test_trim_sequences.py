@@ -11,9 +11,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from long_counts import cases
 
 TESTS = Path(__file__).parents[1]
-SEEDS = range(20)
+SEEDS = range(cases(3, 20))
 SEQUENCES = 50  # of each seed, with up to 6 trims each
 
 BATCH = """

@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pathsim_jsbsim_blocks.pathview.diagram import Graph, Node, Wire
@@ -77,7 +77,6 @@ def test_a_source_stands_right_before_its_target():
 
 
 @given(st.integers(1, 9), st.data())
-@settings(max_examples=80, deadline=None)
 def test_nothing_overlaps_and_all_is_on_the_grid(n, data):
     ends = data.draw(st.lists(st.tuples(*[st.integers(0, n - 1)] * 2), max_size=3 * n))
     into = [0] * n

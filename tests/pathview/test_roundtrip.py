@@ -1,6 +1,7 @@
 """Script to model to script, and model to script to model: nothing is lost on the way."""
 
 import json
+import math
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -26,8 +27,11 @@ def recorders(blocks):
     yield from (b for b in blocks if type(b).__name__ in ("Scope", "Spectrum"))
 
 
-def traces(path, monkeypatch):
-    """What a script records in its own duration; noise is the same in every call."""
+def traces(path, monkeypatch, longest=math.inf):
+    """What a script records in its own duration, or in the longest of a test, and its duration.
+
+    Noise is the same in every call.
+    """
     made = iter(range(1000))
     generator = np.random.default_rng
     with monkeypatch.context() as patched:
@@ -36,8 +40,8 @@ def traces(path, monkeypatch):
         np.random.seed(1)  # noqa: NPY002 (the models draw from the global one)
         script = Script(path)
         duration = eval(compile(_duration(script), "duration", "eval"), script.namespace)
-        script.simulation.run(duration)
-    return [b.read() for b in recorders(script.simulation.blocks)]
+        script.simulation.run(min(duration, longest))
+    return duration, [b.read() for b in recorders(script.simulation.blocks)]
 
 
 def _duration(script):
@@ -47,7 +51,9 @@ def _duration(script):
     return ast.Expression(call.args[0] if call.args else call.keywords[0].value)
 
 
-def assert_identical(a, b):
+def assert_identical(one, other):
+    (duration, a), (duration_b, b) = one, other
+    assert duration == duration_b
     assert len(a) == len(b) > 0
     for (time, signals), (time_b, signals_b) in zip(a, b, strict=True):
         np.testing.assert_array_equal(time, time_b)
@@ -69,11 +75,13 @@ def parts(graph, path=()):
         yield (*path, plain(e["name"]), e["type"], tuple(sorted(e["params"].items())))
 
 
+@pytest.mark.parametrize("longest", [
+    12.0, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"])
 @pytest.mark.parametrize("name", diagram_names())
-def test_script_to_model_to_script(name, tmp_path, monkeypatch):
+def test_script_to_model_to_script(name, longest, tmp_path, monkeypatch):
     script, model = (diagram_folder() / f"{name}.{kind}" for kind in ("py", "pvm"))
     converted = convert_model(model, tmp_path / f"{name}.py")
-    assert_identical(traces(script, monkeypatch), traces(converted, monkeypatch))
+    assert_identical(*(traces(path, monkeypatch, longest) for path in (script, converted)))
 
 
 @pytest.mark.parametrize("name", diagram_names())
