@@ -7,16 +7,18 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import urlsplit
+from urllib.request import urlopen
 
 COMMAND = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "view"]
 
 
 def page_headers(url):
-    """What a browser sends with the requests of the page at a printed address."""
-    parts = urlsplit(url)
-    return {"Cookie": f"pathsim-jsbsim-{parts.port}={parse_qs(parts.query)['token'][0]}",
-            "Sec-Fetch-Site": "same-origin", "Origin": f"http://{parts.netloc}"}
+    """What a browser sends with the requests of the page, once it has opened a printed address."""
+    with urlopen(url, timeout=30) as answer:
+        cookie = answer.headers["Set-Cookie"].partition(";")[0]
+    return {"Cookie": cookie, "Sec-Fetch-Site": "same-origin",
+            "Origin": f"http://{urlsplit(url).netloc}"}
 
 
 class Served:

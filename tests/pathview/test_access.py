@@ -28,14 +28,21 @@ PAGES = ["/", "/editor", "/editor.html", "/index.html", "/somewhere/else", "/mod
 def server():
     with Server({"one.pvm": {"graph": {"nodes": []}}, ODD: {"graph": {"nodes": []}}},
                 port=0) as server:
+        threading.Thread(target=server.run, daemon=True).start()
         yield server
 
 
+@pytest.fixture(scope="module")
+def cookie(server):
+    return page_headers(server.url())["Cookie"]
+
+
 @pytest.fixture
-def ask(server):
+def ask(server, cookie):
     """A request as a browser sends it: by default from the page, once it has its cookie."""
     def ask(path, method="GET", **changes):
-        headers = {"Host": urlsplit(server.address).netloc, **page_headers(server.url()), **changes}
+        headers = {"Host": urlsplit(server.address).netloc, "Cookie": cookie,
+                   "Sec-Fetch-Site": "same-origin", "Origin": server.address, **changes}
         client = server.app.test_client(use_cookies=False)
         port = urlsplit(server.address).port
         return client.open(path, method=method, json={} if method == "POST" else None,
@@ -55,11 +62,11 @@ CALLS = [("GET", "/api/health"), ("POST", "/api/init"), ("POST", "/api/exec"),
 
 
 @pytest.mark.parametrize(("method", "path"), CALLS)
-def test_code_runs_only_for_the_served_page(method, path, ask, server):
+def test_code_runs_only_for_the_served_page(method, path, ask, server, cookie):
     # without X-Session-ID, PathView itself says 400: the call has reached it and starts no worker
     assert ask(path, method).status_code in (200, 400)
     for changes in [{"Cookie": None}, {"Cookie": "pathsim-jsbsim-1=x"},
-                    {"Cookie": page_headers(server.url())["Cookie"] + "x"},
+                    {"Cookie": cookie + "x"},
                     {"Sec-Fetch-Site": None}, {"Sec-Fetch-Site": "none"},
                     {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": "cross-site"},
                     {"Sec-Fetch-Site": "same-origin, same-origin"},
@@ -74,8 +81,7 @@ def test_code_runs_only_for_the_served_page(method, path, ask, server):
 
 @pytest.mark.parametrize("path", [*PAGES, "/favicon.png", "/app/version.json", "/model/one.pvm",
                                   "/katex/katex.min.css", "/model/none.pvm"])
-def test_without_the_token_there_is_nothing(path, ask, server):
-    cookie = page_headers(server.url())["Cookie"]
+def test_without_the_token_there_is_nothing(path, ask, server, cookie):
     for changes in [{"Cookie": None}, {"Cookie": cookie[:-1]}, {"Cookie": cookie + "\xe9"},
                     {"Cookie": cookie.replace("=", "0=")}, {"Sec-Fetch-Site": "cross-site"},
                     {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": None}]:
@@ -88,19 +94,34 @@ def test_without_the_token_there_is_nothing(path, ask, server):
     assert ask(f"{path}?token=%E9", Cookie=None).status_code == 403
 
 
-def test_the_token_becomes_a_cookie_of_this_port_without_a_redirect(ask, server):
+def test_the_token_gets_a_cookie_of_this_port_without_a_redirect(ask, server):
     path = server.url("one.pvm").removeprefix(server.address)
     answer = ask(path, **{"Cookie": None, "Sec-Fetch-Site": "cross-site"})
     assert answer.status_code == 200
     cookie = answer.headers["Set-Cookie"]
-    port = urlsplit(server.address).port
-    assert cookie.startswith(f"pathsim-jsbsim-{port}={token(server)};")
+    name, _, value = cookie.partition(";")[0].partition("=")
+    assert name == f"pathsim-jsbsim-{urlsplit(server.address).port}"
+    assert len(value) == 43  # 256 bits
     assert "HttpOnly" in cookie
     assert "SameSite=Strict" in cookie
     assert "Set-Cookie" not in ask("/editor").headers
     with Server({}, port=0) as other:
         assert token(other) != token(server)
     assert len(token(server)) == 43  # 256 bits
+
+
+def test_the_token_in_a_cookie_is_worth_nothing(ask, server):
+    """Other users see the address in the browser's command line, and can write any header."""
+    name = f"pathsim-jsbsim-{urlsplit(server.address).port}"
+    for method, path in [*CALLS, ("GET", "/")]:
+        assert ask(path, method, Cookie=f"{name}={token(server)}").status_code == 403
+
+
+def test_a_path_that_no_file_system_takes_is_one_more_unknown_path(ask, capfd):
+    for path in ("/" + 300 * "a", 3000 * "/a", "/%00", f"/?model=/examples/{300 * 'a'}"):
+        assert ask(path, Cookie=None).status_code == 403
+        assert ask(path).status_code == (403 if "model" in path else 200)
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("path", PAGES)

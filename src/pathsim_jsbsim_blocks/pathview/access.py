@@ -15,7 +15,10 @@ _SAFE = ("GET", "HEAD")
 
 
 class Access:
-    """A token of one start: it comes in the opened address and goes on as a cookie.
+    """Secrets of one start: a token in the opened address, exchanged for a cookie.
+
+    Their values differ: other users of the machine may see the address, and could write the cookie
+    themselves.
 
     Parameters
     ----------
@@ -25,6 +28,7 @@ class Access:
 
     def __init__(self, served: Callable[[str], bool]):
         self.token = secrets.token_urlsafe(32)
+        self._session = secrets.token_urlsafe(32)
         self._served = served
 
     def refusal(self, request: Any, page: bool) -> str:
@@ -62,13 +66,13 @@ class Access:
 
     def set_cookie(self, request: Any, response: Any) -> None:
         """Let the page's own requests in: browsers keep cookies by host, for all its ports."""
-        response.set_cookie(_cookie(request), self.token, httponly=True, samesite="Strict")
+        response.set_cookie(_cookie(request), self._session, httponly=True, samesite="Strict")
 
     def _has_cookie(self, request: Any) -> bool:
         given = request.cookies.get(_cookie(request), "")
         # another port of this host is the same site: its pages send the cookie too
         return (request.headers.get("Sec-Fetch-Site") in ("same-origin", "none")
-                and compare_digest(given.encode(), self.token.encode()))
+                and compare_digest(given.encode(), self._session.encode()))
 
     def _bad_parameter(self, request: Any) -> str:
         """The first query parameter that makes the page load what is not ours, or is unknown."""

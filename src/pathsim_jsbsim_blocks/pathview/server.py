@@ -86,7 +86,7 @@ class Server:
         """Whether the page may open the model at a path."""
         folder, _, name = path.rpartition("/")
         if folder == "/examples":
-            return (self._static / "examples" / name).is_file()
+            return f"examples/{name}" in self._files
         return folder == "/model" and unquote(name) in self._models
 
     def _app(self) -> Any:
@@ -94,11 +94,13 @@ class Server:
             import pathview
             from flask import abort, make_response, request, send_from_directory
             from pathview.app import create_app
-            from werkzeug.utils import safe_join
         except ImportError as error:
             raise MissingExtraError("pathview", "pathview") from error
 
-        self._static = static = Path(pathview.__file__).parent / "static"
+        static = Path(pathview.__file__).parent / "static"
+        # compared by name: file systems may ignore case and final dots, and limit lengths
+        self._files = {file.relative_to(static).as_posix(): file
+                       for file in static.rglob("*") if file.is_file()}
         scripts = page.local_scripts(static)
         app = create_app(serve_static=True)
 
@@ -106,10 +108,8 @@ class Server:
             """The file of the page to answer with: PathView has one page for unknown paths."""
             if request.endpoint in ("model", "katex") or request.path.startswith("/api/"):
                 return None
-            found = safe_join(str(static), request.path.lstrip("/"))
-            if found is None or not Path(found).is_file():
-                return static / "index.html"
-            return Path(found) if found.endswith(".html") else None
+            found = self._files.get(request.path[1:], static / "index.html")
+            return found if found.suffix == ".html" else None
 
         @app.before_request
         def answer() -> Any:
