@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from .fdm import FlightBlock, fill
+from .block import FlightBlock, fill
 
 _DEG = 180.0 / math.pi
 
