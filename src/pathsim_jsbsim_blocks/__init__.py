@@ -7,8 +7,8 @@ in the browser), the aircraft blocks are absent and all others work.
 import logging
 from importlib.util import find_spec
 
+from ._core._pathsim import keep_warnings_visible
 from ._core.running import fly
-from ._core.visible_warnings import keep_warnings_visible
 from .air.airspeed_blocks import (
     CAStoEAS,
     CAStoMach,

@@ -9,7 +9,7 @@ from typing import Any
 class BlocksError(Exception):
     """Base class: catches every error that this package raises on purpose."""
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         # the default calls the class with the message alone, and errors come back from workers
         return _restored, (type(self), self.args, self.__dict__)
 

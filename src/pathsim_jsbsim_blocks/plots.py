@@ -12,12 +12,19 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
 
 from ._core.checks import did_you_mean, nearest, one_of, writable
 from .errors import FileError, ParameterError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+    from pathsim.blocks import Scope
 
 _save_to: list[Iterator[Path]] = []
 
@@ -35,7 +42,7 @@ def exact_curves() -> Iterator[None]:
 
 
 @exact_curves()
-def time_histories(*scopes, title: str = ""):
+def time_histories(*scopes: Scope, title: str = "") -> Figure:
     """Time histories of scopes, one panel for each unit.
 
     Parameters
@@ -82,7 +89,7 @@ def time_histories(*scopes, title: str = ""):
     return figure
 
 
-def signal(scope, label: str) -> tuple[np.ndarray, np.ndarray]:
+def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
     """Time and values of one recorded signal, by its label with or without the unit.
 
     Raises
@@ -99,7 +106,9 @@ def signal(scope, label: str) -> tuple[np.ndarray, np.ndarray]:
     return time, data[names.index(wanted)]
 
 
-def aircraft_points(points: Mapping[str, Sequence[tuple[float, float, float]]], title: str = ""):
+def aircraft_points(
+    points: Mapping[str, Sequence[tuple[float, float, float]]], title: str = ""
+) -> Figure:
     """Side and top view of the named points of an aircraft.
 
     Parameters
@@ -134,7 +143,8 @@ def aircraft_points(points: Mapping[str, Sequence[tuple[float, float, float]]], 
     return figure
 
 
-def ground_track(time, latitude, longitude, title: str = "ground track"):
+def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
+                 title: str = "ground track") -> Figure:
     """Ground track coloured by time, in nautical miles from the start.
 
     Parameters
@@ -181,7 +191,8 @@ def ground_track(time, latitude, longitude, title: str = "ground track"):
 
 
 @exact_curves()
-def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
+def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
+                   title: str = "") -> Figure:
     """One signal over another, with the start marked.
 
     Parameters
@@ -200,7 +211,7 @@ def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
 
     figure, ax = plt.subplots(figsize=(6, 5), layout="constrained")
     ax.plot(x, y, linewidth=1.3)
-    ax.plot(x[0], y[0], "ko", label="start")
+    ax.plot(np.asarray(x)[0], np.asarray(y)[0], "ko", label="start")
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
     ax.grid(alpha=0.4)
@@ -210,7 +221,7 @@ def phase_portrait(x, y, labels: tuple[str, str], title: str = ""):
 
 
 @exact_curves()
-def show(figure, name: str) -> None:
+def show(figure: Figure, name: str) -> None:
     """Show a figure in a window where there is a display; else write ``name.png`` here.
 
     Parameters
@@ -272,7 +283,7 @@ def _numbered(path: Path) -> Iterator[Path]:
         yield path.with_stem(f"{path.stem}_{n}")
 
 
-def _recording(scope) -> tuple[np.ndarray, np.ndarray]:
+def _recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     time, data = scope.read()
     if time is None:
         raise ParameterError("the scope holds no recording: run the simulation first",
@@ -282,7 +293,7 @@ def _recording(scope) -> tuple[np.ndarray, np.ndarray]:
     return time[:n], data[:, :n]
 
 
-def _label(scope, i: int) -> tuple[str, str]:
+def _label(scope: Scope, i: int) -> tuple[str, str]:
     """Label and unit of a scope's signal; ``port i`` where it has none."""
     text = scope.labels[i] if i < len(scope.labels) else f"port {i}"
     found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
@@ -296,7 +307,7 @@ def _unwound(y: np.ndarray) -> np.ndarray:
     return y
 
 
-def _readable(ax, y: np.ndarray) -> None:
+def _readable(ax: Axes, y: np.ndarray) -> None:
     """Plain tick labels, and no zoom into rounding noise."""
     ax.ticklabel_format(useOffset=False, style="plain")
     extent, size = float(np.ptp(y)), float(np.max(np.abs(y)))

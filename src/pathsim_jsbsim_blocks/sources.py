@@ -7,6 +7,7 @@ step sees it at the step's end, so no part of an input is lost between two steps
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -98,7 +99,14 @@ class DoubletSource(_StepsSource):
         0, then ``polarity * amplitude``, 0 in the gap, ``-polarity * amplitude``, 0
     """
 
-    def __init__(self, amplitude=0.1, start=1.0, width=1.0, gap=0.0, polarity=1):
+    def __init__(
+        self,
+        amplitude: float = 0.1,
+        start: float = 1.0,
+        width: float = 1.0,
+        gap: float = 0.0,
+        polarity: float = 1,
+    ) -> None:
         self.amplitude = amplitude
         self.start = start
         self.width = width
@@ -140,8 +148,14 @@ class MultistepSource(_StepsSource):
         0, then each pulse in turn, then 0
     """
 
-    def __init__(self, amplitude=0.1, start=1.0, step=1.0, widths=(3, 2, 1, 1),
-                 signs=(1, -1, 1, -1)):
+    def __init__(
+        self,
+        amplitude: float = 0.1,
+        start: float = 1.0,
+        step: float = 1.0,
+        widths: Sequence[float] = (3, 2, 1, 1),
+        signs: Sequence[float] = (1, -1, 1, -1),
+    ) -> None:
         self.amplitude = amplitude
         self.start = start
         self.step = step
@@ -184,7 +198,13 @@ class RampSource(_EdgeSource):
         0, the ramp, the final value, and 0 again after ``hold``
     """
 
-    def __init__(self, final=1.0, start=1.0, rise_time=1.0, hold=0.0):
+    def __init__(
+        self,
+        final: float = 1.0,
+        start: float = 1.0,
+        rise_time: float = 1.0,
+        hold: float = 0.0,
+    ) -> None:
         self.final = final
         self.start = start
         self.rise_time = rise_time

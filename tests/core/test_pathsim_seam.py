@@ -13,6 +13,7 @@ from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Amplifier, Integrator, Scope, Source
 from pathsim.events import Event, ZeroCrossing
 from pathsim.solvers import EUB, EUF, RK4, SSPRK22
+from pathsim.utils.logger import LoggerManager
 from pathsim.utils.register import Register
 
 import pathsim_jsbsim_blocks
@@ -23,7 +24,7 @@ pytestmark = pytest.mark.matrix
 
 SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
 PRIVATE = re.compile(r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
-                     r"|get_active_events|detected_events|stage|solver_parent)\b")
+                     r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent)\b")
 
 
 def test_registers_keep_their_values_in_data():
@@ -113,6 +114,25 @@ def test_a_subsystem_without_sampled_blocks_is_left_alone():
     assert system.events == [crossing]
     assert hasattr(system, "_events"), "Subsystem._events is gone: _pathsim.own_events needs it"
     assert seam.own_events(system) == [crossing]
+
+
+def test_the_loop_of_run_yields_after_every_step():
+    assert hasattr(Simulation, "_run_loop"), "Simulation._run_loop is gone: fly needs it"
+    sim = Simulation([Scope()], [], dt=0.5, log=False)
+    progress = seam.tracker(sim, 2.0)
+    progress.start()
+    loop = seam.run_loop(sim, 2.0, False, False, progress)
+    next(loop)
+    assert sim.time == 0.5, "Simulation._run_loop no longer yields after each step"
+    assert seam.is_running(sim)
+    sim.stop()
+    assert not seam.is_running(sim), "Simulation._active no longer says whether a run goes on"
+
+
+def test_pathsim_redirects_warnings_in_one_method():
+    assert hasattr(LoggerManager, "_setup_root_logger"), (
+        "LoggerManager._setup_root_logger is gone: keep_warnings_visible wraps it")
+    assert hasattr(LoggerManager, "_initialized")
 
 
 def test_a_diagram_of_scopes_runs():

@@ -6,14 +6,18 @@ new PathSim breaks it.
 
 from __future__ import annotations
 
+import functools
+import logging
 import math
-from collections.abc import Iterator, Sequence
+import warnings
+from collections.abc import Generator, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
 from pathsim import Simulation, Subsystem
 from pathsim.events import Event
 from pathsim.solvers._solver import Solver
+from pathsim.utils.logger import LoggerManager
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
@@ -137,7 +141,7 @@ def tracker(sim: Simulation, duration: float) -> ProgressTracker:
 
 
 def run_loop(sim: Simulation, duration: float, reset: bool, adaptive: bool,
-             progress: ProgressTracker) -> Iterator[dict[str, Any]]:
+             progress: ProgressTracker) -> Generator[dict[str, Any], None, None]:
     """The loop of `Simulation.run`, which yields after every step."""
     return sim._run_loop(duration, reset, adaptive, tracker=progress)
 
@@ -145,3 +149,32 @@ def run_loop(sim: Simulation, duration: float, reset: bool, adaptive: bool,
 def is_running(sim: Simulation) -> bool:
     """Whether nobody has called `Simulation.stop` since the run began."""
     return sim._active
+
+
+def keep_warnings_visible() -> None:
+    """Have PathSim leave Python's warnings as the user has set them up.
+
+    The first `Simulation` redirects all warnings into `logging`, where no handler shows them.
+    """
+    redirect = getattr(LoggerManager, "_setup_root_logger", None)
+    if redirect is None or hasattr(redirect, "__wrapped__"):
+        return
+    if LoggerManager._initialized and _lost():
+        logging.captureWarnings(False)
+
+    @functools.wraps(redirect)
+    def without_redirection(self: LoggerManager) -> None:
+        shown = warnings.showwarning
+        redirect(self)
+        if warnings.showwarning is not shown:
+            logging.captureWarnings(False)
+
+    LoggerManager._setup_root_logger = without_redirection
+
+
+def _lost() -> bool:
+    """Whether warnings go into `logging`, and no handler shows them."""
+    loggers = (logging.Logger.manager.loggerDict.get("py.warnings"), logging.root)
+    return warnings.showwarning.__module__ == logging.__name__ and all(
+        isinstance(handler, logging.NullHandler)
+        for logger in loggers for handler in getattr(logger, "handlers", ()))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .controller import Controller, fill
-from .gains import loop_gains
+from .controller import Authority, Controller, fill
+from .gains import Gains, loop_gains
 from .loops import (
     AltitudeLoop,
     HeadingLoop,
@@ -105,10 +105,24 @@ class Autopilot(Controller):
         "elevator", "aileron", "rudder", "throttle", "theta_cmd", "phi_cmd", "vc_cmd",
         "hdot_cmd"))}
 
-    def __init__(self, gains="c172p", theta_ref=None, h_ref=None, phi_ref=None, psi_ref=None,
-                 vc_ref=None, bank_max=25.0, hdot_max=None, theta_min=-10.0, theta_max=15.0,
-                 elevator_authority=1.0, aileron_authority=1.0, rudder_authority=1.0,
-                 throttle_authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        theta_ref: float | None = None,
+        h_ref: float | None = None,
+        phi_ref: float | None = None,
+        psi_ref: float | None = None,
+        vc_ref: float | None = None,
+        bank_max: float = 25.0,
+        hdot_max: float | None = None,
+        theta_min: float = -10.0,
+        theta_max: float = 15.0,
+        elevator_authority: Authority = 1.0,
+        aileron_authority: Authority = 1.0,
+        rudder_authority: Authority = 1.0,
+        throttle_authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.theta_ref = theta_ref

@@ -12,6 +12,9 @@ from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SampledLaw
 
+# largest increment, or lower and upper
+Authority = float | tuple[float, float]
+
 # what the manual pages of the holds share
 fill = filler(
     T="""

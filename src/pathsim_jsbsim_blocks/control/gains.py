@@ -11,6 +11,9 @@ from typing import Any, get_type_hints
 from .._core.checks import did_you_mean, nearest, number, one_of, positive
 from ..errors import ParameterError
 
+# name of a table, or numbers by name
+Gains = str | Mapping[str, Any]
+
 
 @dataclass(frozen=True)
 class _Gains:

@@ -213,8 +213,20 @@ class DiscretePID(Controller):
     input_port_labels = {"r": 0, "y": 1, "rate": 2, "sat": 3, "off": 4, "track": 5, "feed": 6}
     output_port_labels = {"u": 0}
 
-    def __init__(self, Kp=1.0, Ki=0.0, Kd=0.0, Kr=0.0, b=1.0, Tf=0.0, Tt=None, Te=0.3, low=-1.0,
-                 high=1.0, T=1 / 120):
+    def __init__(
+        self,
+        Kp: float = 1.0,
+        Ki: float = 0.0,
+        Kd: float = 0.0,
+        Kr: float = 0.0,
+        b: float = 1.0,
+        Tf: float = 0.0,
+        Tt: float | None = None,
+        Te: float = 0.3,
+        low: float = -1.0,
+        high: float = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.Kp = Kp
         self.Ki = Ki

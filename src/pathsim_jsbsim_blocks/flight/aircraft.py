@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import partial
 
 from .block import FlightBlock, fill
+from .condition import TrimCondition
 
 _DEG = 180.0 / math.pi
 
@@ -129,10 +131,29 @@ class Aircraft(FlightBlock):
     _trim_keywords = {name: name for name in (
         "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
 
-    def __init__(self, aircraft="c172p", altitude=5000.0, speed=100.0, mach=None, gamma=0.0,
-                 heading=0.0, bank=0.0, mode="full", gear=None, flaps=None, T=1 / 120, substeps=1,
-                 condition=None, setup=None, properties=None, root=None,
-                 create=None, record_inputs=False, allow_network=False, allow_files=False):
+    def __init__(
+        self,
+        aircraft: str = "c172p",
+        altitude: float = 5000.0,
+        speed: float = 100.0,
+        mach: float | None = None,
+        gamma: float = 0.0,
+        heading: float = 0.0,
+        bank: float = 0.0,
+        mode: str = "full",
+        gear: float | None = None,
+        flaps: float | None = None,
+        T: float = 1 / 120,
+        substeps: int = 1,
+        condition: TrimCondition | None = None,
+        setup: Mapping[str, float] | None = None,
+        properties: Mapping[str, float] | None = None,
+        root: str | None = None,
+        create: Mapping[str, float] | None = None,
+        record_inputs: bool = False,
+        allow_network: bool = False,
+        allow_files: bool = False,
+    ) -> None:
         super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
                          root=root, create=create, record_inputs=record_inputs,
                          allow_network=allow_network, allow_files=allow_files)

@@ -6,11 +6,13 @@ import inspect
 import math
 import time
 from array import array
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from threading import get_ident
 from typing import Any
 
+import jsbsim
 import numpy as np
+from pathsim.utils.portreference import PortReference
 
 from .._core._pathsim import port_names, show, values
 from .._core.checks import flag, number, positive, whole
@@ -159,11 +161,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         self.start_from(self._observe(0.0))
 
     @property
-    def fdm(self):
-        """The live ``jsbsim.FGFDMExec``, to look at; it is another one after a reset."""
+    def fdm(self) -> jsbsim.FGFDMExec:
+        """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` replaces it."""
         return self.airframe.fdm
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: Any) -> PortReference:
         reference = super().__getitem__(key)
         for port in reference.ports:
             if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
@@ -172,7 +174,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                     f"outputs, no port {port}", aircraft=self.airframe.aircraft, name=str(port))
         return reference
 
-    def _no_port(self, message, port, close):
+    def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
         return PropertyError(message, aircraft=self.airframe.aircraft, name=port, nearest=close)
 
     def __reduce_ex__(self, protocol: Any) -> Any:

@@ -43,7 +43,7 @@ class _Console(jsbsim.FGLogger):
         self.kept: list[str] | None = None
         self.hushed = False
 
-    def set_level(self, level) -> None:
+    def set_level(self, level: Any) -> None:
         self.level = _LEVELS.get(level, logging.INFO)
         self.parts.clear()
 
@@ -53,7 +53,7 @@ class _Console(jsbsim.FGLogger):
     def message(self, message: str) -> None:
         self.parts.append(message)
 
-    def format(self, format) -> None:
+    def format(self, format: Any) -> None:
         pass
 
     def flush(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pathsim.utils.register import Register
@@ -11,6 +11,7 @@ from .._core._pathsim import port_names
 from ..errors import ParameterError, PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, fill
+from .condition import TrimCondition
 
 # JSBSim searches a trim when these are written, and ends the process where there is none
 _COMMANDS = ("simulation/do_simple_trim",)
@@ -121,11 +122,29 @@ class JSBSimFDM(FlightBlock):
     _trim_keywords = {"trim_airspeed": "speed", "trim_altitude": "altitude", "trim_gamma": "gamma",
             "trim_heading": "heading", "trim_mode": "mode", "gear": "gear", "flaps": "flaps"}
 
-    def __init__(self, T=1 / 120, input_properties=None, output_properties=None,
-                 JSBSim_path=None, aircraft_model="737", trim_airspeed=200, trim_altitude=1000,
-                 trim_gamma=0, trim_heading=0.0, trim_mode="full", gear=None, flaps=None,
-                 condition=None, setup=None, properties=None, substeps=1, create=None,
-                 record_inputs=False, allow_network=False, allow_files=False):
+    def __init__(
+        self,
+        T: float = 1 / 120,
+        input_properties: Sequence[str] | None = None,
+        output_properties: Sequence[str] | None = None,
+        JSBSim_path: str | None = None,
+        aircraft_model: str = "737",
+        trim_airspeed: float = 200,
+        trim_altitude: float = 1000,
+        trim_gamma: float = 0,
+        trim_heading: float = 0.0,
+        trim_mode: str = "full",
+        gear: float | None = None,
+        flaps: float | None = None,
+        condition: TrimCondition | None = None,
+        setup: Mapping[str, float] | None = None,
+        properties: Mapping[str, float] | None = None,
+        substeps: int = 1,
+        create: Mapping[str, float] | None = None,
+        record_inputs: bool = False,
+        allow_network: bool = False,
+        allow_files: bool = False,
+    ) -> None:
         super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
                          root=JSBSim_path, create=create, record_inputs=record_inputs,
                          allow_network=allow_network, allow_files=allow_files)

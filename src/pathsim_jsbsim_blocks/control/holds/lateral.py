@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..controller import Controller, fill
-from ..gains import loop_gains
+from ..controller import Authority, Controller, fill
+from ..gains import Gains, loop_gains
 from ..loops import (
     HeadingLoop,
     ReferenceLoop,
@@ -65,7 +65,13 @@ class RollHold(Controller):
     input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
-    def __init__(self, gains="c172p", phi_ref=None, authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        phi_ref: float | None = None,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.phi_ref = phi_ref
@@ -137,7 +143,14 @@ class HeadingHold(Controller):
     input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
-    def __init__(self, gains="c172p", psi_ref=None, bank_max=25.0, authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        psi_ref: float | None = None,
+        bank_max: float = 25.0,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.psi_ref = psi_ref
@@ -203,7 +216,12 @@ class YawDamper(Controller):
     input_port_labels = {"r": 0, "off": 1}
     output_port_labels = {"rudder": 0}
 
-    def __init__(self, gains="c172p", authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.authority = authority

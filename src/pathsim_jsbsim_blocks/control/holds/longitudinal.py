@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..controller import Controller, fill
-from ..gains import loop_gains
+from ..controller import Authority, Controller, fill
+from ..gains import Gains, loop_gains
 from ..loops import (
     AltitudeLoop,
     ReferenceLoop,
@@ -65,7 +65,13 @@ class PitchHold(Controller):
     input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
-    def __init__(self, gains="c172p", theta_ref=None, authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        theta_ref: float | None = None,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.theta_ref = theta_ref
@@ -149,8 +155,16 @@ class AltitudeHold(Controller):
                          "elev_sat": 6}
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
 
-    def __init__(self, gains="c172p", h_ref=None, hdot_max=None, theta_min=-10.0, theta_max=15.0,
-                 authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        h_ref: float | None = None,
+        hdot_max: float | None = None,
+        theta_min: float = -10.0,
+        theta_max: float = 15.0,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.h_ref = h_ref
@@ -234,7 +248,13 @@ class AirspeedHold(Controller):
     input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 
-    def __init__(self, gains="c172p", vc_ref=None, authority=1.0, T=1 / 120):
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        vc_ref: float | None = None,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
         super().__init__(T)
         self.gains = gains
         self.vc_ref = vc_ref
