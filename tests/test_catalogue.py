@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from plain_jsbsim import trimmed
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.catalogue import (
@@ -17,6 +18,7 @@ from pathsim_jsbsim_blocks.catalogue import (
     load_diagram,
 )
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.studies import STUDIES
 
 
 @pytest.mark.parametrize("name", [
@@ -55,10 +57,10 @@ def test_a_script_reads_like_a_diagram(name):
     assert not [n for part in outside for n in ast.walk(part) if isinstance(n, loops)]
 
 
-def test_list_shows_every_diagram_with_its_summary(capsys):
+def test_list_shows_every_diagram_and_study_with_its_summary(capsys):
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == diagram_names()
+    assert [line.split()[0] for line in lines] == [*diagram_names(), *STUDIES]
     assert all(len(line.split()) > 3 for line in lines)
 
 
@@ -73,6 +75,26 @@ def test_run_saves_figure_and_signals(tmp_path, capsys):
     assert len(rows) == 122
     assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)
     assert "62.157 %" in capsys.readouterr().out
+
+
+def test_run_takes_a_study(tmp_path, capsys):
+    figure, table = tmp_path / "a.png", tmp_path / "a.csv"
+    assert main(["run", "climb_schedule", "--save", str(figure), "--csv", str(table)]) == 0
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert len(table.read_text().splitlines()) == 21
+    assert "climb_schedule: 20 of 20 points trim" in capsys.readouterr().out
+
+
+def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys):
+    table = tmp_path / "a.csv"
+    assert main(["study", "aoa_vs_cas", "--aircraft", "c172p", "--altitude", "3000", "--speeds",
+                 "70:90:10", "--jobs", "1", "--csv", str(table),
+                 "--save", str(tmp_path / "a.png")]) == 0
+    rows = list(csv.DictReader(table.open()))
+    assert [float(row["requested_speed_kcas"]) for row in rows] == [70.0, 80.0, 90.0]
+    assert {row["requested_altitude_ft"] for row in rows} == {"3000.0"}
+    # alpha at 3000 ft and 80 KCAS as published; there the heading is another one
+    assert float(rows[1]["alpha_deg"]) == pytest.approx(2.534215, abs=5e-3)
 
 
 def test_run_takes_the_path_of_a_script(tmp_path, capsys):
@@ -280,6 +302,16 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
 
 @pytest.mark.parametrize(("arguments", "text"), [
     (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
+    (["run", "trim_envelop"], "no diagram or study 'trim_envelop'; did you mean 'trim_envelope'"),
+    (["study", "climb_schedule", "--altitude", "3000"], "takes no --altitude; it takes --aircraft"),
+    (["study", "aoa_vs_cas", "--wide"], "takes no --wide"),
+    (["study", "aoa_vs_cas_loading", "--aircraft", "737"], "takes no --aircraft"),
+    (["study", "aoa_vs_cas", "--speeds", "90"], "FIRST:LAST:STEP"),
+    (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
+    (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
+    (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
+    (["properties", "c172p", "--after", "-1"], "after must lie in [0, inf]"),
+    (["properties", "737", "theta", "--trim", "--speed", "100"], "alpha ran to the end"),
     (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
     (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
     (["run", "hello_jsbsim", "--save", "."], "is a directory"),
@@ -319,6 +351,33 @@ def test_trim_creates_what_a_model_misses(capsys):
 def test_properties_shows_access_and_value(capsys):
     assert main(["properties", "c172p", "elevator-cmd"]) == 0
     assert capsys.readouterr().out.split() == ["fcs/elevator-cmd-norm", "rw", "0"]
+
+
+def value_of(name, capsys):
+    line, = (x for x in capsys.readouterr().out.splitlines() if x.split()[0] == name)
+    return float(line.split()[2])
+
+
+def test_properties_after_the_trim_and_in_flight(capsys):
+    # a descent: the altitude changes with time
+    arguments = ["properties", "c172p", "position/h-sl-ft", "--speed", "90", "--gamma", "-3"]
+    plain = trimmed("c172p", 5000.0, 90.0, gamma=-3.0)
+    assert main([*arguments, "--trim"]) == 0
+    # printed with ten digits
+    assert value_of("position/h-sl-ft", capsys) == pytest.approx(plain["position/h-sl-ft"],
+                                                                 rel=1e-9)
+    for _ in range(240):
+        plain.run()
+    assert main([*arguments, "--after", "2"]) == 0
+    assert value_of("position/h-sl-ft", capsys) == pytest.approx(plain["position/h-sl-ft"],
+                                                                 rel=1e-9)
+    assert plain["position/h-sl-ft"] < 4990.0
+
+
+def test_a_condition_or_a_setting_alone_means_trimmed(capsys):
+    for options in (["--speed", "90"], ["--set", "propulsion/tank[0]/contents-lbs=100"]):
+        assert main(["properties", "c172p", "aero/alpha-deg", *options]) == 0
+        assert value_of("aero/alpha-deg", capsys) > 0.5
 
 
 def test_aircraft_lists_all_bundled_models(capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 
@@ -22,13 +23,20 @@ def diagram_names() -> list[str]:
     return sorted(p.stem for p in diagram_folder().glob("*.py"))
 
 
-def find_diagram(name: str) -> Path:
+def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     """The script of a diagram, by its name in the catalogue or its path.
+
+    Parameters
+    ----------
+    name : str
+        of the catalogue, or the path of a script
+    also : iterable of str
+        other names that the caller takes, which the error may suggest as well
 
     Raises
     ------
     ParameterError
-        if there is neither; the message names the nearest diagrams
+        if there is neither; the message names the nearest
     """
     script = as_path("name", name)
     if script.suffix == ".py" and script.is_file():
@@ -38,7 +46,9 @@ def find_diagram(name: str) -> Path:
         raise ParameterError(f"{name!r} is no Python script (.py)", parameter="name", value=name)
     if name in names:
         return diagram_folder() / f"{name}.py"
-    raise ParameterError(f"no diagram {name!r}" + did_you_mean(nearest(name, names)),
+    also = list(also)
+    raise ParameterError(f"no diagram {'or study ' if also else ''}{name!r}"
+                         + did_you_mean(nearest(name, names + also)),
                          parameter="name", value=name)
 
 

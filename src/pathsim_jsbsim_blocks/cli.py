@@ -7,18 +7,23 @@ import ast
 import contextlib
 import csv
 import dataclasses
+import inspect
 import os
 import runpy
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import __version__
-from ._core.checks import one_of, writable
+from ._core.checks import number, one_of, writable
 from .catalogue import diagram_folder, diagram_names, find_diagram
 from .errors import BlocksError, FileError, ParameterError, UntrustedModelError
+
+if TYPE_CHECKING:
+    from .flight.airframe import Airframe
+    from .flight.condition import TrimCondition
 
 _GONE = "the working directory does not exist any more: change to another one"
 
@@ -81,10 +86,30 @@ def _parser() -> argparse.ArgumentParser:
                          help="import this toolbox if the model asks for it, though it is not one "
                               "of PathSim's (repeatable)")
 
-    command("list", _list, "the diagrams of the catalogue")
+    def trim_condition(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
+        speed = sub.add_mutually_exclusive_group()
+        speed.add_argument("--speed", type=float, default=100.0,
+                           help="KCAS (default %(default)g; docs/fleet.md has one for each "
+                                "aircraft)")
+        speed.add_argument("--mach", type=float, help="instead of --speed")
+        sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
+        sub.add_argument("--heading", type=float, default=0.0, help="deg")
+        sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
+        sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
+        sub.add_argument("--mode", default="full",
+                         help="full, longitudinal, ground, pull-up, turn or none")
+        sub.add_argument("--gear", type=float, help="0 up to 1 down")
+        sub.add_argument("--flaps", type=float, help="0 to 1")
+        sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
+                         help="a property to write before the trim (repeatable)")
+        sub.add_argument("--create", metavar="PROPERTY=VALUE", action="append", default=[],
+                         help="a property that the model expects from FlightGear (repeatable)")
 
-    sub = command("run", _run, "run a diagram: print its results and show its figures")
-    sub.add_argument("name", help="a diagram of the catalogue, or the path of a script")
+    command("list", _list, "the diagrams and studies of the catalogue")
+
+    sub = command("run", _run, "run a diagram or a study: print its results and show its figures")
+    sub.add_argument("name", help="a diagram or a study of the catalogue, or the path of a script")
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path,
                      help="write all recorded signals, also those of a run that crashes or is "
@@ -98,29 +123,19 @@ def _parser() -> argparse.ArgumentParser:
                      help="trim each in level flight and fly it for 30 s, controls held")
 
     sub = command("properties", _properties,
-                  "the properties of an aircraft: name, access, value as initialised")
+                  "the properties of an aircraft: name, access, value as initialised, after the "
+                  "trim or in flight")
     sub.add_argument("aircraft")
     sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
+    sub.add_argument("--trim", action="store_true",
+                     help="values after the trim; so do the options of the condition")
+    sub.add_argument("--after", metavar="SECONDS", type=float,
+                     help="values after this time of flight from the trim, controls held")
+    trim_condition(sub)
 
     sub = command("trim", _trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")
-    sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
-    speed = sub.add_mutually_exclusive_group()
-    speed.add_argument("--speed", type=float, default=100.0,
-                       help="KCAS (default %(default)g; docs/fleet.md has one for each aircraft)")
-    speed.add_argument("--mach", type=float, help="instead of --speed")
-    sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
-    sub.add_argument("--heading", type=float, default=0.0, help="deg")
-    sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
-    sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
-    sub.add_argument("--mode", default="full",
-                     help="full, longitudinal, ground, pull-up, turn or none")
-    sub.add_argument("--gear", type=float, help="0 up to 1 down")
-    sub.add_argument("--flaps", type=float, help="0 to 1")
-    sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
-                     help="a property to write before the trim (repeatable)")
-    sub.add_argument("--create", metavar="PROPERTY=VALUE", action="append", default=[],
-                     help="a property that the model expects from FlightGear (repeatable)")
+    trim_condition(sub)
 
     sub = command("study", _study, "run a trim study: its table, its figure")
     sub.add_argument("name", help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, "
@@ -131,6 +146,12 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--resume", metavar="FILE", type=Path,
                      help="keep finished points in this file, and go on from it")
     sub.add_argument("--wide", action="store_true", help="the larger grid, where there is one")
+    own = sub.add_argument_group("another aircraft or condition, where the study takes it")
+    own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
+    own.add_argument("--altitude", metavar="FT", type=float)
+    own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
+    own.add_argument("--speed", metavar="KCAS", type=float, help="one airspeed")
+    own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
 
     sub = command("view", _view, "open a diagram in PathView")
     sub.add_argument("target", nargs="?", help="a diagram, a model (.pvm) or a script; default "
@@ -158,17 +179,27 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _list(args: argparse.Namespace) -> None:
-    names = diagram_names()
-    width = max(map(len, names))
-    for name in names:
+    from .studies import STUDIES
+
+    summaries = {}
+    for name in diagram_names():
         text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
-        summary = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+        summaries[name] = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+    for name, study in STUDIES.items():
+        summaries[name] = "Study: " + (inspect.getdoc(study.table) or "").partition("\n")[0]
+    width = max(map(len, summaries))
+    for name, summary in summaries.items():
         print(f"{name:<{width}}  {summary}")
 
 
 def _run(args: argparse.Namespace) -> int:
+    from .studies import STUDIES
+
+    if args.name in STUDIES:
+        _run_study(args.name, args.save, args.csv)
+        return 0
     # a script may change the directory
-    script, csv_file = find_diagram(args.name).absolute(), args.csv
+    script, csv_file = find_diagram(args.name, STUDIES).absolute(), args.csv
     if csv_file is not None:
         csv_file = writable("csv", csv_file).absolute()
     status = 0
@@ -251,8 +282,8 @@ def _save_open_figures() -> None:
 
     from .plots import show
 
-    for number in plt.get_fignums():
-        show(plt.figure(number), "")
+    for n in plt.get_fignums():
+        show(plt.figure(n), "")
 
 
 def _saving(path: Path | None) -> contextlib.AbstractContextManager[None]:
@@ -355,10 +386,7 @@ def _draw_points(name: str | None, path: Path) -> None:
 
 
 def _properties(args: argparse.Namespace) -> None:
-    from .flight.airframe import Airframe
-
-    airframe = Airframe(args.aircraft)
-    airframe.run_ic()
+    airframe = _in_state(args)
     names = airframe.property_names(args.text)
     if not names:
         # refuses the name and offers the nearest
@@ -369,16 +397,42 @@ def _properties(args: argparse.Namespace) -> None:
         print(f"{name:<60} {access}  {value}".rstrip())
 
 
-def _trim(args: argparse.Namespace) -> None:
-    from .flight._trim import UNITS, trim
+def _in_state(args: argparse.Namespace) -> Airframe:
+    """The aircraft initialised, trimmed or flown for a while, as the arguments say."""
+    from pathsim import Simulation
+
+    from .flight.aircraft import Aircraft
     from .flight.airframe import Airframe
     from .flight.condition import TrimCondition
 
+    after = 0.0 if args.after is None else number("after", args.after, low=0.0)
     setup, create = _values("set", args.set), _values("create", args.create)
-    condition = TrimCondition(
+    condition = _condition(args)
+    if not (args.trim or setup or args.after is not None or condition != TrimCondition()):
+        airframe = Airframe(args.aircraft, create=create)
+        airframe.run_ic()
+        return airframe
+    plane = Aircraft(args.aircraft, condition=condition, setup=setup, create=create)
+    if after:
+        Simulation([plane], dt=plane.T, log=False).run(after)
+    return plane.airframe
+
+
+def _condition(args: argparse.Namespace) -> TrimCondition:
+    from .flight.condition import TrimCondition
+
+    return TrimCondition(
         altitude=args.altitude, speed=args.speed, mach=args.mach, gamma=args.gamma,
         heading=args.heading, bank=args.bank, load_factor=args.load_factor, mode=args.mode,
         gear=args.gear, flaps=args.flaps)
+
+
+def _trim(args: argparse.Namespace) -> None:
+    from .flight._trim import UNITS, trim
+    from .flight.airframe import Airframe
+
+    setup, create = _values("set", args.set), _values("create", args.create)
+    condition = _condition(args)
     state = trim(Airframe(args.aircraft, create=create), condition, setup)
     print(f"{args.aircraft}: {condition}")
     for field in dataclasses.fields(state):
@@ -403,27 +457,55 @@ def _values(option: str, items: Iterable[str]) -> dict[str, float]:
 
 
 def _study(args: argparse.Namespace) -> None:
+    speeds = None if args.speeds is None else _range("speeds", args.speeds)
+    _run_study(args.name, args.save, args.csv, jobs=args.jobs, resume=args.resume,
+               wide=args.wide or None, aircraft=args.aircraft, altitude=args.altitude,
+               speeds=speeds, speed=args.speed, gamma=args.gamma)
+
+
+def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
+    """Compute a study, print its result and show its figure; an option that is None is not set."""
     from .plots import show
     from .studies import STUDIES
 
-    study = STUDIES[one_of("study", args.name, STUDIES)]
-    if args.wide and not study.wide:
-        raise ParameterError(f"the study {args.name} has one grid only, no --wide",
-                             parameter="wide", value=True)
-    if args.csv is not None:
-        writable("csv", args.csv)
-    with _saving(args.save):
-        table = study.table(jobs=args.jobs, resume=args.resume,
-                            **({"wide": True} if args.wide else {}))
+    study = STUDIES[one_of("study", name, STUDIES)]
+    options = {option: value for option, value in options.items() if value is not None}
+    taken = inspect.signature(study.table).parameters
+    for option, value in options.items():
+        if option not in taken:
+            raise ParameterError(
+                f"the study {name} takes no --{option}; it takes "
+                + ", ".join(f"--{x}" for x in taken if x != "progress"),
+                parameter=option, value=value)
+    if csv_file is not None:
+        writable("csv", csv_file)
+    with _saving(figure_file):
+        table = study.table(**options)
         trimmed = int(table["trimmed"].sum())
-        print(f"{args.name}: {trimmed} of {len(table)} points trim")
-        if args.csv is not None:
+        print(f"{name}: {trimmed} of {len(table)} points trim")
+        if csv_file is not None:
             try:
-                table.to_csv(args.csv, index=False)
+                table.to_csv(csv_file, index=False)
             except OSError as error:
-                raise FileError("write", args.csv, error) from None
-            print(f"table saved: {args.csv}")
-        show(study.figure(table), args.name)
+                raise FileError("write", csv_file, error) from None
+            print(f"table saved: {csv_file}")
+        figure = study.figure(table)
+        if "aircraft" in options:
+            figure.suptitle(f"{options['aircraft']}: {figure.get_suptitle()}")
+        show(figure, name)
+
+
+def _range(option: str, text: str) -> list[float]:
+    """The numbers of FIRST:LAST:STEP, the last included."""
+    try:
+        first, last, step = map(float, text.split(":"))
+        count = int((last - first) / step + 1e-9)
+        if not 0 <= count < 10_000:
+            raise ValueError
+    except (ValueError, OverflowError, ZeroDivisionError):
+        raise ParameterError(f"--{option} wants FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
+                             parameter=option, value=text) from None
+    return [first + i * step for i in range(count + 1)]
 
 
 def _view(args: argparse.Namespace) -> None:

@@ -9,7 +9,7 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import StepSource
 
-from pathsim_jsbsim_blocks import Aircraft, TrimCondition, studies
+from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, studies
 from pathsim_jsbsim_blocks.flight.airframe import empty_weight_cg
 from pathsim_jsbsim_blocks.studies import published
 
@@ -174,7 +174,8 @@ def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
         "angle of attack [deg]", "elevator deflection [deg]", "elevator deflection [-]"]
     assert [len(ax.lines) for ax in figure.axes] == [12, 12, 12]
     first = figure.axes[1].lines[0]
-    assert first.get_label() == "light, empty CG 39.5 in forward, 8,000 ft"
+    assert first.get_label() == (
+        "light, empty CG 39.5 in forward, 8,000 ft, 52,735 lb, CG 754.7 in")
     rows = table[(table.weight_case == "light") & (table.cg_shift_percent == -5)
                  & (table.requested_altitude_ft == 8000) & table.trimmed]
     np.testing.assert_allclose(first.get_ydata(), rows.elevator_rad * 180 / math.pi, rtol=1e-12)
@@ -183,11 +184,12 @@ def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
 def test_the_envelope_map_shows_every_point(tables):
     figure = studies.envelope_map(tables("trim_envelope"))
     maps = [ax for ax in figure.axes if ax.get_xlabel() == "calibrated airspeed [kt]"]
-    assert len(maps) == 2
+    assert len(maps) == 3
     for ax in maps:
         assert sum(len(marks.get_offsets()) for marks in ax.collections) == 680
         assert len(ax.collections[0].get_offsets()) == 364
-    assert {ax.get_ylabel() for ax in figure.axes} > {"thrust [1000 lbf]", "angle of attack [deg]"}
+    assert {ax.get_ylabel() for ax in figure.axes} > {
+        "throttle command [-]", "thrust [1000 lbf]", "angle of attack [deg]"}
 
 
 def test_the_thrust_chart_marks_the_least_thrust(tables):
@@ -207,3 +209,41 @@ def test_the_climb_chart_shows_both_commands(tables):
     for ax, column in zip(figure.axes, ("throttle_norm", "pitch_trim_norm"), strict=True):
         np.testing.assert_allclose(ax.lines[0].get_ydata(), reference[column], rtol=RTOL)
         assert ax.get_xlabel() == "altitude [ft]"
+
+
+CHARTS = [studies.alpha_elevator_chart, studies.envelope_map, studies.thrust_chart,
+          studies.climb_chart]
+
+
+@pytest.mark.parametrize("chart", CHARTS)
+def test_a_chart_refuses_a_foreign_table(chart):
+    with pytest.raises(ParameterError, match="has no column 'trimmed'") as refused:
+        chart(pd.DataFrame({"alpha": [1.0]}))
+    assert refused.value.parameter == "table"
+    with pytest.raises(ParameterError, match="draws a table"):
+        chart([1.0, 2.0])
+
+
+def test_a_chart_names_the_column_that_a_sweep_of_ones_own_lacks():
+    table = studies.trim_sweep("c172p", {"altitude": 5000, "speed": [80, 90]}, jobs=1,
+                               progress=False)
+    with pytest.raises(ParameterError, match="thrust_vectoring; this one has no column 'case'"):
+        studies.thrust_chart(table)
+    with pytest.raises(ParameterError, match="no column 'requested_gamma_deg'"):
+        studies.envelope_map(table.drop(columns="requested_gamma_deg"))
+    with pytest.raises(ParameterError, match="no point of the table trims"):
+        studies.climb_chart(table.assign(trimmed=False))
+
+
+def test_thrust_vectoring_turns_every_engine_of_another_aircraft(monkeypatch):
+    asked = []
+
+    def sweep(aircraft, grid, **_):
+        asked.append((aircraft, grid))
+        return pd.DataFrame(index=range(len(grid)))
+
+    monkeypatch.setattr(published, "trim_sweep", sweep)
+    studies.thrust_vectoring(aircraft="B747")
+    (aircraft, grid), = asked
+    assert aircraft == "B747"
+    assert sum("pitch-angle-rad" in key for key in grid[0]) == 4

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._core.checks import did_you_mean, nearest
+from ..errors import ParameterError
+
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
@@ -17,6 +20,24 @@ _MARKERS = "osD^vPX*"
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
 
+def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
+    """The rows that trimmed, once the table is known to have all columns of the chart."""
+    known = [str(name) for name in getattr(table, "columns", ())]
+    if not known:
+        raise ParameterError(f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}",
+                             parameter="table", value=table)
+    for name in ("trimmed", *columns):
+        if name not in known:
+            raise ParameterError(
+                f"{chart} draws a table of {study}; this one has no column {name!r}"
+                + did_you_mean(nearest(name, known)), parameter="table", value=known)
+    rows = table[table.trimmed.astype(bool)]
+    if rows.empty:
+        raise ParameterError(f"{chart} has nothing to draw: no point of the table trims",
+                             parameter="table", value=known)
+    return rows
+
+
 def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Angle of attack and elevator deflection in trim against airspeed, in three panels.
 
@@ -24,14 +45,23 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ----------
     table : DataFrame
         of `aoa_vs_cas`, `aoa_vs_cas_loading` or `trim_sweep`; one line for each altitude and, where
-        the table has them, weight case and CG shift (shown in inches of the empty-weight CG)
+        the table has them, weight case and CG shift (shown in inches of the empty-weight CG).
+        The legend gives weight and CG of the first point of each line
     title : str
         headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     import matplotlib.pyplot as plt
 
+    trimmed = _trimmed(table, "alpha_elevator_chart", "aoa_vs_cas, aoa_vs_cas_loading or a "
+                       "trim_sweep over speed", "requested_altitude_ft", "speed_kcas", "alpha_deg",
+                       "elevator_rad", "elevator_norm", "weight_lb", "cg_x_in")
     figure, axes = plt.subplots(3, 1, sharex=True, figsize=(8, 9), layout="constrained")
-    for label, style, rows in _lines(table[table.trimmed]):
+    for label, style, rows in _lines(trimmed):
         for ax, y in zip(axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm),
                          strict=True):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
@@ -56,7 +86,9 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
         index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
         said = [f"{at['weight_case']}" if "weight_case" in at else "",
                 _cg_travel(rows) if "cg_shift_percent" in at else "",
-                f"{at['requested_altitude_ft']:,.0f} ft"]
+                f"{at['requested_altitude_ft']:,.0f} ft",
+                f"{rows.weight_lb.iloc[0]:,.0f} lb",
+                f"CG {rows.cg_x_in.iloc[0]:.1f} in"]
         style = {"color": f"C{index.get('weight_case', 0)}",
                  "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
                  "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4]}
@@ -72,7 +104,7 @@ def _cg_travel(rows: pd.DataFrame) -> str:
 
 
 def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
-    """Thrust and angle of attack over airspeed and flight path angle, in two panels.
+    """Throttle, thrust and angle of attack over airspeed and flight path angle, in three panels.
 
     Points without trim carry the mark of their reason, so that the map shows what bounds it.
 
@@ -82,19 +114,27 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
         of `trim_envelope`, or of `trim_sweep` over speed and gamma
     title : str
         headline; default is the number of points that trim
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
 
-    figure, axes = plt.subplots(1, 2, sharey=True, figsize=(12, 5.2), layout="constrained")
-    trimmed = table[table.trimmed]
-    for ax, values, label in ((axes[0], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
-                              (axes[1], trimmed.alpha_deg, "angle of attack [deg]")):
+    trimmed = _trimmed(table, "envelope_map", "trim_envelope or a trim_sweep over speed and gamma",
+                       "requested_speed_kcas", "requested_gamma_deg", "reason", "thrust_lb",
+                       "throttle_norm", "alpha_deg")
+    figure, axes = plt.subplots(1, 3, sharey=True, figsize=(14, 4.8), layout="constrained")
+    for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
+                              (axes[1], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
+                              (axes[2], trimmed.alpha_deg, "angle of attack [deg]")):
         points = ax.scatter(trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values,
-                            marker="s", s=36)
+                            marker="s", s=24)
         figure.colorbar(points, ax=ax, label=label)
         for reason, rows in table[~table.trimmed].groupby("reason"):
-            ax.scatter(rows.requested_speed_kcas, rows.requested_gamma_deg, s=18, color="0.55",
+            ax.scatter(rows.requested_speed_kcas, rows.requested_gamma_deg, s=12, color="0.55",
                        linewidths=0.8, marker=_REASONS.get(str(reason), "."),
                        label=f"no trim: {reason}")
         ax.set_xlabel("calibrated airspeed [kt]")
@@ -119,10 +159,16 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
         of `thrust_vectoring`; one panel for each case
     title : str
         headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     import matplotlib.pyplot as plt
 
-    trimmed = table[table.trimmed]
+    trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", "case", "thrust_angle_deg",
+                       "thrust_lb", "alpha_deg")
     cases = list(trimmed.groupby("case", sort=False))
     figure, axes = plt.subplots(1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5),
                                 layout="constrained")
@@ -153,11 +199,18 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
         of `climb_schedule`, or of `trim_sweep` over altitude
     title : str
         headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
 
-    trimmed = table[table.trimmed]
+    trimmed = _trimmed(table, "climb_chart", "climb_schedule or a trim_sweep over altitude",
+                       "requested_altitude_ft", "requested_speed_kcas", "requested_gamma_deg",
+                       "throttle_norm", "pitch_trim_norm")
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
                               (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]")):

@@ -7,13 +7,13 @@ settings. Those loops take one step before some of the trims, which moves result
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..flight.airframe import empty_weight_cg
+from ..flight.airframe import Airframe, empty_weight_cg
 from . import figures
 from .sweep import trim_sweep
 
@@ -32,18 +32,34 @@ _SPEEDS = range(90, 550, 10)  # KCAS
 _ALPHA_LIMITS = {"alpha_min": -4.0, "alpha_max": 12.0}  # deg, of the published loops
 
 
-def aoa_vs_cas(*, jobs: int = -1, resume: str | Path | None = None,
-               progress: bool = True) -> pd.DataFrame:
+def aoa_vs_cas(*, aircraft: str = "global5000", altitude: float = 15000.0,
+               speeds: Iterable[float] = _SPEEDS, jobs: int = -1,
+               resume: str | Path | None = None, progress: bool = True) -> pd.DataFrame:
     """Angle of attack and elevator of a business jet in level flight, against airspeed.
 
-    A Global 5000 with half payload and half fuel at 15,000 ft, 90 to 540 KCAS. Parameters and
-    result as in `trim_sweep`.
+    A Global 5000 with half payload and half fuel at 15,000 ft, 90 to 540 KCAS.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model. The Global 5000 flies with half payload and half fuel, another one with
+        the payload and fuel of its model
+    altitude : float
+        ft
+    speeds : iterable of float
+        KCAS
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        that of `trim_sweep`
     """
     payload, fuel = _WEIGHTS["mid"]
-    return trim_sweep(
-        "global5000",
-        {"altitude": 15000.0, "payload": [[payload]], "fuel": [[fuel] * 3], "speed": _SPEEDS},
-        jobs=jobs, resume=resume, progress=progress)
+    loading = {"payload": [[payload]], "fuel": [[fuel] * 3]} if aircraft == "global5000" else {}
+    return trim_sweep(aircraft, {"altitude": altitude, **loading, "speed": speeds},
+                      jobs=jobs, resume=resume, progress=progress)
 
 
 def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path | None = None,
@@ -85,7 +101,7 @@ def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path
     return table
 
 
-def thrust_vectoring(*, jobs: int = -1, resume: str | Path | None = None,
+def thrust_vectoring(*, aircraft: str = "737", jobs: int = -1, resume: str | Path | None = None,
                      progress: bool = True) -> pd.DataFrame:
     """Thrust of an airliner against the pitch angle of its engines: where is the least?
 
@@ -94,6 +110,8 @@ def thrust_vectoring(*, jobs: int = -1, resume: str | Path | None = None,
 
     Parameters
     ----------
+    aircraft : str
+        name of the model; all its engines are turned
     jobs, resume, progress
         as in `trim_sweep`
 
@@ -110,16 +128,19 @@ def thrust_vectoring(*, jobs: int = -1, resume: str | Path | None = None,
     cases = {"cruise": {"altitude": 30000.0, "mach": 0.8},
              "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0}}
     angles = np.linspace(0.0, 10.0, 100).tolist()
+    engines = Airframe(aircraft).engines
     grid = [{**condition, **{f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(angle)
-                             for i in (0, 1)}}
+                             for i in range(engines)}}
             for condition in cases.values() for angle in angles]
-    table = trim_sweep("737", grid, jobs=jobs, resume=resume, progress=progress)
+    table = trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
     table.insert(0, "case", [case for case in cases for _ in angles])
     table.insert(1, "thrust_angle_deg", angles * len(cases))
     return table
 
 
-def trim_envelope(*, wide: bool = False, jobs: int = -1, resume: str | Path | None = None,
+def trim_envelope(*, aircraft: str = "737", altitude: float = 15000.0,
+                  speeds: Iterable[float] = range(120, 460, 10), wide: bool = False,
+                  jobs: int = -1, resume: str | Path | None = None,
                   progress: bool = True) -> pd.DataFrame:
     """Envelope of steady flight of an airliner: airspeed against flight path angle.
 
@@ -127,6 +148,12 @@ def trim_envelope(*, wide: bool = False, jobs: int = -1, resume: str | Path | No
 
     Parameters
     ----------
+    aircraft : str
+        name of the model
+    altitude : float
+        ft
+    speeds : iterable of float
+        KCAS
     wide : bool
         False: the published settings, gear down (the model's own setting) and alpha within
         [-4, 12] deg. True: gear up and alpha within [-5, 15] deg
@@ -136,24 +163,42 @@ def trim_envelope(*, wide: bool = False, jobs: int = -1, resume: str | Path | No
     Returns
     -------
     pandas.DataFrame
-        that of `trim_sweep`, 680 rows
+        that of `trim_sweep`, 680 rows for the 737
     """
     settings = {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0} if wide else _ALPHA_LIMITS
     return trim_sweep(
-        "737", {"altitude": 15000.0, **settings, "speed": range(120, 460, 10),
-                "gamma": range(-10, 10)},
+        aircraft, {"altitude": altitude, **settings, "speed": speeds,
+                   "gamma": range(-10, 10)},
         jobs=jobs, resume=resume, progress=progress)
 
 
-def climb_schedule(*, jobs: int = -1, resume: str | Path | None = None,
+def climb_schedule(*, aircraft: str = "A4", speed: float = 300.0, gamma: float = 5.0,
+                   jobs: int = -1, resume: str | Path | None = None,
                    progress: bool = True) -> pd.DataFrame:
     """Throttle and pitch trim of a jet in a steady climb, against altitude.
 
     An A-4 at 300 KCAS and 5 deg, 1000 to 20,000 ft: the tables that the diagram ``scheduled_climb``
-    flies by. Parameters and result as in `trim_sweep`.
+    flies by. Alpha is within [-4, 12] deg.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model
+    speed : float
+        KCAS
+    gamma : float
+        flight path angle in deg
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        that of `trim_sweep`
     """
     return trim_sweep(
-        "A4", {"speed": 300.0, "gamma": 5.0, **_ALPHA_LIMITS, "altitude": range(1000, 21000, 1000)},
+        aircraft, {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS,
+                   "altitude": range(1000, 21000, 1000)},
         jobs=jobs, resume=resume, progress=progress)
 
 
