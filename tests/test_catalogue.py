@@ -377,7 +377,8 @@ def test_properties_after_the_trim_and_in_flight(capsys):
 def test_a_condition_or_a_setting_alone_means_trimmed(capsys):
     for options in (["--speed", "90"], ["--set", "propulsion/tank[0]/contents-lbs=100"]):
         assert main(["properties", "c172p", "aero/alpha-deg", *options]) == 0
-        assert value_of("aero/alpha-deg", capsys) > 0.5
+        # as initialised it is 0
+        assert value_of("aero/alpha-deg", capsys) > 0.1
 
 
 def test_aircraft_lists_all_bundled_models(capsys):
