@@ -37,6 +37,9 @@ FLYING = {  # aircraft: (altitude ft, speed KCAS, gear, properties to create at 
     "XB-70": (5000, 192, 0.0, ()),
 }
 
+# one of each kind: jet and propeller, one to four engines, properties to create, little climb
+FEW = ("737", "c172p", "Concorde", "f16", "fokker100", "J3Cub", "L17", "pa28")
+
 NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "ah1s": "no convergence",
     "B17": "thrust",

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from how_many import first
 from plain_jsbsim import trimmed
 
 from pathsim_jsbsim_blocks import ParameterError
@@ -21,9 +22,10 @@ from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=() if name in ("hello_jsbsim", "pitch_hold", "van_der_pol")
-                 else pytest.mark.long) for name in diagram_names()])
+QUICK = ("hello_jsbsim", "pitch_hold", "van_der_pol")
+
+
+@pytest.mark.parametrize("name", first([*QUICK, *sorted({*diagram_names()} - {*QUICK})], 3))
 def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)

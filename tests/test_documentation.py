@@ -33,7 +33,10 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
     plt.close("all")
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.name)
+# test_workers has a cluster and a batch in each run of the tests
+@pytest.mark.parametrize("page", [
+    pytest.param(p, id=p.name, marks=pytest.mark.long if p.name == "studies.md" else ())
+    for p in PAGES if blocks(p, "python")])
 def test_python_blocks_run_in_their_order(page):
     namespace = {"__name__": page.stem}
     for block in blocks(page, "python"):

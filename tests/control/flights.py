@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Scope, Source
 
@@ -32,13 +31,6 @@ TURBULENCE = {
     "atmosphere/turbulence/milspec/severity": 4,
     "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50.0,
 }
-
-
-def first(cases):
-    """Cases of a long flight: the first belongs to every run of the tests, the rest to long ones.
-    """
-    one, *others = [case if isinstance(case, tuple) else (case,) for case in cases]
-    return [pytest.param(*one), *(pytest.param(*case, marks=pytest.mark.long) for case in others)]
 
 
 def start(name, **flight):

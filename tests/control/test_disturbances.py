@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flights import POINTS, STATES, TURBULENCE, T, first, fly, on, start, step, wrap
+from flights import POINTS, STATES, TURBULENCE, T, fly, on, start, step, wrap
+from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 from pathsim.events import Schedule
@@ -169,11 +170,10 @@ def test_sensor_noise(name):
         assert np.std(late[command]) < 0.05
 
 
-OFF_POINT = [pytest.param(1.2, 0.0, id="+20 % speed"), pytest.param(0.8, 0.0, id="-20 % speed"),
-             pytest.param(1.0, 3000.0, id="+3000 ft"), pytest.param(1.0, -3000.0, id="-3000 ft")]
+OFF_POINT = [(0.8, 0.0), (1.2, 0.0), (1.0, 3000.0), (1.0, -3000.0)]  # of speed, and ft
 
 
-@pytest.mark.parametrize(("speed", "altitude"), OFF_POINT)
+@pytest.mark.parametrize(("speed", "altitude"), first(OFF_POINT))
 @pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_off_the_point_the_same_gains_settle_in_twice_the_time(name, speed, altitude):
     def plane():

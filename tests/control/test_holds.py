@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flights import POINTS, STATES, T, first, fly, fly_holds, on, start, step, until, wrap
+from flights import POINTS, STATES, T, fly, fly_holds, on, start, step, until, wrap
+from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Scope, Source
 

@@ -357,7 +357,9 @@ def test_reset_to_another_time_flies_from_there():
     assert fdm.samples == 240
 
 
-def test_a_million_samples_are_counted_exactly():
+@pytest.mark.parametrize("samples", [
+    200_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+def test_many_samples_are_counted_exactly(samples):
     # the diagram's clock has drifted by then; the sample count must not have
     fdm = JSBSimFDM(T=T, aircraft_model="ball", trim_mode="none", trim_altitude=1e5,
                     trim_airspeed=0, output_properties=["simulation/sim-time-sec"])
@@ -365,10 +367,10 @@ def test_a_million_samples_are_counted_exactly():
     sim = Simulation([fdm], dt=T, log=False)
     sim._update(0.0)
     step = sim.timestep
-    for _ in range(1_000_000):
+    for _ in range(samples):
         step()
-    assert abs(sim.time - 1_000_000 * T) > 1e-9
-    assert fdm.samples == 1_000_000
+    assert abs(sim.time - samples * T) > 1e-9
+    assert fdm.samples == samples
 
 
 # pitch trims of a plain JSBSim loop: c172p 0.13007, 737 (gear up) -0.15959

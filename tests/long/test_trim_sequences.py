@@ -11,10 +11,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from long_counts import cases
+from how_many import bounded
 
 TESTS = Path(__file__).parents[1]
-SEEDS = range(cases(3, 20))
+SEEDS = range(bounded(3, 20))
 SEQUENCES = 50  # of each seed, with up to 6 trims each
 
 BATCH = """
