@@ -21,7 +21,6 @@ from pathsim_jsbsim_blocks.catalogue import (
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.studies import STUDIES
 
-
 QUICK = ("hello_jsbsim", "pitch_hold", "van_der_pol")
 
 

@@ -14,7 +14,7 @@ import pytest
 from how_many import bounded
 
 TESTS = Path(__file__).parents[1]
-SEEDS = range(bounded(3, 20))
+SEEDS = range(bounded(2, 20))
 SEQUENCES = 50  # of each seed, with up to 6 trims each
 
 BATCH = """
@@ -76,6 +76,8 @@ with open(log, "w", buffering=1) as log:
                 counts["found"] += 1
             except (TrimError, AircraftError) as error:
                 counts[type(error).__name__] += 1
+                if isinstance(error, AircraftError):  # a model that misses a property cannot fly
+                    steps = 0
             counts["slowest"] = max(counts["slowest"], time.process_time() - start)
             print(time.process_time() - start, file=log)
             for _ in range(steps):
