@@ -61,6 +61,7 @@ def by_case(table, reference):
         yield factor, altitude, ours, rows
 
 
+@pytest.mark.long
 def test_aoa_vs_cas_for_every_weight_cg_and_altitude(tables):
     table = tables("aoa_vs_cas_loading", wide=True)
     assert len(table) == 3 * 2 * 2 * 46
@@ -71,6 +72,7 @@ def test_aoa_vs_cas_for_every_weight_cg_and_altitude(tables):
         same(ours[ours.trimmed].cg_x_in, rows.cg_x_in)
 
 
+@pytest.mark.long
 def test_with_the_cg_aft_light_and_mid_are_unstable_in_trim(tables):
     table = tables("aoa_vs_cas_loading", wide=True)
     table = table[table.trimmed & (table.speed_kcas > 169.0)]
@@ -167,6 +169,7 @@ def test_the_wide_envelope_is_flown_clean(monkeypatch, wide, settings):
     assert asked == axes | settings
 
 
+@pytest.mark.long
 def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
     table = tables("aoa_vs_cas_loading", wide=True)
     figure = studies.alpha_elevator_chart(table)
