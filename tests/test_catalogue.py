@@ -105,6 +105,26 @@ def test_run_takes_the_path_of_a_script(tmp_path, capsys):
     assert capsys.readouterr().out == "flown\n"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")
+def test_a_script_behind_a_link_imports_what_lies_beside_it(tmp_path, capsys):
+    (tmp_path / "real").mkdir()
+    (tmp_path / "real" / "beside_a_linked_script.py").write_text("TEXT = 'flown'\n")
+    script = tmp_path / "real" / "mine.py"
+    script.write_text("from beside_a_linked_script import TEXT\nprint(TEXT)\n")
+    (tmp_path / "link.py").symlink_to(script)
+    assert main(["run", str(tmp_path / "link.py")]) == 0
+    assert capsys.readouterr().out == "flown\n"
+
+
+def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
+    script = tmp_path / "mine.py"
+    script.write_text("print('\u03b1')\n", encoding="utf-8")
+    command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
+    ended = subprocess.run(command, capture_output=True, text=True,
+                           env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "\\u03b1\n", "")
+
+
 def test_every_figure_is_saved(tmp_path, capsys):
     assert main(["run", "van_der_pol", "--save", str(tmp_path / "a")]) == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "a_2.png"]

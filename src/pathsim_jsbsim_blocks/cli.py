@@ -8,6 +8,7 @@ import contextlib
 import csv
 import dataclasses
 import inspect
+import io
 import os
 import runpy
 import sys
@@ -33,6 +34,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     0 done, 1 failed with a message, 2 wrong usage or a model that is not trusted.
     """
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        # names that the terminal's encoding lacks
+        sys.stdout.reconfigure(errors="backslashreplace")
     args = _parser().parse_args(argv)
     try:
         status = args.command(args) or 0
@@ -297,7 +301,7 @@ def _as_main(script: Path) -> Iterator[None]:
     """Arguments and import path as ``python script.py`` sets them."""
     argv, path = sys.argv, sys.path[:]
     sys.argv = [str(script)]
-    sys.path.insert(0, str(script.parent))
+    sys.path.insert(0, str(script.resolve().parent))
     try:
         yield
     finally:

@@ -519,6 +519,40 @@ def test_files_that_cannot_be_read_or_written(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["model.pvm", "taken"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")
+def test_links_and_devices_stay_what_they_are(tmp_path):
+    model = tmp_path / "model.pvm"
+    model.write_text(json.dumps(MODEL))
+    expected = convert_model(model, tmp_path / "out.py").read_text()
+    (tmp_path / "target.py").write_text("old")
+    link = tmp_path / "link.py"
+    link.symlink_to("target.py")
+    convert_model(model, link)
+    assert link.is_symlink()
+    assert (tmp_path / "target.py").read_text() == expected
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    # open for both, so that neither end waits
+    end = os.open(pipe, os.O_RDWR)
+    try:
+        convert_model(model, pipe)
+        assert pipe.is_fifo()
+        assert os.read(end, 65536).decode() == expected
+    finally:
+        os.close(end)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_model(convert):
+    assert convert("\ufeff" + json.dumps(MODEL)) == convert(MODEL)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "\ud800"])
+def test_what_only_pythons_json_has_is_refused(convert, value):
+    """The page could not read it, and the server not send it."""
+    with pytest.raises(DiagramError, match="not a PathView model"):
+        convert({**MODEL, "extra": value})
+
+
 @pytest.mark.parametrize("call", [
     lambda path: convert_model(path, path.with_name("out.py")),
     lambda path: export_script(path.with_suffix(".py")),
@@ -531,3 +565,11 @@ def test_without_pathview_the_error_says_what_to_install(call, tmp_path, monkeyp
     monkeypatch.setitem(sys.modules, "pathview", None)
     with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[pathview\]"):
         call(tmp_path / "model.pvm")
+
+
+def test_a_path_with_nul_is_refused(tmp_path):
+    (tmp_path / "model.pvm").write_text(json.dumps(MODEL))
+    with pytest.raises(ParameterError, match="path must be a path, not 'a\\\\x00'"):
+        convert_model("a\0")
+    with pytest.raises(ParameterError, match="out must be a path"):
+        convert_model(tmp_path / "model.pvm", "a\0")

@@ -128,3 +128,8 @@ def test_a_full_disk_is_named(tmp_path):
     # to read it would never end
     with pytest.raises(ParameterError, match="cannot write '/dev/full': it is not a file"):
         run(resume="/dev/full")
+
+
+def test_a_path_with_nul_is_refused():
+    with pytest.raises(ParameterError, match="resume must be a path"):
+        Journal("a\0", "title", {})

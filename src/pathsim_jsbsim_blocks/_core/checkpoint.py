@@ -38,7 +38,7 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
     Parameters
     ----------
     simulation : pathsim.Simulation
-    Path : str or path
+    path : str or Path
         with or without an ending
     recordings : bool
         whether to save what scopes have recorded
@@ -78,7 +78,7 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     Parameters
     ----------
     simulation : pathsim.Simulation
-    Path : str or path
+    path : str or Path
         with or without an ending
 
     Raises

@@ -97,7 +97,10 @@ def flag(parameter: str, value: Any) -> bool:
 def as_path(parameter: str, value: Any) -> Path:
     """``value`` as a path."""
     try:
-        return Path(value)
+        path = Path(value)
+        if "\0" in str(path):  # no system has such a file
+            raise TypeError
+        return path
     except TypeError:
         raise ParameterError(f"{parameter} must be a path, not {value!r}",
                              parameter=parameter, value=value) from None

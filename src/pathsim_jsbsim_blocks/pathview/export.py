@@ -61,7 +61,7 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     """
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
-    pvm.write(out, pvm.text(script_model(script, pvm.read(out) if out.exists() else None)))
+    pvm.write(out, pvm.text(script_model(script, pvm.read(out) if out.is_file() else None)))
     return out
 
 

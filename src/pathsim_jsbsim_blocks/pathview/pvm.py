@@ -63,7 +63,8 @@ def read(path: Path) -> dict[str, Any]:
         if it cannot be read, is not a model of a version that is known, or is damaged
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        # Notepad puts a byte order mark first
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise DiagramError(f"cannot be read ({error.strerror})", path=path) from error
     except (ValueError, RecursionError) as error:
@@ -81,19 +82,28 @@ def read(path: Path) -> dict[str, Any]:
         raise DiagramError(f"a model of version {version!r}; this package reads {VERSION}",
                            path=path)
     check_shape(content, path)
+    try:
+        # the page cannot read what only Python's JSON has: NaN, half of a surrogate pair
+        json.dumps(content, allow_nan=False, ensure_ascii=False).encode()
+    except ValueError as error:
+        raise DiagramError(f"not a PathView model: {error}", path=path) from error
     return content
 
 
 def write(path: Path, content: str) -> None:
-    """Write a whole file or nothing.
+    """Write a whole file or nothing. A link stays, and so does a device such as /dev/stdout.
 
     Raises
     ------
     DiagramError
         if it cannot be written; what was there before is left as it was
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
+        if path.exists() and not path.is_file():
+            path.write_text(content, encoding="utf-8")
+            return
+        path = path.resolve()
+        temporary = path.with_name(f".{path.name}.{os.getpid()}")
         try:
             with temporary.open("x", encoding="utf-8", newline="\n") as file:
                 file.write(content)

@@ -64,14 +64,14 @@ def remember(value: str) -> None:
         file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with file.open("a", encoding="ascii") as lines:
             lines.write(f"{value}\n")
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
         warnings.warn(f"cannot remember the model ({error}); you will be asked again", stacklevel=2)
 
 
 def _trusted() -> set[str]:
     try:
         return set(_file().read_text(encoding="ascii", errors="replace").split())
-    except OSError:
+    except (OSError, RuntimeError):
         return set()
 
 
@@ -80,7 +80,13 @@ def _ours() -> set[str]:
 
 
 def _file() -> Path:
-    """One digest a line, in the folder that the system has for what programs remember."""
+    """One digest a line, in the folder that the system has for what programs remember.
+
+    Raises
+    ------
+    RuntimeError
+        if the user has no home directory, as in some containers
+    """
     home = Path.home()
     if sys.platform == "win32":
         folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")

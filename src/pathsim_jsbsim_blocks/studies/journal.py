@@ -8,6 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from .._core.checks import as_path
 from ..errors import FileError, ParameterError
 
 _FORMAT = "pathsim-jsbsim study"
@@ -44,7 +45,7 @@ class Journal:
     """
 
     def __init__(self, path: str | Path, title: str, job: Any):
-        self.path = Path(path)
+        self.path = as_path("resume", path)
         digest = hashlib.sha256(json.dumps(job, sort_keys=True).encode()).hexdigest()
         header = _line({"format": _FORMAT, "version": _VERSION, "study": title, "key": digest})
         self.finished: dict[int, list] = {}
