@@ -1,4 +1,4 @@
-"""The standard atmosphere and airspeeds: plain functions, and the blocks that serve a diagram."""
+"""The standard atmosphere and airspeeds: plain functions, and blocks that wrap them."""
 
 from .airspeed import (
     cas_to_eas,

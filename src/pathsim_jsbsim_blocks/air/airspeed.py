@@ -1,6 +1,6 @@
 """Conversions between calibrated, equivalent and true airspeed and Mach number.
 
-Each takes a speed and the air in which it is flown: ``cas_to_tas(120.0, isa(5000.0))`` in the
+Each takes a speed and the ambient air: ``cas_to_tas(120.0, isa(5000.0))`` in the
 standard atmosphere, ``cas_to_tas(120.0, Air(pressure, temperature))`` in any other. Speeds are in
 m/s. Floats in give floats out; arrays broadcast. A negative speed stays negative.
 
@@ -175,7 +175,7 @@ def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") ->
     Raises
     ------
     ParameterError
-        for what is not a finite, positive number, and for shapes that do not fit
+        if a value is not finite and positive, or the shapes do not broadcast
     """
     cas, mach = positive_finite(cas=cas, mach=mach)
     ratios = [_impact_ratio(x) if isinstance(x, float) else _impact_ratios(x)

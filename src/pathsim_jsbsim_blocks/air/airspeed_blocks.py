@@ -1,7 +1,7 @@
 """Blocks that convert between calibrated, equivalent and true airspeed and Mach number.
 
-Thin shells over the functions of ``airspeed``, in the standard atmosphere at an altitude. Those
-that pathsim-flight has too stand in for its own.
+They wrap the functions of ``airspeed``, in the standard atmosphere at an altitude. Those that
+pathsim-flight also has are drop-in replacements for its blocks.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ _fill = filler(
     Raises
     ------
     FlightError
-        while it runs: for inputs that are not finite, and for altitudes out of range
-        if ``out_of_range`` is "error"
+        during the run, if an input is not finite, or an altitude is out of range and
+        ``out_of_range`` is "error"
     """,
 )
 

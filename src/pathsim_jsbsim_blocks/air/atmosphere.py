@@ -1,12 +1,12 @@
 """The International Standard Atmosphere: air at an altitude, and altitude in the air.
 
 Floats in give floats out, computed with ``math``; arrays give arrays, computed with numpy.
-Units are SI. The standard holds from -5 km to 80 km; what lies beyond is extrapolated, see ``isa``.
+Units are SI. The standard is valid from -5 km to 80 km and extrapolated beyond, see ``isa``.
 
 References
 ----------
 ICAO Doc 7488/3 (1993) = ISO 2533:1975. The US Standard Atmosphere 1976 is the same up to 80 km
-but for its gas constant, 287.05307 J/(kg K), which changes the pressure by up to 8e-6.
+except for its gas constant, 287.05307 J/(kg K), which changes the pressure by up to 8e-6.
 """
 
 from __future__ import annotations
@@ -75,9 +75,9 @@ def _put_layer_on_top(base: float, lapse_rate: float) -> None:
     LAYERS.append(Layer(base, temperature, pressure, lapse_rate, exponent))
 
 
-# The lowest layer also holds below sea level. The standard ends at 80 km; its last layer goes on
-# to 84.852 km in the US Standard Atmosphere 1976. Isothermal from there, so that no extrapolation
-# runs out of temperature.
+# The lowest layer also applies below sea level. The standard ends at 80 km; its last layer extends
+# to 84.852 km in the US Standard Atmosphere 1976. Isothermal above, so that the extrapolated
+# temperature stays positive.
 for _km, _kelvin_per_km in (
         (0, -6.5), (11, 0), (20, 1), (32, 2.8), (47, 0), (51, -2.8), (71, -2), (84.852, 0)):
     _put_layer_on_top(1000.0 * _km, _kelvin_per_km / 1000)
@@ -111,7 +111,7 @@ def _lowest(x: Any) -> float:
 
 
 def positive_finite(**values: Any) -> list[Any]:
-    """As ``finite``, for quantities that are positive by nature."""
+    """As ``finite``, for quantities that must be positive."""
     out = finite(**values)
     for (parameter, value), x in zip(values.items(), out, strict=True):
         if not _lowest(x) > 0:
@@ -140,7 +140,7 @@ def geopotential_altitude(geometric: Any) -> Any:
     Raises
     ------
     ParameterError
-        for what is not a finite number, and at or below the Earth's centre
+        if a value is not finite, or at or below the Earth's centre
     """
     (h,) = finite(altitude=geometric)
     if not _lowest(h) > -EARTH_RADIUS:
@@ -156,7 +156,7 @@ def geometric_altitude(geopotential: Any) -> Any:
     Raises
     ------
     ParameterError
-        for what is not a finite number, and from r0 upwards
+        if a value is not finite, or not below r0
     """
     (h,) = finite(altitude=geopotential)
     if not _lowest(-h) > -EARTH_RADIUS:
@@ -165,7 +165,7 @@ def geometric_altitude(geopotential: Any) -> Any:
     return EARTH_RADIUS * h / (EARTH_RADIUS - h)
 
 
-# The standard's range in m, in both kinds; -5000 m is inside as either.
+# range of the standard in m, for both kinds of altitude; -5000 m is within either
 LIMITS = {
     "geometric": (-5000.0, geometric_altitude(80_000.0)),
     "geopotential": (geopotential_altitude(-5000.0), 80_000.0),
@@ -179,10 +179,10 @@ def viscosity(temperature: Any) -> Any:
 
 
 class Air(namedtuple("Air", ["pressure", "temperature"])):
-    """Static pressure and temperature of dry air, and what follows from them.
+    """Static pressure and temperature of dry air, and the properties derived from them.
 
     ``isa(altitude)`` gives the air of the standard atmosphere. ``Air(pressure, temperature)`` is
-    any other: a measurement, or the air around a JSBSim aircraft
+    for any other air: a measurement, or the air around a JSBSim aircraft
     (``Air(fdm["atmosphere/P-psf"] * 47.880259, fdm["atmosphere/T-R"] / 1.8)``).
 
     Parameters
@@ -204,7 +204,7 @@ class Air(namedtuple("Air", ["pressure", "temperature"])):
     Raises
     ------
     ParameterError
-        for values that are not positive and finite, and for shapes that do not fit
+        if a value is not positive and finite, or the shapes do not broadcast
     """
 
     __slots__ = ()
@@ -225,15 +225,15 @@ class Air(namedtuple("Air", ["pressure", "temperature"])):
         return viscosity(self.temperature)
 
 
-unchecked_air = partial(tuple.__new__, Air)  # without checks, for values that have passed them
+unchecked_air = partial(tuple.__new__, Air)  # skips the checks
 
 
 def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometric") -> Air:
     """Air of the International Standard Atmosphere at an altitude.
 
-    The temperature deviation shifts the temperature and leaves the pressure as it is: the
-    convention of performance manuals, whose altitude is pressure altitude. JSBSim's
-    ``atmosphere/delta-T`` is a different one: it integrates the pressure anew.
+    The temperature deviation shifts the temperature but not the pressure. This is the convention
+    of performance manuals, whose altitude is pressure altitude. JSBSim's ``atmosphere/delta-T``
+    differs: it recomputes the pressure with the shifted temperature.
 
     Parameters
     ----------
@@ -253,8 +253,8 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometri
     Raises
     ------
     ParameterError
-        for what is not a finite number, for shapes that do not fit, for an altitude below the
-        Earth's centre, and for a deviation that leaves no positive temperature
+        if a value is not finite, the shapes do not broadcast, the altitude is below the Earth's
+        centre, or the temperature with its deviation is not positive
 
     Examples
     --------
@@ -276,21 +276,21 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometri
 
 
 def pressure_altitude(pressure: Any, altitude_kind: str = "geometric") -> Any:
-    """Altitude in m at which the standard atmosphere has that static pressure in Pa.
+    """Altitude in m at which the standard atmosphere has the given static pressure in Pa.
 
-    The inverse of ``isa(altitude).pressure``. Pressure altitude by its definition, and so a
-    flight level, is of the kind "geopotential".
+    The inverse of ``isa(altitude).pressure``. Pressure altitude, and therefore a flight level, is
+    by definition of the kind "geopotential".
 
     Raises
     ------
     ParameterError
-        for what is not a finite, positive number
+        if a value is not finite and positive
     """
     return _altitude_of("pressure", pressure, altitude_kind)
 
 
 def density_altitude(density: Any, altitude_kind: str = "geometric") -> Any:
-    """Altitude in m at which the standard atmosphere has that density in kg/m3.
+    """Altitude in m at which the standard atmosphere has the given density in kg/m3.
 
     The inverse of ``isa(altitude).density``. At a pressure altitude and a temperature deviation
     it is ``density_altitude(isa(altitude, temp_deviation).density)``.
@@ -298,7 +298,7 @@ def density_altitude(density: Any, altitude_kind: str = "geometric") -> Any:
     Raises
     ------
     ParameterError
-        for what is not a finite, positive number
+        if a value is not finite and positive
     """
     return _altitude_of("density", density, altitude_kind)
 

@@ -1,4 +1,4 @@
-"""The block ISAtmosphere, and what it shares with the airspeed blocks."""
+"""The block ISAtmosphere, and the base class that it shares with the airspeed blocks."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
 
 class AirDataBlock(NamedPorts, Function):
-    """Algebraic block with an ``altitude`` port and a rule for the ends of the standard's range.
+    """Algebraic block with an ``altitude`` port and a rule for altitudes out of range.
 
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
     """
@@ -91,7 +91,7 @@ class AirDataBlock(NamedPorts, Function):
         return unchecked_air(pressure_temperature(altitude, temp_deviation, self._geometric))
 
     def _beyond(self, altitude: float) -> float:
-        """The altitude to take where the given one is outside of the standard's range."""
+        """The altitude to use when the given one is outside the standard's range."""
         finite(altitude=altitude)
         if self.out_of_range == "clamp":
             return min(max(altitude, self._low), self._high)
@@ -117,11 +117,11 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
         a = \sqrt{\gamma R (T + \Delta T)}
 
     in each layer of the geopotential altitude ``H``. The temperature deviation shifts the
-    temperature and leaves the pressure as it is, the convention of performance manuals; JSBSim's
-    ``atmosphere/delta-T`` integrates the pressure anew.
+    temperature but not the pressure, the convention of performance manuals; JSBSim's
+    ``atmosphere/delta-T`` recomputes the pressure too.
 
-    Stands in for pathsim-flight's block of this name: its ports, units and ``_eval``, with the
-    standard's exact constants, and viscosity as a fifth output. The plain function is
+    Drop-in replacement for pathsim-flight's block of this name: same ports, units and ``_eval``,
+    with the standard's exact constants, and viscosity as a fifth output. The plain function is
     ``pathsim_jsbsim_blocks.air.isa``.
 
     Parameters
@@ -155,8 +155,8 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     Raises
     ------
     FlightError
-        while it runs: for inputs that are not finite, for no positive temperature, for an
-        altitude below the Earth's centre, and out of range if ``out_of_range`` is "error"
+        during the run, if an input is not finite, the temperature is not positive, the altitude
+        is below the Earth's centre, or it is out of range and ``out_of_range`` is "error"
     """
 
     input_port_labels = {"altitude": 0, "temp_deviation": 1}

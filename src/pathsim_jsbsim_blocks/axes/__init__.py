@@ -1,4 +1,4 @@
-"""Axes of the aircraft and of the Earth: plain functions, and the blocks that serve a diagram."""
+"""Axes of the aircraft and of the Earth: plain functions, and blocks that wrap them."""
 
 from .aircraft import (
     aerodynamic_angles,

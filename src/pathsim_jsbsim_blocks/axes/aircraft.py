@@ -41,7 +41,7 @@ _fill = filler(
     Raises
     ------
     ParameterError
-        for a value that is not real, shapes that do not broadcast, a reference without three parts
+        for a value that is not real, shapes that do not broadcast, a reference not of three parts
     """,
     raises="""
     Raises

@@ -41,7 +41,7 @@ class WindToBody(NamedPorts, Function):
 
         z = -D \\sin\\alpha \\cos\\beta - Y \\sin\\alpha \\sin\\beta - L \\cos\\alpha
 
-    The exact inverse of `BodyToWind`. With beta not wired it starts from the stability axes.
+    The exact inverse of `BodyToWind`. With beta not connected it starts from the stability axes.
 
     Inputs
     ------
@@ -76,7 +76,7 @@ class BodyToWind(NamedPorts, Function):
 
         L = x \\sin\\alpha - z \\cos\\alpha
 
-    The exact inverse of `WindToBody`. With beta not wired it ends in the stability axes.
+    The exact inverse of `WindToBody`. With beta not connected it ends in the stability axes.
 
     Inputs
     ------
@@ -105,7 +105,7 @@ class NEDToBody(NamedPorts, Function):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
     Through psi about the down axis, then theta about y, then phi about x. The exact inverse of
-    `BodyToNED`; it gives the wind in body axes, for example.
+    `BodyToNED`. For example, it gives the wind in body axes.
 
     Inputs
     ------
@@ -132,7 +132,7 @@ class NEDToBody(NamedPorts, Function):
 class BodyToNED(NamedPorts, Function):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
-    The exact inverse of `NEDToBody`; it gives the ground velocity from u, v, w, for example.
+    The exact inverse of `NEDToBody`. For example, it gives the ground velocity from u, v, w.
 
     Inputs
     ------

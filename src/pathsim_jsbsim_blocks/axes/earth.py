@@ -3,7 +3,7 @@
 ====  =======================  =================================================================
 axes  origin                   x, y, z
 ====  =======================  =================================================================
-ECI   centre of the Earth      in the equator and fixed among the stars; z to the north pole
+ECI   centre of the Earth      in the equator, fixed to the stars; z to the north pole
 ECEF  centre of the Earth      prime meridian, 90 deg east, north pole; they turn with the Earth
 NED   any point of reference   north, east, down; parallel to the ground at that point
 ====  =======================  =================================================================
@@ -119,7 +119,7 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     Raises
     ------
     ParameterError
-        for a value that is not real, shapes that do not broadcast, a point deep in the Earth
+        for a value that is not real, shapes that do not broadcast, a point deep inside the Earth
 
     References
     ----------
@@ -234,7 +234,7 @@ def ned_to_geodetic(north: Values, east: Values, down: Values, lat0: Values,
 @_fill
 def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
                        lon: Values) -> Components:
-    """Turn a vector, a velocity for example, from Earth-centred to local NED axes.
+    """Turn a vector, such as a velocity, from Earth-centred to local NED axes.
 
     Parameters
     ----------

@@ -20,30 +20,30 @@ from .loops import (
 
 @fill
 class Autopilot(Controller):
-    """Autopilot with autothrottle and yaw damper in one block, the cheapest way to fly a mission.
+    """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
     ``AirspeedHold`` and ``YawDamper``, sampled at T. With every port at 0 it holds the altitude,
-    heading and airspeed found at engagement. A change of mode, on or off, makes no output jump; a
-    mode that takes over holds what it finds, plus its reference port.
+    heading and airspeed found at engagement. Mode changes are bumpless; a mode that takes over
+    holds the values it finds, plus its reference port.
 
     Parameters
     ----------
     gains : str, AircraftGains or dict
         "c172p", "737" or "global5000", or {"pitch": ..., "roll": ..., "heading": ...,
-        "altitude": ..., "speed": ..., "yaw": ...}, each of them the name of a table or numbers as
+        "altitude": ..., "speed": ..., "yaw": ...}, each either the name of a table or numbers as
         in the holds
     theta_ref : float, optional
-        pitch angle to hold in deg; default is the one found at engagement of the mode
+        pitch angle to hold in deg; default: the value at engagement of the mode
     h_ref : float, optional
-        altitude to hold in ft; default likewise
+        altitude to hold in ft; default: the value at engagement
     phi_ref : float, optional
-        roll angle to hold in deg; default likewise
+        roll angle to hold in deg; default: the value at engagement
     psi_ref : float, optional
-        heading to hold in deg; default likewise
+        heading to hold in deg; default: the value at engagement
     vc_ref : float, optional
-        airspeed to hold in KCAS; default likewise. It comes before the altitude: a climb that full
-        throttle does not sustain is given up below 90 % of it
+        airspeed to hold in KCAS; default: the value at engagement. Airspeed has priority over
+        altitude: below 90 % of it, a climb that full throttle cannot sustain is reduced
     bank_max : float
         largest bank reference of the heading hold in deg
     hdot_max : float, optional
@@ -77,11 +77,11 @@ class Autopilot(Controller):
     roll_mode
         0 heading hold; otherwise roll hold
     pitch_off, roll_off, speed_off
-        0 engaged; otherwise the command stays where it is
+        0 engaged; otherwise the command is frozen
     yaw_off
-        0 engaged; otherwise the rudder increment fades out
+        0 engaged; otherwise the rudder increment decays to 0
     elev_sat, ail_sat, thr_sat
-        ``Aircraft`` outputs of these names, against wind-up
+        ``Aircraft`` outputs of these names, for anti-windup
 
     Outputs
     -------

@@ -15,7 +15,7 @@ from .._core.sampling import SampledLaw
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
 
-# what the manual pages of the holds share
+# docstring sections shared by the holds
 fill = filler(
     T="""
     T : float
@@ -25,13 +25,13 @@ fill = filler(
     Raises
     ------
     ParameterError
-        for a gain table or gain that does not exist, naming the nearest, and for bad numbers
+        for an unknown gain table or gain, naming the nearest, and for invalid numbers
     """,
 )
 
 
 class _Parameter:
-    """Attribute for a parameter of ``__init__``: when it is set, the laws are built anew."""
+    """Attribute for a parameter of ``__init__``; setting it rebuilds the control laws."""
 
     def __init__(self, name: str):
         self.name = name
@@ -55,12 +55,12 @@ class Controller(NamedPorts, SampledLaw):
     """Base of sampled controllers whose parameters take effect at the next sample.
 
     A subclass implements `build`, which makes the plain laws from the parameters, and ends its
-    ``__init__`` with ``self.configure()``. A parameter set later is checked and takes effect in
-    the same way; a value that is refused leaves the block as it was.
+    ``__init__`` with ``self.configure()``. A parameter set later is checked in the same way; a
+    refused value leaves the block unchanged.
     """
 
     configured = False
-    # inputs that mean nothing without a wire
+    # inputs that must be connected
     measured: tuple[str, ...] = ()
     _wires_seen = False
 
@@ -70,11 +70,11 @@ class Controller(NamedPorts, SampledLaw):
             setattr(cls, name, _Parameter(name))
 
     def build(self) -> None:
-        """Make the laws from the parameters, for the period ``self.clock.period``."""
+        """Build the laws from the parameters, for the period ``self.clock.period``."""
         raise NotImplementedError
 
     def configure(self) -> None:
-        # the clock takes a new period at the next reset, and the laws with it
+        # a new T takes effect at the next reset, for the clock and the laws
         positive("T", self.T)
         self.build()
         self.configured = True

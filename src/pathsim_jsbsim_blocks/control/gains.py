@@ -69,7 +69,7 @@ class HeadingGains(_Gains):
 
 @dataclass(frozen=True)
 class AltitudeGains(_Gains):
-    """Gains from altitude error (ft) over rate of climb (ft/s) to the pitch reference (deg).
+    """Gains from altitude error (ft) via rate of climb (ft/s) to the pitch reference (deg).
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ class AircraftGains:
 
 _LOOPS = get_type_hints(AircraftGains)
 
-# found by flying each aircraft with its nonlinear model at the condition named, in still air
+# tuned on each nonlinear aircraft model in still air, at the condition given
 GAINS = {
     "c172p": AircraftGains(  # 5000 ft, 90 KCAS
         pitch=AttitudeGains(Kp=0.10, Ki=0.12, Kr=0.004, b=0.45, ramp=4.0),
@@ -171,7 +171,7 @@ GAINS = {
         speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7,
                          Kc=0.0035),
         yaw=YawGains(K=0.020)),
-    "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; has a yaw damper of its own
+    "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
         roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
@@ -179,7 +179,7 @@ GAINS = {
         speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5,
                          Kc=0.007),
         yaw=YawGains(K=0.0)),
-    "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; has a yaw damper of its own
+    "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
         roll=AttitudeGains(Kp=0.054, Ki=0.011, Kr=0.005, b=0.94, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
@@ -204,7 +204,7 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     Raises
     ------
     ParameterError
-        for an unknown table, loop or gain, naming the nearest, and for one that is missing
+        for an unknown table, loop or gain, naming the nearest, and for a missing one
     """
     if isinstance(gains, str):
         gains = GAINS[one_of("gains", gains, GAINS)]

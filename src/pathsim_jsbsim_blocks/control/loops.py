@@ -19,8 +19,8 @@ State = tuple
 class ReferenceLoop:
     """Holds a measured value at a reference that moves no faster than a ramp.
 
-    At engagement the reference starts from the measured value and the output from where it is, so
-    neither jumps; then the reference moves to its target.
+    At engagement the reference starts at the measured value and the output at its present value,
+    so neither jumps. Then the reference moves to its target.
 
     Parameters
     ----------
@@ -74,14 +74,14 @@ class ReferenceLoop:
 
 
 class HeadingLoop:
-    """Bank reference from the heading error, the short way round.
+    """Bank reference from the heading error, turning through the smaller angle.
 
     .. math::
         \\phi_\\mathrm{cmd} = K_p \\, e + K_i \\int e \\, dt, \\quad
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
-    The integral starts when the error alone no longer asks for the largest bank.
+    Integration starts once the proportional part alone demands less than the largest bank.
     """
 
     START: State = (0.0, PID.START)  # heading found at engagement, law
@@ -130,7 +130,7 @@ class AltitudeLoop:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
-        which the loop goes on at its engagement; ``climb`` is the share of ``hdot_max`` that is
+        which the loop continues at engagement; ``climb`` is the share of ``hdot_max`` that is
         allowed upwards, negative to demand a descent.
         """
         found, law = state
@@ -146,7 +146,7 @@ class AltitudeLoop:
 
 
 class SpeedLoop:
-    """Throttle from airspeed, with the thrust that a climb takes fed forward.
+    """Throttle from airspeed, with the rate of climb fed forward.
 
     .. math::
         \\delta_t = K_p (b V_\\mathrm{cmd} - V) + K_i \\int (V_\\mathrm{cmd} - V) \\, dt
@@ -169,12 +169,12 @@ class SpeedLoop:
 
 
 class WashoutLoop:
-    """Rudder against the yaw rate, but not against that of a steady turn.
+    """Rudder from washed-out yaw rate, so steady turns are not opposed.
 
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
 
-    At engagement the output goes on from where it is; while off it fades with tau.
+    At engagement the output continues from its present value; while off it decays with tau.
     """
 
     START: State = (0.0, 0.0, 0.0)  # engaged, low-passed yaw rate, output
@@ -219,7 +219,7 @@ def limits(parameter: str, value: Any) -> tuple[float, float]:
 
 
 def pitch_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) -> ReferenceLoop:
-    """Elevator from pitch angle; positive elevator is nose down, so the law's sign turns."""
+    """Elevator from pitch angle; positive elevator is nose down, so the law's sign is reversed."""
     low, high = authority
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=-high, high=-low)
     return ReferenceLoop(pid, gains.ramp, sign=-1.0)

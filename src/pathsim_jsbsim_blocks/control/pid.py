@@ -21,14 +21,14 @@ class PID:
         d_k &= d_{k-1} + (1 - e^{-T/T_f}) \\left(\\frac{y_k - y_{k-1}}{T} - d_{k-1}\\right), \\qquad
         F_{k+1} = e^{-T/T_e} F_k
 
-    with the reference r, the measured value y, its measured rate omega, a feed-forward f, and s, by
-    how much the actuator fell short of the output it was last given. The law keeps no state of its
-    own: `sample` takes the state and returns the next, a tuple of floats.
+    with the reference r, the measured value y, its measured rate omega, a feed-forward f, and s,
+    the last output less what the actuator applied of it. The law itself is stateless: `sample`
+    takes the state, a tuple of floats, and returns the next.
 
     While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
-    move it. At engagement the output goes on from where it is: the integral is set so that it takes
-    the place of what was held, and F so that it cancels the damping terms at first. F fades, for
-    an integral that took up the rate of a passing motion would have to be unlearnt.
+    move it. At engagement the output continues from its present value: the integral is set to the
+    held output, and F initially cancels the damping terms. F then decays, because an integral that
+    absorbed a transient rate would have to unwind.
 
     Parameters
     ----------
@@ -43,14 +43,15 @@ class PID:
     Kr : float
         gain on the measured rate of y, s
     b : float
-        weight of the reference in the proportional part: less overshoot than 1, same damping
+        weight of the reference in the proportional part; below 1 for less overshoot at the same
+        damping
     Tf : float
         time constant of the derivative's filter in s; 0 for none
     Tt : float, optional
         time constant of the back-calculation in s, at least T; default Kp / Ki, with which,
         for b = 1, the output leaves a limit as the error changes its sign (2 T where that is less)
     Te : float
-        time constant in s with which the damping terms come in after engagement
+        time constant in s with which the damping terms are faded in after engagement
     low : float
         lowest output
     high : float
@@ -88,7 +89,7 @@ class PID:
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         self._fade = math.exp(-self.T / positive("Te", Te))
-        # without integral action nothing would bring back what is taken off here
+        # without integral action, back-calculation would leave a permanent offset
         self._unwind = self.T / Tt if Tt and self.Ki else 0.0
 
     @staticmethod
@@ -103,14 +104,14 @@ class PID:
         Parameters
         ----------
         state : tuple of float
-            `START` (engages without a jump from 0), `FROM_REST` (the textbook's law from the first
-            sample on: an integral of 0 and nothing to take over), or what the last sample returned
+            `START` (bumpless engagement from 0), `FROM_REST` (the textbook law from the first
+            sample on, with an integral of 0), or the state that the last sample returned
         r, y, rate : float
             reference, measured value, measured rate
         sat : float
             last output less what the actuator applied of it; 0 while it is not saturated
         off : bool
-            hold the output instead
+            hold the output
         track : float
             added to the output held
         feed : float
@@ -131,7 +132,7 @@ class PID:
         elif phase <= 0.0 and self.Ki:
             integral, offset = u - direct, damping
         elif phase <= 0.0:
-            # no integral that could unlearn what was held: let it fade
+            # without integral action, let the held offset decay
             integral, offset = 0.0, u - direct + damping
         v = direct + integral + (offset - damping)
         u = min(max(v, self.low), self.high)
@@ -146,10 +147,10 @@ class DiscretePID(Controller):
         u = K_p (b r - y) + K_i \\int (r - y) \\, dt - K_d \\frac{dy}{dt} - K_r \\omega + f
 
     limited to [low, high], sampled at T and held between samples; the output at t_k follows from
-    the inputs at t_k. Where the output is limited, by the limits here or (``sat``) by the
-    actuator, the integral is led back with the time constant Tt. See the class ``PID`` for the
-    difference equation. Parameters may be changed while the diagram runs; a new T counts from the
-    next reset.
+    the inputs at t_k. While the output is limited, by the limits here or (``sat``) by the
+    actuator, back-calculation unwinds the integral with the time constant Tt. See the class
+    ``PID`` for the difference equation. Parameters may be changed while the diagram runs; a new T
+    takes effect at the next reset.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ class DiscretePID(Controller):
     Tt : float, optional
         time constant of the back-calculation in s, at least T; default Kp / Ki
     Te : float
-        time constant in s with which the damping terms come in after engagement
+        time constant in s with which the damping terms are faded in after engagement
     low : float
         lowest output
     high : float
@@ -190,7 +191,7 @@ class DiscretePID(Controller):
     off
         0 engaged; otherwise the output holds its last value
     track
-        while off, added to the output held: a command that goes through while off
+        while off, added to the held output: passes a manual command through
     feed
         feed-forward, added to the output while engaged
 
@@ -202,7 +203,7 @@ class DiscretePID(Controller):
     Raises
     ------
     ParameterError
-        for a parameter that is not a number or out of range, when it is set
+        if a parameter is set to something that is not a number or is out of range
 
     References
     ----------

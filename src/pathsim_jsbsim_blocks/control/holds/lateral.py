@@ -14,7 +14,7 @@ from ..loops import (
     roll_loop,
 )
 
-# the package and PathView offer what is named here
+# the package and PathView export these names
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
 
@@ -35,7 +35,7 @@ class RollHold(Controller):
         "c172p", "737" or "global5000", or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
         ramp (deg/s)
     phi_ref : float, optional
-        roll angle to hold in deg, right positive; default is the one found at engagement
+        roll angle to hold in deg, right positive; default: the value at engagement
     authority : float or pair
         largest aileron increment, of full travel
     %(T)s
@@ -47,9 +47,9 @@ class RollHold(Controller):
     phi_ref
         deg, added to the parameter
     off
-        0 engaged; otherwise the ailerons stay where they are
+        0 engaged; otherwise the ailerons are frozen
     ail_sat
-        ``Aircraft`` output of that name, against wind-up at the end of the travel
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
 
     Outputs
     -------
@@ -95,23 +95,23 @@ class RollHold(Controller):
 
 @fill
 class HeadingHold(Controller):
-    """Holds the heading with the ailerons; turns the short way, across north too.
+    """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
     .. math::
         \\phi_\\mathrm{cmd} = K_p e + K_i \\int e \\, dt, \\quad
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
-    and the roll loop of ``RollHold`` inside, sampled at T. Engaged in a turn, it levels the wings
+    with the roll loop of ``RollHold`` inside, sampled at T. Engaged in a turn, it levels the wings
     and returns to the heading found at engagement.
 
     Parameters
     ----------
     gains : str or dict
-        "c172p", "737" or "global5000", or {"heading": ..., "roll": ...}, each of them the name of
+        "c172p", "737" or "global5000", or {"heading": ..., "roll": ...}, each either the name of
         a table or numbers; heading: Kp (deg/deg), Ki (1/s); roll: as in ``RollHold``
     psi_ref : float, optional
-        heading to hold in deg; default is the one found at engagement
+        heading to hold in deg; default: the value at engagement
     bank_max : float
         largest bank reference in deg
     authority : float or pair
@@ -125,9 +125,9 @@ class HeadingHold(Controller):
     psi_ref
         deg, added to the parameter
     off
-        0 engaged; otherwise the ailerons stay where they are
+        0 engaged; otherwise the ailerons are frozen
     ail_sat
-        ``Aircraft`` output of that name, against wind-up at the end of the travel
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
 
     Outputs
     -------
@@ -181,7 +181,7 @@ class HeadingHold(Controller):
 
 @fill
 class YawDamper(Controller):
-    """Damps the Dutch roll with the rudder; a wash-out lets steady turns pass.
+    """Damps the Dutch roll with the rudder; a wash-out leaves steady turns unopposed.
 
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
@@ -191,7 +191,7 @@ class YawDamper(Controller):
     Parameters
     ----------
     gains : str, YawGains or dict
-        "c172p", "737" or "global5000" (the last two bring their own damper: 0), or numbers:
+        "c172p", "737" or "global5000" (the last two models have their own damper: 0), or numbers:
         K (s/deg), positive where positive rudder yaws the nose left, and tau (s)
     authority : float or pair
         largest rudder increment, of full travel
@@ -202,7 +202,7 @@ class YawDamper(Controller):
     r
         yaw rate in deg/s
     off
-        0 engaged; otherwise the rudder increment fades out with tau
+        0 engaged; otherwise the rudder increment decays to 0 with tau
 
     Outputs
     -------

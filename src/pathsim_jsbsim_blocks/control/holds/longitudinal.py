@@ -14,7 +14,7 @@ from ..loops import (
     pitch_loop,
 )
 
-# the package and PathView offer what is named here
+# the package and PathView export these names
 __all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
 
 
@@ -27,7 +27,8 @@ class PitchHold(Controller):
         + K_i \\int (\\theta_\\mathrm{cmd} - \\theta) \\, dt - K_r q\\right]
 
     sampled at T. The reference theta_cmd starts at the pitch angle found at engagement and moves to
-    ``theta_ref`` (parameter plus port) no faster than the gain table's ramp, so that nothing jumps.
+    ``theta_ref`` (parameter plus port) no faster than the gain table's ramp, so engagement is
+    bumpless.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ class PitchHold(Controller):
         "c172p", "737" or "global5000", or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
         ramp (deg/s)
     theta_ref : float, optional
-        pitch angle to hold in deg; default is the one found at engagement
+        pitch angle to hold in deg; default: the value at engagement
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
@@ -47,9 +48,9 @@ class PitchHold(Controller):
     theta_ref
         deg, added to the parameter
     off
-        0 engaged; otherwise the elevator stays where it is
+        0 engaged; otherwise the elevator is frozen
     elev_sat
-        ``Aircraft`` output of that name, against wind-up at the end of the travel
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
 
     Outputs
     -------
@@ -95,7 +96,7 @@ class PitchHold(Controller):
 
 @fill
 class AltitudeHold(Controller):
-    """Holds the altitude with the elevator, over the rate of climb and the pitch angle.
+    """Holds the altitude with the elevator, through rate-of-climb and pitch loops.
 
     .. math::
         \\dot h_\\mathrm{cmd} = K_h (h_\\mathrm{ref} - h), \\quad
@@ -103,18 +104,18 @@ class AltitudeHold(Controller):
         \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
-    and the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
-    elevator alone: hold the airspeed with an ``AirspeedHold`` beside it, and keep the rate of climb
-    within what the thrust allows, or it climbs into the stall (``Autopilot`` sees to that itself).
+    with the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
+    elevator alone: add an ``AirspeedHold`` for the airspeed, and keep the rate of climb within the
+    available thrust, or the aircraft stalls (``Autopilot`` has a protection against this).
 
     Parameters
     ----------
     gains : str or dict
-        "c172p", "737" or "global5000", or {"altitude": ..., "pitch": ...}, each of them the name
+        "c172p", "737" or "global5000", or {"altitude": ..., "pitch": ...}, each either the name
         of a table or numbers; altitude: Kh (1/s), Kp (deg/(ft/s)), Ki (deg/ft), hdot_max (ft/s);
         pitch: as in ``PitchHold``
     h_ref : float, optional
-        altitude to hold in ft; default is the one found at engagement
+        altitude to hold in ft; default: the value at engagement
     hdot_max : float, optional
         largest rate of climb and descent demanded, ft/s; default is the gain table's
     theta_min : float
@@ -134,9 +135,9 @@ class AltitudeHold(Controller):
     h_ref
         ft, added to the parameter
     off
-        0 engaged; otherwise the elevator stays where it is
+        0 engaged; otherwise the elevator is frozen
     elev_sat
-        ``Aircraft`` output of that name, against wind-up at the end of the travel
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
 
     Outputs
     -------
@@ -208,7 +209,7 @@ class AirspeedHold(Controller):
 
     sampled at T. The reference V_cmd starts at the airspeed found at engagement and moves to
     ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. With the rate of climb
-    wired, the thrust that a climb takes is fed forward.
+    connected, the extra throttle for a climb is fed forward.
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ class AirspeedHold(Controller):
         "c172p", "737" or "global5000", or numbers: Kp (1/kt), Ki (1/(kt s)), Kd (s/kt), Tf (s),
         b, ramp (kt/s), Kc (s/ft)
     vc_ref : float, optional
-        airspeed to hold, KCAS; default is the one found at engagement
+        airspeed to hold, KCAS; default: the value at engagement
     authority : float or pair
         largest throttle increment, of full range
     %(T)s
@@ -230,9 +231,9 @@ class AirspeedHold(Controller):
     vc_ref
         kt, added to the parameter
     off
-        0 engaged; otherwise the throttle stays where it is
+        0 engaged; otherwise the throttle is frozen
     thr_sat
-        ``Aircraft`` output of that name, against wind-up at idle and full throttle
+        ``Aircraft`` output of that name, for anti-windup at idle and full throttle
 
     Outputs
     -------
