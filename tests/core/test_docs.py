@@ -63,5 +63,5 @@ BLOCKS = [o for o in DOCUMENTED.values() if inspect.isclass(o) and issubclass(o,
 def test_pathview_shows_the_full_text(block):
     text = block.info()["description"]
     for shared in ("Parameters\n    ----------", "out_of_range : str", "Raises\n    ------",
-                   "FlightError\n        while it runs"):
+                   "FlightError\n        during the run"):
         assert shared in text

@@ -262,5 +262,5 @@ def test_a_note_with_a_link_that_runs_something_is_refused(address, tmp_path):
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [], "annotations": [
         {"id": "n", "content": f"see [this]({address})"}]}}))
-    with pytest.raises(DiagramError, match="no web address"):
+    with pytest.raises(DiagramError, match="not a web address"):
         view(path, browser=False)

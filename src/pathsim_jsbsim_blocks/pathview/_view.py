@@ -39,17 +39,17 @@ def view(target: str | Path | None = None, port: int | None = None, browser: boo
     browser : bool
         open the user's browser
     trust : bool
-        whether a model from outside may be opened: its parameters and code are Python that runs
-        when the model runs. Models of this package are always opened, and those trusted once
+        whether a model from another source may be opened: its parameters and code are Python and
+        run with the model. Models of this package, and models trusted before, always open
     trust_toolboxes : sequence of str
-        toolboxes that may be imported if the model asks for them, though they are not PathSim's
+        further toolboxes, not PathSim's own, that may be imported if the model requires them
 
     Raises
     ------
     DiagramError
         if the diagram cannot be shown as it is
     UntrustedModelError
-        if the model is from outside and not trusted
+        if the model is from another source and not trusted
     ParameterError
         if there is no such diagram, a toolbox that it needs is not installed, or the port is in use
     """
@@ -63,7 +63,7 @@ def view(target: str | Path | None = None, port: int | None = None, browser: boo
 
 
 def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Json:
-    """A model, checked as a whole: PathView runs a diagram without the blocks it does not know."""
+    """A model, checked as a whole, because PathView silently drops unknown blocks."""
     path = Path(target)
     if path.suffix not in (".pvm", ".json"):
         script = find_diagram(str(target))
@@ -84,7 +84,7 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
 
 @contextmanager
 def _temporary_files() -> Iterator[None]:
-    """One folder for what PathView's workers put aside: they are killed and cannot tidy up."""
+    """One temporary folder for PathView's workers, which are killed without cleanup."""
     with (tempfile.TemporaryDirectory(prefix="pathsim-jsbsim-", ignore_cleanup_errors=True) as new,
           patch.dict(os.environ, TMPDIR=new, TMP=new, TEMP=new)):
         yield
@@ -92,7 +92,7 @@ def _temporary_files() -> Iterator[None]:
 
 @contextmanager
 def _interrupts() -> Iterator[None]:
-    """A closed terminal and ``kill`` end the server as Ctrl-C does."""
+    """Closing the terminal or ``kill`` ends the server as Ctrl-C does."""
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt
 

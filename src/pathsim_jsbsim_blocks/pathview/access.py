@@ -1,4 +1,4 @@
-"""Who may talk to PathView's server: it runs any code that it is sent."""
+"""Access control for PathView's server, which runs any code that it is sent."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SAFE = ("GET", "HEAD")
 
 
 class Access:
-    """Secrets of one start: a token in the opened address, exchanged for a cookie.
+    """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
     Their values differ: other users of the machine may see the address, and could write the cookie
     themselves.
@@ -42,7 +42,7 @@ class Access:
             whether the answer is an HTML page
         """
         headers = request.headers
-        # a page elsewhere can make its own name resolve to this machine
+        # another site can make its own name resolve to this machine (DNS rebinding)
         if request.host.partition(":")[0] not in _NAMES:
             return "unknown host name"
         if not (self.has_token(request) or self._has_cookie(request)):
@@ -50,7 +50,7 @@ class Access:
         if request.path.startswith("/api/"):
             if headers.get("Sec-Fetch-Site") != "same-origin":
                 return "only the served page may call this"
-            # browsers leave the origin out of what reads from the same one
+            # browsers omit Origin in same-origin reads
             absent = None if request.method not in _SAFE else _origin(request)
             if headers.get("Origin", absent) != _origin(request):
                 return "only the served page may call this"
@@ -75,7 +75,7 @@ class Access:
                 and compare_digest(given.encode(), self._session.encode()))
 
     def _bad_parameter(self, request: Any) -> str:
-        """The first query parameter that makes the page load what is not ours, or is unknown."""
+        """Error text for the first query parameter that is unknown or loads foreign content."""
         harmless = ("token", "theme", "tour", "new", "fancyloading")
         for name, value in request.args.items(multi=True):
             if not (name in harmless or (name == "model" and self._served(value))
@@ -93,12 +93,12 @@ def _cookie(request: Any) -> str:
 
 
 def _of_another_user(environ: dict[str, Any]) -> bool:
-    """Whether Linux knows a connection's far end as another user's, who has read the address.
+    """Whether the connection's far end belongs to another user, where Linux can tell.
 
-    The command line of the browser that is opened shows the token to everybody on the machine.
+    The browser's command line shows the token to every user of the machine.
     """
     try:
-        # a socket of version 6 may well call version 4
+        # an IPv6 socket may connect to IPv4
         lines = [line.split() for table in ("tcp", "tcp6")
                  for line in Path("/proc/net", table).read_text().splitlines()[1:]]
         ours, theirs = (f":{int(environ[p]):04X}" for p in ("SERVER_PORT", "REMOTE_PORT"))
@@ -106,5 +106,5 @@ def _of_another_user(environ: dict[str, Any]) -> bool:
         return False
     users = {int(fields[7]) for fields in lines
              if fields[1].endswith(theirs) and fields[2].endswith(ours)}
-    # forwarders of containers and of WSL belong to root
+    # port forwarders of containers and of WSL run as root
     return bool(users - {os.getuid(), 0})

@@ -1,4 +1,4 @@
-"""Whether every part of a model reaches its script: PathView drops what it does not know."""
+"""Check that every part of a model reaches its script: PathView drops unknown parts."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ _EDITOR_BLOCKS = {"Subsystem", "Interface", *BUSES}
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Without Python's warnings about the style of code: they are for those who wrote it."""
+    """Suppress Python's warnings about code style, which concern the code's author."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
 
 
 def complete(content: Json) -> Json:
-    """A model with all of its optional parts.
+    """A model with all of its optional parts filled in.
 
-    Types are written as PathView reads old files: "pathsim.sources.StepSource" is ``StepSource``.
+    Types of old files are shortened as PathView does: "pathsim.sources.StepSource" becomes
+    ``StepSource``.
     """
     def events(old: Json) -> list[Json]:
         return [{**e, "params": e.get("params") or {}} for e in old.get("events") or []]
@@ -55,7 +56,7 @@ def complete(content: Json) -> Json:
 
 
 class Check:
-    """Whether every part of a model reaches its script.
+    """Checks that every part of a model reaches its script.
 
     Attributes
     ----------
@@ -123,7 +124,7 @@ class Check:
                          f"{' and '.join(map(repr, interfaces))}; it can have one")
         for node in graph["nodes"]:
             if node["type"] != "Subsystem" and node.get("graph"):
-                self._refuse(f"block {node['name']!r} has blocks inside and is no Subsystem but "
+                self._refuse(f"block {node['name']!r} has blocks inside but is not a Subsystem: "
                              f"{node['type']!r}")
             if node["type"] in _EDITOR_BLOCKS:
                 if node.get("graph"):
@@ -174,7 +175,7 @@ class Check:
             if value in (None, "") or name.startswith("_"):
                 continue
             if name not in known:
-                # PathView, too, leaves such leftovers of older versions out
+                # leftovers of older versions, which PathView also drops
                 warnings.warn(f"{self.path}: {what}: no parameter {name!r}; left out", stacklevel=2)
             else:
                 self._parsed(f"{what}: parameter {name!r}", value)
@@ -183,7 +184,7 @@ class Check:
         source = str(value).strip() if mode == "eval" else value
         try:
             with compiling():
-                # first: it has a limit for depth, which the other lacks in Python 3.10
+                # first, for its depth limit, which the next call lacks in Python 3.10
                 compile(source, what, mode, dont_inherit=True)
                 tree = ast.parse(source, mode=mode)
             self._note_names(tree)

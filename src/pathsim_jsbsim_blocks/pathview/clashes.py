@@ -1,7 +1,7 @@
 """Rename blocks and events whose variables collide in PathView's script.
 
-The script would bind the name anew. Where a parameter means a value of the code, it would get a
-block; where a subsystem or the simulation lists a block, it would get another one.
+Otherwise the script rebinds the name: a parameter that refers to a value of the code would get a
+block, and a subsystem or the simulation that lists a block would get another one.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from ..errors import DiagramError
 from .shape import Json
 from .variables import plain, prefix_inside, variable
 
-# what PathView's script binds beside the blocks and the code
+# names that PathView's script binds in addition to the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
-_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # of no variable of their own name
+_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # have no variable of their own name
 
 
 def without_clashes(content: Json, assigned: Collection[str], called_later: Collection[str],
                     path: Path) -> Json:
     """A complete model with new names where a variable would be bound twice.
 
-    The block or event further out keeps its name, of one level the first.
+    The outer block or event keeps its name; within one level, the first does.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ def without_clashes(content: Json, assigned: Collection[str], called_later: Coll
     Raises
     ------
     DiagramError
-        if the name could mean both: one in a function, or one of a subsystem, with which the names
-        of its blocks begin
+        if renaming would be ambiguous: a name used in a function, or the name of a subsystem, which
+        is the prefix of the names of its blocks
     """
     clashes = _Clashes({*assigned, *_GENERATED}, called_later, path)
     # a model's own events stand beside its graph, those of subsystems in it
@@ -69,7 +69,7 @@ class _Clashes:
         if part["type"] in _NAMELESS:
             return part
         if part["type"] == "Subsystem":
-            # the names of its blocks begin with its own, so it is not renamed for the code's sake
+            # its name is the prefix of its blocks' names, so it is refused instead of renamed
             for name in sorted(self._variables(part, prefix) & {*self.bound}):
                 self._refuse(f"subsystem {part['name']!r}", name)
         name = _variable(part, prefix)

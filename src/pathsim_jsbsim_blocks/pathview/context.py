@@ -24,10 +24,10 @@ from .values import PARTS, Unwritable, Values
 
 
 class Context:
-    """The code that the expressions of a diagram need, directly or not.
+    """The code that the expressions of a diagram need, directly or indirectly.
 
-    It is made of statements of the script and, where these cannot be taken over or do not give the
-    value that the diagram has, of names with their live values.
+    It consists of statements of the script. Names whose statements cannot be copied, or do not
+    give the diagram's value, are written with their live values instead.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Context:
     Attributes
     ----------
     parts : set of str
-        blocks, events and the simulation, as far as functions refer to them
+        blocks, events and the simulation that functions refer to
     values : Values
         writes live values as expressions
     """
@@ -58,7 +58,7 @@ class Context:
                 self._binders.setdefault(name, []).append(statement)
         self._needed: set[str] = set()
         self._statements: list[ast.stmt] = []
-        # PathView brings numpy as np; a seed set through it belongs to the diagram
+        # PathView provides numpy as np; a seed set through it belongs to the diagram
         self._needed.add("np")
         for statement in self._binders.get("np", ()):
             self._try(partial(self._include, statement))
@@ -74,12 +74,12 @@ class Context:
         return [*self._statements, *self._pins.values(), *self.values.made.values()]
 
     def admit(self, node: ast.AST) -> None:
-        """Take in what an expression or a function needs.
+        """Add all that an expression or a function needs.
 
         Raises
         ------
         DiagramError
-            if that is not possible; nothing is taken in
+            if that is not possible; nothing is added
         """
         if isinstance(node, ast.FunctionDef):  # a block's: its decorator is the block class
             node = copy.copy(node)
@@ -107,7 +107,7 @@ class Context:
         return found[0]
 
     def _try(self, action: Callable[[], object]) -> DiagramError | Unwritable | None:
-        """Do something wholly or not at all."""
+        """Run an action; undo it if it fails."""
         values = self.values
         state: list[Any] = [self.parts, self._pins, self._needed, values.made, values.parts,
                             values.imports, values.names]
@@ -212,7 +212,7 @@ class Context:
         script = self.script
         if any(isinstance(script.namespace.get(n), PARTS) for n in bound([statement])):
             script.refuse("this statement builds a block and a value that the diagram needs; "
-                          "PathView wants one statement each", statement)
+                          "PathView needs one statement each", statement)
         if isinstance(statement, ast.ImportFrom) and statement.level:
             script.refuse("PathView cannot follow a relative import", statement)
         if isinstance(statement, (ast.Import, ast.ImportFrom)):
@@ -226,7 +226,7 @@ class Context:
             self._need(name, statement)
 
     def _beside(self, module: str, where: ast.AST) -> NoReturn:
-        self.script.refuse(f"module {module!r} is not installed, it lies beside the script; "
+        self.script.refuse(f"module {module!r} is not installed, it is a file beside the script; "
                            "PathView cannot import it", where)
 
     def _part_names(self) -> set[str]:
@@ -314,7 +314,7 @@ def _one_line(text: str) -> str:
         else:
             space = " " * (token.start[1] - end[1])
         out, end = out + space + token.string, token.end
-    # a comma that was not the last of a list may have gone
+    # a significant comma, as in a one-element tuple, may have been removed
     tree, same = (ast.parse(t, mode="eval") for t in (f"({text})", out))
     return out[1:-1] if ast.dump(tree) == ast.dump(same) else ast.unparse(tree)
 
@@ -330,9 +330,9 @@ def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:
 
 
 def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
-    """Source of ``node`` with new names, and with strings of several lines written in one.
+    """Source of ``node`` with new names, and with multi-line strings written on one line.
 
-    PathView indents the code before it runs it, which would change such strings.
+    PathView indents the code before running it, which would change multi-line strings.
     """
     lines = source.encode().splitlines(keepends=True)
     starts = [0]
@@ -346,7 +346,7 @@ def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
     docstrings = {id(n.body[0].value) for n in ast.walk(node)
                   if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
                   and isinstance(n.body[0], ast.Expr)}
-    # before Python 3.12 the parts of an f-string have no places of their own
+    # before Python 3.12 the parts of an f-string have no positions of their own
     in_f_strings = {id(n) for f in ast.walk(node) if isinstance(f, ast.JoinedStr)
                     for n in ast.walk(f) if n is not f}
     for inner in ast.walk(node):

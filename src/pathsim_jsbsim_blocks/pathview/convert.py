@@ -16,8 +16,8 @@ def convert_model(path: str | Path, out: str | Path | None = None,
                   toolboxes: Sequence[str] = (), trust_toolboxes: Sequence[str] = ()) -> Path:
     """Write a PathView model as a Python script.
 
-    Nothing of the model is executed. Toolboxes are imported to learn their blocks: those of
-    PathSim, those given here, and no other that the model asks for.
+    No code of the model is executed. Toolboxes are imported to find their blocks: those of
+    PathSim and those given here, but no others that the model requires.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def convert_model(path: str | Path, out: str | Path | None = None,
         toolboxes that the model does not name itself, ``PACKAGE`` or ``PACKAGE:IMPORT.PATH``;
         this package, pathsim-flight and the model's ``requiredToolboxes`` are known already
     trust_toolboxes : sequence of str
-        toolboxes that may be imported if the model asks for them, though they are not PathSim's
+        further toolboxes, not PathSim's own, that may be imported if the model requires them
 
     Returns
     -------
@@ -39,8 +39,8 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     Raises
     ------
     DiagramError
-        if the file is not a model, asks for a toolbox that is not trusted, has blocks or events
-        that nobody knows, broken connections, ambiguous ids or parameters that are not Python
+        if the file is not a model, requires a toolbox that is not trusted, has unknown blocks or
+        events, broken connections, ambiguous ids or parameters that are not Python
         expressions, its code has a name of its blocks, or the script cannot be written
     ParameterError
         if a toolbox cannot be imported

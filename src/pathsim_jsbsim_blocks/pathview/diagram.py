@@ -1,4 +1,4 @@
-"""A block diagram as plain data: what a script says, before it becomes a model file."""
+"""A block diagram as plain data: the content of a script, before it becomes a model file."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Graph:
 
 @dataclass
 class Diagram:
-    """All of a diagram script that PathView can hold.
+    """All of a diagram script that PathView can represent.
 
     ``code_names`` are the names that its code binds. ``parts`` has, by the variable in PathView's
     script, each block and event of the script, and of each of its parameters whether an expression

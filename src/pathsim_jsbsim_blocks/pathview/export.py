@@ -36,7 +36,7 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     """Write a PathSim script as a PathView model.
 
     The script is executed, as the main program and without arguments, until its first run begins;
-    the model is the diagram as it stands there. Blocks, wires, events and solver settings are read
+    the model is the diagram at that point. Blocks, wires, events and solver settings are read
     from the simulation. Parameters are taken from the source as written where that gives the
     diagram's values, and are its values elsewhere. A warning names what comes after the first run.
 
@@ -56,8 +56,8 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     Raises
     ------
     DiagramError
-        if the script fails, says what PathView cannot (file, line and reason), or the model
-        cannot be written
+        if the script fails or contains something that PathView cannot represent (file, line and
+        reason), or the model cannot be written
     """
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
@@ -71,7 +71,7 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
     Warns
     -----
     UserWarning
-        names what the script does after its first run: it is not in the model
+        names what the script does after its first run, which is not in the model
     """
     with _other_numbers():
         live = Script(script, lambda standing: _Export(standing).content(existing))
@@ -85,10 +85,10 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
 
 
 class _Export:
-    """Turns a script into a model that builds the same diagram, or says why there is none.
+    """Turns a script into a model that builds the same diagram, or explains why that is impossible.
 
-    The source is tried first. Where the diagram that it gives differs from the script's, live
-    values take its place, until nothing differs or nothing is left to replace.
+    The source is tried first. Where the resulting diagram differs from the script's, live values
+    replace the source, until nothing differs or nothing is left to replace.
     """
 
     def __init__(self, script: Script):
@@ -224,8 +224,8 @@ class _Export:
                                path=self.script.path, line=line)
         made = self.script.construction(part)
         place = self._touched(part)
-        self.script.refuse(f"{what} is changed after it is built: {difference}; PathView has no "
-                           "place for that", place or (made and made.node) or self.script.run_call)
+        self.script.refuse(f"{what} is changed after it is built: {difference}; PathView cannot "
+                           "represent that", place or (made and made.node) or self.script.run_call)
 
     def _check_opaque(self, parts: list[Any]) -> None:
         """Refuse calls that may change what cannot be compared."""
@@ -233,7 +233,7 @@ class _Export:
             place = self._touched(part)
             if place is not None:
                 self.script.refuse(f"{self._called(part)} may be changed here after it is built; "
-                                   "PathView has no place for that", place)
+                                   "PathView cannot represent that", place)
 
     def _called(self, part: Any) -> str:
         names = [n for n, v in self.script.namespace.items() if v is part]
@@ -242,7 +242,7 @@ class _Export:
         return repr(name) if name else f"this {type(part).__name__}"
 
     def _touched(self, part: Any) -> ast.AST | None:
-        """Where the script may change a part before the run, as far as its source tells."""
+        """Where the script may change a part before the run, judging by its source."""
         made = self.script.construction(part)
         names = {n for n, v in self.script.namespace.items() if v is part
                  or (isinstance(v, dict) and any(x is part for x in v.values()))
@@ -264,11 +264,11 @@ class _Export:
         return None
 
     def _check_seed(self, diagram: Diagram) -> None:
-        """Refuse functions that draw from a seeded global generator in another state of it."""
+        """Refuse functions that draw from a seeded global generator, whose state would differ."""
         code = [diagram.context, *(v for n in _nodes(diagram.graph) for v in n.params.values())]
         if self._seeds and self._numbers != self._numbers_there and any(map(_draws, code)):
             self.script.refuse("functions of the diagram draw from the global random generator, "
-                               "which is in another state in the model; give them one of their own "
+                               "whose state differs in the model; give them their own generator "
                                "(np.random.default_rng)", self._seeds[-1])
 
 
@@ -287,7 +287,7 @@ def _numbers() -> tuple[str, str]:
 
 @contextmanager
 def _other_numbers() -> Iterator[None]:
-    """With the global random generators in a state of their own, and as before at the end."""
+    """Reseed the global random generators, and restore their state at the end."""
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed()
     np.random.seed()  # noqa: NPY002 (scripts draw from the global one)
@@ -338,7 +338,7 @@ def _code_line(error: BaseException) -> int | None:
 
 @contextmanager
 def _as_in_pathview() -> Iterator[None]:
-    """A process that is not the script's: other arguments, no output."""
+    """Imitate PathView's process: other arguments, no output."""
     with (quiet(), patch.object(sys, "argv", ["pathview", "serve", "--port", "5000"]),
           redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO())):
         yield

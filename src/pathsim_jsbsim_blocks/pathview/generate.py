@@ -15,7 +15,7 @@ from .variables import printable
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
-    """A model's script. All is checked before: PathView's converter drops what it does not know.
+    """A model's script, after a full check: PathView's converter drops unknown parts.
 
     ``content`` comes from ``pvm.read``, which checks its shape, or from ``pvm.model``.
     """
@@ -31,9 +31,9 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
         with compiling():
             ast.parse(code)
     except (SyntaxError, ValueError) as error:
-        # parameters and code have been parsed one by one: what is left are the names
+        # parameters and code have been parsed one by one, so only a name can be wrong
         line = (getattr(error, "text", None) or str(error)).strip()
-        raise DiagramError(f"a name makes no Python: {line!r}", path=path) from error
+        raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
     except (RecursionError, MemoryError) as error:
         raise DiagramError("too deep or too large for a script", path=path) from error
     return code
@@ -44,7 +44,7 @@ def _in_docstring(name: str) -> str:
 
 
 def _spliceable(content: Json) -> Json:
-    """A model whose names and expressions mean in PathView's script what they mean alone.
+    """A model whose names and expressions keep their meaning inside PathView's script.
 
     PathView writes names into comments, where a line separator would end the comment, and
     parameters between commas, where a comment would hide what follows.
@@ -67,7 +67,7 @@ def _spliceable(content: Json) -> Json:
 
 
 def _argument(value: Any) -> Any:
-    """An expression as it can stand between other arguments of a call."""
+    """An expression, in parentheses if needed between other arguments of a call."""
     if not isinstance(value, str) or not value.strip():
         return value
     value = value.strip()

@@ -59,7 +59,7 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
     for i in sinks:
         layer[i] = last + 1
     for i in inner:
-        # a block that only a scope looks at stands beside the others that scopes look at
+        # align a block that only feeds a scope with the other blocks that feed scopes
         if i not in turned and i in observed and not any(i in e for e in edges):
             layer[i] = max(last, 0)
     y = _rows(graph, sizes, layer, cut)
@@ -70,7 +70,7 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
 
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
-    """Groups of nodes that lie on common loops: strongly connected components (Tarjan)."""
+    """Groups of nodes on common loops: strongly connected components (Tarjan)."""
     after = defaultdict(list)
     for a, b in sorted(edges):
         after[a].append(b)
@@ -138,7 +138,7 @@ def _feedback(nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge],
 
 
 def _layers(nodes: list[int], edges: Collection[Edge]) -> dict[int, int]:
-    """Column of each node: the longest path to it; what has no inputs stands before its target."""
+    """Column of each node: the longest path to it; a node without inputs is before its target."""
     layer = dict.fromkeys(nodes, 0)
     for _ in nodes:
         moved = False
@@ -180,7 +180,7 @@ def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
             wished = []
             for i in columns[number]:
                 sides = [y[j] + s for j, s in pulls[i] if (layer[j] < layer[i]) == forward]
-                # in the end one straight wire reads better than two that are nearly so
+                # in the last sweep prefer one straight wire to two that are nearly straight
                 middle = mean if sweep < _SWEEPS else median_low
                 wished.append((middle(sides) if sides else y[i], i))
             wished.sort(key=None if sweep < _SWEEPS else lambda w: y[w[1]])
@@ -189,8 +189,8 @@ def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
 
 
 def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> dict[int, float]:
-    """Heights close to the wished ones at which the blocks of a column stand in this order."""
-    # groups of touching blocks, each at the mean of what its blocks wish
+    """Heights close to the wished ones that keep the blocks of a column in this order."""
+    # groups of touching blocks, each at the mean of its blocks' wishes
     groups: list[tuple[list[int], list[float], float]] = []  # blocks, offsets, sum of wishes
     for wish, i in wished:
         group = ([i], [0.0], wish)
@@ -264,7 +264,7 @@ def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:
 
 def touch(a: tuple[int, int], size_a: tuple[int, int], b: tuple[int, int],
           size_b: tuple[int, int]) -> bool:
-    """Whether two blocks overlap or stand too close for a wire between them."""
+    """Whether two blocks overlap or are too close for a wire between them."""
     return (abs(a[0] - b[0]) < (size_a[0] + size_b[0]) / 2 + 2 * GRID
             and abs(a[1] - b[1]) < (size_a[1] + size_b[1]) / 2 + _ROW / 2)
 

@@ -23,7 +23,7 @@ def refuse_markup(content: dict[str, Any], path: Path) -> None:
     Raises
     ------
     DiagramError
-        if HTML stands beside a formula in a name, or a note's link is no address of the web
+        if a name holds HTML beside a formula, or a note's link is not a web address
     """
     for text in _names(content):
         if _FORMULA.search(text) and _TAG.search(_FORMULA.sub("", text)):
@@ -31,7 +31,7 @@ def refuse_markup(content: dict[str, Any], path: Path) -> None:
     for note in _graphs(content.get("graph"), "annotations"):
         for address in _LINK.findall(str(note.get("content", ""))):
             if not _ADDRESS.fullmatch(address):
-                raise DiagramError(f"an annotation's link is no web address: {address!r}",
+                raise DiagramError(f"an annotation's link is not a web address: {address!r}",
                                    path=path)
 
 

@@ -1,4 +1,4 @@
-"""PathView's pages as this package serves them: nothing from elsewhere, no script but ours."""
+"""PathView's pages as this package serves them: no external content, no scripts but our own."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
 
 
 def local_scripts(static: Path) -> dict[str, str]:
-    """PathView's scripts that load KaTeX's style sheet and fonts, by path: from here instead."""
+    """PathView's scripts that load KaTeX's style sheet and fonts, redirected here, by path."""
     found = {}
     for file in (static / "app").rglob("*.js"):
         text, count = _CDN.subn("/katex", file.read_text(encoding="utf-8"))
@@ -56,12 +56,12 @@ def local_scripts(static: Path) -> dict[str, str]:
 
 
 def refused(reason: str) -> str:
-    """A page that says why there is no other."""
+    """A page that explains why a request was refused."""
     return f"<!doctype html><title>403 Forbidden</title><p>{html.escape(reason)}\n"
 
 
 def registration(required: list[Toolbox]) -> str:
-    """JavaScript that registers toolboxes before PathView starts; the last one wins a name."""
+    """JavaScript that registers toolboxes before PathView starts; the last of a name wins."""
     toolboxes = required if OURS in required else [OURS, *required]
     entries = [{**t.requirement(), "blocks": _selection(t), "events": []} for t in toolboxes]
     name, module = _PRELOADED
@@ -87,12 +87,12 @@ def registration(required: list[Toolbox]) -> str:
 
 
 def _literal(value: Any) -> str:
-    """A value in a script; a model's text in it cannot end the script."""
+    """A value as a JavaScript literal that cannot close the script element."""
     return json.dumps(value).replace("<", "\\u003c")
 
 
 def _selection(toolbox: Toolbox) -> list[dict[str, Any]]:
-    """This package's blocks with their categories; of other toolboxes PathView takes all."""
+    """This package's blocks with their categories; for other toolboxes PathView takes all."""
     out = []
     for name, block in toolbox.blocks().items() if toolbox == OURS else ():
         category, shape = _CATEGORIES[block.__module__.split(".")[1]]

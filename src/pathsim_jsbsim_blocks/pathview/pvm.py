@@ -60,7 +60,7 @@ def read(path: Path) -> dict[str, Any]:
     Raises
     ------
     DiagramError
-        if it cannot be read, is not a model of a version that is known, or is damaged
+        if it cannot be read, is not a model of a known version, or is damaged
     """
     try:
         # Notepad puts a byte order mark first
@@ -96,7 +96,7 @@ def write(path: Path, content: str) -> None:
     Raises
     ------
     DiagramError
-        if it cannot be written; what was there before is left as it was
+        if it cannot be written; an existing file is left unchanged
     """
     try:
         if path.exists() and not path.is_file():
@@ -143,7 +143,7 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
         turned = 2 if i in layout.turned else 0
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
-    # PathView leads wires that run back around the blocks, most of them above
+    # PathView routes feedback wires around the blocks, mostly above them
     box.top -= GRID * len({(w.source, w.output) for w in graph.wires
                            if centres[w.source][0] >= centres[w.target][0]})
     connections = [
@@ -155,7 +155,7 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
 
 def _kept_centres(auto: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]],
                   olds: Sequence[Existing]) -> list[tuple[int, int]]:
-    """Positions of an existing model; new blocks stand beside them as in the automatic layout."""
+    """Positions of an existing model; new blocks are placed relative to them as in the layout."""
     known = {i: (o["position"]["x"], o["position"]["y"]) for i, o in enumerate(olds)
              if isinstance(o.get("position"), dict)}
     if not known:
@@ -205,7 +205,7 @@ def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, An
 
 
 def _pinned(node: Node) -> list[str]:
-    """The parameters that a reader wants to see: those that the script gives, if short."""
+    """The parameters shown on the block: those that the script gives, if short."""
     if node.type in _RECORDERS:
         return []
     short = [k for k, v in node.params.items() if len(v) <= _PINNED_LENGTH]
@@ -226,7 +226,7 @@ def _events(events: Sequence[Event], prefix: str, box: _Box,
 
 
 def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
-    """What the script's docstring says, above the diagram; and the notes of an existing model."""
+    """The script's docstring, above the diagram, and the notes of an existing model."""
     mine, others = "docstring", [dict(a) for a in old if a.get("id") != "docstring"]
     content = _markdown(docstring)
     if not content:
@@ -245,7 +245,7 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
 
 
 def _markdown(docstring: str) -> str:
-    """A docstring as Markdown: its first line as a title, each paragraph in one line."""
+    """A docstring as Markdown: its first line as a title, each paragraph on one line."""
     docstring = re.sub(r"(\.\. math::)\s*\n", r"\1 ", docstring.strip())
     paragraphs = [p for p in map(_paragraph, re.split(r"\n\s*\n", docstring)) if p]
     if not paragraphs:

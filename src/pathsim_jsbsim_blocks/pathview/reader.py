@@ -1,7 +1,7 @@
 """Read a diagram script: structure from the live diagram, expressions from the source.
 
-A parameter keeps its expression as long as the model's code can evaluate it; where it cannot, or
-gives another value than the diagram has (``Choices``), the live value is written.
+A parameter keeps its expression if the model's code can evaluate it. Otherwise, or if the result
+differs from the diagram's value (``Choices``), the live value is written.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 @dataclass
 class Choices:
-    """Where the source does not give what the diagram has.
+    """Where the source does not give the diagram's value.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class Choices:
 
 
 def read_diagram(script: Script, functions: Functions, choices: Choices) -> Diagram:
-    """Everything that a model file can hold of a diagram script.
+    """Everything in a diagram script that a model file can represent.
 
     Raises
     ------
     DiagramError
-        for what PathView has no place for, with file, line and reason
+        for what PathView cannot represent, with file, line and reason
     """
     return _Reader(script, functions, choices).diagram()
 
@@ -92,7 +92,7 @@ class _Reader:
     def diagram(self) -> Diagram:
         sim = self.script.simulation
         if sim.time:
-            self.refuse(f"the simulation stands at t = {sim.time:g} when its first run begins; "
+            self.refuse(f"the simulation is at t = {sim.time:g} when its first run begins; "
                         "PathView starts at 0", self._run_node())
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
         for part in self.parts.values():
@@ -246,11 +246,11 @@ class _Reader:
                 made = None
             for name in part.arguments:
                 if name not in known or name.startswith("_"):
-                    self.refuse(f"PathView has no place for parameter {name!r} of "
+                    self.refuse(f"PathView cannot represent parameter {name!r} of "
                                 f"{part.kind.__name__}", self._node(part.value))
         else:
             made = None
-        if part.kind is Subsystem:  # what it is made of is read from the live one
+        if part.kind is Subsystem:  # its contents are read from the live subsystem
             part.arguments = {}
         elif made is None:
             for name in known:
@@ -297,7 +297,7 @@ class _Reader:
         return DiagramError(reason, path=self.script.path, line=getattr(node, "lineno", None))
 
     def _live(self, part: _Part, name: str, error: DiagramError | None) -> ast.expr:
-        """The live value of a parameter as an expression; ``error`` refuses the one in the source.
+        """The live value of a parameter as an expression; ``error`` is why the source is refused.
         """
         what = f"parameter {name!r} of {self._called(part.value)}"
         node = part.arguments.get(name)
@@ -310,7 +310,7 @@ class _Reader:
         try:
             return self.context.live(value)
         except Unwritable as unwritable:
-            reason = error.reason if error else "it is not what the source gives"
+            reason = error.reason if error else "it differs from the value in the source"
             raise DiagramError(f"{what}: {reason}, and {unwritable}", path=self.script.path,
                                line=error.line if error else getattr(where, "lineno", None)
                                ) from unwritable
@@ -350,7 +350,7 @@ class _Reader:
         return renamed
 
     def _locals(self, context: Context) -> set[str]:
-        """Variables of the functions that refer to parts: they would hide a part of that name."""
+        """Variables of the functions that refer to parts; they would shadow a part of that name."""
         names: set[str] = set()
         nodes = [*context.nodes(), *(e for p in self.parts.values() for e in p.arguments.values()),
                  *(p.function for p in self.parts.values() if p.function)]
@@ -363,7 +363,7 @@ class _Reader:
         return names
 
     def _told(self, part: _Part) -> str:
-        """A name for a part that no variable of the module holds: its key, or how it was called."""
+        """A name for a part that no variable of the module holds: its key or its original name."""
         for value in self.script.namespace.values():
             if isinstance(value, dict):
                 for key, item in value.items():
@@ -395,7 +395,7 @@ class _Reader:
         return [f"from pathsim.events import {', '.join(names)}"] if names else []
 
     def _toolboxes(self) -> list[Toolbox]:
-        """The toolboxes in use, in an order in which the right one wins every class name."""
+        """The toolboxes in use, ordered so that every class name resolves to the right one."""
         owners = {name: toolbox for name, (_, toolbox) in self.types.items()}
         toolboxes = sorted({t for t in owners.values() if t}, key=lambda t: t.package)
         for order in itertools.permutations(toolboxes):
@@ -418,7 +418,7 @@ _SYNCHRONOUS = {
 
 
 def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
-    """Names of a block's ports: its labels, what it draws them from, or ``in 0``."""
+    """Names of a block's ports: its labels, names derived from its parameters, or ``in 0``."""
     register = block.inputs if side == "input" else block.outputs
     labels = getattr(kind, f"{side}_port_labels")
     if kind in (Interface, Subsystem):
@@ -427,7 +427,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
         n = max(len(labels), wired)
     else:
         n = max(len(register), wired)
-    # PathView shows eight characters: of a path, the last part says more than the first
+    # PathView shows eight characters, so keep the last part of a path
     names = {i: name.rpartition("/")[2] or name
              for name, i in (port_names(register) or labels or {}).items()}
     if side == "input":
@@ -440,7 +440,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
 
 
 def _built_in(kind: type[Block]) -> type[Block]:
-    """The class that PathView may know: a class of the script that only builds is its base."""
+    """The class that PathView may know: the base of a class that only adds ``__init__``."""
     while not kind.__module__.startswith("pathsim.") and len(kind.__bases__) == 1:
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
@@ -458,7 +458,7 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
 
 
 def _plain_call(call: ast.Call, names: Sequence[str]) -> bool:
-    """Whether each argument stands for one parameter."""
+    """Whether each argument corresponds to one parameter."""
     return not (any(isinstance(a, ast.Starred) for a in call.args)
                 or any(k.arg is None for k in call.keywords) or len(call.args) > len(names))
 

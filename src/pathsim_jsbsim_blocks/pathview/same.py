@@ -73,7 +73,7 @@ class Functions:
         self._nodes: list[Any] = [n for n in ast.walk(tree) if isinstance(n, _FUNCTION_NODES)]
 
     def node(self, function: types.FunctionType) -> Any:
-        """Its definition; None if it is not in this source, or if it cannot be told which."""
+        """Its definition; None if it is not in this source, or if it is ambiguous."""
         code = function.__code__
         if code.co_filename != self.filename:
             return None
@@ -122,7 +122,7 @@ def _count(code: types.CodeType) -> int:
 
 
 def outer_value(function: types.FunctionType, name: str) -> Any:
-    """What a name of an outer scope means in a function; ``...`` if it means nothing yet."""
+    """The value of an outer name in a function; ``...`` if it is not bound yet."""
     if name in function.__code__.co_freevars:
         try:
             return function.__closure__[  # type: ignore[index]
@@ -147,9 +147,9 @@ class Comparison:
     Attributes
     ----------
     differences : list of Difference
-        nothing, if both simulate the same
+        empty if both simulate the same
     opaque : list
-        parts with values that cannot be looked into
+        parts with values that cannot be compared
     """
 
     def __init__(self, here: Simulation, there: Simulation, parts: Mapping[str, Any],
@@ -194,7 +194,7 @@ class Comparison:
         self._inside(".connections", _wires(here, self._names), _wires(there, self._names_there))
 
     def _part(self, here: Any, there: Any) -> None:
-        extra = type(here) is not type(there)  # a class of the script that only builds
+        extra = type(here) is not type(there)  # a script's class that only adds __init__
         if extra and not issubclass(type(here), type(there)):
             self._differ(type(here), type(there))
             return
@@ -212,7 +212,7 @@ class Comparison:
             if name in skip or (extra and name not in theirs):
                 continue
             if id(mine.get(name)) in self._partner and id(here) not in self._partner:
-                # an object of the script that holds a part: it matters if something asks for it
+                # an object of the script that holds a part: compared only if something reads it
                 self._held.append((name, self._at, mine[name], theirs.get(name)))
                 continue
             self._inside(f".{name}", mine.get(name, ...), theirs.get(name, ...))
@@ -276,7 +276,7 @@ class Comparison:
             self._differ(here, there)
 
     def _number(self, here: Any, there: Any) -> None:
-        # 2 for 2.0 would be another number where it overflows or divides
+        # 2 and 2.0 differ in overflow and division
         if isinstance(here, (int, np.integer)) != isinstance(there, (int, np.integer)) or not (
                 here == there or (here != here and there != there)):
             self._differ(here, there)
@@ -290,7 +290,7 @@ class Comparison:
             self._differ(here, there)
 
     def _register(self, here: Register, there: Register) -> None:
-        # registers grow with their wires, at the latest when the run begins
+        # registers may differ in length: they grow with their wires until the run begins
         a, b = here.to_array(), there.to_array()
         n = max(len(a), len(b))
         self._compare(*(np.concatenate([x, np.zeros(n - len(x))]) for x in (a, b)))
@@ -357,7 +357,7 @@ class Comparison:
             self._sequence(*([f for f in s[1:] if f is not None] for s in states))
 
     def _same_class(self, here: type, there: type) -> bool:
-        """One class, or what the model's code makes of a class of the script."""
+        """Same class, or the model's version of a class of the script."""
         return here is there or (here.__qualname__ == there.__qualname__
                                  and there.__module__ in ("builtins", "__main__", "rebuilt"))
 
@@ -380,7 +380,7 @@ def _wires(system: Any, names: Mapping[int, str]) -> set[tuple[str | None, int, 
 
 
 def _state(value: Any) -> dict[str, Any]:
-    """The attributes of an object, those in slots included."""
+    """The attributes of an object, including those in slots."""
     state = dict(getattr(value, "__dict__", {}))
     for kind in type(value).__mro__:
         slots = kind.__dict__.get("__slots__", ())
@@ -398,7 +398,7 @@ def inner_names(node: Any) -> list[ast.Name]:
 
 
 def _shape(node: Any) -> str:
-    """What a function does, whatever its own name and those of outer scopes are."""
+    """What a function does, regardless of its own name and the names of outer scopes."""
     memo: dict[int, Any] = {}
     body = [copy.deepcopy(part, memo) for part in _body(node)]
     for name in inner_names(node):

@@ -1,4 +1,4 @@
-"""Run a diagram script up to its first ``run``, and remember which line built what."""
+"""Run a diagram script up to its first ``run``, and record which line built each object."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _RUNS = ("run", "run_streaming", "run_realtime")
 _FLY = "fly"
 _STEPS = ("timestep", "step")
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
-# methods that build the diagram, or only look at it
+# methods that build or only inspect the diagram
 HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "plot2D",
             "plot3D", "read", "save"}
 
@@ -46,7 +46,7 @@ class Construction:
     node : ast.Call or ast.FunctionDef
         a call, or the function that a block class decorates
     value : object
-        what it made
+        the resulting object
     direct : bool
         the call is one of the object's class, not of a function that builds it
     local : set of str
@@ -54,7 +54,7 @@ class Construction:
     target : str
         the variable, attribute or key to which it is assigned, or empty
     given : dict
-        values of the arguments that could be read again, by the ``id`` of their expression
+        values of the arguments that could be re-evaluated, by the ``id`` of their expression
     """
 
     node: ast.Call | ast.FunctionDef
@@ -87,8 +87,8 @@ class Run:
 class Script:
     """A diagram script, executed as the main program up to its first run.
 
-    ``at_run`` is called with the script while it stands there: what it does on the way out, as in
-    ``finally``, comes later. Without a run it is called at the end. ``result`` is what it returns.
+    ``at_run`` is called with the script at that point, before any cleanup such as ``finally``.
+    Without a run it is called at the end. ``result`` is what it returns.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Script:
     run : Run or None
         the first run; None if the script runs nothing
     run_call : ast.Call or None
-        the call that runs the simulation, if the script itself holds it
+        the call that runs the simulation, if it is in the script itself
     states : list of tuple
         method and line of calls before the run that change the simulation's state
     statements : list of ast.stmt
@@ -138,7 +138,7 @@ class Script:
             raise self._error
 
     def _stand(self) -> None:
-        """All is built; nothing may be raised here, for the script would catch it."""
+        """Read the finished diagram; errors are stored, because the script could catch them."""
         try:
             self.simulation = self._the_simulation()
             self.run_call = self._find_run()
@@ -157,7 +157,7 @@ class Script:
         return self._built.get(id(value))
 
     def changes(self, statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
-        """What a statement changes in place, itself or by a call of one of the script's functions.
+        """What a statement changes in place, directly or by calling one of the script's functions.
 
         Yields names of the module and the place, as ``names.changes`` does.
         """
@@ -183,7 +183,7 @@ class Script:
         code = compile(tree, str(self.path), "exec", dont_inherit=True)
         module = types.ModuleType("__main__")
         module.__file__ = str(self.path)
-        # functions of the script call it, also later
+        # stays in the namespace: functions of the script also call it later
         setattr(module, RECORD, lambda i, value: self._record(recorder.calls[i], value))
         self.namespace = vars(module)
         try:
@@ -195,7 +195,7 @@ class Script:
         except SystemExit as error:
             if error.code not in (None, 0):
                 lines = self._lines(error)
-                hint = ("; PathView gives a script no arguments" if error.code == 2 else "")
+                hint = ("; PathView passes no arguments to a script" if error.code == 2 else "")
                 raise DiagramError(
                     f"the script fails: SystemExit: {error}{hint}", path=self.path,
                     line=lines[-1] if lines else None) from error
@@ -230,7 +230,7 @@ class Script:
             original = getattr(Simulation, name)
 
             def method(simulation: Simulation, *args: Any, **kwargs: Any) -> Any:
-                # these advance the simulation by steps of their own
+                # these methods advance the simulation by steps of their own
                 with patch.multiple(Simulation, **steps):
                     result = original(simulation, *args, **kwargs)
                 self.states.append((name, self._caller()))
@@ -264,7 +264,7 @@ class Script:
             frame = sys._getframe(2)
             made = Construction(node, value, False, self.local_names(node), self._target(node))
             for part in (node.func, *node.args, *(k.value for k in node.keywords)):
-                # a second evaluation must change nothing
+                # re-evaluate only expressions without side effects
                 if not any(isinstance(n, _ACTIVE) for n in ast.walk(part)):
                     try:
                         made.given[id(part)] = eval(
@@ -380,7 +380,7 @@ class Script:
         return statements
 
     def left_out(self) -> list[tuple[int, str]]:
-        """What the script does after its first run, by line: it is not in the model."""
+        """What the script does after its first run, by line; none of it is in the model."""
         if self.run is None:
             return []
         found: dict[int, str] = {}
@@ -449,7 +449,7 @@ def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
 
 
 class _RunReached(BaseException):
-    """The script runs its simulation: all is built."""
+    """The script is about to run its simulation; the diagram is complete."""
 
 
 class _Recorder(ast.NodeTransformer):
@@ -475,11 +475,11 @@ def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:
 
 @contextmanager
 def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
-    """Python's surroundings of a main program: its folder first in ``sys.path``, no arguments."""
+    """The environment of a main program: its folder first in ``sys.path``, no arguments."""
     with ExitStack() as stack:
         stack.enter_context(patch.object(sys, "path", [str(path.resolve().parent), *sys.path]))
         stack.enter_context(patch.object(sys, "argv", [str(path)]))
-        # classes that the script defines look their module up
+        # classes that the script defines look up their module by name
         stack.callback(sys.modules.__setitem__, "__main__", sys.modules["__main__"])
         sys.modules["__main__"] = module
         stack.enter_context(quiet())
@@ -488,7 +488,7 @@ def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Without the announcement that PathSim logs for every simulation it builds."""
+    """Suppress the INFO line that PathSim logs for every simulation it builds."""
     before = logging.root.manager.disable
     logging.disable(max(before, logging.INFO))
     try:

@@ -1,4 +1,4 @@
-"""PathView's own server, with models to open and an editor that knows their toolboxes."""
+"""PathView's own server, with models to open and their toolboxes registered in the editor."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .access import HOST, Access
 from .shape import Json
 from .toolboxes import required_toolboxes
 
-# one address from day to day: the browser keeps the user's settings by address
+# a constant address, because the browser stores the user's settings by address
 PORT = 8360
 
 _HEADERS = {
@@ -54,8 +54,8 @@ class Server:
         self.address = f"http://{HOST}:{self._server.effective_port}"
 
     def url(self, name: str = "") -> str:
-        """Where the editor is, with a model open; whoever knows it may use the server."""
-        # quoted twice: the page asks for the path as it stands in the parameter
+        """Address of the editor with a model open; it grants access to the server."""
+        # quoted twice: the page requests the path exactly as written in the parameter
         model = f"model={quote(f'/model/{quote(name)}')}&" if name else ""
         return f"{self.address}/editor?{model}token={self._access.token}"
 
@@ -105,7 +105,7 @@ class Server:
         app = create_app(serve_static=True)
 
         def source() -> Path | None:
-            """The file of the page to answer with: PathView has one page for unknown paths."""
+            """The file of the page to serve; PathView has one page for unknown paths."""
             if request.endpoint in ("model", "katex") or request.path.startswith("/api/"):
                 return None
             found = self._files.get(request.path[1:], static / "index.html")
@@ -134,7 +134,7 @@ class Server:
             text, nonce = page.rendered(html.read_text(encoding="utf-8"), required)
             response = make_response(text)
             response.headers["Content-Security-Policy"] = page.policy(nonce)
-            response.cache_control.no_store = True  # a nonce is of one answer
+            response.cache_control.no_store = True  # a nonce is valid for one response
             if self._access.has_token(request):
                 self._access.set_cookie(request, response)
             return response
@@ -162,7 +162,7 @@ class Server:
 def _bound(app: Any, port: int | None) -> Any:
     from waitress import create_server
 
-    # it warns of a full queue, and of requests that it drops at the end
+    # silences its warnings about a full queue and about requests dropped at shutdown
     logging.getLogger("waitress").setLevel(logging.ERROR)
     if port is not None and whole("port", port, low=0) > 65535:
         raise ParameterError(f"port must be at most 65535, not {port}", parameter="port",

@@ -1,4 +1,4 @@
-"""Simulation settings of a script: as written where they are written, live values otherwise."""
+"""Simulation settings of a script: its own expressions where given, live values otherwise."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def setting_values(script: Script) -> dict[str, str]:
     made = script.construction(sim)
     where = made.node if made else None
     if sim.iterations_max != inspect.signature(Simulation).parameters["iterations_max"].default:
-        script.refuse("PathView has no place for iterations_max", where)
+        script.refuse("PathView cannot represent iterations_max", where)
     if unknown := sorted(set(sim.solver_kwargs) - _SETTINGS.keys()):
-        script.refuse(f"PathView has no place for the solver's {', '.join(unknown)}", where)
+        script.refuse(f"PathView cannot represent the solver's {', '.join(unknown)}", where)
     solver: type = sim.Solver
     name = solver.__name__
     if getattr(pathsim.solvers, name, None) is not solver:

@@ -1,4 +1,4 @@
-"""The shape of a model file: what has to be there, and of which kind, before it is used."""
+"""The shape of a model file: required members and their types, checked before use."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _MODEL = {"graph": _GRAPH, "events?": _EVENTS, "codeContext?": {"code?": str},
 _KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list",
           dict: "an object"}
 _FAR = 1e9  # px
-_DEEP = 100  # levels of lists and objects: 30 subsystems, one in the other
+_DEEP = 100  # levels of lists and objects: 30 nested subsystems
 
 
 def check_shape(content: Any, path: Path) -> None:
-    """Refuse the content of a model file that is not built as PathView builds it.
+    """Refuse a model file that does not have the structure PathView writes.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def check_shape(content: Any, path: Path) -> None:
 
 
 def _check_depth(content: Any, path: Path) -> None:
-    """What follows goes down level by level, and Python ends that at its recursion limit."""
+    """Refuse deep nesting: the checks are recursive, and Python limits recursion."""
     todo: list[tuple[Any, tuple[str, ...]]] = [(content, ())]
     for value, place in todo:
         if len(place) > _DEEP:

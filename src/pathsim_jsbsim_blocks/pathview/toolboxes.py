@@ -1,4 +1,4 @@
-"""What PathView knows: its own blocks, and those that it finds in a toolbox."""
+"""The blocks that PathView knows: PathSim's own, and those of toolboxes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Toolbox:
     Attributes
     ----------
     package : str
-        its name on PyPI
+        name on PyPI
     import_path : str
         the module in which PathView looks for blocks
     """
@@ -53,13 +53,13 @@ class Toolbox:
 
     @property
     def belongs(self) -> bool:
-        """Whether the installed package of this name brings the module."""
+        """Whether the installed package of this name contains the module."""
         top = self.import_path.partition(".")[0]
         return self.id in {Toolbox(name, top).id for name in _distributions(top)}
 
     @property
     def missing(self) -> bool:
-        """Whether there is no such module; nothing is imported to find out."""
+        """Whether there is no such module, checked without importing anything."""
         return importlib.util.find_spec(self.import_path.partition(".")[0]) is None
 
     def blocks(self) -> dict[str, type[Block]]:
@@ -106,17 +106,17 @@ _KNOWN = [OURS, *(Toolbox.parse(f"pathsim-{name}") for name in (
 
 
 def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
-    """The reason not to import a toolbox that only a file asks for; empty if there is none.
+    """The reason not to import a toolbox that only a file requires; empty if there is none.
 
-    An import runs the module's code. So the file may name a module of a known toolbox and no other,
-    unless the user trusts the package.
+    An import runs the module's code, so the file may name only modules of known toolboxes, unless
+    the user trusts the package.
 
     Parameters
     ----------
     toolbox : Toolbox
-        what the file asks for
+        the toolbox that the file requires
     trusted : sequence of Toolbox
-        what the user trusts
+        the toolboxes that the user trusts
     """
     if toolbox in (OURS, FLIGHT, *trusted):
         return ""
@@ -147,7 +147,7 @@ def toolbox_of(block: type[Block]) -> Toolbox | None:
 
 @lru_cache
 def _distributions(module: str) -> tuple[str, ...]:
-    """Names on PyPI of the installed packages that bring a top-level module."""
+    """Names on PyPI of the installed packages that contain a top-level module."""
     names = importlib.metadata.packages_distributions().get(module)
     if names:
         return tuple(names)
@@ -170,7 +170,7 @@ def core_registry() -> dict[str, dict[str, Any]]:
 
 def with_toolboxes(registry: dict[str, dict[str, Any]],
                    toolboxes: list[Toolbox]) -> dict[str, dict[str, Any]]:
-    """``registry`` with the blocks of toolboxes; as in PathView, the last one wins a class name."""
+    """``registry`` with the blocks of toolboxes; as in PathView, the last class of a name wins."""
     blocks = dict(registry["blocks"])
     for toolbox in toolboxes:
         for name, block in toolbox.blocks().items():
@@ -181,7 +181,7 @@ def with_toolboxes(registry: dict[str, dict[str, Any]],
 
 def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = (),
                  trust_toolboxes: Sequence[str] = ()) -> Json:
-    """The blocks that a model may use; of one class name, its own toolboxes' last one counts."""
+    """The blocks that a model may use; the last of its own toolboxes to define a name wins."""
     required = required_toolboxes(content, path)
     named = [Toolbox.parse(t) for t in toolboxes]
     trusted = [*named, *map(Toolbox.parse, trust_toolboxes)]
@@ -210,6 +210,6 @@ def _required(entry: Any, path: Path) -> Toolbox:
 
 
 def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:
-    """What to say about a block type that is in no registry."""
+    """Error text for an unknown block type."""
     return (f"PathView does not know the block {name!r}"
             + did_you_mean(nearest(name, registry["blocks"])))

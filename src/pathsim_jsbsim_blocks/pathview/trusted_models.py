@@ -22,9 +22,9 @@ _remembered: set[str] = set()  # in this process; the file may be read-only
 
 
 def digest(content: Json) -> str:
-    """A digest of a model's content but for what PathView changes when a block is moved or saved.
+    """A digest of a model's content without what moving a block or saving changes.
 
-    That is when it was saved, and where blocks are drawn.
+    The omitted parts are the times of saving and the positions of blocks.
     """
     def lasting(value: Any) -> Any:
         if isinstance(value, dict):
@@ -57,7 +57,7 @@ def require_trust(content: Json, path: Path) -> None:
 
 
 def remember(value: str) -> None:
-    """Remember for good that the user trusts the model with this digest."""
+    """Record permanently that the user trusts the model with this digest."""
     _remembered.add(value)
     try:
         file = _file()
@@ -80,7 +80,7 @@ def _ours() -> set[str]:
 
 
 def _file() -> Path:
-    """One digest a line, in the folder that the system has for what programs remember.
+    """File with one digest per line, in the system's folder for application state.
 
     Raises
     ------
@@ -94,6 +94,6 @@ def _file() -> Path:
         folder = home / "Library" / "Application Support"
     else:
         state = Path(os.environ.get("XDG_STATE_HOME", ""))
-        # by its specification, a relative path counts as none
+        # the XDG specification says to ignore a relative path
         folder = state if state.is_absolute() else home / ".local" / "state"
     return folder / "pathsim-jsbsim-blocks" / "trusted-models"

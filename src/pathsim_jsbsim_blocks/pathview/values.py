@@ -25,7 +25,7 @@ PARTS = (Block, Event, Connection, Simulation)
 
 
 class Unwritable(Exception):
-    """A value that no expression gives; the text says why."""
+    """A value that cannot be written as an expression; the text says why."""
 
 
 class Values:
@@ -38,14 +38,14 @@ class Values:
     functions : Functions
         the functions of its source
     need : callable
-        called with each of the script's names that an expression uses, and with where
+        called with each of the script's names that an expression uses, and its location
 
     Attributes
     ----------
     made : dict
         code to add: names with an expression or a function definition, in the order of their use
     parts : dict
-        names in functions that stand for parts of the diagram, and these parts
+        names in functions that refer to parts of the diagram, and these parts
     imports : set of str
         modules to import
     names : dict
@@ -139,7 +139,7 @@ class Values:
         return None
 
     def _object(self, value: Any) -> ast.expr | None:
-        """An object that its fields make again."""
+        """An object that its fields can rebuild."""
         if isinstance(value, types.MethodType):
             return ast.Attribute(self.expression(value.__self__), value.__name__, ast.Load())
         if isinstance(value, functools.partial):
@@ -161,7 +161,7 @@ class Values:
     # functions ----------------------------------------------------------------------------------
 
     def _function(self, value: Any, name: str) -> ast.expr | None:
-        """A function of the script: what it took from around it becomes names of the code."""
+        """A function of the script; its closure variables become names of the code."""
         if not isinstance(value, types.FunctionType):
             return None
         if id(value) in self.names:
@@ -193,9 +193,9 @@ class Values:
         return ast.Name(wish, ast.Load())
 
     def _outer(self, function: types.FunctionType, name: ast.Name) -> str:
-        """The name in the code for one of an outer scope in a function."""
+        """The name in the code for an outer name of a function."""
         if name.id not in function.__code__.co_freevars:
-            # also of a function that the script does not show: its globals are the script's
+            # also for a function defined elsewhere: its globals are the script's
             self.need(name.id, name)
             return name.id
         cell = function.__closure__[  # type: ignore[index]
@@ -218,7 +218,7 @@ class Values:
         return self.names[id(cell)][0]
 
     def _defaults(self, function: types.FunctionType, node: Any) -> ast.arguments:
-        """The arguments of a function with the defaults that it has."""
+        """The arguments of a function with its defaults."""
         old = node.args
         defaults = [self._default(d, v) for d, v in
                     zip(old.defaults, function.__defaults__ or (), strict=True)]
@@ -256,7 +256,7 @@ def _without_places(node: Any) -> Any:
 
 
 def _substituted(node: Any, renamed: Mapping[str, str], outer: set[str]) -> Any:
-    """A function with new names for those of outer scopes, which are globals now."""
+    """A function with new names for its outer names, which are now globals."""
     memo: dict[int, Any] = {}
     out = copy.deepcopy(node, memo)
     for old in inner_names(node):

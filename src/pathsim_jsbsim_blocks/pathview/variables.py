@@ -6,7 +6,7 @@ import re
 
 
 def plain(name: str) -> str:
-    """The variable that PathView makes of a name."""
+    """The variable that PathView derives from a name."""
     variable = re.sub(r"[^a-zA-Z0-9_]", "", name.replace(" ", "_"))
     return ("n_" + variable if variable[:1].isdigit() else variable).lower()
 
@@ -25,7 +25,7 @@ def prefix_inside(subsystem: str, prefix: str) -> str:
 
 
 def printable(name: str) -> str:
-    """A name on one line: no line separators, controls or marks that turn the reading direction.
+    """A name on one line, without line separators, control characters or direction marks.
 
     Its variable is the same.
     """
