@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except UntrustedModelError as error:
-        print(f"pathsim-jsbsim: {error}, then say --trust", file=sys.stderr)
+        print(f"pathsim-jsbsim: {error}, then pass --trust", file=sys.stderr)
         return 2
     except BrokenPipeError:
         # the reader of a pipe (head) has seen enough
@@ -87,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
 
     def trust_toolbox(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("--trust-toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
-                         help="import this toolbox if the model asks for it, though it is not one "
+                         help="import this toolbox if the model asks for it, even if it is not one "
                               "of PathSim's (repeatable)")
 
     def trim_condition(sub: argparse.ArgumentParser) -> None:

@@ -138,9 +138,9 @@ def test_a_toolbox_named_on_the_command_line_or_in_the_model(convert, toolbox):
 
 def test_a_model_imports_no_module_of_its_choice(convert, toolbox, capsys):
     for import_path, package, reason in [
-        ("my_toolbox", "my-toolbox", "no known toolbox.*--trust-toolbox my-toolbox"),
-        ("this", "this", "no known toolbox of PathSim.*--trust-toolbox this"),
-        ("unittest.__main__", "unittest", "no known toolbox"),
+        ("my_toolbox", "my-toolbox", "not a known PathSim toolbox.*--trust-toolbox my-toolbox"),
+        ("this", "this", "not a known PathSim toolbox.*--trust-toolbox this"),
+        ("unittest.__main__", "unittest", "not a known PathSim toolbox"),
         ("this", "pathsim-flight", "does not belong to that package.*pathsim-flight:this"),
         ("unittest.__main__", "pathsim-jsbsim-blocks", "private module"),
         ("pathsim_flight.__main__", "pathsim-flight", "private module"),

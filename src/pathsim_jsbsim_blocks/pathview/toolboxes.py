@@ -122,7 +122,7 @@ def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
         return ""
     asked = f"asks for the toolbox {toolbox.package!r} (module {toolbox.import_path})"
     if toolbox.id not in {t.id for t in (*_KNOWN, *trusted)}:
-        return (f"{asked}, which is no known toolbox of PathSim, and importing it runs its code; "
+        return (f"{asked}, which is not a known PathSim toolbox, and importing it runs its code; "
                 f"if you trust it: --trust-toolbox {toolbox.package}")
     if any(part.startswith("_") for part in toolbox.import_path.split(".")):
         return f"{asked}, which is a private module"
