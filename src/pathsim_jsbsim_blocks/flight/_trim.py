@@ -14,13 +14,16 @@ from ..errors import ParameterError, TrimError
 from .airframe import Airframe
 from .condition import MODES, TrimCondition
 from .console import messages
-from .rehearsal import survives
+from .rehearsal import Outcome, rehearse
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
 
 _ROUNDING = 1e-9  # deg
 
 _NEAR_GROUND = 200.0  # ft, more than any wheel is below its aircraft
+
+# s of computing; a search that finds its trim takes less than half a second
+_LONGEST_SEARCH = 10
 
 _TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: where the US Standard Atmosphere, 1976 ends
 
@@ -207,14 +210,18 @@ def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
         raise _failure(airframe, condition, "altitude",
                        f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the air ends")
     mach = fdm[_STATE["mach"]]
-    if mach >= 1.0 and any(airframe.has(f"propulsion/engine[{i}]/propeller-rpm")
-                           for i in range(airframe.engines)):
+    if mach >= 1.0 and _propellers(airframe):
         raise _failure(airframe, condition, "mach",
                        f"that is Mach {mach:.3g}, and propellers pull to below Mach 1")
     # of the rest, such as a thrust, the search may still make a number
     if broken := [name for name in _not_finite(state(airframe, condition)) if name in _LIMITS]:
         raise _failure(airframe, condition, "no convergence",
                        f"{', '.join(broken)} are no finite numbers there")
+
+
+def _propellers(airframe: Airframe) -> int:
+    return sum(airframe.has(f"propulsion/engine[{i}]/propeller-rpm")
+               for i in range(airframe.engines))
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
@@ -308,11 +315,16 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
-    # with wheels near the ground JSBSim's search may read where there is no memory
+    # with wheels near the ground JSBSim's search may read where there is no memory; with several
+    # propellers it may wait minutes for engines that never settle
     near_ground = condition.mode == "ground" or airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
-    if near_ground and not survives(find):
-        raise _failure(airframe, condition, "no convergence",
-                       "JSBSim cannot put it on its wheels there")
+    if near_ground or _propellers(airframe) > 1:
+        outcome = rehearse(find, _LONGEST_SEARCH)
+        if outcome is not Outcome.ENDS:
+            raise _failure(airframe, condition, "no convergence",
+                           f"the search was given up after {_LONGEST_SEARCH} s of computing"
+                           if outcome is Outcome.GOES_ON
+                           else "JSBSim cannot put it on its wheels there")
     # what it says of a failure is in the error
     found, said = messages(find, hushed=True)
     if not found:

@@ -3,47 +3,61 @@
 from __future__ import annotations
 
 import contextlib
+import enum
 import faulthandler
 import logging
 import os
+import signal
 import warnings
 from collections.abc import Callable
 from typing import Any
 
-_LONGEST = 20  # s of computing; what runs on for longer reads memory that is not its own
+
+class Outcome(enum.Enum):
+    """What an action does to its process."""
+
+    ENDS = enum.auto()
+    KILLS = enum.auto()
+    GOES_ON = enum.auto()
 
 
-def survives(action: Callable[[], Any]) -> bool:
-    """Whether an action ends and lets the process live.
+def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
+    """Whether an action ends within some seconds of computing, and lets the process live.
 
-    A forked child does it first and is thrown away, a few ms for a short action. Where the
-    platform cannot fork (Windows) the answer is always yes.
+    A forked child does it first and is discarded, which adds a few ms to a short action. Where the
+    platform cannot fork (Windows) the answer is always `Outcome.ENDS`.
     """
     if not hasattr(os, "fork"):
-        return True
+        return Outcome.ENDS
     answer, tell = os.pipe()
     with warnings.catch_warnings():
         # of threads that the child would miss: it needs none
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:
-        _rehearse(action, tell)
+        _act(action, seconds, tell)
     os.close(tell)
+    status = 0
     try:
-        return os.read(answer, 1) == b"y"
+        ended = os.read(answer, 1) == b"y"
     finally:
         os.close(answer)
         with contextlib.suppress(ChildProcessError):
-            os.waitpid(child, 0)
+            _, status = os.waitpid(child, 0)
+    if ended:
+        return Outcome.ENDS
+    limits = signal.SIGXCPU, signal.SIGKILL
+    over = os.WIFSIGNALED(status) and os.WTERMSIG(status) in limits
+    return Outcome.GOES_ON if over else Outcome.KILLS
 
 
-def _rehearse(action: Callable[[], Any], tell: int) -> None:
+def _act(action: Callable[[], Any], seconds: int, tell: int) -> None:
     """Never returns; neither prints nor logs, because the parent will."""
     try:
         import resource  # where there is fork there is this
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (_LONGEST, _LONGEST))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         logging.disable()
         faulthandler.disable()
         nowhere = os.open(os.devnull, os.O_WRONLY)
