@@ -317,7 +317,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
     (tmp_path / "gone").rmdir()
     assert main(arguments) == 1
     err = capsys.readouterr().err
-    assert err.startswith("pathsim-jsbsim: the working directory does not exist any more")
+    assert err.startswith("pathsim-jsbsim: the working directory no longer exists")
     assert len(err.splitlines()) == 1
 
 

@@ -1,4 +1,4 @@
-"""Where the diagrams are: beside the package when it is installed, in the repository otherwise."""
+"""Find the diagrams: in the package if it is installed, otherwise in the repository."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     Parameters
     ----------
     name : str
-        of the catalogue, or the path of a script
+        name in the catalogue, or path of a script
     also : iterable of str
-        other names that the caller takes, which the error may suggest as well
+        other names that the caller accepts, which the error may suggest as well
 
     Raises
     ------
@@ -43,7 +43,7 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         return script
     names = diagram_names()
     if script.is_file():
-        raise ParameterError(f"{name!r} is no Python script (.py)", parameter="name", value=name)
+        raise ParameterError(f"{name!r} is not a Python script (.py)", parameter="name", value=name)
     if name in names:
         return diagram_folder() / f"{name}.py"
     also = list(also)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .flight.airframe import Airframe
     from .flight.condition import TrimCondition
 
-_GONE = "the working directory does not exist any more: change to another one"
+_GONE = "the working directory no longer exists: change to another one"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -46,11 +46,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"pathsim-jsbsim: {error}, then pass --trust", file=sys.stderr)
         return 2
     except BrokenPipeError:
-        # the reader of a pipe (head) has seen enough
+        # the reader of the pipe (head) has closed it
         sys.stderr.close()
         return 1
     except (BlocksError, OSError) as error:
-        # what could not be written would be tried again at the end of the process
+        # output that could not be written would be tried again at the end of the process
         with contextlib.suppress(OSError):
             sys.stdout.flush()
         message = str(error)
@@ -116,7 +116,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("name", help="a diagram or a study of the catalogue, or the path of a script")
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path,
-                     help="write all recorded signals, also those of a run that crashes or is "
+                     help="write all recorded signals, including those of a run that crashes or is "
                           "interrupted")
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
@@ -132,7 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("aircraft")
     sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
     sub.add_argument("--trim", action="store_true",
-                     help="values after the trim; so do the options of the condition")
+                     help="values after the trim; implied by any option of the condition")
     sub.add_argument("--after", metavar="SECONDS", type=float,
                      help="values after this time of flight from the trim, controls held")
     trim_condition(sub)
@@ -148,9 +148,9 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
     sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
     sub.add_argument("--resume", metavar="FILE", type=Path,
-                     help="keep finished points in this file, and go on from it")
-    sub.add_argument("--wide", action="store_true", help="the larger grid, where there is one")
-    own = sub.add_argument_group("another aircraft or condition, where the study takes it")
+                     help="keep finished points in this file, and resume from it")
+    sub.add_argument("--wide", action="store_true", help="the larger grid, if there is one")
+    own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
     own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
     own.add_argument("--altitude", metavar="FT", type=float)
     own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
@@ -177,7 +177,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("-o", "--output", metavar="FILE.py", type=Path,
                      help="default is NAME.py beside the model, if that does not exist yet")
     sub.add_argument("--toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
-                     help="a toolbox that the model does not name itself (repeatable)")
+                     help="a toolbox that the model itself does not name (repeatable)")
     trust_toolbox(sub)
     return parser
 
@@ -211,7 +211,7 @@ def _run(args: argparse.Namespace) -> int:
         with _saving(args.save), _as_main(script):
             try:
                 objects = runpy.run_path(str(script), run_name="__main__").values()
-            except SystemExit as error:  # an ordinary end
+            except SystemExit as error:  # a script may end normally with sys.exit
                 _save(args.save, csv_file, _recording_scopes(_left_by(error)))
                 raise
             except BaseException as error:
@@ -226,9 +226,9 @@ def _run(args: argparse.Namespace) -> int:
 
 def _save(figure: Path | None, csv_file: Path | None, scopes: Sequence[Any],
           until: str = "") -> None:
-    """Write the figures that are open and the signals; one that fails does not keep the other.
+    """Write the open figures and the signals; a failure of one does not prevent the other.
 
-    ``until`` is the title of a figure of all that was recorded, where a script drew no figure.
+    ``until``, if given, is the title of a further figure of all that was recorded.
     """
     with contextlib.ExitStack() as last:
         if csv_file is not None:
@@ -243,7 +243,7 @@ def _save(figure: Path | None, csv_file: Path | None, scopes: Sequence[Any],
 
 def _stopped(error: BaseException, script: Path, figure: Path | None,
              csv_file: Path | None) -> int:
-    """Save what a script recorded before it stopped, and say why it did."""
+    """Save what a script recorded before it stopped, and print the reason."""
     scopes = _recording_scopes(_left_by(error))
     saved = ""
     if scopes and (figure is not None or csv_file is not None):
@@ -252,7 +252,7 @@ def _stopped(error: BaseException, script: Path, figure: Path | None,
             _save(figure, csv_file, scopes, until)
             saved = f"; what was recorded {until} is saved"
         except BlocksError as failure:
-            saved = f"; of what was recorded {until} not all is saved: {failure}"
+            saved = f"; what was recorded {until} is not all saved: {failure}"
     status, message = 1, str(error)
     if isinstance(error, KeyboardInterrupt):
         status, message = 130, "interrupted"
@@ -275,13 +275,13 @@ def _stopped(error: BaseException, script: Path, figure: Path | None,
 
 
 def _left_by(error: BaseException) -> list[Any]:
-    """What a script holds that an exception has left, in its functions too."""
+    """Variables of the script that an exception ended, those of its functions included."""
     return [x for frame, _ in traceback.walk_tb(error.__traceback__)
             for x in list(frame.f_locals.values())]
 
 
 def _save_open_figures() -> None:
-    """Those that a script left open, as ``sim.plot()`` does."""
+    """Save the figures that a script left open, as ``sim.plot()`` does."""
     import matplotlib.pyplot as plt
 
     from .plots import show
@@ -327,7 +327,7 @@ def _recording_scopes(objects: Iterable[Any]) -> list[Any]:
 
 def _write_csv(scopes: Sequence[Any], path: Path) -> None:
     if not scopes:
-        raise ParameterError("the script leaves no simulation that a Scope recorded",
+        raise ParameterError("the script has no simulation that a Scope recorded",
                              parameter="csv", value=str(path))
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
@@ -393,7 +393,7 @@ def _properties(args: argparse.Namespace) -> None:
     airframe = _in_state(args)
     names = airframe.property_names(args.text)
     if not names:
-        # refuses the name and offers the nearest
+        # raises PropertyError with suggestions
         airframe.reader(args.text)
     for name in names:
         access = airframe.access(name)
@@ -402,7 +402,7 @@ def _properties(args: argparse.Namespace) -> None:
 
 
 def _in_state(args: argparse.Namespace) -> Airframe:
-    """The aircraft initialised, trimmed or flown for a while, as the arguments say."""
+    """The aircraft, initialised, trimmed or flown for some time as the arguments require."""
     from pathsim import Simulation
 
     from .flight.aircraft import Aircraft
@@ -455,7 +455,7 @@ def _values(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            raise ParameterError(f"--{option} wants PROPERTY=VALUE with a number, not {item!r}",
+            raise ParameterError(f"--{option} needs PROPERTY=VALUE with a number, not {item!r}",
                                  parameter=option, value=item) from None
     return values
 
@@ -468,7 +468,7 @@ def _study(args: argparse.Namespace) -> None:
 
 
 def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
-    """Compute a study, print its result and show its figure; an option that is None is not set."""
+    """Compute a study, print its result and show its figure; options that are None are left out."""
     from .plots import show
     from .studies import STUDIES
 
@@ -500,14 +500,14 @@ def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opt
 
 
 def _range(option: str, text: str) -> list[float]:
-    """The numbers of FIRST:LAST:STEP, the last included."""
+    """The numbers of FIRST:LAST:STEP, including the last."""
     try:
         first, last, step = map(float, text.split(":"))
         count = int((last - first) / step + 1e-9)
         if not 0 <= count < 10_000:
             raise ValueError
     except (ValueError, OverflowError, ZeroDivisionError):
-        raise ParameterError(f"--{option} wants FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
+        raise ParameterError(f"--{option} needs FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
                              parameter=option, value=text) from None
     return [first + i * step for i in range(count + 1)]
 
@@ -526,7 +526,7 @@ def _view(args: argparse.Namespace) -> None:
         if not _says_yes(error):
             raise
         remember(error.digest)
-        opened(False)  # the file may be another one by now
+        opened(False)  # the file may have changed by now
 
 
 def _says_yes(error: UntrustedModelError) -> bool:
@@ -548,7 +548,7 @@ def _export(args: argparse.Namespace) -> None:
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
     model = export_script(script, output)
-    # the script, which has just run here, wrote all the code that is in it
+    # all code in the model comes from the script, which has just run here
     remember(digest(read(model)))
     print(f"model saved: {model}")
 

@@ -7,10 +7,10 @@ from typing import Any
 
 
 class BlocksError(Exception):
-    """Base class: catches every error that this package raises on purpose."""
+    """Base class of all errors that this package raises."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # the default calls the class with the message alone, and errors come back from workers
+        # the default pickles the message alone, and workers send errors back to the caller
         return _restored, (type(self), self.args, self.__dict__)
 
 
@@ -21,7 +21,7 @@ def _restored(kind: type[BlocksError], args: tuple[Any, ...], data: dict[str, An
 
 
 class ParameterError(BlocksError, ValueError):
-    """A parameter of a block or function has a value that it cannot take.
+    """A parameter of a block or function has an invalid value.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class AircraftError(BlocksError, ValueError):
     nearest : list[str]
         known models with a similar name
     missing : str
-        property that the model expects from its surroundings, empty if that is not the reason
+        property that the model expects from its environment, empty if that is not the reason
     """
 
     def __init__(self, message: str, *, aircraft: str, nearest: Sequence[str] = (),
@@ -86,12 +86,12 @@ class TrimError(BlocksError, RuntimeError):
     aircraft : str
         the model's name
     condition : TrimCondition
-        what was asked for
+        the requested condition
     reason : str
         what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
         "bank" or "sideslip", on the ground "height", "pitch angle" or "bank"; or "no convergence"
     residuals : dict[str, float]
-        what JSBSim left: accelerations in ft/s2 and rad/s2, commands, alpha in deg
+        values at which JSBSim stopped: accelerations in ft/s2 and rad/s2, commands, alpha in deg
     """
 
     def __init__(self, message: str, *, aircraft: str, condition: Any, reason: str,
@@ -104,7 +104,7 @@ class TrimError(BlocksError, RuntimeError):
 
 
 class FlightError(BlocksError, RuntimeError):
-    """The flight cannot go on: an input or a state is not finite.
+    """The flight cannot continue: an input or a state is not finite.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class FlightError(BlocksError, RuntimeError):
 
 
 class CopyError(BlocksError, TypeError):
-    """An aircraft block cannot be copied or pickled: JSBSim's state stays where it flies.
+    """An aircraft block cannot be copied or pickled, because JSBSim's state cannot.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class CopyError(BlocksError, TypeError):
 
 
 class DiagramError(BlocksError, ValueError):
-    """A script or a model file cannot be read, or the other form has no way to say what it says.
+    """A script or a model file cannot be read, or cannot be represented in the other format.
 
     Attributes
     ----------
@@ -164,14 +164,14 @@ class DiagramError(BlocksError, ValueError):
 
 
 class FileError(BlocksError, OSError):
-    """A file cannot be read or written: no permission, a full disk, a folder that is gone.
+    """A file cannot be read or written: no permission, a full disk, a missing folder.
 
     Attributes
     ----------
     path : str
         the file
     reason : str
-        what the operating system says
+        the operating system's message
     """
 
     def __init__(self, action: str, path: Any, cause: OSError, advice: str = ""):
@@ -182,12 +182,12 @@ class FileError(BlocksError, OSError):
 
 
 class UntrustedModelError(DiagramError):
-    """A model from outside would run, and the user has not said yet that it may.
+    """A model from outside would run, and the user has not trusted it yet.
 
     Attributes
     ----------
     digest : str
-        of the model's content, by which it is remembered once it is trusted
+        digest of the model's content, under which trust in it is stored
     """
 
     def __init__(self, *, path: Any, digest: str):
@@ -202,10 +202,10 @@ class MissingExtraError(BlocksError, ImportError):
     Attributes
     ----------
     extra : str
-        name of the extra that brings it
+        name of the extra that provides it
     """
 
     def __init__(self, package: str, extra: str):
-        super().__init__(f'{package} is not installed; it comes with '
+        super().__init__(f'{package} is not installed; get it with '
                          f'pip install "pathsim-jsbsim-blocks[{extra}]"')
         self.extra = extra

@@ -1,7 +1,7 @@
 """Figures of flights: time histories from scopes, ground tracks, phase portraits.
 
-Every function returns a matplotlib Figure and shows nothing; `show` opens a window where there is
-a display and writes a file where there is none.
+Every function returns a matplotlib Figure without showing it. `show` opens a window if there is a
+display and writes a file otherwise.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ _save_to: list[Iterator[Path]] = []
 
 @contextlib.contextmanager
 def exact_curves() -> Iterator[None]:
-    """Within this context curves are drawn where their points are; also decorates a function.
+    """Context, and decorator, in which curves are drawn without visible simplification.
 
-    PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, with which
-    corners of a curve sit pixels off. A curve keeps the threshold under which it was plotted: plot
-    inside the context.
+    PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, which
+    moves the corners of a curve by pixels. A curve keeps the threshold with which it was plotted:
+    plot inside the context.
     """
     with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
         yield
@@ -72,7 +72,7 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
     figure, axes = plt.subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
                                 figsize=(8, 1.2 + 1.7 * len(panels)))
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
-        # dashes show that there are two where one curve lies on another
+        # dashes keep coinciding curves apart
         for (time, y, label), dashes in zip(signals, itertools.cycle(["-", "--", "-.", ":"]),
                                             strict=False):
             ax.plot(time, _unwound(y) if unit == "deg" else y, dashes, label=label, linewidth=1.3)
@@ -172,7 +172,7 @@ def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
                            linewidths=2.5)
     ax.add_collection(track)
     ax.plot(east[0], north[0], "ko", label="start")
-    # a straight track must not become a sliver: keep the picture at least a third as high as wide
+    # keep a straight track readable: neither side is shorter than a third of the other
     size = max(np.ptp(east), np.ptp(north), 1e-6)
     for centre, extent, limit in ((np.mean([east.min(), east.max()]), np.ptp(east), ax.set_xlim),
                                   (np.mean([north.min(), north.max()]), np.ptp(north),
@@ -193,7 +193,7 @@ def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
 @exact_curves()
 def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
                    title: str = "") -> Figure:
-    """One signal over another, with the start marked.
+    """One signal against another, with the start marked.
 
     Parameters
     ----------
@@ -222,13 +222,13 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
 
 @exact_curves()
 def show(figure: Figure, name: str) -> None:
-    """Show a figure in a window where there is a display; else write ``name.png`` here.
+    """Show a figure in a window if there is a display; otherwise write ``name.png`` here.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
     name : str
-        name of the file without its ending
+        name of the file without its extension
     """
     import matplotlib.pyplot as plt
     from matplotlib.backends import backend_registry
@@ -251,14 +251,14 @@ def show(figure: Figure, name: str) -> None:
 
 @contextlib.contextmanager
 def saving_to(path: str | Path) -> Iterator[None]:
-    """Within this context `show` writes to ``path``, display or not.
+    """Within this context `show` writes to ``path``, with or without a display.
 
-    A path without an ending gets ``.png``; the second figure goes to ``NAME_2.png``, and so on.
+    A path without an extension gets ``.png``; the second figure goes to ``NAME_2.png``, and so on.
 
     Raises
     ------
     ParameterError
-        at once, if figures cannot be written there; in the end, if none was shown
+        on entry, if figures cannot be written there; on exit, if none was shown
     """
     from matplotlib.backend_bases import FigureCanvasBase
 
@@ -294,14 +294,14 @@ def _recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _label(scope: Scope, i: int) -> tuple[str, str]:
-    """Label and unit of a scope's signal; ``port i`` where it has none."""
+    """Label and unit of a scope's signal; ``port i`` if it has none."""
     text = scope.labels[i] if i < len(scope.labels) else f"port {i}"
     found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
     return (found[1], found[2]) if found else (text, "")
 
 
 def _unwound(y: np.ndarray) -> np.ndarray:
-    """The curve with a gap where an angle wraps round, not a line across the panel."""
+    """The curve with a gap where an angle wraps around, instead of a line across the panel."""
     y = np.array(y, dtype=float)
     y[1:][np.abs(np.diff(y)) > 180.0] = np.nan
     return y

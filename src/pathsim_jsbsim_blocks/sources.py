@@ -20,7 +20,7 @@ from .errors import ParameterError
 
 
 class _EdgeSource(NamedPorts):
-    """Source whose output changes its course at scheduled times, its edges."""
+    """Source whose output changes at scheduled times, its edges."""
 
     input_port_labels: dict[str, int] = {}
     output_port_labels = {"out": 0}
@@ -126,8 +126,8 @@ class DoubletSource(_StepsSource):
 class MultistepSource(_StepsSource):
     """Multistep: pulses of given widths and signs; a 3-2-1-1 by default.
 
-    The 3-2-1-1 spreads its energy over a wider band than a doublet, which identification of
-    flight dynamics asks for (Jategaonkar, *Flight Vehicle System Identification*, AIAA, 2006).
+    The 3-2-1-1 spreads its energy over a wider band than a doublet, as identification of flight
+    dynamics requires (Jategaonkar, *Flight Vehicle System Identification*, AIAA, 2006).
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class MultistepSource(_StepsSource):
 
 
 class RampSource(_EdgeSource):
-    """Ramp from 0 to a final value, held for a time or for ever.
+    """Ramp from 0 to a final value, held for a time or indefinitely.
 
     .. math::
         y(t) = y_\\mathrm{final} \\, \\frac{t - t_\\mathrm{start}}{t_\\mathrm{rise}}
@@ -190,7 +190,8 @@ class RampSource(_EdgeSource):
     rise_time : float
         duration of the ramp in s
     hold : float
-        time for which the final value is held in s, then the output drops to 0; 0 holds it for ever
+        time for which the final value is held in s, then the output drops to 0; 0 holds it
+        indefinitely
 
     Outputs
     -------

@@ -116,7 +116,7 @@ def test_an_aircraft_that_somebody_else_runs_ends_the_flight():
 
 def test_a_trim_is_no_input():
     # written at every sample it pins the aircraft, and where it fails JSBSim ends the process
-    with pytest.raises(PropertyError, match="trims the aircraft anew"):
+    with pytest.raises(PropertyError, match="trims the aircraft again"):
         JSBSimFDM(aircraft_model="c172p", trim_altitude=5000, trim_airspeed=90,
                   input_properties=["simulation/do_simple_trim"])
 

@@ -59,7 +59,7 @@ def test_a_model_from_outside_is_refused_without_a_terminal(path, capsys):
     out, errors = capsys.readouterr()
     assert out == ""
     assert errors == (f"pathsim-jsbsim: {path}: from outside: its parameters and code are Python "
-                      "that runs as you when the model runs; read its code first, then say "
+                      "that runs as you when the model runs; read its code first, then pass "
                       "--trust\n")
     with pytest.raises(UntrustedModelError) as caught:
         view(path, port=NO_PORT)

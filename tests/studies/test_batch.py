@@ -155,7 +155,7 @@ def test_a_build_function_that_holds_an_aircraft_is_refused():
     (noise, {"gain": [math.nan]}, "must be finite"),
     (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
     ("noise", {"gain": [1.0]}, "build must be a function"),
-    (dict, {"gain": [1.0]}, "must be a function that says its parameters"),
+    (dict, {"gain": [1.0]}, "must be a function with known parameters"),
 ])
 def test_bad_input_is_refused_before_the_work_begins(monkeypatch, build, cases, message):
     monkeypatch.setattr(batch, "run_parts", None)

@@ -1,7 +1,7 @@
-"""All that this package knows of PathSim's inside, in one place.
+"""All uses of PathSim's internals, in one place.
 
-`tests/core/test_pathsim_seam.py` has a test for each name here, which says what has changed when a
-new PathSim breaks it.
+`tests/core/test_pathsim_seam.py` has a test for each name here, which shows what a new version of
+PathSim has changed.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def show(register: Register, y: Sequence[float]) -> None:
 
 
 def port_names(register: Register) -> dict[str, int]:
-    """Name and number of each port that has a name."""
+    """Name and number of each named port."""
     return register._mapping
 
 
@@ -48,7 +48,7 @@ def own_events(subsystem: Subsystem) -> list[Event]:
 
 
 class WiredRegister(Register):
-    """Inputs that know which ports a connection leads to: PathSim looks up their numbers."""
+    """Inputs that record which ports are connected: PathSim looks up their numbers."""
 
     __slots__ = ["wired"]
 
@@ -81,7 +81,7 @@ def without_stages(engine: Solver) -> bool:
 
 
 class ClockEvent(Event):
-    """Event of a sampled block, which tells when the graph's values are on their way to it."""
+    """Event of a sampled block, which marks when values are still propagating to it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -94,8 +94,8 @@ class Settling(Event):
     """One more pass through the graph after a block in a subsystem has acted.
 
     A subsystem without direct feed-through is evaluated before its surroundings, so what enters it
-    needs another pass to reach the blocks inside. It comes last, so that what other events change
-    at that time has reached them too.
+    needs another pass to reach the blocks inside. It is resolved last, so that changes by other
+    events at that time reach them too.
     """
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ class Settling(Event):
         return settling, settling, math.inf
 
     def resolve(self, t: float) -> None:
-        """Nothing: the pass that follows every event is all there is to it."""
+        """No action; resolving any event triggers the graph pass we need."""
 
 
 _events_of_blocks = Subsystem.events.fget
@@ -117,9 +117,9 @@ _settling: WeakKeyDictionary[Subsystem, Settling] = WeakKeyDictionary()
 def _events(subsystem: Subsystem) -> list[Event]:
     """Events of the blocks inside and, where blocks sample there, the pass that they need.
 
-    The simulation asks its subsystems for their events, and these ask the ones inside. It is the
-    only call in which a subsystem and the blocks at any depth in it meet, so this function takes
-    the place of `Subsystem.events`; for subsystems without sampled blocks nothing changes.
+    The simulation collects events recursively through its subsystems. This is the only call that
+    sees a subsystem together with the blocks at any depth in it, so this function replaces
+    `Subsystem.events`. Subsystems without sampled blocks are not affected.
     """
     events = _events_of_blocks(subsystem)
     clocks = [event for event in events if isinstance(event, ClockEvent)]
@@ -136,7 +136,7 @@ Subsystem.events = property(_events, doc=Subsystem.events.__doc__)
 
 
 def tracker(sim: Simulation, duration: float) -> ProgressTracker:
-    """What `Simulation.run` logs its progress and counts its steps with."""
+    """The tracker with which `Simulation.run` logs progress and counts steps."""
     return ProgressTracker(duration, "TRANSIENT", logger=sim.logger, log=sim.log)
 
 
@@ -147,12 +147,12 @@ def run_loop(sim: Simulation, duration: float, reset: bool, adaptive: bool,
 
 
 def is_running(sim: Simulation) -> bool:
-    """Whether nobody has called `Simulation.stop` since the run began."""
+    """Whether the run is still active: `Simulation.stop` has not been called."""
     return sim._active
 
 
 def keep_warnings_visible() -> None:
-    """Have PathSim leave Python's warnings as the user has set them up.
+    """Stop PathSim from redirecting Python's warnings.
 
     The first `Simulation` redirects all warnings into `logging`, where no handler shows them.
     """
@@ -173,7 +173,7 @@ def keep_warnings_visible() -> None:
 
 
 def _lost() -> bool:
-    """Whether warnings go into `logging`, and no handler shows them."""
+    """Whether warnings are redirected to `logging` and no handler shows them."""
     loggers = (logging.Logger.manager.loggerDict.get("py.warnings"), logging.root)
     return warnings.showwarning.__module__ == logging.__name__ and all(
         isinstance(handler, logging.NullHandler)

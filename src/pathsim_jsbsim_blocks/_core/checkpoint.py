@@ -1,9 +1,9 @@
 """Checkpoints with a digest, so that damaged files are refused before anything is loaded.
 
-PathSim writes a JSON and an NPZ file and checks neither: a changed number in them is another
+PathSim writes a JSON and an NPZ file and checks neither: a changed number silently gives another
 flight. Blocks cannot check the files themselves, since each sees only its own data, and only after
-PathSim has read the files and loaded others. So the functions here take the place of PathSim's
-methods; for a diagram without sampled blocks nothing changes.
+PathSim has read the files and loaded others. The functions here therefore replace PathSim's
+methods; diagrams without sampled blocks are not affected.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
                     recordings: bool = True) -> None:
     """Save a diagram as ``path.json`` and ``path.npz``, with a digest over both.
 
-    Files of that name are replaced when both new ones are complete.
+    Existing files are replaced once both new ones are complete.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
     Raises
     ------
     FileError
-        if a file cannot be written: a full disk
+        if a file cannot be written, such as on a full disk
     ParameterError
         if a block cannot be saved
     """
@@ -73,7 +73,7 @@ def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
 
 
 def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> None:
-    """Go on from a checkpoint, in a diagram built like the one that was saved.
+    """Continue from a checkpoint, in a diagram built like the one that was saved.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     Raises
     ------
     ParameterError
-        if the files are damaged or of another diagram or flight
+        if the files are damaged or belong to another diagram or flight
     FileError
         if the files cannot be read
     """
@@ -99,14 +99,14 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     except (ValueError, TypeError, KeyError, RecursionError):
         intact = False
     if not intact:
-        raise ParameterError(f"the checkpoint {base!r} is damaged: its files are not as they were "
-                             "saved", parameter="checkpoint", value=base)
+        raise ParameterError(f"the checkpoint {base!r} is damaged: its files have changed since "
+                             "they were saved", parameter="checkpoint", value=base)
     try:
         _load(simulation, base)
     except BlocksError:
         raise
     except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
-        raise ParameterError(f"the checkpoint {base!r} is of another diagram: {error}",
+        raise ParameterError(f"the checkpoint {base!r} belongs to another diagram: {error}",
                              parameter="checkpoint", value=base) from error
 
 
@@ -116,7 +116,7 @@ def _base(path: str | os.PathLike[str]) -> str:
 
 
 def _digest(data: dict[str, Any], arrays: bytes) -> str:
-    """Of what the JSON file says, however it is written, and of the other file's bytes."""
+    """Digest of the JSON file's data, whatever its formatting, and of the NPZ file's bytes."""
     said = {key: value for key, value in data.items() if key != "digest"}
     digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
     digest.update(arrays)

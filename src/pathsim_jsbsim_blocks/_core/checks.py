@@ -29,7 +29,7 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
 
 
 def did_you_mean(names: Iterable[str]) -> str:
-    """A tail for an error message, empty where there is nothing to offer."""
+    """Suffix for an error message; empty if there are no suggestions."""
     names = list(names)
     return f"; did you mean {' or '.join(repr(x) for x in names)}?" if names else ""
 
@@ -87,7 +87,7 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
 
 
 def flag(parameter: str, value: Any) -> bool:
-    """``value`` if it is True or False; "no" would pass for True."""
+    """``value`` if it is a real bool: the string "no" is truthy."""
     if not isinstance(value, (bool, np.bool_)):
         raise ParameterError(f"{parameter} must be True or False, not {value!r}",
                              parameter=parameter, value=value)
@@ -116,7 +116,7 @@ def writable(parameter: str, value: Any) -> Path:
         raise ParameterError(f"no directory {str(path.parent)!r} to write {path.name!r} in",
                              parameter=parameter, value=str(path))
     new = not os.path.lexists(path)
-    if new or path.is_file():  # a pipe would take it for the end of the data
+    if new or path.is_file():  # opening and closing a pipe would end its data
         try:
             path.open("ab").close()
             if new:

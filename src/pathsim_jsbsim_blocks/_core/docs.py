@@ -1,4 +1,4 @@
-"""Text that stands in many docstrings: written once, filled in when the module is imported."""
+"""Text shared by many docstrings: written once, filled in at import."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ _PLACE = re.compile(r"^( *)%\((\w+)\)s$", re.MULTILINE)
 
 
 def filler(**texts: str) -> Callable[[Documented], Documented]:
-    """A decorator that puts ``texts`` in the place of the lines ``%(name)s`` of a docstring.
+    """A decorator that replaces the lines ``%(name)s`` of a docstring with ``texts``.
 
-    A text takes the indentation of its place. A place whose name is not among the texts is a
-    KeyError at import.
+    Each text is indented like its placeholder. An unknown placeholder raises KeyError at import.
     """
     clean = {name: cleandoc(text) for name, text in texts.items()}
 

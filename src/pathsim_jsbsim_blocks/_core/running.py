@@ -13,7 +13,7 @@ from .checks import number, positive
 if TYPE_CHECKING:
     from tqdm import tqdm
 
-# a number of steps this close to a whole number (relative) is meant to be whole
+# relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
 _BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
 _SECONDS_BEFORE_BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
@@ -24,7 +24,7 @@ def fly(sim: Simulation, duration: float = 10.0, reset: bool = False,
     """Run a diagram as ``sim.run(duration, reset)`` does, in less time.
 
     Every step is PathSim's own ``timestep``, so the trajectory is the same, bit for bit. Fixed
-    steps are counted: 3600 s at 120 Hz are 432,000 steps, where ``run`` makes one more by rounding.
+    steps are counted: 3600 s at 120 Hz are 432,000 steps, and rounding makes ``run`` take one more.
     With an adaptive solver this is PathSim's own loop.
 
     Parameters
@@ -62,7 +62,7 @@ def fly(sim: Simulation, duration: float = 10.0, reset: bool = False,
         for _ in loop:
             bar.update(sim.time - start - bar.n)
             if not adaptive:
-                # PathSim made the start and the first step
+                # PathSim's loop has made the start and the first step
                 loop.close()
                 _steps(sim, _whole(duration / sim.dt) - 1, start, duration, tracker, bar)
     return tracker.stats

@@ -16,16 +16,16 @@ from .condition import MODES, TrimCondition
 from .console import messages
 from .rehearsal import Outcome, rehearse
 
-_HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, from where the ground trim lets the wheels down
+_HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 
 _ROUNDING = 1e-9  # deg
 
-_NEAR_GROUND = 200.0  # ft, more than any wheel is below its aircraft
+_NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
 
-# s of computing; a search that finds its trim takes less than half a second
+# s of CPU time; a search that finds its trim takes less than half a second
 _LONGEST_SEARCH = 10
 
-_TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: where the US Standard Atmosphere, 1976 ends
+_TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: upper limit of the US Standard Atmosphere, 1976
 
 # deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
 _ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
@@ -39,7 +39,7 @@ _LIMITS_OF_MODES = {
     "ground": {"wdot": "height", "qdot": "pitch angle", "pdot": "bank"},
 }
 
-# of the quantities of a condition and of a state, in the order of the tables of studies
+# units of the fields of a condition and of a state, in the column order of study tables
 UNITS = {
     "altitude": "ft", "speed": "KCAS", "mach": "", "tas": "ft/s",
     **dict.fromkeys(("gamma", "alpha", "beta", "theta", "phi", "psi"), "deg"),
@@ -57,14 +57,14 @@ UNITS = {
 
 @dataclass(frozen=True)
 class TrimState:
-    """What JSBSim found, and what it left.
+    """The trimmed state found by JSBSim, with its residuals.
 
     Attributes
     ----------
     aircraft : str
         the model's name
     condition : TrimCondition
-        what was asked for
+        the requested condition
     altitude, speed, mach, tas : float
         ft above mean sea level, KCAS, Mach number, true airspeed in ft/s
     alpha, beta, theta, phi, psi, gamma : float
@@ -74,9 +74,9 @@ class TrimState:
     thrust : float
         lbf, sum of the engines
     pitch_trim, elevator, aileron, rudder : float
-        commands, -1 to 1; the trim holds the pitch with the pitch trim, elevator stays 0
+        commands, -1 to 1; the trim uses the pitch trim for pitch, elevator stays 0
     elevator_rad, elevator_norm : float
-        position of the elevator in rad and of its travel (0 where the model has none)
+        position of the elevator in rad and as a fraction of its travel (0 if the model has none)
     udot, vdot, wdot : float
         residual body accelerations in ft/s2
     pdot, qdot, rdot : float
@@ -141,7 +141,7 @@ def trim(airframe: Airframe, condition: TrimCondition,
     Parameters
     ----------
     airframe : Airframe
-        loaded with the condition's ``empty_cg_x``; it may be trimmed again and again
+        loaded with the condition's ``empty_cg_x``; it can be trimmed repeatedly
     condition : TrimCondition
         what to trim for
     setup : dict, optional
@@ -150,14 +150,14 @@ def trim(airframe: Airframe, condition: TrimCondition,
     Returns
     -------
     TrimState
-        the state found, which the airframe is left in
+        the state found; the airframe is left in it
 
     Raises
     ------
     TrimError
         if JSBSim finds no trim. The airframe stays usable: the next trim starts from a fresh
-        executive (`Airframe.renew`), as does a trim on the ground after any other. ``fuel`` burnt
-        in between and what was written to ``airframe.fdm`` directly are gone then
+        executive (`Airframe.renew`), as does a trim on the ground after any other. This discards
+        fuel burnt in between and direct writes to ``airframe.fdm``
     AircraftError
         if the model cannot be initialised
     PropertyError
@@ -173,17 +173,17 @@ def trim(airframe: Airframe, condition: TrimCondition,
     last = mapping("setup", setup)
     first = {**_loading(condition), **condition.setup}
     airframe.write({**{n: v for n, v in first.items() if n not in last}, **last}, "setup")
-    # until the trim is found: whatever ends the search early leaves its traces
+    # spent is cleared below on success: a search that ends early leaves the executive unusable
     airframe.used = airframe.spent = True
     _initialise(airframe, condition, condition.heading)
     if used and _not_finite(state(airframe, condition)):
-        # what was flown before has broken it
+        # the previous flight left NaN or inf in the executive; this call renews it
         return trim(airframe, condition, setup)
     if condition.mode != "none":
         _refuse_hopeless(airframe, condition)
         _find(airframe, condition)
     if condition.mode == "turn":
-        # JSBSim keeps the direction of the path and turns the nose: start as far to the other side
+        # JSBSim keeps the track and turns the nose, so start with the opposite offset
         beyond = math.remainder(airframe.fdm[_STATE["psi"]] - condition.heading, 360.0)
         _initialise(airframe, condition, condition.heading - beyond)
         _find(airframe, condition)
@@ -191,32 +191,33 @@ def trim(airframe: Airframe, condition: TrimCondition,
     broken = _not_finite(found)
     if broken:
         raise _failure(airframe, condition, "no convergence",
-                       f"{', '.join(broken)} came out as no finite number")
+                       f"{', '.join(broken)} not finite after the trim")
     airframe.spent = False
     return found
 
 
 def _not_finite(found: TrimState) -> list[str]:
-    """Names of the fields of a state that hold no finite number."""
+    """Names of the fields of a state that are not finite."""
     return [name for name in UNITS if hasattr(found, name)
             for value in [getattr(found, name)]
             if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))]
 
 
 def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
-    """TrimError for what JSBSim's search would not survive, or look for in vain for long."""
+    """Raise TrimError for conditions that crash JSBSim's search or make it long and futile."""
     fdm = airframe.fdm
     if condition.altitude > _TOP_OF_THE_AIR:
         raise _failure(airframe, condition, "altitude",
-                       f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the air ends")
+                       f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the "
+                       "atmosphere ends")
     mach = fdm[_STATE["mach"]]
     if mach >= 1.0 and _propellers(airframe):
         raise _failure(airframe, condition, "mach",
-                       f"that is Mach {mach:.3g}, and propellers pull to below Mach 1")
-    # of the rest, such as a thrust, the search may still make a number
+                       f"Mach {mach:.3g}: propellers give thrust below Mach 1 only")
+    # the search may still make other fields, such as thrust, finite
     if broken := [name for name in _not_finite(state(airframe, condition)) if name in _LIMITS]:
         raise _failure(airframe, condition, "no convergence",
-                       f"{', '.join(broken)} are no finite numbers there")
+                       f"{', '.join(broken)} not finite at this condition")
 
 
 def _propellers(airframe: Airframe) -> int:
@@ -225,11 +226,11 @@ def _propellers(airframe: Airframe) -> int:
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
-    """The state that an initialised airframe is in now."""
+    """Current state of an initialised airframe."""
     fdm = airframe.fdm
     found = {name: fdm[source] for name, source in _STATE.items()}
     if 360.0 - found["psi"] < _ROUNDING:
-        # else a heading north is 360 at one point and 0 at the next
+        # keeps a heading of north from alternating between 360 and 0
         found["psi"] = 0.0
     thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
     return TrimState(
@@ -270,10 +271,10 @@ def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) ->
         if fdm[name] != value:
             fdm[name] = value
 
-    # some models trim only if the engines are started after run_ic, others only if before
+    # some models trim only if the engines are started after run_ic, others only if before it
     _start_engines(airframe)
     if fdm["ic/vw-mag-fps"]:
-        # the wind of the trim before would turn the nose
+        # the wind of the previous trim would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
     put("ic/phi-deg", 0.0)
     put("ic/psi-true-deg", heading)
@@ -282,7 +283,7 @@ def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) ->
         fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
     else:
         fdm["ic/h-sl-ft"] = condition.altitude
-    # the order matters: a height or a speed zeroes gamma
+    # the order matters: setting altitude or speed zeroes gamma
     put("ic/beta-deg", 0.0)
     if condition.mach is not None and not on_ground:
         fdm["ic/mach"] = condition.mach
@@ -290,15 +291,15 @@ def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) ->
         fdm["ic/vc-kts"] = 0.0 if on_ground else condition.speed
     fdm["ic/gamma-deg"] = 0.0 if on_ground else condition.gamma
     if condition.wind_north or condition.wind_east:
-        # JSBSim subtracts a wind set before the speed from the ground speed; so set the speed in
-        # still air, let the air carry an aircraft in flight along, and tell of the wind last
+        # JSBSim subtracts a wind set before the speed from the ground speed: set the speed in still
+        # air, add the wind to the ground velocity, and set the wind itself last
         if not on_ground:
             fdm["ic/vn-fps"] = fdm["ic/vn-fps"] + condition.wind_north
             fdm["ic/ve-fps"] = fdm["ic/ve-fps"] + condition.wind_east
         fdm["ic/vw-mag-fps"] = math.hypot(condition.wind_north, condition.wind_east)
         fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(condition.wind_east, condition.wind_north))
         if on_ground:
-            # else it settles on the gear with a constant calibrated airspeed, not at rest
+            # otherwise it settles on the gear at constant calibrated airspeed, not at rest
             fdm["ic/vn-fps"] = fdm["ic/ve-fps"] = fdm["ic/vd-fps"] = 0.0
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
@@ -315,8 +316,8 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
-    # with wheels near the ground JSBSim's search may read where there is no memory; with several
-    # propellers it may wait minutes for engines that never settle
+    # with wheels near the ground JSBSim's search may read invalid memory; with several propellers
+    # it may wait minutes for engines that never settle
     near_ground = condition.mode == "ground" or airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
     if near_ground or _propellers(airframe) > 1:
         outcome = rehearse(find, _LONGEST_SEARCH)
@@ -324,8 +325,8 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             raise _failure(airframe, condition, "no convergence",
                            f"the search was given up after {_LONGEST_SEARCH} s of computing"
                            if outcome is Outcome.GOES_ON
-                           else "JSBSim cannot put it on its wheels there")
-    # what it says of a failure is in the error
+                           else "JSBSim's search would crash there")
+    # hushed: the TrimError reports the failure
     found, said = messages(find, hushed=True)
     if not found:
         limits = _LIMITS_OF_MODES.get(condition.mode, _LIMITS)

@@ -11,8 +11,8 @@ from .condition import TrimCondition
 
 _DEG = 180.0 / math.pi
 
-# port: (property, or None for what a command fell short by; factor to the port's unit). Ports are
-# numbered in this order, and models keep the numbers: a new one comes last
+# port: (property, or None for a command's excess over its limit; factor to the port's unit).
+# Models store the port numbers, so new ports are appended
 _OUTPUTS: dict[str, tuple[str | None, float]] = {
     "theta": ("attitude/theta-deg", 1.0),
     "phi": ("attitude/phi-deg", 1.0),
@@ -65,7 +65,7 @@ class Aircraft(FlightBlock):
     bank : float
         bank angle in deg, right positive, with ``mode="turn"``
     mode : str
-        "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
+        "full", "longitudinal", "ground" (at rest on the gear, at any speed), "pull-up",
         "turn" or "none"
     %(configuration)s
     T : float
@@ -73,10 +73,10 @@ class Aircraft(FlightBlock):
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
-        instead of the parameters from ``altitude`` to ``flaps``, where they do not say enough
+        replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
     %(written)s
     root : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     %(surroundings)s
 
     Inputs

@@ -1,8 +1,8 @@
 """Open JSBSim aircraft models sealed and quiet, and check properties by name.
 
-The only place that knows JSBSim's loading traps. *Sealed*: unless asked otherwise a model opens no
-socket and writes no file, whatever its XML says, and the installed jsbsim package is never
-modified. *Quiet*: what JSBSim prints goes to the logger ``pathsim_jsbsim_blocks.jsbsim``.
+All workarounds for loading JSBSim models are here. *Sealed*: by default a model opens no socket and
+writes no file, regardless of its XML, and the installed jsbsim package is never modified. *Quiet*:
+JSBSim's output goes to the logger ``pathsim_jsbsim_blocks.jsbsim``.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def aircraft_names(root: str | None = None) -> list[str]:
     Parameters
     ----------
     root : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     """
     folder = aircraft_folder(root)
     return sorted((p.name for p in folder.glob("*") if (p / f"{p.name}.xml").is_file()),
@@ -57,7 +57,7 @@ def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, floa
 
 
 def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
-    """Whether a model says of any of its wheels that it retracts."""
+    """Whether any wheel is marked retractable."""
     model = _parsed(_model_file(aircraft, root), aircraft)
     try:
         return any(float(wheel.text or 0)
@@ -103,10 +103,10 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     folder = aircraft_folder(root)
     file = folder / aircraft / f"{aircraft}.xml"
     try:
-        # a name with a slash would lead out of the folder
+        # a slash in the name could lead out of the folder
         known = Path(aircraft).name == aircraft and file.is_file()
         names = [] if known else aircraft_names(root)
-    except (OSError, ValueError):  # no name that a file can have
+    except (OSError, ValueError):  # not a valid file name
         known, names = False, []
     if not known:
         if not folder.is_dir():
@@ -134,13 +134,13 @@ class Airframe:
         JSBSim's time step in s; it is set before the model is loaded, because filters and
         actuators keep the step they were loaded with
     root : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     empty_cg_x : float, optional
         x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
         loaded from a private copy, which is removed again; the installed one is not touched
     create : dict, optional
-        properties that the model expects from its surroundings (FlightGear) and that JSBSim does
-        not make, with their values; the error of a model that needs some names them
+        properties, with their values, that the model expects from its environment (FlightGear)
+        and JSBSim does not create; the error of a model that lacks one names it
     allow_network : bool
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
@@ -151,8 +151,8 @@ class Airframe:
     fdm : jsbsim.FGFDMExec
         the executive: one object, one model. `renew` replaces it
     used, spent : bool
-        whether a search has run on the executive, and whether one left it in a state that nothing
-        may start from; `pathsim_jsbsim_blocks.flight.trim` sets and heeds them
+        whether a search has run on the executive, and whether one left it unusable as a starting
+        point; `pathsim_jsbsim_blocks.flight.trim` sets and checks them
 
     Raises
     ------
@@ -175,10 +175,10 @@ class Airframe:
         self._open()
 
     def renew(self) -> None:
-        """Load the model anew and give it again what `create` and `write` gave it.
+        """Reload the model and reapply what `create` and `write` have set.
 
-        What JSBSim has changed itself is gone, and so is what was written to ``fdm`` directly.
-        Readers and writers that were handed out still belong to the executive before.
+        Changes made by JSBSim and direct writes to ``fdm`` are lost. Existing readers and writers
+        still belong to the previous executive.
         """
         written, self._written = self._written, {}
         self._open()
@@ -204,7 +204,7 @@ class Airframe:
             if staged is not None:
                 shutil.rmtree(staged, ignore_errors=True)
         if not self._files:
-            # false after the last output
+            # set_output_filename returns False after the last output
             outputs = itertools.count()
             while self.fdm.set_output_filename(next(outputs), os.devnull):
                 pass
@@ -239,13 +239,13 @@ class Airframe:
         Raises
         ------
         AircraftError
-            if JSBSim cannot; where the model misses a property, the message says how to create it
+            if JSBSim cannot; if the model lacks a property, the message says how to create it
         """
         failure = _failure_of(self.fdm.run_ic)
         if failure:
             said = re.search(r"property (\S+) does not exist", failure)
             missing = said[1] if said else ""
-            advice = (f". It expects this property from its surroundings; give it with "
+            advice = (f". It expects this property from its environment; create it with "
                       f"create={{{missing!r}: 0.0}}" if missing else "")
             raise AircraftError(
                 f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
@@ -258,7 +258,7 @@ class Airframe:
             self.fdm[_GROUND] = elevation
 
     def lower_ground(self) -> None:
-        """Put the ground back to where it was before `raise_ground`."""
+        """Restore the ground elevation from before `raise_ground`."""
         if self._ground_before is not None:
             self.fdm[_GROUND], self._ground_before = self._ground_before, None
 
@@ -276,7 +276,7 @@ class Airframe:
         return True
 
     def canonical(self, name: str) -> str:
-        """The one spelling of a property's name that `property_names` uses.
+        """Spelling of a property's name that `property_names` uses.
 
         Raises
         ------
@@ -288,7 +288,7 @@ class Airframe:
     def property_names(self, text: str = "") -> list[str]:
         """Names of the model's properties that contain ``text``, sorted.
 
-        An index is written out from 1 on: ``propulsion/tank/contents-lbs`` is that of tank 0.
+        Index 0 is omitted: ``propulsion/tank/contents-lbs`` is that of tank 0.
         """
         if not isinstance(text, str):
             raise ParameterError(f"text must be text, not {text!r}", parameter="text", value=text)
@@ -320,8 +320,8 @@ class Airframe:
         Raises
         ------
         PropertyError, ParameterError
-            for an unknown property or a value that is not a finite number; nothing is written then.
-            Or for more fuel than a tank holds
+            for an unknown property or a value that is not finite (nothing is written), or for more
+            fuel than a tank holds
         """
         values = mapping(what, values)
         for name in values:
@@ -332,14 +332,14 @@ class Airframe:
         for write, value in items:
             write(value)
         for name in filter(_TANK.search, values):
-            # JSBSim fills it up and says nothing
+            # JSBSim limits the contents to the capacity without a message
             full = self.fdm[name]
             if full < values[name] - 1e-6:
                 raise ParameterError(f"{what}[{name!r}] is {values[name]!r}, but this tank of "
                                      f"{self.aircraft!r} holds {full:.6g} lb",
                                      parameter=what, value=values[name])
         for name, value in values.items():
-            # in the order in which they were written last
+            # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)
             self._written[name] = value
 
@@ -366,7 +366,7 @@ class Airframe:
             # JSBSim would read up to the NUL, and take the index modulo 2**32
             if "\0" in name or re.search(r"\[\d{10,}\]", name):
                 raise ValueError("a NUL or an index beyond all elements")
-            # the one call that survives a malformed name; all others abort the process
+            # the only call that does not abort the process on a malformed name
             return self._properties.hasNode(name)
         except (RuntimeError, ValueError) as error:
             close = nearest(re.sub(r"[^\w/\[\]-]", "", str(name)), self._catalogue())
@@ -399,7 +399,7 @@ class Airframe:
         return node
 
 
-# writing these breaks what a flight keeps to: exact time, and silence
+# writing these would break exact timing or print to the console
 _BREAKS_THE_FLIGHT = {
     "simulation/pause": ": it would stop the aircraft's clock",
     "simulation/reset": ": it would set the aircraft's clock back; reset the simulation instead",

@@ -1,4 +1,4 @@
-"""What to trim for: `TrimCondition`, checked when it is made and fixed from then on."""
+"""What to trim for: `TrimCondition`, checked on construction and immutable."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
 
 class FixedMapping(Mapping):
-    """A dict that nobody can change: it has a hash, and `dataclasses.asdict` makes a dict of it."""
+    """An immutable, hashable dict, which `dataclasses.asdict` turns into a plain one."""
 
     def __init__(self, values: Mapping[Any, Any]):
         self._values = dict(values)
@@ -43,7 +43,7 @@ class FixedMapping(Mapping):
 class TrimCondition:
     """What to trim for.
 
-    What it leaves open stays as it is: ``flaps=None`` after ``flaps=1`` keeps an airframe's flaps.
+    Fields left at None are not written: ``flaps=None`` after ``flaps=1`` keeps an airframe's flaps.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class TrimCondition:
     mode : str
         "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
         is the ground's), "pull-up", "turn", or "none" (initialise only). On the ground ``speed``,
-        ``mach`` and ``gamma`` do not apply, and udot is no part of the trim: engines idle and
+        ``mach`` and ``gamma`` do not apply, and udot is not part of the trim: engines idle and
         brakes are off, so it may creep (c172p: 5.6 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting (often down)
@@ -74,9 +74,9 @@ class TrimCondition:
     alpha_min, alpha_max : float, optional
         limits of the angle of attack in deg for the trim; default is the model's own
     wind_north, wind_east : float
-        steady wind in ft/s, the direction it blows to; speed and path angle are those through the
-        air. JSBSim trims the velocity over the ground, which a turn in wind changes all the time,
-        and stands few aircraft on the ground in a crosswind
+        steady wind in ft/s, the direction it blows to; speed and path angle are relative to the
+        air. JSBSim trims the velocity over the ground, which changes throughout a turn in wind,
+        and its ground trim rarely converges in a crosswind
     payload : dict or list, optional
         point masses in lb: ``{index: lb}`` or a list from index 0
     fuel : dict or list, optional
@@ -90,7 +90,7 @@ class TrimCondition:
     Raises
     ------
     ParameterError
-        for values that no aircraft can have
+        for values that are not possible for any aircraft
     """
 
     altitude: float = 5000.0

@@ -12,7 +12,7 @@ import jsbsim
 
 log = logging.getLogger("pathsim_jsbsim_blocks.jsbsim")
 
-# no file can be made below a device, so JSBSim opens none while it loads
+# no file can be created below a device, so JSBSim opens none while loading
 SEALED_PATH = os.path.join(os.devnull, "sealed")
 
 _LEVELS = {
@@ -28,13 +28,13 @@ _LEVELS = {
 _install_lock = threading.Lock()
 _thread = threading.local()
 
-# by thread: when a thread has ended JSBSim lets go of its logger without Python's lock, which
-# kills the process if that was the last reference
+# by thread: when a thread ends JSBSim releases its logger without holding the GIL, which kills
+# the process if that was the last reference
 _consoles: dict[int, _Console] = {}
 
 
 class _Console(jsbsim.FGLogger):
-    """Takes JSBSim's console of one thread: forwards it to logging, or keeps it for a reader."""
+    """JSBSim's console of one thread: forwards messages to logging and can keep them."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -81,11 +81,11 @@ def capture_console() -> _Console:
 
 
 def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[str]]:
-    """Result of ``action()`` and what JSBSim said meanwhile; ``hushed``: log it as details only."""
+    """Result of ``action()`` and JSBSim's messages meanwhile; ``hushed`` logs them at DEBUG."""
     console = capture_console()
     previous = jsbsim.get_logger()
     if previous is not console:
-        # somebody else listens to this thread; he gets it back
+        # restored below: another logger was installed on this thread
         _install(console)
     console.kept = []
     console.hushed = hushed

@@ -13,7 +13,7 @@ from .airframe import Airframe
 from .block import FlightBlock, fill
 from .condition import TrimCondition
 
-# JSBSim searches a trim when these are written, and ends the process where there is none
+# writing these starts JSBSim's trim search, which ends the process if it finds none
 _COMMANDS = ("simulation/do_simple_trim",)
 
 
@@ -31,14 +31,14 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
 
 
 def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe) -> None:
-    """Refuse one property at two ports, of which one would have no effect, and other ports."""
+    """Refuse a property at two ports, of which one would have no effect, and changed ports."""
     names = _names(parameter, names)
     listed: dict[str, str] = {}
     for name in names:
         property_ = airframe.canonical(name)
         if parameter == "input_properties" and property_ in _COMMANDS:
             raise PropertyError(
-                f"{name!r} is no input: to write it trims the aircraft anew, at every sample",
+                f"{name!r} cannot be an input: writing it trims the aircraft again at every sample",
                 aircraft=airframe.aircraft, name=name)
         if property_ in listed:
             other = listed[property_]
@@ -72,7 +72,7 @@ class JSBSimFDM(FlightBlock):
     output_properties : list of str
         properties shown at the output ports, in this order
     JSBSim_path : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     aircraft_model : str
         name of the model
     trim_airspeed : float
@@ -84,11 +84,11 @@ class JSBSimFDM(FlightBlock):
     trim_heading : float
         true heading to trim at, deg
     trim_mode : str
-        "full", "longitudinal", "ground" (at rest on the gear, whatever the speed), "pull-up",
+        "full", "longitudinal", "ground" (at rest on the gear, at any speed), "pull-up",
         "turn" or "none"
     %(configuration)s
     condition : TrimCondition, optional
-        instead of the trim parameters above, where they do not say enough
+        replaces the trim parameters above where they are not sufficient
     %(written)s
     substeps : int
         JSBSim steps per sample period

@@ -1,4 +1,4 @@
-"""Level flight for any aircraft model: find a condition, trim there, fly, and say how it went."""
+"""Level flight for any aircraft model: find a condition, trim, fly and report the result."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .airframe import Airframe, aircraft_names, has_retractable_gear
 from .condition import TrimCondition
 from .fdm import JSBSimFDM
 
-# (altitude in ft, lift coefficient): the first is where most aircraft cruise, the others are for
-# engines that are weak at that height (pa28) and for speeds that are too high (c310)
+# (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
+# too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
-# KCAS; for models whose reference area tells nothing of their lift (rockets, helicopters)
+# KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
 _SPEEDS = (20.0, 350.0)
 
-# ft; what drifts further is unstable, or its thrust was not settled when it was trimmed
+# ft; a larger drift means an unstable aircraft, or thrust that had not settled at the trim
 _STEADY = 20.0
 
 _RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
@@ -38,9 +38,9 @@ class LevelFlight:
     aircraft : str
         the model's name
     condition : TrimCondition
-        where it trims: gear up where it retracts, fuel frozen
+        where it trims: retractable gear up, fuel frozen
     create : dict
-        properties that the model expects from its surroundings, at 0
+        properties that the model expects from its environment, set to 0
     trim : TrimState
         the trim found
     """
@@ -55,8 +55,8 @@ def level_flight(aircraft: str, root: str | None = None,
                  tries: int = len(TRIES)) -> LevelFlight:
     """Find a sensible condition of straight and level flight for an aircraft.
 
-    The speed follows from the weight and the wing area; what the model misses from its surroundings
-    is created.
+    The speed follows from the weight and the wing area. Properties that the model expects from its
+    environment are created.
 
     .. math::
         V = \\sqrt{\\frac{2 W}{\\rho_0 S C_L}}
@@ -66,9 +66,9 @@ def level_flight(aircraft: str, root: str | None = None,
     aircraft : str
         name of the model
     root : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     tries : int
-        number of conditions to try at most: a failed trim takes up to seconds
+        maximum number of conditions to try; a failed trim can take seconds
 
     Raises
     ------
@@ -87,7 +87,7 @@ def level_flight(aircraft: str, root: str | None = None,
             altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear,
             setup=frozen)
         try:
-            # a failed search leaves its traces in the next, so each has an airframe of its own
+            # a failed search affects the next one, so each has its own airframe
             found = trim(Airframe(aircraft, root=root, create=create), condition)
         except TrimError as error:
             first = first or error
@@ -125,7 +125,7 @@ def _speed(weight: float, area: float, lift_coefficient: float) -> float:
 
 @dataclass(frozen=True)
 class FleetRow:
-    """How one aircraft model does.
+    """Result of trimming and flying one aircraft model.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class FleetRow:
 
     @property
     def verdict(self) -> str:
-        """In a few words how it went."""
+        """Summary in a few words."""
         if self.engines is None:
             return "does not load"
         if isinstance(self.error, TrimError):
@@ -163,12 +163,12 @@ class FleetRow:
 
 def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,
                 tries: int = len(TRIES)) -> Iterator[FleetRow]:
-    """Trim every aircraft in level flight and fly it, controls held; one row after the other.
+    """Trim every aircraft in level flight and fly it with controls held; one row at a time.
 
     Parameters
     ----------
     names : iterable of str, optional
-        aircraft models; default is all that jsbsim brings
+        aircraft models; default is all that are shipped with jsbsim
     duration : float
         time to fly in s
     tries : int
@@ -204,7 +204,7 @@ HEADER = """\
 
 
 def format_row(row: FleetRow) -> str:
-    """One line of a Markdown table, to stand below `HEADER`."""
+    """One line of the Markdown table under `HEADER`."""
     if row.flight is None:
         numbers = [""] * 6
     else:

@@ -1,4 +1,4 @@
-"""Try in a copy of the process what may end the process."""
+"""Run actions that may crash the process in a forked copy first."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class Outcome(enum.Enum):
 
 
 def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
-    """Whether an action ends within some seconds of computing, and lets the process live.
+    """Whether an action ends within a CPU time in s, without ending the process.
 
-    A forked child does it first and is discarded, which adds a few ms to a short action. Where the
-    platform cannot fork (Windows) the answer is always `Outcome.ENDS`.
+    A forked child runs it first and exits, which adds a few ms to a short action. On a platform
+    without fork (Windows) the result is always `Outcome.ENDS`.
     """
     if not hasattr(os, "fork"):
         return Outcome.ENDS
     answer, tell = os.pipe()
     with warnings.catch_warnings():
-        # of threads that the child would miss: it needs none
+        # fork warns about threads that the child lacks; it needs none
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:
@@ -52,9 +52,9 @@ def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
 
 
 def _act(action: Callable[[], Any], seconds: int, tell: int) -> None:
-    """Never returns; neither prints nor logs, because the parent will."""
+    """Run the action in the child and exit, without output: the parent repeats the action."""
     try:
-        import resource  # where there is fork there is this
+        import resource  # available wherever fork is
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))

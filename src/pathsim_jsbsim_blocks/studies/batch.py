@@ -38,21 +38,20 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     ----------
     build : callable
         called as ``build(**case)``: builds the diagram, runs it, and returns what it measured as a
-        dict of numbers or texts. If it has a parameter ``seed``, that gets the case's seed; the
-        generators of `random` and of ``numpy.random`` are seeded with it in any case. It is sent to
+        dict of numbers or texts. A parameter ``seed`` receives the case's seed; the
+        generators of `random` and of ``numpy.random`` are always seeded with it. It is sent to
         other processes: it must not refer to objects that live outside it, such as an aircraft
     cases : dict, DataFrame or list of dicts
         the parameters of each case; a dict of lists means their product, the last one fastest. A
         column ``seed`` replaces the seeds drawn
     seed : int
-        of the whole batch: the seed of each case is drawn from it and its place
+        seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
     resume : Path, optional
-        file that keeps finished cases: the same call with the same file goes on where a killed one
-        stopped, for as long as the name of ``build`` is the same: after changing what it does,
-        name another file
+        file that keeps finished cases: repeating a killed call with the same file resumes it. Of
+        ``build`` only the name is compared: after changing what it does, name another file
     progress : bool
         show a progress bar on stderr
 
@@ -60,7 +59,7 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     -------
     pandas.DataFrame
         one row for each case, in their order: its parameters, ``seed``, ``completed``, ``reason``
-        (empty, or the error that ended the case: a trim not found, a flight that cannot go on,
+        (empty, or the error that ended the case: a trim not found, a flight that cannot continue,
         "worker died") and what ``build`` returned, NaN where it did not
 
     Raises
@@ -95,7 +94,7 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
-    """Refuse what no worker could run; whether ``build`` takes the seed."""
+    """Refuse what a worker cannot run; return whether ``build`` takes the seed."""
     import joblib
 
     if not callable(build):
@@ -103,8 +102,8 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
                              value=build)
     try:
         parameters = inspect.signature(build).parameters
-    except ValueError:  # many a built-in function
-        raise ParameterError(f"build must be a function that says its parameters, not {build!r}",
+    except ValueError:  # many built-in functions
+        raise ParameterError(f"build must be a function with known parameters, not {build!r}",
                              parameter="build", value=build) from None
     free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     takes_seed = free or "seed" in parameters
@@ -123,8 +122,8 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
         pickle.dumps(joblib.wrap_non_picklable_objects(build))
     except Exception as error:
         raise ParameterError(
-            f"build cannot be sent to other processes: {error}; let it make inside itself all that "
-            "it needs", parameter="build", value=build) from error
+            f"build cannot be sent to other processes: {error}; create everything it needs inside "
+            "it", parameter="build", value=build) from error
     return takes_seed
 
 

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 _MARKERS = "osD^vPX*"
 
-# what keeps a point from being trimmed: its mark in a map
+# reason for which a point does not trim: its marker in a map
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
 
 def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
-    """The rows that trimmed, once the table is known to have all columns of the chart."""
+    """The rows that trimmed, after checking that the table has all columns of the chart."""
     known = [str(name) for name in getattr(table, "columns", ())]
     if not known:
         raise ParameterError(f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}",
@@ -96,7 +96,7 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
 
 
 def _cg_travel(rows: pd.DataFrame) -> str:
-    """How far the empty-weight CG was moved: inches, since a percentage would read as % MAC."""
+    """Shift of the empty-weight CG, in inches because a percentage would be read as % MAC."""
     first = rows.iloc[0]
     shift = first.cg_shift_percent
     inches = first.requested_empty_cg_x_in * shift / (100 + shift)
@@ -148,10 +148,10 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
 
 
 def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
-    """Thrust and angle of attack against the thrust angle, the least thrust marked.
+    """Thrust and angle of attack against the thrust angle, with the minimum marked.
 
-    The curve is flat there and has kinks of the trim's tolerance: the angle is known to half a
-    degree or so.
+    The curve is flat there and has kinks from the trim's tolerance, so the angle is known to about
+    half a degree.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from ..flight.condition import TrimCondition
 # columns that a grid can have, besides JSBSim properties
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "setup"]
 
-# a unit as the tail of a column's name, where it is not the unit itself
+# a unit as the suffix of a column's name, if it is not the unit itself
 _TAILS = {"KCAS": "kcas", "ft/s": "fps", "ft/s2": "fps2", "rad/s2": "radps2", "lbf": "lb",
           "cmd norm": "cmd_norm"}
 
@@ -29,12 +29,12 @@ def column(name: str) -> str:
 
 
 def expand(name: str, grid: Any) -> list[dict[str, Any]]:
-    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it stands.
+    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it is.
 
     Raises
     ------
     ParameterError
-        for an empty grid or axis, and for values that are no plain data
+        for an empty grid or axis, and for values that are not plain data
     """
     if hasattr(grid, "columns") and hasattr(grid, "to_dict"):
         grid = grid.to_dict("records")
@@ -73,12 +73,12 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
 
 
 def plain(name: str, value: Any) -> Any:
-    """``value`` as plain Python data, the same before and after a file or another process.
+    """``value`` as plain Python data, which a file or another process returns unchanged.
 
     Raises
     ------
     ParameterError
-        for NaN and infinities, and for objects that are no numbers, text, lists or dicts
+        for NaN and infinities, and for objects that are not numbers, text, lists or dicts
     """
     if hasattr(value, "tolist"):  # numpy
         value = value.tolist()
@@ -102,7 +102,7 @@ def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:
     Raises
     ------
     ParameterError
-        for unknown columns and values that no aircraft can have; the message names the point
+        for unknown columns and values that are not possible; the message names the point
     """
     return [_condition(i, point) for i, point in enumerate(points)]
 
@@ -129,7 +129,7 @@ def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
 
 
 def structure(condition: TrimCondition) -> tuple[Any, ...]:
-    """What a condition writes to an aircraft, whatever the values.
+    """Which fields a condition writes to an aircraft, regardless of their values.
 
     Two conditions with the same structure can follow one another on one aircraft, because the
     second overwrites all that the first has set.
@@ -140,7 +140,7 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
 
 
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
-    """The table's columns of what was asked for, filled in where the grid did not say."""
+    """Columns of the requested values, with the defaults if the grid does not give them."""
     given = {key for point in points for key in point}
     shown = [name for name in _COLUMNS if name in given or name in ("altitude", "speed", "gamma")]
     columns: dict[str, list] = {}

@@ -1,4 +1,4 @@
-"""A file that keeps the finished parts of a study, so that a killed one can go on."""
+"""A file that keeps the finished parts of a study, so that a killed one can resume."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ class Journal:
     """Finished parts, one JSON line each; the first line says which study they belong to.
 
     Every line carries a checksum. A line that a kill cut off is dropped. Floats are written so that
-    they come back bit for bit. The file is locked while it is open.
+    they are read back bit for bit. The file is locked while it is open.
 
     Parameters
     ----------
     path : str or Path
-        the file; made if it does not exist
+        the file; created if it does not exist
     title : str
         the study in words
     job : object
-        all that the results depend on, as plain data
+        everything that the results depend on, as plain data
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Journal:
         if the file cannot be opened, is damaged, holds something else, or is in use by another
         process
     FileError
-        if reading or writing fails, here and in `add`: a full disk
+        if reading or writing fails, here and in `add`, such as on a full disk
     """
 
     def __init__(self, path: str | Path, title: str, job: Any):
@@ -53,7 +53,7 @@ class Journal:
             raise ParameterError(f"cannot write {str(path)!r}: it is not a file",
                                  parameter="resume", value=str(path))
         try:
-            # without Python's buffer, so that what was written survives the end of this process
+            # unbuffered, so that finished lines survive a kill of this process
             self._file = self.path.open("a+b", buffering=0)
         except OSError as error:
             raise ParameterError(f"cannot write {str(path)!r}: {error.strerror}",
@@ -82,11 +82,11 @@ class Journal:
         return ParameterError(message, parameter="resume", value=str(self.path))
 
     def _read(self, content: bytes, header: bytes, title: str) -> None:
-        if header.startswith(content):  # new, or killed before the first line was out
+        if header.startswith(content):  # new, or killed before the first line was complete
             self._file.truncate(0)
             self._write(header)
             return
-        # what follows the last end of a line was cut off by a kill
+        # text after the last newline was cut off by a kill
         first, *lines = content.split(b"\n")[:-1] or [content]
         if first + b"\n" != header:
             raise self._refused(f"{str(self.path)!r} holds {_holds(first)}, not this one "
@@ -106,12 +106,12 @@ class Journal:
         self._write(_line({"part": part, "rows": rows}))
 
     def close(self) -> None:
-        """Close the file; it stays."""
+        """Close the file and keep it."""
         self._file.close()
 
     def _write(self, line: bytes) -> None:
         try:
-            # a full disk takes a part of the line first, and refuses the rest
+            # a full disk may accept part of the line before it refuses the rest
             while line:
                 line = line[self._file.write(line):]
         except OSError as error:

@@ -1,4 +1,4 @@
-"""Worker processes end when the process that started them has ended, however it ended."""
+"""End worker processes when the process that started them ends, for any reason."""
 
 from __future__ import annotations
 
@@ -37,6 +37,6 @@ if sys.platform == "win32":
         connection.wait([handle])
 else:
     def _wait_for_end(parent: int) -> None:
-        # an orphan gets another parent
+        # an orphaned process gets another parent
         while os.getppid() == parent:
             time.sleep(_INTERVAL)

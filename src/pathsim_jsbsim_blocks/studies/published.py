@@ -42,8 +42,8 @@ def aoa_vs_cas(*, aircraft: str = "global5000", altitude: float = 15000.0,
     Parameters
     ----------
     aircraft : str
-        name of the model. The Global 5000 flies with half payload and half fuel, another one with
-        the payload and fuel of its model
+        name of the model. The Global 5000 flies with half payload and half fuel, any other
+        aircraft with the payload and fuel of its model
     altitude : float
         ft
     speeds : iterable of float
@@ -66,13 +66,13 @@ def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path
                        progress: bool = True) -> pd.DataFrame:
     """Angle of attack and elevator against airspeed for three weights and two CG positions.
 
-    A Global 5000 in level flight with its empty-weight CG really moved by 39.5 in: 5 % of its
+    A Global 5000 in level flight with its empty-weight CG actually moved by 39.5 in: 5 % of its
     fuselage station (790.8 in aft of the datum), which is 30 % of the mean aerodynamic chord of
     10.99 ft. (The published notebook loads the model before it edits the CG: its forward case flies
     with the original CG, its aft case with the forward one.)
 
-    With the CG aft, light and mid are statically unstable; they trim all the same, with an elevator
-    that moves the other way with speed.
+    With the CG aft, light and mid are statically unstable; they still trim, with an elevator that
+    moves the opposite way with speed.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from .workers import WORKER_DIED, require, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
-# what a table shows of a state, in this order
+# fields of a state that a table shows, in this order
 _FOUND = [name for name in UNITS if name in {f.name for f in dataclasses.fields(TrimState)}]
 
 
@@ -31,9 +31,9 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
                progress: bool = True) -> pd.DataFrame:
     """Trim an aircraft at every point of a grid.
 
-    The table does not depend on the number of workers, bit for bit: a loaded aircraft is used again
-    only along a chunk of points, and the chunks are fixed by the grid. A failed search leaves its
-    traces in JSBSim, so that the point after it gets a fresh aircraft.
+    The table does not depend on the number of workers, bit for bit: a loaded aircraft is reused
+    only within a chunk of points, and the chunks are fixed by the grid. A failed search alters
+    JSBSim's state, so the next point gets a fresh aircraft.
 
     Parameters
     ----------
@@ -48,25 +48,24 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     outputs : list of str
         further JSBSim properties to read at each trimmed point
     root : str, optional
-        JSBSim root directory; default is the one that the jsbsim package brings
+        JSBSim root directory; default is the one shipped with jsbsim
     chunk : int
         points that share a loaded aircraft; 1 loads a fresh one for each point. Results agree to
-        rounding (2e-13 in alpha) whatever it is
+        rounding (2e-13 in alpha) for any value
     jobs : int
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
     resume : Path, optional
-        file that keeps finished chunks: the same call with the same file goes on where a killed one
-        stopped
+        file that keeps finished chunks: repeating a killed call with the same file resumes it
     progress : bool
         show a progress bar on stderr
 
     Returns
     -------
     pandas.DataFrame
-        one row for each point, in the grid's order: what was asked for (``requested_...``),
+        one row for each point, in the grid's order: the requested values (``requested_...``),
         ``trimmed``, ``reason`` (empty, or "thrust", "alpha limit", "elevator", "no convergence",
-        "worker died" or another end of a range) and what was found, NaN where there is no trim.
+        "worker died" or another limit) and the trim found, NaN where there is none.
         Each column ends with its unit (kcas: calibrated airspeed in kt, fps: ft/s, norm: fraction
         of the range). ``throttle_norm`` is that of the first engine: the trim moves all together;
         ``thrust_lb`` is their sum
@@ -74,7 +73,7 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     Raises
     ------
     ParameterError
-        before the work begins: empty grid, unknown column, values that no aircraft can have, a file
+        before the work begins: empty grid, unknown column, values that are not possible, a file
         that cannot be written or belongs to another study
     AircraftError, PropertyError
         before the work begins: unknown aircraft, property, tank or point mass
@@ -128,7 +127,7 @@ def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimConditi
 
 def _try_out(aircraft: str, root: str | None, conditions: list[TrimCondition],
              outputs: list[str]) -> None:
-    """Trim one point of each structure, so that what cannot work fails before the work begins."""
+    """Trim one point of each structure, so that bad input fails before the work begins."""
     for condition in {structure(condition): condition for condition in conditions}.values():
         airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
         for name in outputs:

@@ -1,8 +1,8 @@
-"""Run the parts of a study on all cores or on a cluster, and survive what kills a worker.
+"""Run the parts of a study on all cores or on a cluster, and survive the death of a worker.
 
 Work goes through joblib: to local processes, or under ``joblib.parallel_config("dask")`` to the
 cluster of that context. A study is cut into parts by its points alone, so that its table does not
-depend on who computed what.
+depend on which worker computed what.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Work = Callable[[Part], list[Row]]
 
 WORKER_DIED = "worker died"
 
-# what a part yields whose worker did not come back
+# result of a part whose worker died
 _DIED = object()
 
 
@@ -46,7 +46,7 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
     title : str
         the study in words
     job : callable
-        all that the results depend on, as plain data, to know a file to resume from
+        everything that the results depend on, as plain data, to identify a file to resume from
     jobs : int
         worker processes; -1 for all cores. Not used on a cluster
     resume : Path, optional
@@ -96,7 +96,7 @@ def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str
 
     def keep(index: int, result: list[Row]) -> None:
         rows[index] = result
-        # a resumed study tries again what killed a worker
+        # not stored: a resumed study retries the points that killed a worker
         if journal and died not in result:
             journal.add(index, result)
         bar.update(len(result))
@@ -127,7 +127,7 @@ def _span(part: Part, describe: Callable[[Any], str]) -> str:
 
 
 def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) -> list[Row]:
-    """Rows of a part computed with nothing beside it, to find the point that kills its worker."""
+    """Rows of a part computed on its own, to find the point that kills its worker."""
     [(_, result)] = _results(work, [part], [0], 2)
     if result is not _DIED:
         return result
@@ -146,7 +146,7 @@ def _results(work: Work, parts: list[Part], pending: list[int],
 
     client = getattr(get_active_backend()[0], "client", None)
     if type(client).__module__.startswith("distributed."):
-        # joblib waits for ever for a task whose Dask workers died, so it is asked only where to run
+        # joblib waits indefinitely for a task whose Dask workers died, so call the client
         yield from _on_dask(client, work, parts, pending)
         return
     under_way: list[int] = []
