@@ -1,8 +1,8 @@
 """All benchmarks in one table: python benchmarks
 
-Each row names ours, a peer measured in turn with it in the same run, and the ratio of the two;
-below 1 ours takes less. "<=" is the target that the ratio has. Times vary from machine to machine:
-the ratios, medians over repetitions, are what to quote.
+Each row gives our time, that of a peer measured alternately in the same run, and their ratio;
+below 1 ours takes less. "<=" is the target of the ratio. Times vary from machine to machine:
+quote the ratios, which are medians over repetitions.
 """
 
 import air_data

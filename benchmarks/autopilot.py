@@ -62,7 +62,7 @@ def core_blocks():
         return block
 
     def pid(kp, ki, low, high, error, kd=0.0):
-        # an integral that is led back as fast as the sampled law's
+        # an integral that unwinds as fast as the sampled law's
         law = AntiWindupPID(Kp=kp, Ki=ki, Kd=kd, f_max=5.0, Ks=1.0 / kp, limits=[low, high])
         return add(Clip(low, high), add(law, error))
 

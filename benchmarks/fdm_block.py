@@ -9,8 +9,8 @@ outputs, a proportional pitch law, one Scope, 120 Hz. Each figure is the median 
 of the time per JSBSim step; the ratios are formed within a repetition.
 
 The bare block shows what the target against "empty diagram + plain loop" can be: JSBSim and PathSim
-push each other out of the processor's caches, so that the two together take longer than one after
-the other, whatever the block between them does.
+evict each other from the processor's caches, so the two together take longer than the sum of both
+alone, regardless of the block between them.
 """
 
 import time

@@ -4,7 +4,7 @@
 
 Fresh interpreters in turn, A B A B ...; the ratio of each pair, and the median of the ratios. The
 target is at most 1.05 of the processor time. Byte code is kept as in an installed package, in a
-folder of its own, whatever the environment says.
+separate folder, regardless of the environment.
 """
 
 import os

@@ -100,7 +100,7 @@ def fleet_page():
             "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n"
             "(gear up where it retracts, fuel frozen) and flown for 30 s with its "
             "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
-            f"--table` prints the table anew.\n\n{HEADER}"
+            f"--table` reprints the table.\n\n{HEADER}"
             + "".join(f"{format_row(row)}\n" for row in rows))
 
 

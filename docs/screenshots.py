@@ -21,7 +21,7 @@ SMALLEST = 1100, 700  # px
 WIDEST = 2400  # px
 ZOOM = 1.6  # at which port labels are easy to read; less where the diagram would get too wide
 
-# PathView's own "fit" looks at the blocks only: wires round them would be cut off
+# PathView's own "fit" considers blocks only, so wires around them would be cut off
 BOUNDS = """() => {
     const view = new DOMMatrix(getComputedStyle(document.querySelector(
         '.svelte-flow__viewport')).transform)

@@ -32,7 +32,7 @@ def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monk
                           capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    # numbers that tell the user it worked, and a figure to look at
+    # numbers that show that it worked, and a figure
     assert any(c.isdigit() for c in done.stdout.split("figure saved")[0])
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
 
@@ -94,7 +94,7 @@ def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys):
     rows = list(csv.DictReader(table.open()))
     assert [float(row["requested_speed_kcas"]) for row in rows] == [70.0, 80.0, 90.0]
     assert {row["requested_altitude_ft"] for row in rows} == {"3000.0"}
-    # alpha at 3000 ft and 80 KCAS as published; there the heading is another one
+    # alpha at 3000 ft and 80 KCAS as published, at a different heading
     assert float(rows[1]["alpha_deg"]) == pytest.approx(2.534215, abs=5e-3)
 
 

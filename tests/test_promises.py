@@ -1,6 +1,6 @@
 """Names, order and defaults of parameters and ports: models and scripts rely on each of them.
 
-``data/promises.json`` says what they are. What is added comes after what is there.
+``data/promises.json`` lists them. Additions come last.
 """
 
 import inspect

@@ -1,4 +1,4 @@
-"""Warnings reach whoever runs a diagram, in the way that he has chosen."""
+"""Warnings reach the user of a diagram, in the way that the user has chosen."""
 
 import os
 import subprocess
@@ -49,7 +49,7 @@ def test_each_warning_is_seen_once(start):
 @pytest.mark.parametrize("code", first([
     # PathSim has redirected warnings before this package is there
     "Simulation([], [], log=False)\nsimulate()",
-    # PathSim's own log stays as it is set
+    # PathSim's own log level is unchanged
     "simulate(log=True)",
     "import pathsim_jsbsim_blocks\nimport importlib; importlib.reload(pathsim_jsbsim_blocks)\n"
     "simulate()",
@@ -65,7 +65,7 @@ def test_a_warning_goes_to_stderr_by_default(code):
     "logging.captureWarnings(True)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
     "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
     "logging.basicConfig(stream=sys.stdout)\nsimulate()",
-    # a redirection by PathSim that somebody listens to is left alone
+    # a redirection by PathSim that has a handler is left alone
     "Simulation([], [], log=False)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
     "logging.captureWarnings(True)\n"
     "logging.getLogger('py.warnings').addHandler(logging.StreamHandler(sys.stdout))\nsimulate()",

@@ -236,7 +236,7 @@ def test_jsbsim_agrees(aircraft, machs, delta_t):
     fdm = open_fdm(aircraft, 1 / 120)
     for feet in (0.0, 10_000.0, 25_000.0, 40_000.0, 55_000.0):
         for mach in machs.tolist():
-            fdm["atmosphere/delta-T"] = delta_t  # Rankine; JSBSim integrates the pressure anew
+            fdm["atmosphere/delta-T"] = delta_t  # Rankine; JSBSim recomputes the pressure
             fdm["ic/h-sl-ft"] = feet
             fdm["ic/mach"] = mach
             fdm.run_ic()
@@ -325,7 +325,7 @@ def test_block_linear_model():
 
 
 # pathsim-flight's own tests: tests/utils/test_airspeed_conversions.py in
-# https://github.com/pathsim/pathsim-flight, written anew. Exceptions: its MachtoCAS takes the
+# https://github.com/pathsim/pathsim-flight, rewritten. Exceptions: its MachtoCAS takes the
 # subsonic formula at Mach 1.2, 318.6 m/s at 5 km and 234.2 m/s at 10 km.
 
 

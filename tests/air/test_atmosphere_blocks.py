@@ -142,7 +142,7 @@ def test_a_diagram_crosses_the_end_of_the_standard():
 
 
 # pathsim-flight's own tests: tests/atmosphere/test_international_standard_atmosphere.py in
-# https://github.com/pathsim/pathsim-flight, written anew. Exceptions: it expects an IndexError for
+# https://github.com/pathsim/pathsim-flight, rewritten. Exceptions: it expects an IndexError for
 # -100 m and for 90,000 m, and a rounded StdSL_speed_of_sound of 340.294 m/s.
 
 

@@ -1,6 +1,6 @@
 """The holds on the nonlinear aircraft in still air: the table of docs/autopilots.md.
 
-The limits are those that the holds promise; what they achieve is about half of it.
+The limits are those documented for the holds; the measured values are about half of them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def test_heading(name, time, heading, turn):
     assert flight.settled("psi", heading + turn, 0.5) < time
     error = wrap(flight["psi"] - heading - turn) * np.sign(turn)
     assert np.max(error) < 0.3
-    # the short way: never more than a degree of adverse yaw beyond where it began
+    # through the smaller angle: at most one degree of adverse yaw away from the start
     assert np.min(error) > -abs(turn) - 1.0
     assert np.max(np.abs(flight["phi"])) < 25.5
 
@@ -82,7 +82,7 @@ def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
     assert np.min(flight["vc"]) > 0.79 * 90.0
     assert np.max(flight["alpha"]) < 8.0
     assert flight["h"][-1] - flight["h"][0] > 3500.0
-    # level flight there, not a fight with the airspeed
+    # level flight there, with the airspeed not oscillating
     assert abs(flight["hdot"][-1]) < 1.0
 
 
@@ -129,7 +129,7 @@ def test_no_command_jumps_at_engagement(name, condition, modes):
         assert np.all(flight[command][:k] == 0.0)
         assert abs(flight[command][k]) < 1e-12
     if modes:
-        # engaged on what it finds, the flight goes on as it was
+        # engaged with default references, the flight continues unchanged
         for angle in ("theta", "phi"):
             assert np.max(np.abs(flight[angle] - flight[angle][k])) < 0.15
 

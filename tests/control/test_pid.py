@@ -314,7 +314,7 @@ def test_without_integral_action_what_was_held_fades():
         u, state = pid.sample(state, 1.0, 0.0)
         course.append(u)
     assert course[0] == pytest.approx(0.7, abs=1e-12)
-    # 10 time constants later the proportional law is all there is
+    # 10 time constants later only the proportional law remains
     assert course[-1] == pytest.approx(2.0, abs=1e-4)
 
 

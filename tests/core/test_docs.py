@@ -1,4 +1,4 @@
-"""Text that many docstrings share: filled in as it stands, and never left out."""
+"""Text that many docstrings share is filled in unchanged and never left out."""
 
 import inspect
 

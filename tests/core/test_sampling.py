@@ -29,7 +29,7 @@ class Total(SampledLaw):
 
 
 class Rejection(Event):
-    """Refuses a step to ``time`` once, and acts before it is taken anew."""
+    """Refuses a step to ``time`` once, and acts before it is retried."""
 
     def __init__(self, time, action):
         super().__init__()

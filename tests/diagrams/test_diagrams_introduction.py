@@ -26,7 +26,7 @@ def test_damped_oscillator():
     # swapped labels would show here: the two differ by up to 1.3
     assert np.abs(x - exact_x).max() < 1e-8
     assert np.abs(v - exact_v).max() < 1e-8
-    # what the docstring promises: the period, and the decay from swing to swing
+    # the values in the docstring: the period, and the decay from swing to swing
     assert abs(2 * np.pi / wd - 3.245) < 5e-4
     assert abs(np.exp(-zeta * np.pi / np.sqrt(1 - zeta**2)) - 0.4443) < 5e-5
 

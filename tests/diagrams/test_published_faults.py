@@ -159,7 +159,7 @@ def test_a_cg_edited_after_loading_is_flown_by_the_next_case(tmp_path):
     # the first case flew with the original CG, the second with that of the first
     assert naive == pytest.approx([ours[1], ours[0]], abs=1e-9)
     assert ours[0] < ours[1] < ours[2]
-    # and the file that everybody loads is another one now
+    # and the shared file has been modified
     assert checksum(model) != before
 
 

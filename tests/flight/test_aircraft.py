@@ -1,7 +1,7 @@
 """The ready ports of `Aircraft`, each against a source of its own; its commands within their range.
 
 What is compared with: other properties of the same flight in a plain JSBSim loop (radians, metres,
-velocity components, forces), from which each port is worked out anew.
+velocity components, forces), from which each port is recomputed.
 """
 
 import re

@@ -337,7 +337,7 @@ def test_a_look_at_a_later_time_does_not_fly_there():
     assert np.array_equal(y, loop(u))
 
 
-def test_switched_off_and_on_again_starts_anew():
+def test_switched_off_and_on_again_starts_a_new_flight():
     fdm = block()
     _, sim = wire(fdm, sines())
     sim.run(1.0)

@@ -103,7 +103,7 @@ def test_an_aircraft_that_something_holds_ends_the_flight():
     assert plane.samples == 120
 
 
-def test_an_aircraft_that_somebody_else_runs_ends_the_flight():
+def test_an_aircraft_that_is_run_from_outside_ends_the_flight():
     plane = Aircraft("c172p", altitude=5000, speed=90, substeps=2)
     sim = flying(plane)
     sim.run(1.0)

@@ -43,7 +43,7 @@ def test_the_same_ten_seconds_twice(aircraft):
     assert fdm.trim == trim
     assert first.shape[1] == 1201
     assert np.array_equal(flown(scope), first)
-    # the flight was no standstill that is easily repeated
+    # the aircraft did move, so that repeating the flight is a real test
     assert np.ptp(first[2]) > 0.01
 
 
@@ -96,7 +96,7 @@ def test_edited_parameters_count_from_the_reset_on():
 
 @pytest.mark.parametrize("states", [0, 1])
 def test_another_simulation_of_the_same_blocks_flies_on(states):
-    # as PathSim's own blocks do, when a notebook's cell builds the simulation anew
+    # as PathSim's own blocks do, when a notebook cell rebuilds the simulation
     def blocks():
         plane, hold = Aircraft("c172p", altitude=5000, speed=90), PitchHold(theta_ref=3.0)
         return plane, hold, *(Integrator(0.0) for _ in range(states))

@@ -168,7 +168,7 @@ report = [airframe.fdm.run(), files()]
 
 
 def test_a_failed_trim_prints_nothing(tmp_path):
-    # JSBSim does, and Python's last resort prints warnings of loggers that nobody listens to
+    # JSBSim does, and Python's last-resort handler prints warnings of loggers without handlers
     report, printed, left = outside("""
 from pathsim_jsbsim_blocks import TrimError
 report = []
@@ -288,8 +288,8 @@ def test_what_jsbsim_says_in_other_threads_reaches_the_logger(caplog, capfd):
 
 
 def test_the_end_of_a_thread_does_not_free_its_logger():
-    # JSBSim lets go of it without Python's lock: were that the last reference, the process would
-    # die now and then
+    # JSBSim drops its reference without the GIL: if that were the last one, the process would
+    # crash occasionally
     consoles, others = [], threading.Barrier(2)
 
     def listen():
@@ -320,7 +320,7 @@ def test_a_handler_that_raises_does_no_harm(capfd):
 
 
 def test_the_watch_sees_what_it_looks_for(tmp_path):
-    # the tests above would pass with blind eyes: open a port, a file, and print
+    # show that the checks above detect violations: open a port, a file, and print
     report, printed, left = outside("""
 import socket
 server = socket.create_server(("127.0.0.1", 0))

@@ -278,7 +278,7 @@ def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):
 
 
 def test_what_was_written_outlasts_a_failed_trim():
-    # what a condition leaves open stays as it is, whether the trims between were found or not
+    # fields left at None are not written, whether or not the trims in between converged
     airframe = Airframe("c172p", create={"ours/lamp": 2.0})
     airframe.write({"fcs/flap-cmd-norm": 0.0})
     with pytest.raises(TrimError):
@@ -331,7 +331,7 @@ for condition in eval(sys.argv[2]):
 
 
 @pytest.mark.parametrize(("aircraft", "conditions", "said"), [
-    # JSBSim's search for a stand reads where there is no memory, and that ends the process
+    # JSBSim's search for a ground attitude reads invalid memory, which ends the process
     ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
     ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
     ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),

@@ -1,7 +1,7 @@
 """Random sequences of trims on one airframe: each ends in a finite state or a typed error.
 
-A process of its own makes each batch, because JSBSim's faults end the process. What it is about to
-do stands in a file, so that a batch that dies names its last calls.
+Each batch runs in its own process, because JSBSim's faults end the process. Each call is written to
+a file before it is made, so that a batch that dies names its last calls.
 """
 
 import json

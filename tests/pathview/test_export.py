@@ -459,7 +459,7 @@ def test_no_script_at_all_is_refused():
         export_script("")
 
 
-# the model is the diagram as it stands when the first run begins ---------------------------------
+# the model is the diagram when the first run begins ----------------------------------------------
 
 HEAD = """
 import numpy as np

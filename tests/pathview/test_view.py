@@ -120,7 +120,7 @@ def test_what_cannot_be_shown_is_an_error_at_once(target, error, message):
         view(target, browser=False)
 
 
-def test_a_model_with_a_block_that_nobody_knows_is_not_served(tmp_path):
+def test_a_model_with_an_unknown_block_is_not_served(tmp_path):
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [
         {"id": "a", "type": "Nothing", "name": "a", "inputs": [], "outputs": [], "params": {}}]}}))
