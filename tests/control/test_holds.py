@@ -82,7 +82,7 @@ def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
     assert np.min(flight["vc"]) > 0.79 * 90.0
     assert np.max(flight["alpha"]) < 8.0
     assert flight["h"][-1] - flight["h"][0] > 3500.0
-    # level flight there, with the airspeed not oscillating
+    # settled in level flight
     assert abs(flight["hdot"][-1]) < 1.0
 
 
