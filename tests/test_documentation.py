@@ -55,9 +55,10 @@ def _uses_pathview(command):
     return command.split()[1] in ("view", "export", "convert")
 
 
-# test_published computes the envelope in each run of the tests
+# test_published computes these two in each run of the tests
+LONG = ("trim_envelope", "thrust_vectoring")
 COMMANDS = [pytest.param(c, id=f"{page}: {c}",
-                         marks=pytest.mark.long if "trim_envelope" in c else ())
+                         marks=pytest.mark.long if any(name in c for name in LONG) else ())
             for page, session in sessions() for c in session if not _uses_pathview(c)]
 PATHVIEW = [pytest.param(commands, id=f"{page}: {commands[0]}") for page, session in sessions()
             if (commands := [c for c in session if _uses_pathview(c)])]
