@@ -101,6 +101,7 @@ def test_a_result_that_is_no_row_is_the_reason(result, message):
     assert message in table.reason[0]
 
 
+@pytest.mark.long  # test_workers has one in each run of the tests
 def test_a_case_that_kills_its_worker_is_named():
     def build(x):
         import os
