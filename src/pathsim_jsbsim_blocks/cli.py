@@ -367,6 +367,8 @@ def _aircraft(args: argparse.Namespace) -> None:
             n = airframe.engines
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
         except BlocksError as error:
+            if args.name is not None:
+                raise
             print(f"{name:<14} {error}")
 
 
