@@ -66,14 +66,12 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
-
-    from pathsim_jsbsim_blocks.plots import exact_curves
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
 
     _, (h,) = height.read()
     _, speeds = airspeeds.read()
     _, (m,) = machs.read()
-    drawing, (left, right) = plt.subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
+    drawing, (left, right) = subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
     with exact_curves():
         for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
             left.plot(speed, h, label=label, linewidth=1.5)

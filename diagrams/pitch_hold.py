@@ -42,7 +42,13 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+    drawing = time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+    # the trimmed state, from which the hold departs
+    for ax, value in zip(drawing.axes[:3], (aircraft.trim.theta, aircraft.trim.altitude,
+                                            aircraft.trim.speed), strict=True):
+        ax.axhline(value, color="0.4", linestyle=":", linewidth=1.2, label="trim")
+        ax.legend(loc=(0.35, 0.58), ncols=4, fontsize="small")
+    return drawing
 
 
 if __name__ == "__main__":

@@ -37,17 +37,24 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import time_histories
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
 
-    return time_histories(scope, title="Van der Pol oscillator: mu = 1.5")
-
-
-def figure_phase():
-    from pathsim_jsbsim_blocks.plots import phase_portrait
-
-    _, (x, v) = scope.read()
-    return phase_portrait(x, v, ("position x [-]", "velocity v [1/s]"),
-                          title="Van der Pol oscillator: limit cycle")
+    time, (x, v) = scope.read()
+    drawing, (left, right) = subplots(1, 2, layout="constrained", figsize=(10, 4.2))
+    with exact_curves():
+        left.plot(time, x, label="position x [-]")
+        left.plot(time, v, "--", label="velocity v [1/s]")
+        right.plot(x, v)
+    right.plot(x[0], v[0], "ko", label="start")
+    left.set_xlabel("time [s]")
+    right.set_xlabel("position x [-]")
+    right.set_ylabel("velocity v [1/s]")
+    left.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+    right.legend(loc="upper right")
+    left.grid(alpha=0.4)
+    right.grid(alpha=0.4)
+    drawing.suptitle("Van der Pol oscillator: mu = 1.5")
+    return drawing
 
 
 if __name__ == "__main__":
@@ -58,4 +65,3 @@ if __name__ == "__main__":
     upward = time[1:][(x[:-1] < 0.0) & (x[1:] >= 0.0)]
     print(f"amplitude {abs(x[time > 15.0]).max():.3f}, period {upward[-1] - upward[-2]:.2f} s")
     show(figure(), "van_der_pol")
-    show(figure_phase(), "van_der_pol_phase")

@@ -30,13 +30,14 @@ Each diagram is a script and a model for PathView. `pathsim-jsbsim run NAME` fli
 
 
 def picture(name):
-    """The figure of a diagram: the first that its script shows."""
+    """The figures of a diagram, as its script names them."""
     (DOCS / "pictures").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         with contextlib.redirect_stdout(io.StringIO()):
             runpy.run_path(str(find_diagram(name)), run_name="__main__")
-        shrink(Path(f"{name}.png"), DOCS / "pictures" / f"{name}.png")
+        for drawn in sorted(Path().glob(f"{name}*.png")):
+            shrink(drawn, DOCS / "pictures" / drawn.name)
         os.chdir(DOCS)
 
 
@@ -75,7 +76,7 @@ def gallery():
 {rest.strip().replace("``", "`")}
 
 ![Time histories of {name}](pictures/{name}.png)
-
+{track(name)}
 :::{{dropdown}} The diagram in PathView
 [![The diagram {name} in PathView](pictures/{name}_pathview.png)](pictures/{name}_pathview.png)
 :::
@@ -87,6 +88,12 @@ def gallery():
 :::
 """)
     return "\n".join(parts)
+
+
+def track(name):
+    """The ground track of a diagram that draws one."""
+    file = f"pictures/{name}_track.png"
+    return f"\n![Ground track of {name}]({file})\n" if (DOCS / file).is_file() else ""
 
 
 def fleet_page():

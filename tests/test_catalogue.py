@@ -3,6 +3,7 @@
 import ast
 import csv
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -126,7 +127,7 @@ def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
 
 
 def test_every_figure_is_saved(tmp_path, capsys):
-    assert main(["run", "van_der_pol", "--save", str(tmp_path / "a")]) == 0
+    assert main(["run", "aileron_turn", "--save", str(tmp_path / "a")]) == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "a_2.png"]
     out = capsys.readouterr().out
     assert f"figure saved: {tmp_path / 'a.png'}" in out
@@ -359,6 +360,9 @@ def test_trim_prints_the_published_state(capsys):
     out = capsys.readouterr().out
     assert "throttle           0.621568" in out
     assert "alpha              2.534215 deg" in out
+    radians, degrees = re.search(r"elevator_rad +(\S+) rad \((\S+) deg\)", out).groups()
+    assert float(degrees) == pytest.approx(float(radians) * 57.29578, abs=1e-4)
+    assert re.search(r"weight +\d+\.\d+ lb\n +cg_x +\d+\.\d+ in", out)
 
 
 def test_trim_creates_what_a_model_misses(capsys):

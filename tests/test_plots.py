@@ -62,13 +62,17 @@ def test_an_empty_scope_is_refused():
         time_histories(Scope())
 
 
-def test_ground_track_is_in_nautical_miles():
+def test_ground_track_is_in_longitude_and_latitude_with_its_ends_marked():
     time = np.linspace(0, 10, 11)
     figure = ground_track(time, 60.0 + time / 60, 10.0 + time / 60)
     track = figure.axes[0].collections[0]
     end = track.get_segments()[-1][-1]
-    # 10 minutes of latitude are 10 NM; at 60 deg north a minute of longitude is half as long
-    assert end == pytest.approx([5.0, 10.0])
+    assert end == pytest.approx([10.0 + 1 / 6, 60.0 + 1 / 6])
+    marks = {line.get_label(): line.get_xydata()[0] for line in figure.axes[0].get_lines()}
+    assert marks["start"] == pytest.approx([10.0, 60.0])
+    assert marks["end"] == pytest.approx(end)
+    # at 60 deg north a degree of longitude is half as long as one of latitude
+    assert figure.axes[0].get_aspect() == pytest.approx(2.0)
     assert np.array_equal(track.get_array(), time[:-1])
 
 

@@ -9,6 +9,7 @@ import csv
 import dataclasses
 import inspect
 import io
+import math
 import os
 import runpy
 import sys
@@ -447,7 +448,9 @@ def _trim(args: argparse.Namespace) -> None:
             print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value)
                   + f" {UNITS[field.name]}")
         elif isinstance(value, float):
-            print(f"  {field.name:<13}{value:14.6f} {UNITS[field.name]}".rstrip())
+            unit = UNITS[field.name]
+            degrees = f" ({math.degrees(value):.4f} deg)" if unit == "rad" else ""
+            print(f"  {field.name:<13}{value:14.6f} {unit}{degrees}".rstrip())
 
 
 def _values(option: str, items: Iterable[str]) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """Figures of flights: time histories from scopes, ground tracks, phase portraits.
 
-Every function returns a matplotlib Figure without showing it. `show` opens a window if there is a
-display and writes a file otherwise.
+Every function returns a matplotlib Figure and shows nothing; `show` opens a window where there is
+a display, draws into the notebook in Jupyter and writes a file where there is neither.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -41,6 +41,37 @@ def exact_curves() -> Iterator[None]:
         yield
 
 
+def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
+    """``plt.subplots``, except that in a notebook the figure is not drawn of itself.
+
+    There a cell draws each figure that pyplot holds, and once more a figure that is its last line.
+
+    Parameters
+    ----------
+    *args, **options
+        as in ``plt.subplots``
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes or array of them
+    """
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(*args, **options)
+    if _inline():
+        plt.close(figure)
+    return figure, axes
+
+
+def _inline() -> bool:
+    """Whether figures are drawn into a notebook."""
+    import matplotlib.pyplot as plt
+
+    return plt.get_backend().lower().removeprefix("module://") in (
+        "inline", "matplotlib_inline.backend_inline")
+
+
 @exact_curves()
 def time_histories(*scopes: Scope, title: str = "") -> Figure:
     """Time histories of scopes, one panel for each unit.
@@ -57,8 +88,6 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    import matplotlib.pyplot as plt
-
     panels: list[tuple[str, list]] = []
     for scope in scopes:
         time, data = _recording(scope)
@@ -69,7 +98,7 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
                 panels.append((unit, []))
             panels[-1][1].append((time, y, label))
             first = False
-    figure, axes = plt.subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
+    figure, axes = subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
                                 figsize=(8, 1.2 + 1.7 * len(panels)))
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
         # dashes keep coinciding curves apart
@@ -123,9 +152,7 @@ def aircraft_points(
     -------
     matplotlib.figure.Figure
     """
-    import matplotlib.pyplot as plt
-
-    figure, (side, top) = plt.subplots(2, 1, layout="constrained", figsize=(8, 9),
+    figure, (side, top) = subplots(2, 1, layout="constrained", figsize=(8, 9),
                                        height_ratios=(1, 2))
     for (kind, found), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
         x, y, z = np.transpose(found)
@@ -145,14 +172,14 @@ def aircraft_points(
 
 def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
                  title: str = "ground track") -> Figure:
-    """Ground track coloured by time, in nautical miles from the start.
+    """Ground track in longitude and latitude, coloured by time, with start and end marked.
 
     Parameters
     ----------
     time : array, shape (n,)
         s
     latitude, longitude : arrays, shape (n,)
-        deg; a local, spherical picture: 1 minute of latitude is 1 nautical mile
+        deg; drawn with equal distances north and east
     title : str
         headline of the figure
 
@@ -160,29 +187,29 @@ def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
     -------
     matplotlib.figure.Figure
     """
-    import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
+    from matplotlib.ticker import MaxNLocator
 
     time, latitude, longitude = map(np.asarray, (time, latitude, longitude))
-    north = 60.0 * (latitude - latitude[0])
-    east = 60.0 * (longitude - longitude[0]) * math.cos(math.radians(latitude[0]))
-    points = np.column_stack([east, north])
-    figure, ax = plt.subplots(figsize=(6.5, 5.5), layout="constrained")
+    points = np.column_stack([longitude, latitude])
+    figure, ax = subplots(figsize=(6.5, 5.5), layout="constrained")
     track = LineCollection(list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1],
                            linewidths=2.5)
     ax.add_collection(track)
-    ax.plot(east[0], north[0], "ko", label="start")
-    # keep a straight track readable: neither side is shorter than a third of the other
-    size = max(np.ptp(east), np.ptp(north), 1e-6)
-    for centre, extent, limit in ((np.mean([east.min(), east.max()]), np.ptp(east), ax.set_xlim),
-                                  (np.mean([north.min(), north.max()]), np.ptp(north),
-                                   ax.set_ylim)):
-        half = 0.55 * max(extent, size / 3)
+    ax.plot(*points[0], "ko", label="start")
+    ax.plot(*points[-1], "rs", label="end")
+    # a straight track must not become a sliver: keep the picture at least a third as high as wide
+    shrink = math.cos(math.radians(latitude[0]))  # of a degree of longitude
+    size = max(np.ptp(longitude) * shrink, np.ptp(latitude), 1e-8)
+    for values, scale, limit in ((longitude, shrink, ax.set_xlim), (latitude, 1.0, ax.set_ylim)):
+        half = 0.55 * max(np.ptp(values), size / 3 / scale)
+        centre = (values.min() + values.max()) / 2
         limit(centre - half, centre + half)
-    ax.set_aspect("equal")
-    _readable(ax, np.array([0.0]))
-    ax.set_xlabel("east [NM]")
-    ax.set_ylabel("north [NM]")
+    ax.set_aspect(1 / shrink)
+    ax.ticklabel_format(useOffset=False, style="plain")
+    ax.xaxis.set_major_locator(MaxNLocator(5))
+    ax.set_xlabel("longitude [deg]")
+    ax.set_ylabel("latitude [deg]")
     ax.grid(alpha=0.4)
     ax.legend(loc="best")
     ax.set_title(title)
@@ -207,9 +234,7 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
     -------
     matplotlib.figure.Figure
     """
-    import matplotlib.pyplot as plt
-
-    figure, ax = plt.subplots(figsize=(6, 5), layout="constrained")
+    figure, ax = subplots(figsize=(6, 5), layout="constrained")
     ax.plot(x, y, linewidth=1.3)
     ax.plot(np.asarray(x)[0], np.asarray(y)[0], "ko", label="start")
     ax.set_xlabel(labels[0])
@@ -222,7 +247,7 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
 
 @exact_curves()
 def show(figure: Figure, name: str) -> None:
-    """Show a figure in a window if there is a display; otherwise write ``name.png`` here.
+    """Show a figure in a window or in a notebook; where there is neither, write ``name.png`` here.
 
     Parameters
     ----------
@@ -238,6 +263,12 @@ def show(figure: Figure, name: str) -> None:
         b.lower() for b in backend_registry.list_builtin(BackendFilter.INTERACTIVE)}
     if interactive and not _save_to:
         plt.show()
+        return
+    if _inline() and not _save_to:
+        from IPython.display import display
+
+        display(figure)
+        plt.close(figure)
         return
     target = next(_save_to[-1]) if _save_to else Path(f"{name}.png")
     try:

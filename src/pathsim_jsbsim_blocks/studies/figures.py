@@ -9,6 +9,7 @@ import numpy as np
 
 from .._core.checks import did_you_mean, nearest
 from ..errors import ParameterError
+from ..plots import subplots
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,12 +56,10 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    import matplotlib.pyplot as plt
-
     trimmed = _trimmed(table, "alpha_elevator_chart", "aoa_vs_cas, aoa_vs_cas_loading or a "
                        "trim_sweep over speed", "requested_altitude_ft", "speed_kcas", "alpha_deg",
                        "elevator_rad", "elevator_norm", "weight_lb", "cg_x_in")
-    figure, axes = plt.subplots(3, 1, sharex=True, figsize=(8, 9), layout="constrained")
+    figure, axes = subplots(3, 1, sharex=True, figsize=(9.5, 9.5), layout="constrained")
     for label, style, rows in _lines(trimmed):
         for ax, y in zip(axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm),
                          strict=True):
@@ -120,13 +119,12 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
 
     trimmed = _trimmed(table, "envelope_map", "trim_envelope or a trim_sweep over speed and gamma",
                        "requested_speed_kcas", "requested_gamma_deg", "reason", "thrust_lb",
                        "throttle_norm", "alpha_deg")
-    figure, axes = plt.subplots(1, 3, sharey=True, figsize=(14, 4.8), layout="constrained")
+    figure, axes = subplots(1, 3, sharey=True, figsize=(14, 4.8), layout="constrained")
     for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
                               (axes[1], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
                               (axes[2], trimmed.alpha_deg, "angle of attack [deg]")):
@@ -165,12 +163,10 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    import matplotlib.pyplot as plt
-
     trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", "case", "thrust_angle_deg",
                        "thrust_lb", "alpha_deg")
     cases = list(trimmed.groupby("case", sort=False))
-    figure, axes = plt.subplots(1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5),
+    figure, axes = subplots(1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5),
                                 layout="constrained")
     for ax, (case, rows) in zip(axes[0], cases, strict=True):
         best = rows.loc[rows.thrust_lb.idxmin()]
@@ -205,13 +201,12 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
 
     trimmed = _trimmed(table, "climb_chart", "climb_schedule or a trim_sweep over altitude",
                        "requested_altitude_ft", "requested_speed_kcas", "requested_gamma_deg",
                        "throttle_norm", "pitch_trim_norm")
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+    figure, axes = subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
                               (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]")):
         ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)

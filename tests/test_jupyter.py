@@ -1,0 +1,36 @@
+"""Figures in a notebook: each is drawn once, and no file is written."""
+
+import pytest
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
+
+nbclient = pytest.importorskip("nbclient")
+nbformat = pytest.importorskip("nbformat")
+pytest.importorskip("ipykernel")
+
+BUILD = """
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.plots import show
+diagram = load_diagram("hello_jsbsim")
+diagram.sim.run(diagram.DURATION)
+"""
+
+CELLS = [  # code, figures that it draws
+    (f"%run {(diagram_folder() / 'hello_jsbsim.py').as_posix()}", 1),
+    (BUILD, 0),
+    ("figure = diagram.figure()", 0),
+    ("diagram.figure()", 1),
+    ("show(diagram.figure(), 'flight')", 1),
+    ("figure", 1),
+]
+
+
+def test_a_notebook_draws_each_figure_once_and_writes_no_file(tmp_path):
+    notebook = nbformat.v4.new_notebook(
+        cells=[nbformat.v4.new_code_cell(code) for code, _ in CELLS])
+    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3",
+                            resources={"metadata": {"path": str(tmp_path)}}).execute()
+    drawn = [sum("image/png" in output.get("data", {}) for output in cell.outputs)
+             for cell in notebook.cells]
+    assert drawn == [figures for _, figures in CELLS]
+    assert list(tmp_path.iterdir()) == []
