@@ -68,7 +68,7 @@ _BEFORE_STAGES = -1
 
 def step_begins(engine: Solver) -> None:
     """Mark the start of a step in the engine of the simulation."""
-    engine.stage = _BEFORE_STAGES
+    engine._stage = _BEFORE_STAGES
 
 
 def without_stages(engine: Solver) -> bool:
@@ -77,7 +77,7 @@ def without_stages(engine: Solver) -> bool:
     A diagram without continuous states has none: its first evaluation in a step is that of the
     step's end. (The buffers of implicit solvers start counting at once; the answer is no then.)
     """
-    return engine.stage == _BEFORE_STAGES
+    return engine._stage == _BEFORE_STAGES
 
 
 class ClockEvent(Event):

@@ -23,7 +23,7 @@ matter.
 Blocks act in the resolution of an event, which is always right: it happens in a step only, never
 in a look. But every event costs one more pass through the graph, a fourth of a step. In a fixed
 step without solver stages the first evaluation is the one at the step's end; blocks that are not in
-a subsystem show their outputs there, and need no event. `SampledBlock.in_one_pass` is the switch.
+a subsystem show their outputs there, and need no event. `SampledBlock.one_pass` is the switch.
 A plant may then not act in the evaluation, which could be a look; it acts when the step starts.
 """
 
@@ -123,11 +123,12 @@ class SampleClock(ClockEvent):
 
     def go_on(self) -> None:
         """Wait for the sample after that waited for until now."""
-        now = self.next
-        time = self.start + (now.k + 1) * self.period
+        k, _, due_from, due_until, _, _ = self.next
+        time = self.start + (k + 1) * self.period
         slack = self._slack(time)
-        self.next = Instant(now.k + 1, time, time - slack, time + slack,
-                            now.due_from, now.due_until)
+        # Instant(...), which takes three times as long
+        self.next = tuple.__new__(
+            Instant, (k + 1, time, time - slack, time + slack, due_from, due_until))
 
     def _slack(self, time: float) -> float:
         """How far the diagram's accumulated clock may be from an instant."""
@@ -195,6 +196,8 @@ class SampledBlock(Block):
         self._resolved = False
         # end of the step in which the outputs were shown without an event
         self._acted_at: float | None = None
+        # whether the step under way has one evaluation, at its end, unless a stage comes before it.
+        # In a subsystem, what enters comes one evaluation late; adaptive runs may reject the step
         self.one_pass = False
 
     @property
@@ -212,30 +215,23 @@ class SampledBlock(Block):
         super().reset()
         self._forget()
 
-    def in_one_pass(self) -> bool:
-        """Whether the evaluation under way is the only one of its step.
-
-        Fixed steps without stages have one evaluation, at their end; so no event need ask for
-        another. In a subsystem, what enters comes one evaluation late, and adaptive runs may
-        reject the step. What other blocks' events find at a step's end is decided here too.
-        """
-        return self.one_pass and without_stages(self._engine)
-
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
-        self._dt = dt
-        self._resolved = False
-        if t >= self.clock.next.due_from:
-            self._sampled = self._latest(t)
+        self._dt, self._resolved = dt, False
+        next_ = self.clock.next
+        if t >= next_.due_from:
+            self._sampled = (next_.k if t <= next_.due_until and next_.k in self._results
+                             else self._latest(t))
 
     def step_starts(self, t: float) -> None:
         """All blocks hold their final values at ``t``, where the next step starts."""
         clock = self.clock
         next_ = clock.next
-        if t == clock.step_start and t < next_.due_from:
-            # the step is taken anew: its end was not reached, whatever was recorded there
-            self._sampled = next_.k - 1
-        elif self._sampled < next_.k and t >= next_.due_from:
+        if t < next_.due_from:
+            if t == clock.step_start:
+                # the step is taken anew: its end was not reached, whatever was recorded there
+                self._sampled = next_.k - 1
+        elif self._sampled < next_.k:
             self._sampled = self._latest(t)
         if self._sampled >= next_.k:
             self._finish()
@@ -246,7 +242,7 @@ class SampledBlock(Block):
             # switched off for a while, another time, another simulation: go on from here
             clock.begin_at(t, next_.k)
         engine = self._engine
-        self.one_pass = not (clock.nested or engine.is_adaptive or self._stages)
+        self.one_pass = not (self._stages or clock.nested or engine.is_adaptive)
         step_begins(engine)
 
     def _latest(self, t: float) -> int:
@@ -260,13 +256,12 @@ class SampledBlock(Block):
         """Let the instants that were reached be over."""
         clock, sampled = self.clock, self._sampled
         k = clock.next.k
-        if sampled >= k:
-            if sampled == k:
-                clock.go_on()
-            else:
-                clock.go_to(sampled + 1)
-            for i in range(k - 1, sampled):
-                self._results.pop(i, None)
+        if sampled == k:
+            clock.go_on()
+        elif sampled > k:
+            clock.go_to(sampled + 1)
+        for i in range(k - 1, sampled):
+            self._results.pop(i, None)
 
     def _shown(self, t: float) -> int:
         """Index of the instant whose outputs belong to ``t``."""
@@ -275,10 +270,10 @@ class SampledBlock(Block):
         if t < next_.due_from:
             return next_.k - 1
         if self._sampled < next_.k and not self._resolved:
-            if not self.in_one_pass():
+            if not (self.one_pass and without_stages(self._engine)):
                 return next_.k - 1
             self._acted_at = t
-        return next_.k - 1 + clock.due(t)
+        return next_.k if t <= next_.due_until else next_.k - 1 + clock.due(t)
 
     def has_acted(self, t: float) -> bool:
         """Whether the outputs at ``t``, the end of a step, are shown already."""
@@ -364,15 +359,13 @@ class SampledPlant(SampledBlock):
     def step_starts(self, t: float) -> None:
         super().step_starts(t)
         next_ = self.clock.next
-        if next_.k not in self._results:
-            if self._latched[0] != next_.k:
-                self._latched = next_.k, self.latch()
+        k = next_.k
+        if k not in self._results:
+            if self._latched[0] != k:
+                self._latched = k, self.latch()
             if self.one_pass and t + self._dt >= next_.due_from:
-                self._fly(next_.k)
-
-    def _fly(self, index: int) -> None:
-        """Advance to an instant; an interrupt before the result is kept leaves it to be done."""
-        self._results[index] = self.advance(index, self._latched[1])
+                # an interrupt before the result is kept leaves it to be done
+                self._results[k] = self.advance(k, self._latched[1])
 
     def update(self, t: float) -> None:
         results = self._results
@@ -387,7 +380,7 @@ class SampledPlant(SampledBlock):
         index = self.clock.index
         for i in range(index, index + self.clock.due(t)):
             if i not in self._results:
-                self._fly(i)
+                self._results[i] = self.advance(i, self._latched[1])
 
     def latch(self) -> list[float]:
         raise NotImplementedError

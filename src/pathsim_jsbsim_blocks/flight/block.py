@@ -204,9 +204,9 @@ class FlightBlock(NamedPorts, SampledPlant):
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:
-        if get_ident() != self._thread:
+        if (thread := get_ident()) != self._thread:
             # a diagram may go on in another thread, where JSBSim's console is another one
-            self._thread = get_ident()
+            self._thread = thread
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
         done = self._steps_since(index - 1) if self._begun == index else 0
@@ -216,18 +216,20 @@ class FlightBlock(NamedPorts, SampledPlant):
         run = self.airframe.fdm.run
         for _ in range(self._substeps - done):
             run()
-        t = self.clock.start + index * self.clock.period
+        clock = self.clock
+        t = clock.start + index * clock.period
         time = self.airframe.fdm.get_sim_time() - self._time_zero
         if abs(time - index * self._period) > 0.5 * self._step:
             raise FlightError(
                 f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
-                f"{index} periods of {self.clock.period:.9g} s: something else runs or holds it. "
+                f"{index} periods of {clock.period:.9g} s: something else runs or holds it. "
                 "Fly on after a reset", aircraft=self.airframe.aircraft, time=t,
                 name="simulation/sim-time-sec", value=time)
         y = self._observe(t)
-        before = (index - 1) * self._n_inputs
-        if self.record_inputs is True and len(self._flown) >= before:
-            self._flown[before:] = array("d", u)
+        if self.record_inputs is True:
+            before = (index - 1) * self._n_inputs
+            if len(self._flown) >= before:
+                self._flown[before:] = array("d", u)
         return y
 
     def _steps_since(self, index: int) -> int:
