@@ -54,19 +54,43 @@ def compare(what, peer, functions, unit="us", calls=2000, per_call=1, faster=Non
 
 def rows():
     million = "ISA, 10^6 altitudes: p, rho, T, a"
-    compare(million, "ambiance", [lambda: four(isa(HEIGHTS)),
-                                  lambda: four(ambiance.Atmosphere(HEIGHTS))],
-            "ms", 1, faster=5)
-    compare(million, "fluids, loop", [lambda: four(isa(HEIGHTS)),
-                                  lambda: [four_of_fluids(h) for h in HEIGHTS.tolist()]],
-            "ms", 1, faster=30)
-    compare("ISA, one altitude: isa(h), p, rho, T, a", "fluids",
-        [lambda: [four(isa(h)) for h in IN_EACH_LAYER],
-         lambda: [four_of_fluids(h) for h in IN_EACH_LAYER]], per_call=7, faster=1)
+    compare(
+        million,
+        "ambiance",
+        [lambda: four(isa(HEIGHTS)), lambda: four(ambiance.Atmosphere(HEIGHTS))],
+        "ms",
+        1,
+        faster=5,
+    )
+    compare(
+        million,
+        "fluids, loop",
+        [lambda: four(isa(HEIGHTS)), lambda: [four_of_fluids(h) for h in HEIGHTS.tolist()]],
+        "ms",
+        1,
+        faster=30,
+    )
+    compare(
+        "ISA, one altitude: isa(h), p, rho, T, a",
+        "fluids",
+        [
+            lambda: [four(isa(h)) for h in IN_EACH_LAYER],
+            lambda: [four_of_fluids(h) for h in IN_EACH_LAYER],
+        ],
+        per_call=7,
+        faster=1,
+    )
     ours, theirs = pathsim_jsbsim_blocks.ISAtmosphere(), pathsim_flight.ISAtmosphere()
-    compare("ISA, one altitude: ISAtmosphere._eval(h)", "pathsim-flight",
-        [lambda: [ours._eval(h) for h in IN_EACH_LAYER],
-         lambda: [theirs._eval(h) for h in IN_EACH_LAYER]], per_call=7, faster=2)
+    compare(
+        "ISA, one altitude: ISAtmosphere._eval(h)",
+        "pathsim-flight",
+        [
+            lambda: [ours._eval(h) for h in IN_EACH_LAYER],
+            lambda: [theirs._eval(h) for h in IN_EACH_LAYER],
+        ],
+        per_call=7,
+        faster=2,
+    )
     compare("ISAtmosphere block update", "pathsim-flight", updates("ISAtmosphere", 5000.0))
     compare("CAStoTAS block update", "pathsim-flight", updates("CAStoTAS", 120.0, 5000.0), faster=4)
     compare("CAStoMach block update", "pathsim-flight", updates("CAStoMach", 120.0, 5000.0))

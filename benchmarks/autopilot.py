@@ -45,10 +45,16 @@ def one_block():
     climb, turn = Constant(CLIMB), Constant(TURN)
     sim = Simulation(
         [plane, autopilot, climb, turn, scope],
-        [Connection(plane[SEEN], autopilot[SEEN]), Connection(autopilot[DRIVEN], plane[DRIVEN]),
-         Connection(climb, autopilot["h_ref"]), Connection(turn, autopilot["psi_ref"]),
-         Connection(plane["h", "psi", "vc"], scope[:3])],
-        dt=T, log=False)
+        [
+            Connection(plane[SEEN], autopilot[SEEN]),
+            Connection(autopilot[DRIVEN], plane[DRIVEN]),
+            Connection(climb, autopilot["h_ref"]),
+            Connection(turn, autopilot["psi_ref"]),
+            Connection(plane["h", "psi", "vc"], scope[:3]),
+        ],
+        dt=T,
+        log=False,
+    )
     return sim, plane
 
 
@@ -69,22 +75,32 @@ def core_blocks():
     y = plane.outputs
     # elevator: altitude, rate of climb, pitch angle
     h_ref, hdot_max = add(Constant(float(y["h"]) + CLIMB)), gains.altitude.hdot_max
-    climb = add(Clip(-hdot_max, hdot_max),
-                add(Amplifier(gains.altitude.Kh), add(Adder("+-"), h_ref, plane["h"])))
+    climb = add(
+        Clip(-hdot_max, hdot_max),
+        add(Amplifier(gains.altitude.Kh), add(Adder("+-"), h_ref, plane["h"])),
+    )
     theta = float(y["theta"])
-    pitch_up = pid(gains.altitude.Kp, gains.altitude.Ki, -10.0 - theta, 15.0 - theta,
-                   add(Adder("+-"), climb, plane["hdot"]))
+    pitch_up = pid(
+        gains.altitude.Kp,
+        gains.altitude.Ki,
+        -10.0 - theta,
+        15.0 - theta,
+        add(Adder("+-"), climb, plane["hdot"]),
+    )
     theta_cmd = add(RateLimiter(gains.pitch.ramp), pitch_up)
     theta_now = add(Adder("+-"), plane["theta"], add(Constant(theta)))
-    elevator = pid(gains.pitch.Kp, gains.pitch.Ki, -1.0, 1.0,
-                   add(Adder("+-"), theta_cmd, theta_now))
+    elevator = pid(
+        gains.pitch.Kp, gains.pitch.Ki, -1.0, 1.0, add(Adder("+-"), theta_cmd, theta_now)
+    )
     damped = add(Adder("+-"), elevator, add(Amplifier(gains.pitch.Kr), plane["q"]))
-    connections.append(Connection(add(Clip(-1.0, 1.0), add(Amplifier(-1.0), damped)),
-                                  plane["elevator"]))
+    connections.append(
+        Connection(add(Clip(-1.0, 1.0), add(Amplifier(-1.0), damped)), plane["elevator"])
+    )
     # aileron: heading, roll angle
     psi_ref = add(Constant(float(y["psi"]) + TURN))
-    off_course = add(Function(lambda e: (e + 180.0) % 360.0 - 180.0),
-                     add(Adder("+-"), psi_ref, plane["psi"]))
+    off_course = add(
+        Function(lambda e: (e + 180.0) % 360.0 - 180.0), add(Adder("+-"), psi_ref, plane["psi"])
+    )
     bank = pid(gains.heading.Kp, gains.heading.Ki, -25.0, 25.0, off_course)
     phi_cmd = add(RateLimiter(gains.roll.ramp), bank)
     aileron = pid(gains.roll.Kp, gains.roll.Ki, -1.0, 1.0, add(Adder("+-"), phi_cmd, plane["phi"]))
@@ -92,14 +108,21 @@ def core_blocks():
     connections.append(Connection(add(Clip(-1.0, 1.0), damped), plane["aileron"]))
     # throttle: airspeed
     vc_cmd = add(Constant(float(y["vc"])))
-    thrust = pid(gains.speed.Kp, gains.speed.Ki, -1.0, 1.0,
-                 add(Adder("+-"), vc_cmd, plane["vc"]), gains.speed.Kd)
+    thrust = pid(
+        gains.speed.Kp,
+        gains.speed.Ki,
+        -1.0,
+        1.0,
+        add(Adder("+-"), vc_cmd, plane["vc"]),
+        gains.speed.Kd,
+    )
     fed = add(Adder("++"), thrust, add(Amplifier(gains.speed.Kc), plane["hdot"]))
     connections.append(Connection(add(Clip(-1.0, 1.0), fed), plane["throttle"]))
     # rudder: yaw rate
     washed = add(ButterworthHighpassFilter(1 / (2 * 3.14159265 * gains.yaw.tau), 1), plane["r"])
-    connections.append(Connection(add(Clip(-1.0, 1.0), add(Amplifier(gains.yaw.K), washed)),
-                                  plane["rudder"]))
+    connections.append(
+        Connection(add(Clip(-1.0, 1.0), add(Amplifier(gains.yaw.K), washed)), plane["rudder"])
+    )
     return Simulation(blocks, connections, dt=T, log=False), plane
 
 
@@ -120,8 +143,14 @@ def rows():
     for _ in range(REPETITIONS):
         ours.append(time_flight(one_block))
         core.append(time_flight(core_blocks))
-    row("Autopilot: a step on autopilot", f"{len(core_blocks()[0].blocks) - 2} core blocks", ours,
-        core, "us", 0.25)
+    row(
+        "Autopilot: a step on autopilot",
+        f"{len(core_blocks()[0].blocks) - 2} core blocks",
+        ours,
+        core,
+        "us",
+        0.25,
+    )
 
 
 if __name__ == "__main__":

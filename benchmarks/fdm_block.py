@@ -28,11 +28,26 @@ from pathsim_jsbsim_blocks import JSBSimFDM
 T = 1 / 120
 STEPS = 12_000
 REPETITIONS = 9
-INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm",
-          "fcs/steer-cmd-norm"]
-OUTPUTS = ["attitude/theta-deg", "attitude/phi-deg", "attitude/psi-deg", "velocities/p-rad_sec",
-           "velocities/q-rad_sec", "velocities/r-rad_sec", "aero/alpha-deg", "aero/beta-deg",
-           "position/h-sl-ft", "velocities/h-dot-fps", "velocities/vc-kts", "velocities/vt-fps"]
+INPUTS = [
+    "fcs/elevator-cmd-norm",
+    "fcs/aileron-cmd-norm",
+    "fcs/rudder-cmd-norm",
+    "fcs/steer-cmd-norm",
+]
+OUTPUTS = [
+    "attitude/theta-deg",
+    "attitude/phi-deg",
+    "attitude/psi-deg",
+    "velocities/p-rad_sec",
+    "velocities/q-rad_sec",
+    "velocities/r-rad_sec",
+    "aero/alpha-deg",
+    "aero/beta-deg",
+    "position/h-sl-ft",
+    "velocities/h-dot-fps",
+    "velocities/vc-kts",
+    "velocities/vt-fps",
+]
 FLIGHT = {"aircraft_model": "c172p", "trim_airspeed": 90, "trim_altitude": 5000}
 
 
@@ -68,8 +83,10 @@ class Bare(Empty):
 def accessors(fdm):
     """Functions that write the inputs and read the outputs."""
     nodes = fdm.get_property_manager()
-    return ([nodes.get_node(name).set_double_value for name in INPUTS],
-            [nodes.get_node(name).get_double_value for name in OUTPUTS])
+    return (
+        [nodes.get_node(name).set_double_value for name in INPUTS],
+        [nodes.get_node(name).get_double_value for name in OUTPUTS],
+    )
 
 
 def diagram(block, T=T, **options):
@@ -80,10 +97,17 @@ def diagram(block, T=T, **options):
     n = len(OUTPUTS)
     return Simulation(
         [fdm, error, gain, reference, zeros, scope],
-        [Connection(fdm[0], error[0]), Connection(reference, error[1]), Connection(error, gain),
-         Connection(gain, fdm[0]), Connection(zeros, fdm[1], fdm[2], fdm[3]),
-         Connection(fdm[:n], scope[:n])],
-        dt=T, log=False)
+        [
+            Connection(fdm[0], error[0]),
+            Connection(reference, error[1]),
+            Connection(error, gain),
+            Connection(gain, fdm[0]),
+            Connection(zeros, fdm[1], fdm[2], fdm[3]),
+            Connection(fdm[:n], scope[:n]),
+        ],
+        dt=T,
+        log=False,
+    )
 
 
 def time_diagram(block, steps=STEPS, **options):
@@ -124,8 +148,14 @@ def rows():
         slow.append(time_diagram(JSBSimFDM, STEPS // 4, T=4 * T, substeps=4) / 4)
     row("FDM block: a step of the pitch loop", "JSBSimWrapper", ours, wrapper, "us", 0.65)
     row("FDM block: a step of the pitch loop", "bare block", ours, bare, "us")
-    row("FDM block: a step of the pitch loop", "empty diagram + plain loop", ours, separate, "us",
-        1.15)
+    row(
+        "FDM block: a step of the pitch loop",
+        "empty diagram + plain loop",
+        ours,
+        separate,
+        "us",
+        1.15,
+    )
     row("bare block: the same step", "empty diagram + plain loop", bare, separate, "us")
     row("FDM block: 30 Hz, 4 substeps, per JSBSim step", "plain loop", slow, plain, "us", 2.2)
 

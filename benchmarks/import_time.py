@@ -23,17 +23,25 @@ def cost(module, byte_code):
     before = os.times()
     subprocess.run([sys.executable, "-c", f"import {module}"], check=True, env=environment)
     after = os.times()
-    return (after.children_user - before.children_user
-            + after.children_system - before.children_system)
+    return (
+        after.children_user - before.children_user + after.children_system - before.children_system
+    )
 
 
 def rows():
     with tempfile.TemporaryDirectory() as byte_code:
         cost("pathsim", byte_code), cost("pathsim_jsbsim_blocks", byte_code)  # and the disk's cache
-        pairs = [(cost("pathsim_jsbsim_blocks", byte_code), cost("pathsim", byte_code))
-                 for _ in range(PAIRS)]
-    row("import of the package, processor time", "import pathsim", *zip(*pairs, strict=True), "s",
-        1.05)
+        pairs = [
+            (cost("pathsim_jsbsim_blocks", byte_code), cost("pathsim", byte_code))
+            for _ in range(PAIRS)
+        ]
+    row(
+        "import of the package, processor time",
+        "import pathsim",
+        *zip(*pairs, strict=True),
+        "s",
+        1.05,
+    )
 
 
 if __name__ == "__main__":

@@ -21,8 +21,10 @@ def main():
         memory, start = megabytes(), time.perf_counter()
         sim.run(3600 * hour - sim.time)
         seconds = time.perf_counter() - start
-        print(f"hour {hour}: {plane.samples} samples, {seconds:.0f} s, "
-              f"memory {megabytes() - memory:+.2f} MB")
+        print(
+            f"hour {hour}: {plane.samples} samples, {seconds:.0f} s, "
+            f"memory {megabytes() - memory:+.2f} MB"
+        )
     # PathSim's run may take one step more than asked for: its clock has drifted by then
     assert plane.samples == round(sim.time / T) in (864_000, 864_001)
     _, (h, _) = scope.read()

@@ -2,7 +2,7 @@
 
 import statistics
 
-HEADER = (f"{'what':<46} {'peer':<28} {'ours':>10} {'peer':>10} {'ours/peer':>10} {'target':>8}")
+HEADER = f"{'what':<46} {'peer':<28} {'ours':>10} {'peer':>10} {'ours/peer':>10} {'target':>8}"
 
 
 def row(what, peer, ours, others, unit, most=None):
@@ -21,6 +21,8 @@ def row(what, peer, ours, others, unit, most=None):
     scale = {"s": 1.0, "ms": 1e3, "us": 1e6}[unit]
     ratio = statistics.median(a / b for a, b in zip(ours, others, strict=True))
     target = "" if most is None else f"<= {most:.2f}"
-    print(f"{what:<46} {peer:<28} {scale * statistics.median(ours):>7.2f} {unit:<2} "
-          f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>8}",
-          flush=True)
+    print(
+        f"{what:<46} {peer:<28} {scale * statistics.median(ours):>7.2f} {unit:<2} "
+        f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>8}",
+        flush=True,
+    )

@@ -45,8 +45,14 @@ def published_loop():
                 fdm["simulation/do_simple_trim"] = 1
             except jsbsim.TrimFailureError:
                 continue
-            results.append((fdm["velocities/vc-kts"], fdm["aero/alpha-deg"], gamma,
-                            fdm["fcs/throttle-cmd-norm[0]"]))
+            results.append(
+                (
+                    fdm["velocities/vc-kts"],
+                    fdm["aero/alpha-deg"],
+                    gamma,
+                    fdm["fcs/throttle-cmd-norm[0]"],
+                )
+            )
     assert len(results) == 364
 
 
@@ -68,8 +74,13 @@ ALONE = {"published loop": (published_loop,), "one core": (sweep, 1)}
 
 
 def in_a_fresh_process(name):
-    done = subprocess.run([sys.executable, __file__, name], check=True, text=True,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    done = subprocess.run(
+        [sys.executable, __file__, name],
+        check=True,
+        text=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
     return float(done.stderr)
 
 
@@ -84,8 +95,10 @@ def rows():
     times = []
     for _ in range(REPETITIONS):
         stop_workers()
-        times.append({name: in_a_fresh_process(name) for name in ALONE}
-                     | {"two cores, cold": seconds(sweep, 2), "two cores, warm": seconds(sweep, 2)})
+        times.append(
+            {name: in_a_fresh_process(name) for name in ALONE}
+            | {"two cores, cold": seconds(sweep, 2), "two cores, warm": seconds(sweep, 2)}
+        )
     loop, one, cold, warm = ([t[name] for t in times] for name in times[0])
     row("680-point trim map on one core", "published loop", one, loop, "s", 1.0)
     row("680-point trim map on two cores", "one core", warm, one, "s", 1 / 1.8)

@@ -35,8 +35,7 @@ fdm = JSBSimFDM(
     trim_altitude=5000.0,
     trim_heading=90.0,
 )
-scope = Scope(labels=["aileron command [-]", "roll angle [deg]", "altitude [ft]",
-                      "heading [deg]"])
+scope = Scope(labels=["aileron command [-]", "roll angle [deg]", "altitude [ft]", "heading [deg]"])
 flow = Scope(labels=["angle of attack [deg]", "sideslip angle [deg]"])
 track = Scope(labels=["latitude [deg]", "longitude [deg]"])
 
@@ -76,7 +75,9 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, phi = signal(scope, "roll angle")
     _, altitude = signal(scope, "altitude")
-    print(f"roll angle {phi[abs(time - 5.0).argmin()]:.1f} deg after 5 s (no 10-degree turn), "
-          f"{phi[-1]:.1f} deg after {sim.time:.0f} s; altitude lost {5000 - altitude[-1]:.0f} ft")
+    print(
+        f"roll angle {phi[abs(time - 5.0).argmin()]:.1f} deg after 5 s (no 10-degree turn), "
+        f"{phi[-1]:.1f} deg after {sim.time:.0f} s; altitude lost {5000 - altitude[-1]:.0f} ft"
+    )
     show(figure(), "aileron_turn")
     show(figure_track(), "aileron_turn_track")

@@ -22,8 +22,9 @@ higher = StepSource(amplitude=500.0, tau=5.0)
 altitude_hold = AltitudeHold(gains="c172p")
 airspeed_hold = AirspeedHold(gains="c172p")
 leveller = RollHold(gains="c172p", phi_ref=0.0)
-climb = Scope(labels=["altitude [ft]", "rate of climb [ft/s]", "demanded [ft/s]",
-                      "calibrated airspeed [kt]"])
+climb = Scope(
+    labels=["altitude [ft]", "rate of climb [ft/s]", "demanded [ft/s]", "calibrated airspeed [kt]"]
+)
 controls = Scope(labels=["elevator increment [-]", "throttle increment [-]"])
 
 sim = Simulation(
@@ -61,7 +62,9 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, h = signal(climb, "altitude")
     _, airspeed = signal(climb, "calibrated airspeed")
-    print(f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.1f} s after "
-          f"the step, at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to "
-          f"{airspeed.max():.1f} KCAS")
+    print(
+        f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.1f} s after "
+        f"the step, at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to "
+        f"{airspeed.max():.1f} KCAS"
+    )
     show(figure(), "altitude_hold")

@@ -37,8 +37,9 @@ turn = StepSource(amplitude=60.0, tau=60.0)
 accelerate = StepSource(amplitude=15.0, tau=130.0)
 flight = Scope(labels=["altitude [ft]", "heading [deg]", "calibrated airspeed [kt]"])
 attitude = Scope(labels=["pitch angle [deg]", "roll angle [deg]"])
-controls = Scope(labels=["elevator increment [-]", "aileron increment [-]",
-                         "throttle increment [-]"])
+controls = Scope(
+    labels=["elevator increment [-]", "aileron increment [-]", "throttle increment [-]"]
+)
 
 sim = Simulation(
     [aircraft, autopilot, climb, turn, accelerate, flight, attitude, controls],
@@ -71,8 +72,9 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    drawing = time_histories(flight, attitude, controls,
-                             title="737: a mission in moderate turbulence")
+    drawing = time_histories(
+        flight, attitude, controls, title="737: a mission in moderate turbulence"
+    )
     drawing.axes[-1].set_ylim(-0.7, 1.1)  # room for the legend
     drawing.axes[-1].legend(ncols=3, loc="upper right", fontsize="small")
     return drawing
@@ -86,7 +88,9 @@ if __name__ == "__main__":
     _, psi = signal(flight, "heading")
     _, airspeed = signal(flight, "calibrated airspeed")
     last = time > DURATION - 20.0
-    print(f"the last 20 s: altitude {h[last].min():.0f} to {h[last].max():.0f} ft (11,000), "
-          f"heading {psi[last].min():.1f} to {psi[last].max():.1f} deg (150), "
-          f"airspeed {airspeed[last].min():.1f} to {airspeed[last].max():.1f} KCAS (295)")
+    print(
+        f"the last 20 s: altitude {h[last].min():.0f} to {h[last].max():.0f} ft (11,000), "
+        f"heading {psi[last].min():.1f} to {psi[last].max():.1f} deg (150), "
+        f"airspeed {airspeed[last].min():.1f} to {airspeed[last].max():.1f} KCAS (295)"
+    )
     show(figure(), "autopilot_mission")

@@ -42,11 +42,34 @@ airspeeds = Scope(labels=["TAS [kt]", "CAS [kt]", "EAS [kt]"])
 machs = Scope(labels=["Mach number [-]"])
 
 sim = Simulation(
-    [altitude, cas, mach, tas_at_cas, tas_at_mach, tas, cas_now, eas_now, mach_now, feet,
-     ktas, kcas, keas, height, airspeeds, machs],
     [
-        Connection(altitude, tas_at_cas["altitude"], tas_at_mach["altitude"],
-                   cas_now["altitude"], eas_now["altitude"], mach_now["altitude"], feet),
+        altitude,
+        cas,
+        mach,
+        tas_at_cas,
+        tas_at_mach,
+        tas,
+        cas_now,
+        eas_now,
+        mach_now,
+        feet,
+        ktas,
+        kcas,
+        keas,
+        height,
+        airspeeds,
+        machs,
+    ],
+    [
+        Connection(
+            altitude,
+            tas_at_cas["altitude"],
+            tas_at_mach["altitude"],
+            cas_now["altitude"],
+            eas_now["altitude"],
+            mach_now["altitude"],
+            feet,
+        ),
         Connection(cas, tas_at_cas["cas"]),
         Connection(mach, tas_at_mach["mach"]),
         Connection(tas_at_cas["tas"], tas[0]),
@@ -95,9 +118,11 @@ if __name__ == "__main__":
     _, (v, _, _) = airspeeds.read()
     _, (m,) = machs.read()
     i = abs(h - 10_000).argmin()
-    print(f"crossover altitude {crossover_altitude(climb_cas, climb_mach) / foot:.0f} ft; "
-          f"{v[i]:.1f} KTAS, Mach {m[i]:.3f} at 10,000 ft; "
-          f"{v[-1]:.1f} KTAS, Mach {m[-1]:.3f} at {h[-1]:,.0f} ft")
+    print(
+        f"crossover altitude {crossover_altitude(climb_cas, climb_mach) / foot:.0f} ft; "
+        f"{v[i]:.1f} KTAS, Mach {m[i]:.3f} at 10,000 ft; "
+        f"{v[-1]:.1f} KTAS, Mach {m[-1]:.3f} at {h[-1]:,.0f} ft"
+    )
     print("altitude [ft]  CAS [kt]  TAS [kt]  TAS/CAS")
     for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
         true = cas_to_tas(120 * knot, isa(level * foot)) / knot

@@ -52,6 +52,8 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     _, x = signal(scope, "position x")
-    print(f"first swing to the other side {x.min():.4f} (analytic -0.4443), "
-          f"x = {x[-1]:.5f} after {sim.time:.0f} s")
+    print(
+        f"first swing to the other side {x.min():.4f} (analytic -0.4443), "
+        f"x = {x[-1]:.5f} after {sim.time:.0f} s"
+    )
     show(figure(), "damped_oscillator")

@@ -58,10 +58,14 @@ if __name__ == "__main__":
     sim.run(DURATION)
     _, alpha = signal(scope, "angle of attack")
     print(f"weight {aircraft.trim.weight:,.0f} lb, CG at x = {aircraft.trim.cg_x:.1f} in")
-    print(f"trimmed: alpha {aircraft.trim.alpha:.4f} deg, "
-          f"elevator {aircraft.trim.elevator_rad * 180 / math.pi:.4f} deg "
-          f"({aircraft.trim.elevator_norm:.6f} of its travel), "
-          f"throttle {aircraft.trim.throttle[0]:.6f}")
-    print(f"doublet: alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
-          f"{alpha[-1]:.2f} deg at {sim.time:.0f} s")
+    print(
+        f"trimmed: alpha {aircraft.trim.alpha:.4f} deg, "
+        f"elevator {aircraft.trim.elevator_rad * 180 / math.pi:.4f} deg "
+        f"({aircraft.trim.elevator_norm:.6f} of its travel), "
+        f"throttle {aircraft.trim.throttle[0]:.6f}"
+    )
+    print(
+        f"doublet: alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
+        f"{alpha[-1]:.2f} deg at {sim.time:.0f} s"
+    )
     show(figure(), "elevator_doublet")

@@ -29,8 +29,10 @@ aircraft = Aircraft(
         "aero/alpha-max-rad": 0.20943951023931953,
     },
 )
-flight = Scope(sampling_period=1.0, labels=["altitude [ft]", "calibrated airspeed [kt]",
-                                            "flight path angle [deg]"])
+flight = Scope(
+    sampling_period=1.0,
+    labels=["altitude [ft]", "calibrated airspeed [kt]", "flight path angle [deg]"],
+)
 top = Condition(
     func_evt=lambda t: aircraft.outputs["h"] >= 20000.0,
     func_act=lambda t: sim.stop(),
@@ -59,7 +61,9 @@ if __name__ == "__main__":
     from pathsim_jsbsim_blocks.plots import show
 
     sim.run(DURATION)
-    print(f"{aircraft.outputs['h']:.1f} ft after {sim.time:.0f} s, "
-          f"at {aircraft.outputs['vc']:.1f} KCAS, "
-          f"flight path angle {aircraft.outputs['gamma']:.2f} deg")
+    print(
+        f"{aircraft.outputs['h']:.1f} ft after {sim.time:.0f} s, "
+        f"at {aircraft.outputs['vc']:.1f} KCAS, "
+        f"flight path angle {aircraft.outputs['gamma']:.2f} deg"
+    )
     show(figure(), "fixed_trim_climb")

@@ -29,8 +29,17 @@ bank = Scope(labels=["roll angle [deg]", "reference [deg]"])
 flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "aileron increment [-]"])
 
 sim = Simulation(
-    [aircraft, heading_hold, yaw_damper, altitude_hold, airspeed_hold, east_positive, heading, bank,
-     flight],
+    [
+        aircraft,
+        heading_hold,
+        yaw_damper,
+        altitude_hold,
+        airspeed_hold,
+        east_positive,
+        heading,
+        bank,
+        flight,
+    ],
     [
         Connection(aircraft["psi"], heading_hold["psi"], east_positive),
         Connection(east_positive, heading[0]),
@@ -67,7 +76,9 @@ if __name__ == "__main__":
     time, psi = signal(heading, "heading")
     _, h = signal(flight, "altitude")
     error = psi - 10.0
-    print(f"heading {psi[-1]:.2f} deg, within 0.5 deg of 10 deg from "
-          f"{time[abs(error) > 0.5][-1]:.1f} s on, overshoot {max(error.max(), 0.0):.2f} deg; "
-          f"altitude {h.min():.1f} to {h.max():.1f} ft")
+    print(
+        f"heading {psi[-1]:.2f} deg, within 0.5 deg of 10 deg from "
+        f"{time[abs(error) > 0.5][-1]:.1f} s on, overshoot {max(error.max(), 0.0):.2f} deg; "
+        f"altitude {h.min():.1f} to {h.max():.1f} ft"
+    )
     show(figure(), "heading_hold")

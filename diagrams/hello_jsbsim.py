@@ -16,8 +16,15 @@ from pathsim_jsbsim_blocks import Aircraft
 DURATION = 1.0  # s
 
 aircraft = Aircraft(aircraft="c172p", altitude=3000.0, speed=80.0, heading=45.0)
-scope = Scope(labels=["altitude [ft]", "true airspeed [ft/s]", "pitch angle [deg]",
-                      "roll angle [deg]", "heading [deg]"])
+scope = Scope(
+    labels=[
+        "altitude [ft]",
+        "true airspeed [ft/s]",
+        "pitch angle [deg]",
+        "roll angle [deg]",
+        "heading [deg]",
+    ]
+)
 
 sim = Simulation(
     [aircraft, scope],
@@ -46,6 +53,8 @@ if __name__ == "__main__":
     print(f"pitch trim  {100 * aircraft.trim.pitch_trim:8.4f} %")
     print(f"alpha       {aircraft.trim.alpha:8.2f} deg")
     sim.run(DURATION)
-    print(f"after {sim.time:.3g} s: altitude {aircraft.outputs['h']:.4f} ft, "
-          f"pitch {aircraft.outputs['theta']:.4f} deg, heading {aircraft.outputs['psi']:.4f} deg")
+    print(
+        f"after {sim.time:.3g} s: altitude {aircraft.outputs['h']:.4f} ft, "
+        f"pitch {aircraft.outputs['theta']:.4f} deg, heading {aircraft.outputs['psi']:.4f} deg"
+    )
     show(figure(), "hello_jsbsim")

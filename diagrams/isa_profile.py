@@ -23,8 +23,15 @@ climb_rate = 100.0  # m/s
 altitude = Source(lambda t: climb_rate * t)
 isa = ISAtmosphere()
 height = Scope(labels=["altitude [m]"])
-air = Scope(labels=["pressure [Pa]", "density [kg/m3]", "temperature [K]", "speed of sound [m/s]",
-                    "viscosity [Pa s]"])
+air = Scope(
+    labels=[
+        "pressure [Pa]",
+        "density [kg/m3]",
+        "temperature [K]",
+        "speed of sound [m/s]",
+        "viscosity [Pa s]",
+    ]
+)
 
 sim = Simulation(
     [altitude, isa, height, air],
@@ -50,8 +57,12 @@ def figure(top=80.0):
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
     shown = h <= 1000 * top
     drawing, axes = plt.subplots(2, 2, sharey=True, layout="constrained", figsize=(9, 7))
-    panels = [("pressure [hPa]", pressure / 100), ("density [kg/m³]", density),
-              ("temperature [°C]", temperature - 273.15), ("speed of sound [m/s]", speed_of_sound)]
+    panels = [
+        ("pressure [hPa]", pressure / 100),
+        ("density [kg/m³]", density),
+        ("temperature [°C]", temperature - 273.15),
+        ("speed of sound [m/s]", speed_of_sound),
+    ]
     for ax, (label, values) in zip(axes.flat, panels, strict=True):
         with exact_curves():
             ax.plot(values[shown], h[shown] / 1000, linewidth=1.5)
@@ -78,7 +89,9 @@ if __name__ == "__main__":
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
     for km in (0, 11, 20, 50, 80):
         i = abs(h - 1000 * km).argmin()
-        print(f"{km:3d} km: {pressure[i]:10.2f} Pa  {density[i]:9.3g} kg/m3  "
-              f"{temperature[i] - 273.15:7.2f} degC  {speed_of_sound[i]:7.3f} m/s")
+        print(
+            f"{km:3d} km: {pressure[i]:10.2f} Pa  {density[i]:9.3g} kg/m3  "
+            f"{temperature[i] - 273.15:7.2f} degC  {speed_of_sound[i]:7.3f} m/s"
+        )
     show(figure(), "isa_profile")
     show(figure_troposphere(), "isa_profile_troposphere")

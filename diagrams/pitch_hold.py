@@ -44,8 +44,11 @@ def figure():
 
     drawing = time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
     # the trimmed state, from which the hold departs
-    for ax, value in zip(drawing.axes[:3], (aircraft.trim.theta, aircraft.trim.altitude,
-                                            aircraft.trim.speed), strict=True):
+    for ax, value in zip(
+        drawing.axes[:3],
+        (aircraft.trim.theta, aircraft.trim.altitude, aircraft.trim.speed),
+        strict=True,
+    ):
         ax.axhline(value, color="0.4", linestyle=":", linewidth=1.2, label="trim")
         ax.legend(loc=(0.35, 0.58), ncols=4, fontsize="small")
     return drawing
@@ -59,7 +62,9 @@ if __name__ == "__main__":
     outside = time[abs(theta - 3.0) > 0.05]
     _, h = signal(flight, "altitude")
     _, airspeed = signal(flight, "calibrated airspeed")
-    print(f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
-          f"{outside[-1]:.1f} s on, at most {theta.max():.3f} deg; climbed {h[-1] - h[0]:.0f} ft, "
-          f"{airspeed[-1]:.1f} KCAS")
+    print(
+        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
+        f"{outside[-1]:.1f} s on, at most {theta.max():.3f} deg; climbed {h[-1] - h[0]:.0f} ft, "
+        f"{airspeed[-1]:.1f} KCAS"
+    )
     show(figure(), "pitch_hold")

@@ -58,8 +58,11 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     time, beta = signal(response, "sideslip angle")
-    print(f"sideslip angle at most {beta.max():.2f} deg, at {time[beta.argmax()]:.2f} s; "
-          f"{beta[-1]:.2f} deg after {sim.time:.0f} s")
-    print(f"roll angle {aircraft.outputs['phi']:.1f} deg, "
-          f"heading {aircraft.outputs['psi']:.1f} deg")
+    print(
+        f"sideslip angle at most {beta.max():.2f} deg, at {time[beta.argmax()]:.2f} s; "
+        f"{beta[-1]:.2f} deg after {sim.time:.0f} s"
+    )
+    print(
+        f"roll angle {aircraft.outputs['phi']:.1f} deg, heading {aircraft.outputs['psi']:.1f} deg"
+    )
     show(figure(), "rudder_kick")

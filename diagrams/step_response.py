@@ -54,6 +54,8 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, y = signal(scope, "response y")
     _, exact = signal(scope, "analytic")
-    print(f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant; "
-          f"largest difference to the analytic curve {abs(y - exact).max():.1e}")
+    print(
+        f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant; "
+        f"largest difference to the analytic curve {abs(y - exact).max():.1e}"
+    )
     show(figure(), "step_response")

@@ -60,8 +60,10 @@ if __name__ == "__main__":
     sim.run(DURATION)
     _, altitude = signal(flight, "altitude")
     _, airspeed = signal(flight, "calibrated airspeed")
-    print(f"altitude {altitude.min():.2f} to {altitude.max():.2f} ft, "
-          f"airspeed {airspeed.min():.3f} to {airspeed.max():.3f} KCAS, "
-          f"heading {aircraft.outputs['psi']:.3f} deg after {sim.time:.0f} s")
+    print(
+        f"altitude {altitude.min():.2f} to {altitude.max():.2f} ft, "
+        f"airspeed {airspeed.min():.3f} to {airspeed.max():.3f} KCAS, "
+        f"heading {aircraft.outputs['psi']:.3f} deg after {sim.time:.0f} s"
+    )
     show(figure(), "trimmed_flight")
     show(figure_track(), "trimmed_flight_track")

@@ -47,12 +47,28 @@ lift_error = Adder("+-")
 angles = Scope(labels=["angle of attack [deg]", "sideslip angle [deg]"])
 wind = Scope(labels=["drag [lbf]", "side force [lbf]", "lift [lbf]"])
 body = Scope(labels=["x, forward [lbf]", "y, right [lbf]", "z, down [lbf]"])
-errors = Scope(labels=["x [lbf]", "y [lbf]", "z [lbf]", "drag [lbf]", "side force [lbf]",
-                       "lift [lbf]"])
+errors = Scope(
+    labels=["x [lbf]", "y [lbf]", "z [lbf]", "drag [lbf]", "side force [lbf]", "lift [lbf]"]
+)
 
 sim = Simulation(
-    [elevator, rudder, fdm, to_body, to_wind, x_error, y_error, z_error, drag_error, side_error,
-     lift_error, angles, wind, body, errors],
+    [
+        elevator,
+        rudder,
+        fdm,
+        to_body,
+        to_wind,
+        x_error,
+        y_error,
+        z_error,
+        drag_error,
+        side_error,
+        lift_error,
+        angles,
+        wind,
+        body,
+        errors,
+    ],
     [
         Connection(elevator, fdm["fcs/elevator-cmd-norm"]),
         Connection(rudder, fdm["fcs/rudder-cmd-norm"]),
@@ -85,8 +101,9 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    drawing = time_histories(angles, wind, body, errors,
-                             title="c172p: aerodynamic force in wind and body axes")
+    drawing = time_histories(
+        angles, wind, body, errors, title="c172p: aerodynamic force in wind and body axes"
+    )
     for panel, place in zip(drawing.axes[1:3], ("upper right", "lower right"), strict=True):
         panel.legend(ncols=3, loc=place, fontsize="small")
     drawing.axes[-1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
@@ -103,9 +120,12 @@ if __name__ == "__main__":
     _, beta = signal(angles, "sideslip angle")
     _, lift = signal(wind, "lift")
     _, differences = errors.read()
-    print(f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
-          f"beta from {beta.min():.2f} to {beta.max():.2f} deg, "
-          f"lift from {lift.min():.0f} to {lift.max():.0f} lbf")
-    print("largest difference from JSBSim's forces, there and back: "
-          f"{abs(differences).max():.1e} lbf")
+    print(
+        f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
+        f"beta from {beta.min():.2f} to {beta.max():.2f} deg, "
+        f"lift from {lift.min():.0f} to {lift.max():.0f} lbf"
+    )
+    print(
+        f"largest difference from JSBSim's forces, there and back: {abs(differences).max():.1e} lbf"
+    )
     show(figure(), "wind_to_body")

@@ -68,7 +68,9 @@ if __name__ == "__main__":
     time, without = signal(yaw, "yaw rate, bare")
     _, with_damper = signal(yaw, "yaw rate, damped")
     late = time > 4.0
-    print(f"yaw rate left after 4 s: at most {abs(without[late]).max():.2f} deg/s bare, "
-          f"{abs(with_damper[late]).max():.2f} deg/s damped; damping ratio of the Dutch roll "
-          f"{damping_ratio('bare'):.2f} and {damping_ratio('damped'):.2f}")
+    print(
+        f"yaw rate left after 4 s: at most {abs(without[late]).max():.2f} deg/s bare, "
+        f"{abs(with_damper[late]).max():.2f} deg/s damped; damping ratio of the Dutch roll "
+        f"{damping_ratio('bare'):.2f} and {damping_ratio('damped'):.2f}"
+    )
     show(figure(), "yaw_damper")

@@ -1,6 +1,6 @@
 """Draw the figures of the pages on concepts, light and dark.
 
-    python docs/figures.py
+python docs/figures.py
 """
 
 from pathlib import Path
@@ -55,12 +55,28 @@ def arrow(ax, angle, length, colour, text, start=(0.0, 0.0), dashed=False, **off
     """An arrow from ``start`` at ``angle`` (deg, from the right, counter-clockwise), labelled."""
     dx, dy = turned([length], [0.0], angle)
     end = start[0] + dx[0], start[1] + dy[0]
-    ax.annotate("", xy=end, xytext=start, arrowprops={
-        "arrowstyle": "-|>", "color": colour, "lw": 1.8, "ls": "--" if dashed else "-",
-        "shrinkA": 0, "shrinkB": 0})
+    ax.annotate(
+        "",
+        xy=end,
+        xytext=start,
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": colour,
+            "lw": 1.8,
+            "ls": "--" if dashed else "-",
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+    )
     label = start[0] + 1.09 * dx[0], start[1] + 1.09 * dy[0]
-    ax.text(label[0] + offset.get("dx", 0), label[1] + offset.get("dy", 0), text, color=colour,
-            ha="center", va="center")
+    ax.text(
+        label[0] + offset.get("dx", 0),
+        label[1] + offset.get("dy", 0),
+        text,
+        color=colour,
+        ha="center",
+        va="center",
+    )
 
 
 def arc(ax, begin, end, radius, text, colour):
@@ -68,13 +84,20 @@ def arc(ax, begin, end, radius, text, colour):
     angles = np.radians(np.linspace(begin, end, 40))
     ax.plot(radius * np.cos(angles), radius * np.sin(angles), color=colour, lw=1.2)
     middle = np.radians((begin + end) / 2)
-    ax.text((radius + 0.11) * np.cos(middle), (radius + 0.11) * np.sin(middle), text,
-            color=colour, ha="center", va="center")
+    ax.text(
+        (radius + 0.11) * np.cos(middle),
+        (radius + 0.11) * np.sin(middle),
+        text,
+        color=colour,
+        ha="center",
+        va="center",
+    )
 
 
 def canvas(count, width=8.0, height=3.6):
-    figure, axes = plt.subplots(1, count, figsize=(width, height), layout="constrained",
-                                squeeze=False)
+    figure, axes = plt.subplots(
+        1, count, figsize=(width, height), layout="constrained", squeeze=False
+    )
     for ax in axes[0]:
         ax.set_aspect("equal")
         ax.axis("off")
@@ -210,8 +233,11 @@ def main():
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
             with plt.style.context(style):
                 figure = draw()
-                figure.savefig(FOLDER / f"{draw.__name__}{suffix}.svg", transparent=True,
-                               metadata={"Date": None})
+                figure.savefig(
+                    FOLDER / f"{draw.__name__}{suffix}.svg",
+                    transparent=True,
+                    metadata={"Date": None},
+                )
                 plt.close(figure)
 
 

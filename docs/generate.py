@@ -1,6 +1,6 @@
 """Make what is generated in the documentation: the gallery, its figures, the table of the fleet.
 
-    python docs/generate.py
+python docs/generate.py
 """
 
 import ast
@@ -66,8 +66,9 @@ def gallery():
     """One section for each diagram: what it shows, its figure, its model, its script."""
     parts = [GALLERY_INTRODUCTION]
     for name in diagram_names():
-        summary, _, rest = ast.get_docstring(ast.parse(
-            find_diagram(name).read_text(encoding="utf-8"))).partition("\n")
+        summary, _, rest = ast.get_docstring(
+            ast.parse(find_diagram(name).read_text(encoding="utf-8"))
+        ).partition("\n")
         parts.append(f"""\
 ## {name}
 
@@ -101,14 +102,16 @@ def fleet_page():
     rows = list(fleet_table())
     trims = sum(row.error is None for row in rows)
     departs = sum("departs" in row.verdict for row in rows)
-    return (f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
-            f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
-            "Each is trimmed by JSBSim where `level_flight` of "
-            "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n"
-            "(gear up where it retracts, fuel frozen) and flown for 30 s with its "
-            "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
-            f"--table` reprints the table.\n\n{HEADER}"
-            + "".join(f"{format_row(row)}\n" for row in rows))
+    return (
+        f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
+        f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
+        "Each is trimmed by JSBSim where `level_flight` of "
+        "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n"
+        "(gear up where it retracts, fuel frozen) and flown for 30 s with its "
+        "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
+        f"--table` reprints the table.\n\n{HEADER}"
+        + "".join(f"{format_row(row)}\n" for row in rows)
+    )
 
 
 def main():

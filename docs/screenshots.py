@@ -1,6 +1,6 @@
 """Take the gallery's screenshots: every diagram as PathView shows it. Needs Chromium.
 
-    python docs/screenshots.py [NAME ...]
+python docs/screenshots.py [NAME ...]
 """
 
 import shutil
@@ -45,12 +45,20 @@ def take(page, target):
     left, top, right, bottom = page.evaluate(BOUNDS)
     width, height = right - left, bottom - top
     zoom = min(ZOOM, (WIDEST - LEFT - 2 * MARGIN) / width)
-    size = [max(least, round(zoom * extent + bar + 2 * MARGIN)) for least, extent, bar in
-            zip(SMALLEST, (width, height), (LEFT, TOP), strict=True)]
+    size = [
+        max(least, round(zoom * extent + bar + 2 * MARGIN))
+        for least, extent, bar in zip(SMALLEST, (width, height), (LEFT, TOP), strict=True)
+    ]
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.wait_for_timeout(500)
-    page.evaluate(MOVE, [(size[0] + LEFT - zoom * width) / 2 - zoom * left,
-                         (size[1] + TOP - zoom * height) / 2 - zoom * top, zoom])
+    page.evaluate(
+        MOVE,
+        [
+            (size[0] + LEFT - zoom * width) / 2 - zoom * left,
+            (size[1] + TOP - zoom * height) / 2 - zoom * top,
+            zoom,
+        ],
+    )
     page.wait_for_timeout(300)
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
@@ -62,8 +70,9 @@ def main(names):
     models = {f"{n}.pvm": pvm.read(diagram_folder() / f"{n}.pvm") for n in names}
     with Server(models, 0) as server, sync_playwright() as playwright:
         threading.Thread(target=server.run, daemon=True).start()
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"),
-                                             args=["--no-sandbox", "--disable-gpu"])
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
         context = browser.new_context(viewport={"width": 1600, "height": 1000})
         for name in names:
             page = context.new_page()

@@ -18,17 +18,22 @@ def corrupted(content, draw):
     """A copy of ``content`` with one fault: bytes changed, lost, doubled, inserted or moved."""
     i, j = sorted(draw.randrange(len(content)) for _ in range(2))
     j = min(j, i + draw.choice([1, 4, 64, len(content)]))
-    return draw.choice([
-        lambda: content[:i] + bytes([content[i] ^ 1 << draw.randrange(8)]) + content[i + 1:],
-        lambda: content[:i] + draw.choice(b"0123456789,.-\r\n\0").to_bytes(1, "big")
-        + content[i + 1:],
-        lambda: content[:i],
-        lambda: content[:i] + content[j:],
-        lambda: content[:i] + content[i:j] + content[i:],
-        lambda: content[:i] + draw.randbytes(draw.randrange(1, 9)) + content[i:],
-        lambda: content[:i] + bytes(j - i) + content[j:],
-        lambda: content[j:] + content[:j],
-    ])()
+    return draw.choice(
+        [
+            lambda: content[:i] + bytes([content[i] ^ 1 << draw.randrange(8)]) + content[i + 1 :],
+            lambda: (
+                content[:i]
+                + draw.choice(b"0123456789,.-\r\n\0").to_bytes(1, "big")
+                + content[i + 1 :]
+            ),
+            lambda: content[:i],
+            lambda: content[:i] + content[j:],
+            lambda: content[:i] + content[i:j] + content[i:],
+            lambda: content[:i] + draw.randbytes(draw.randrange(1, 9)) + content[i:],
+            lambda: content[:i] + bytes(j - i) + content[j:],
+            lambda: content[j:] + content[:j],
+        ]
+    )()
 
 
 PARTS = [[x, x + 1] for x in range(0, 16, 2)]
@@ -38,8 +43,17 @@ def thirds(part):
     return [{"third": x / 3, "name": f"point {x}", "found": x != 3} for x in part]
 
 
-run = partial(run_parts, thirds, PARTS, describe=str, title="thirds", job=lambda: "thirds",
-              jobs=1, progress=False, died={})
+run = partial(
+    run_parts,
+    thirds,
+    PARTS,
+    describe=str,
+    title="thirds",
+    job=lambda: "thirds",
+    jobs=1,
+    progress=False,
+    died={},
+)
 
 
 def resumed_from_corruptions(folder, seed, count):
@@ -64,14 +78,21 @@ def flight():
     plane = Aircraft("c172p", altitude=5000, speed=90, record_inputs=True)
     hold, wobble = PitchHold(gains="c172p", theta_ref=3.0), Source(lambda t: math.sin(2 * t) / 50)
     port, integrator, scope = Interface(), Integrator(0.0), Scope()
-    part = Subsystem([port, integrator], [Connection(port, integrator),
-                                          Connection(integrator, port)])
+    part = Subsystem(
+        [port, integrator], [Connection(port, integrator), Connection(integrator, port)]
+    )
     return Simulation(
         [hold, plane, wobble, part, scope],
-        [Connection(plane["theta"], hold["theta"], part, scope[0]),
-         Connection(plane["q"], hold["q"]), Connection(hold["elevator"], plane["elevator"]),
-         Connection(wobble, plane["aileron"]), Connection(part, scope[1])],
-        dt=1 / 120, log=False), scope
+        [
+            Connection(plane["theta"], hold["theta"], part, scope[0]),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(wobble, plane["aileron"]),
+            Connection(part, scope[1]),
+        ],
+        dt=1 / 120,
+        log=False,
+    ), scope
 
 
 def changed_in_json(text, draw):

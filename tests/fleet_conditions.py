@@ -1,7 +1,12 @@
 """Where the aircraft that jsbsim 1.3 brings trim in level flight, and why the others do not."""
 
-_PUSHBACK = ("/sim/model/pushback/position-norm", "/gear/gear/wow", "/sim/model/pushback/ki",
-             "/sim/model/pushback/kp", "/sim/model/pushback/kd")
+_PUSHBACK = (
+    "/sim/model/pushback/position-norm",
+    "/gear/gear/wow",
+    "/sim/model/pushback/ki",
+    "/sim/model/pushback/kp",
+    "/sim/model/pushback/kd",
+)
 
 FLYING = {  # aircraft: (altitude ft, speed KCAS, gear, properties to create at 0)
     "737": (5000, 260, 0.0, ()),
@@ -86,6 +91,11 @@ def setup(aircraft):
 def keywords(aircraft):
     """The same flight as keywords of JSBSimFDM."""
     altitude, speed, gear, create = FLYING[aircraft]
-    return {"aircraft_model": aircraft, "trim_altitude": altitude, "trim_airspeed": speed,
-            "gear": gear, "create": dict.fromkeys(create, 0.0),
-            "setup": {"propulsion/fuel_freeze": 1.0}}
+    return {
+        "aircraft_model": aircraft,
+        "trim_altitude": altitude,
+        "trim_airspeed": speed,
+        "gear": gear,
+        "create": dict.fromkeys(create, 0.0),
+        "setup": {"propulsion/fuel_freeze": 1.0},
+    }

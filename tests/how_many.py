@@ -8,8 +8,10 @@ import pytest
 def first(cases, count=1):
     """Parameters of an expensive test: the first few belong to every run, the rest to ``long``."""
     rows = [case if isinstance(case, tuple) else (case,) for case in cases]
-    return [*(pytest.param(*row) for row in rows[:count]),
-            *(pytest.param(*row, marks=pytest.mark.long) for row in rows[count:])]
+    return [
+        *(pytest.param(*row) for row in rows[:count]),
+        *(pytest.param(*row, marks=pytest.mark.long) for row in rows[count:]),
+    ]
 
 
 def bounded(usual, full):

@@ -23,20 +23,95 @@ from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS, core_registry
 EVIL = "__import__('os').system('echo executed')"
 SEPARATORS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1e", "\x85", "\u2028", "\u2029"]
 TEXTS = [
-    *(f"sub{s}{EVIL}{s}" for s in SEPARATORS), *(f"{s}import antigravity" for s in SEPARATORS),
-    '"', f'"""\n{EVIL}\n"""', f'"""; {EVIL} #',
-    f"''' + {EVIL} + '''", f"\\\n{EVIL}", "\\", "\\N{x}",
-    f"1); {EVIL} #", f"1)\n{EVIL}\n#", f"1, {EVIL}", f"*{EVIL}", f"**{EVIL}", f"x={EVIL}", EVIL,
-    "1 # comment", "1, 2", "(1\n)", "lambda: 1", "lambda t: max(t, 1)", "x for x in y", "(x := 3)",
-    "'\ud800'", "\ud800", "\0", "\u202e", "\ufeff", "", " ", "?", "1", "0x", "1_", "é", "名前",
-    "np", "plt", "sim", "blocks", "connections", "events", "Simulation", "Connection", "Interface",
-    "max", "print", "class", "None", "lambda", "this", "__main__", "unittest.__main__",
-    "antigravity", "pathsim-flight", "pathsim_flight", "os", "-" * 3000 + "1", "(" * 300,
-    "+".join("1" * 5000), "9" * 5000, "StepSource", "Subsystem", "Scope", "BusCreator",
-    "BusSelector", "pathsim.events.Schedule", "pathsim.blocks.Scope",
+    *(f"sub{s}{EVIL}{s}" for s in SEPARATORS),
+    *(f"{s}import antigravity" for s in SEPARATORS),
+    '"',
+    f'"""\n{EVIL}\n"""',
+    f'"""; {EVIL} #',
+    f"''' + {EVIL} + '''",
+    f"\\\n{EVIL}",
+    "\\",
+    "\\N{x}",
+    f"1); {EVIL} #",
+    f"1)\n{EVIL}\n#",
+    f"1, {EVIL}",
+    f"*{EVIL}",
+    f"**{EVIL}",
+    f"x={EVIL}",
+    EVIL,
+    "1 # comment",
+    "1, 2",
+    "(1\n)",
+    "lambda: 1",
+    "lambda t: max(t, 1)",
+    "x for x in y",
+    "(x := 3)",
+    "'\ud800'",
+    "\ud800",
+    "\0",
+    "\u202e",
+    "\ufeff",
+    "",
+    " ",
+    "?",
+    "1",
+    "0x",
+    "1_",
+    "é",
+    "名前",
+    "np",
+    "plt",
+    "sim",
+    "blocks",
+    "connections",
+    "events",
+    "Simulation",
+    "Connection",
+    "Interface",
+    "max",
+    "print",
+    "class",
+    "None",
+    "lambda",
+    "this",
+    "__main__",
+    "unittest.__main__",
+    "antigravity",
+    "pathsim-flight",
+    "pathsim_flight",
+    "os",
+    "-" * 3000 + "1",
+    "(" * 300,
+    "+".join("1" * 5000),
+    "9" * 5000,
+    "StepSource",
+    "Subsystem",
+    "Scope",
+    "BusCreator",
+    "BusSelector",
+    "pathsim.events.Schedule",
+    "pathsim.blocks.Scope",
 ]
-VALUES = [*TEXTS, None, True, False, 0, 1, -1, 2, 10 ** 40, 1.5, float("nan"), float("inf"), [], {},
-          [[]], {"a": EVIL}, [EVIL], {"x": EVIL, "y": 0}]
+VALUES = [
+    *TEXTS,
+    None,
+    True,
+    False,
+    0,
+    1,
+    -1,
+    2,
+    10**40,
+    1.5,
+    float("nan"),
+    float("inf"),
+    [],
+    {},
+    [[]],
+    {"a": EVIL},
+    [EVIL],
+    {"x": EVIL, "y": 0},
+]
 
 
 def _deep(levels):
@@ -47,38 +122,70 @@ def _deep(levels):
 
 
 def block(name, kind, inputs=0, outputs=1, **params):
-    ports = {side: [{"name": f"{i}"} for i in range(n)]
-             for side, n in (("inputs", inputs), ("outputs", outputs))}
+    ports = {
+        side: [{"name": f"{i}"} for i in range(n)]
+        for side, n in (("inputs", inputs), ("outputs", outputs))
+    }
     return {"id": name, "type": kind, "name": name, "params": params, **ports}
 
 
 def _wire(source, target, out=0, into=0):
-    return {"id": f"{source}-{target}", "sourceNodeId": source, "sourcePortIndex": out,
-            "targetNodeId": target, "targetPortIndex": into}
+    return {
+        "id": f"{source}-{target}",
+        "sourceNodeId": source,
+        "sourcePortIndex": out,
+        "targetNodeId": target,
+        "targetPortIndex": into,
+    }
 
 
 def _subsystem(name, *nodes, wires=(), events=()):
-    return {**block(name, "Subsystem", 1, 1), "graph": {
-        "nodes": [block(f"{name}.io", "Interface", 1, 1), *nodes], "connections": list(wires),
-        "events": list(events)}}
+    return {
+        **block(name, "Subsystem", 1, 1),
+        "graph": {
+            "nodes": [block(f"{name}.io", "Interface", 1, 1), *nodes],
+            "connections": list(wires),
+            "events": list(events),
+        },
+    }
 
 
 def _schedule(name):
-    return {"type": "pathsim.events.Schedule", "name": name,
-            "params": {"t_period": "0.5", "func_act": "tick"}}
+    return {
+        "type": "pathsim.events.Schedule",
+        "name": name,
+        "params": {"t_period": "0.5", "func_act": "tick"},
+    }
 
 
 NESTED = {
     "version": "1.0.0",
-    "graph": {"nodes": [
-        block("step", "StepSource", amplitude="A", tau="0.5"), block("scope", "Scope", 2, 0),
-        _subsystem("plant", block("gain", "Amplifier", 1, 1, gain="2 * A"),
-                   _subsystem("inner", block("k", "Amplifier", 1, 1, gain="max(1, 2)"),
-                              wires=[_wire("inner.io", "k"), _wire("k", "inner.io")]),
-                   wires=[_wire("plant.io", "gain"), _wire("gain", "inner"),
-                          _wire("inner", "plant.io")], events=[_schedule("inside")])],
-        "connections": [_wire("step", "plant"), _wire("plant", "scope"),
-                        {**_wire("step", "scope", 0, 1), "id": "other"}]},
+    "graph": {
+        "nodes": [
+            block("step", "StepSource", amplitude="A", tau="0.5"),
+            block("scope", "Scope", 2, 0),
+            _subsystem(
+                "plant",
+                block("gain", "Amplifier", 1, 1, gain="2 * A"),
+                _subsystem(
+                    "inner",
+                    block("k", "Amplifier", 1, 1, gain="max(1, 2)"),
+                    wires=[_wire("inner.io", "k"), _wire("k", "inner.io")],
+                ),
+                wires=[
+                    _wire("plant.io", "gain"),
+                    _wire("gain", "inner"),
+                    _wire("inner", "plant.io"),
+                ],
+                events=[_schedule("inside")],
+            ),
+        ],
+        "connections": [
+            _wire("step", "plant"),
+            _wire("plant", "scope"),
+            {**_wire("step", "scope", 0, 1), "id": "other"},
+        ],
+    },
     "events": [_schedule("tick tock")],
     "codeContext": {"code": "A = 2.0\n\ndef tick(t):\n    return A * t\n"},
     "simulationSettings": {"duration": "3", "dt": "0.1", "solver": "SSPRK22", "rtol": ""},
@@ -89,8 +196,10 @@ NESTED = {
 def originals():
     """Models to begin with: of subsystems, events, code and buses, of ours and of PathView's."""
     examples = Path(find_spec("pathview").origin).parent / "static" / "examples"
-    paths = [*sorted(diagram_folder().glob("*.pvm")),
-             *sorted(p for p in examples.glob("*.json") if p.stem != "manifest")]
+    paths = [
+        *sorted(diagram_folder().glob("*.pvm")),
+        *sorted(p for p in examples.glob("*.json") if p.stem != "manifest"),
+    ]
     small = [p for p in paths if p.stat().st_size < 20_000]
     return [NESTED] * len(small) + [json.loads(p.read_text(encoding="utf-8")) for p in small]
 
@@ -100,9 +209,27 @@ def mutated(model, rng):
     model = copy.deepcopy(model)
     for _ in range(rng.randint(1, 3)):
         places = list(_places(model))
-        likely = [p for p in places if p[1] in (
-            "id", "name", "type", "label", "code", "importPath", "pkg", "displayName", "content",
-            "sourceNodeId", "targetNodeId", "solver", "dt", "duration")] or places
+        likely = [
+            p
+            for p in places
+            if p[1]
+            in (
+                "id",
+                "name",
+                "type",
+                "label",
+                "code",
+                "importPath",
+                "pkg",
+                "displayName",
+                "content",
+                "sourceNodeId",
+                "targetNodeId",
+                "solver",
+                "dt",
+                "duration",
+            )
+        ] or places
         holder, key = rng.choice(likely if rng.random() < 0.5 else places)
         _change(holder, key, rng, model)
     return model
@@ -146,8 +273,17 @@ class Watch:
         sys.addaudithook(self._hook)
 
     def _hook(self, event, args):
-        if self.on and event in ("exec", "import", "os.system", "subprocess.Popen", "os.fork",
-                                 "os.exec", "os.posix_spawn", "socket.connect", "webbrowser.open"):
+        if self.on and event in (
+            "exec",
+            "import",
+            "os.system",
+            "subprocess.Popen",
+            "os.fork",
+            "os.exec",
+            "os.posix_spawn",
+            "socket.connect",
+            "webbrowser.open",
+        ):
             self.seen.append((event, repr(args)[:200]))
 
     def __enter__(self):
@@ -188,7 +324,8 @@ def convert_mutants(count, seed, folder):
                     assert_says_what_the_model_says(code, model, registry)
                 except Exception as error:
                     raise AssertionError(
-                        f"seed {seed}, mutant {i}: {error}\n{code}\n{model}") from error
+                        f"seed {seed}, mutant {i}: {error}\n{code}\n{model}"
+                    ) from error
             assert not _watch.seen, f"seed {seed}, mutant {i} executed {_watch.seen}\n{model}"
     print(f"seed {seed}: {count} mutants, {dict(outcomes)}")
     return outcomes
@@ -221,8 +358,8 @@ def assert_says_what_the_model_says(code, model, registry):
         _check_import(rest[imports], registry)
         imports += 1
     rest = rest[imports:]
-    assert [*map(ast.dump, rest[:len(context)])] == [*map(ast.dump, context)]
-    *assigned, main = rest[len(context):]
+    assert [*map(ast.dump, rest[: len(context)])] == [*map(ast.dump, context)]
+    *assigned, main = rest[len(context) :]
     there = _read(assigned, registry)
     assert isinstance(main, ast.If)
     run, plot, show = main.body
@@ -232,8 +369,14 @@ def assert_says_what_the_model_says(code, model, registry):
     assert [ast.unparse(plot), ast.unparse(show)] == ["sim.plot()", "plt.show()"]
     settings = model.get("simulationSettings") or {}
     _check_setting(run.value.keywords[0].value, settings, "duration")
-    names = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_rel": "rtol",
-             "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
+    names = {
+        "dt": "dt",
+        "dt_min": "dt_min",
+        "dt_max": "dt_max",
+        "tolerance_lte_rel": "rtol",
+        "tolerance_lte_abs": "atol",
+        "tolerance_fpi": "ftol",
+    }
     for keyword in there.pop("sim").keywords:
         if keyword.arg != "Solver":
             _check_setting(keyword.value, settings, names[keyword.arg])
@@ -245,8 +388,10 @@ def assert_says_what_the_model_says(code, model, registry):
 
 
 def _without_wires(level):
-    return [(kind, _without_wires(inside) if kind == "Subsystem" else inside)
-            for kind, inside in level["nodes"]], level["events"]
+    return [
+        (kind, _without_wires(inside) if kind == "Subsystem" else inside)
+        for kind, inside in level["nodes"]
+    ], level["events"]
 
 
 def _imported(code):
@@ -276,8 +421,9 @@ def _expression(value):
 
 def _read(statements, registry):
     """What the assignments of a script build: variables are followed as Python binds them."""
-    classes = {e[f"{kind}Class"] for kind in ("block", "event")
-               for e in registry[f"{kind}s"].values()}
+    classes = {
+        e[f"{kind}Class"] for kind in ("block", "event") for e in registry[f"{kind}s"].values()
+    }
     built = {}
     for statement in statements:
         assert isinstance(statement, ast.Assign)
@@ -288,22 +434,30 @@ def _read(statements, registry):
         kind = value.func.id
         if kind == "Simulation":
             assert [ast.unparse(a) for a in value.args] in (
-                ["blocks", "connections"], ["blocks", "connections", "events"])
+                ["blocks", "connections"],
+                ["blocks", "connections", "events"],
+            )
             built[target.id] = value
         elif kind == "Subsystem":
             parts = {k.arg: _list(k.value, built) for k in value.keywords}
             assert not value.args
             assert parts.keys() <= {"blocks", "connections", "events"}
-            built[target.id] = (kind, _level(parts["blocks"], parts["connections"],
-                                             parts.get("events", [])))
+            built[target.id] = (
+                kind,
+                _level(parts["blocks"], parts["connections"], parts.get("events", [])),
+            )
         else:
             assert kind in classes or kind == "Interface"
             assert not value.args
-            built[target.id] = (kind, tuple(sorted((k.arg, ast.dump(k.value))
-                                                   for k in value.keywords)))
+            built[target.id] = (
+                kind,
+                tuple(sorted((k.arg, ast.dump(k.value)) for k in value.keywords)),
+            )
         built[target.id] = [built[target.id]]  # an identity of its own
-    return {**_level(built["blocks"], built["connections"], built.get("events", [])),
-            "sim": built["sim"][0]}
+    return {
+        **_level(built["blocks"], built["connections"], built.get("events", [])),
+        "sim": built["sim"][0],
+    }
 
 
 def _list(node, built):
@@ -322,8 +476,11 @@ def _list(node, built):
 def _level(nodes, wires, events):
     index = {id(n): i for i, n in enumerate(nodes)}
     assert len(index) == len(nodes)
-    return {"nodes": [n[0] for n in nodes], "events": [e[0] for e in events],
-            "wires": sorted((index[id(a)], i, index[id(b)], j) for a, i, b, j in wires)}
+    return {
+        "nodes": [n[0] for n in nodes],
+        "events": [e[0] for e in events],
+        "wires": sorted((index[id(a)], i, index[id(b)], j) for a, i, b, j in wires),
+    }
 
 
 def _kind(node):
@@ -339,9 +496,11 @@ def _all_nodes(graph):
 
 def _wanted(graph, registry, top=False):
     def call(part, kind, entries):
-        params = {k: v for k, v in (part.get("params") or {}).items()
-                  if k in entries[kind]["params"] and v not in (None, "")
-                  and not k.startswith("_")}
+        params = {
+            k: v
+            for k, v in (part.get("params") or {}).items()
+            if k in entries[kind]["params"] and v not in (None, "") and not k.startswith("_")
+        }
         return kind, tuple(sorted((k, _expression(v)) for k, v in params.items()))
 
     nodes = [n for n in graph.get("nodes") or [] if _kind(n) not in ("BusCreator", "BusSelector")]
@@ -357,8 +516,20 @@ def _wanted(graph, registry, top=False):
             out.append((kind, ()))
         else:
             out.append(call(node, kind, registry["blocks"]))
-    wires = [(index.get(c["sourceNodeId"]), c["sourcePortIndex"], index.get(c["targetNodeId"]),
-              c["targetPortIndex"]) for c in graph.get("connections") or []]
-    return {"nodes": out, "wires": sorted(w for w in wires if None not in w),  # None: to a bus
-            "events": [call(e, e["type"].rpartition(".")[2], registry["events"])
-                       for e in graph.get("events") or []]}
+    wires = [
+        (
+            index.get(c["sourceNodeId"]),
+            c["sourcePortIndex"],
+            index.get(c["targetNodeId"]),
+            c["targetPortIndex"],
+        )
+        for c in graph.get("connections") or []
+    ]
+    return {
+        "nodes": out,
+        "wires": sorted(w for w in wires if None not in w),  # None: to a bus
+        "events": [
+            call(e, e["type"].rpartition(".")[2], registry["events"])
+            for e in graph.get("events") or []
+        ],
+    }

@@ -17,8 +17,11 @@ def page_headers(url):
     """What a browser sends with the requests of the page, once it has opened a printed address."""
     with urlopen(url, timeout=30) as answer:
         cookie = answer.headers["Set-Cookie"].partition(";")[0]
-    return {"Cookie": cookie, "Sec-Fetch-Site": "same-origin",
-            "Origin": f"http://{urlsplit(url).netloc}"}
+    return {
+        "Cookie": cookie,
+        "Sec-Fetch-Site": "same-origin",
+        "Origin": f"http://{urlsplit(url).netloc}",
+    }
 
 
 class Served:
@@ -29,9 +32,13 @@ class Served:
         self.home.mkdir()
         self.temporary.mkdir()
         self.process = subprocess.Popen(
-            [*COMMAND, *arguments], cwd=self.home, text=True, stdout=subprocess.PIPE,
+            [*COMMAND, *arguments],
+            cwd=self.home,
+            text=True,
+            stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            env={**os.environ, "TMPDIR": str(self.temporary), **(env or {})})
+            env={**os.environ, "TMPDIR": str(self.temporary), **(env or {})},
+        )
         line = self.process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)/\S*", line)
         if not found:

@@ -63,18 +63,25 @@ CASES = [
     (inputs("fcs/elevator-cmd-nrm"), PropertyError, "no property", ["fcs/elevator-cmd-norm"]),
     (outputs("theta-deg"), PropertyError, "no property 'theta-deg'", [THETA]),
     (outputs("attitude/theta_deg"), PropertyError, "no property", [THETA]),
-    (outputs("propulsion/engine[1]/thrust-lbs"), PropertyError, "no property",
-     ["propulsion/engine/thrust-lbs"]),
-    (outputs("attitude"), PropertyError, "is a branch of the property tree",
-     ["attitude/phi-deg"]),
+    (
+        outputs("propulsion/engine[1]/thrust-lbs"),
+        PropertyError,
+        "no property",
+        ["propulsion/engine/thrust-lbs"],
+    ),
+    (outputs("attitude"), PropertyError, "is a branch of the property tree", ["attitude/phi-deg"]),
     (outputs("propulsion/engine[0]"), PropertyError, "is a branch", ["propulsion/engine/AFR"]),
     (outputs("/"), PropertyError, "is a branch", ["accelerations/Nx"]),
     (inputs(THETA), PropertyError, "cannot be written", ["ic/theta-deg"]),
     (outputs("simulation/do_simple_trim"), PropertyError, "cannot be read", []),
     (inputs("simulation/pause"), PropertyError, "it would stop the aircraft's clock", []),
     (outputs(THETA, THETA), ParameterError, f"lists '{THETA}' twice", []),
-    (inputs("fcs/throttle-cmd-norm", "fcs/throttle-cmd-norm[0]"), ParameterError,
-     "lists 'fcs/throttle-cmd-norm[0]' twice, first as 'fcs/throttle-cmd-norm'", []),
+    (
+        inputs("fcs/throttle-cmd-norm", "fcs/throttle-cmd-norm[0]"),
+        ParameterError,
+        "lists 'fcs/throttle-cmd-norm[0]' twice, first as 'fcs/throttle-cmd-norm'",
+        [],
+    ),
     ({"output_properties": THETA}, ParameterError, "must be a list of property names", []),
     ({"output_properties": [["a"]]}, ParameterError, "output_properties[0] must be", []),
     ({"input_properties": 3}, ParameterError, "must be a list of property names, not 3", []),
@@ -83,13 +90,13 @@ CASES = [
     ({"T": "fast"}, ParameterError, "T must be a number, not 'fast'", []),
     ({"T": NAN}, ParameterError, "T must be finite, not nan", []),
     ({"T": True}, ParameterError, "T must be a number, not True", []),
-    ({"T": 10 ** 400}, ParameterError, "T must be finite, not inf", []),
+    ({"T": 10**400}, ParameterError, "T must be finite, not inf", []),
     ({"T": 1e-300}, ParameterError, "T must lie in [1e-06, inf]", []),
     ({"substeps": 0}, ParameterError, "substeps must lie in [1, inf], not 0", []),
     ({"substeps": -4}, ParameterError, "substeps must lie in", []),
     ({"substeps": 1.5}, ParameterError, "substeps must be a whole number, not 1.5", []),
     ({"substeps": "4"}, ParameterError, "substeps must be a number", []),
-    ({"substeps": 10 ** 30}, ParameterError, "T / substeps must lie in", []),
+    ({"substeps": 10**30}, ParameterError, "T / substeps must lie in", []),
     ({"trim_airspeed": "fast"}, ParameterError, "speed must be a number, not 'fast'", []),
     ({"trim_airspeed": INF}, ParameterError, "speed must be finite", []),
     ({"trim_airspeed": 0}, ParameterError, "speed must be greater than 0", []),
@@ -100,21 +107,45 @@ CASES = [
     ({"gear": "up"}, ParameterError, "gear must be a number", []),
     ({"flaps": 30}, ParameterError, "flaps must lie in [0, 1], not 30", []),
     ({"condition": {"altitude": 5000}}, ParameterError, "must be a TrimCondition", []),
-    ({"condition": TrimCondition(), "trim_airspeed": 90}, ParameterError,
-     "both condition and trim_airspeed=90 are given", []),
+    (
+        {"condition": TrimCondition(), "trim_airspeed": 90},
+        ParameterError,
+        "both condition and trim_airspeed=90 are given",
+        [],
+    ),
     ({"condition": TrimCondition(), "gear": 0}, ParameterError, "both condition and gear=0", []),
-    ({"condition": TrimCondition(speed=90, fuel=[1, 2, 3])}, PropertyError,
-     "no property 'propulsion/tank[2]/contents-lbs'", ["propulsion/tank[1]/contents-lbs"]),
-    ({"condition": TrimCondition(speed=90, payload={9: 100})}, PropertyError,
-     "pointmass-weight-lbs[9]", ["inertia/pointmass-weight-lbs[4]"]),
+    (
+        {"condition": TrimCondition(speed=90, fuel=[1, 2, 3])},
+        PropertyError,
+        "no property 'propulsion/tank[2]/contents-lbs'",
+        ["propulsion/tank[1]/contents-lbs"],
+    ),
+    (
+        {"condition": TrimCondition(speed=90, payload={9: 100})},
+        PropertyError,
+        "pointmass-weight-lbs[9]",
+        ["inertia/pointmass-weight-lbs[4]"],
+    ),
     # JSBSim would take the index modulo 2**32 and write to point mass 0
-    ({"condition": TrimCondition(speed=90, payload={2 ** 32: 100})}, PropertyError,
-     "an index beyond all elements", []),
-    ({"setup": {"propulsion/tank/content-lbs": 10}}, PropertyError, "no property",
-     ["propulsion/tank/contents-lbs"]),
+    (
+        {"condition": TrimCondition(speed=90, payload={2**32: 100})},
+        PropertyError,
+        "an index beyond all elements",
+        [],
+    ),
+    (
+        {"setup": {"propulsion/tank/content-lbs": 10}},
+        PropertyError,
+        "no property",
+        ["propulsion/tank/contents-lbs"],
+    ),
     ({"setup": {"fcs/elevator-cmd-norm": "up"}}, ParameterError, "must be a number", []),
-    ({"setup": {"fcs/elevator-cmd-norm": NAN}}, ParameterError,
-     "setup['fcs/elevator-cmd-norm'] must be finite", []),
+    (
+        {"setup": {"fcs/elevator-cmd-norm": NAN}},
+        ParameterError,
+        "setup['fcs/elevator-cmd-norm'] must be finite",
+        [],
+    ),
     ({"setup": [("fcs/elevator-cmd-norm", 0.1)]}, ParameterError, "setup must be a dict", []),
     ({"properties": {THETA: 3}}, PropertyError, "cannot be written", []),
     ({"properties": "turbulence"}, ParameterError, "properties must be a dict", []),
@@ -138,12 +169,15 @@ def test_refused_when_the_block_is_built(keywords, kind, text, offered):
         assert set(offered) <= set(error.value.nearest)
 
 
-@pytest.mark.parametrize(("keywords", "reason", "text"), [
-    ({"altitude": 5000, "speed": 10}, "no convergence", "the search did not converge"),
-    ({"altitude": 5000, "speed": 250}, "thrust", "the throttle ran to the end of its range"),
-    ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha ran to the end of"),
-    ({"altitude": 5000, "speed": 90, "gamma": 20}, "thrust", "gamma=20.0"),
-])
+@pytest.mark.parametrize(
+    ("keywords", "reason", "text"),
+    [
+        ({"altitude": 5000, "speed": 10}, "no convergence", "the search did not converge"),
+        ({"altitude": 5000, "speed": 250}, "thrust", "the throttle ran to the end of its range"),
+        ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha ran to the end of"),
+        ({"altitude": 5000, "speed": 90, "gamma": 20}, "thrust", "gamma=20.0"),
+    ],
+)
 def test_no_trim_says_which_limit_was_hit(keywords, reason, text):
     with pytest.raises(TrimError, match=re.escape(text)) as error:
         Aircraft("c172p", **keywords)
@@ -164,8 +198,23 @@ def test_both_condition_and_flat_keyword_of_the_aircraft():
 
 
 # reading a property by one of these names aborts the process (but for the last four)
-MALFORMED = ["a b", "1abc", "a[x]", "a:b", "a[", "a]", "a[-1]", "höhe", "attitude/theta-deg ",
-             "%s", "a/1", "-x", "\0", "attitude/theta-deg\0", "\ud800"]
+MALFORMED = [
+    "a b",
+    "1abc",
+    "a[x]",
+    "a:b",
+    "a[",
+    "a]",
+    "a[-1]",
+    "höhe",
+    "attitude/theta-deg ",
+    "%s",
+    "a/1",
+    "-x",
+    "\0",
+    "attitude/theta-deg\0",
+    "\ud800",
+]
 
 
 def test_malformed_names_leave_the_process_alive():
@@ -192,8 +241,12 @@ for name in json.loads(sys.argv[1]):
     assert not airframe.has(name)
 print(json.dumps(seen))
 """
-    done = subprocess.run([sys.executable, "-c", code, json.dumps(MALFORMED)],
-                          capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", code, json.dumps(MALFORMED)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [["c172p", name] for name in MALFORMED for _ in range(7)]
 
@@ -239,16 +292,24 @@ def test_ports_of_the_wrong_direction():
 
 def wire(block, source, port=0):
     scope = Scope()
-    sim = Simulation([source, block, scope],
-                     [Connection(source, block[port], scope[0]), Connection(block[0], scope[1])],
-                     dt=block.T, log=False)
+    sim = Simulation(
+        [source, block, scope],
+        [Connection(source, block[port], scope[0]), Connection(block[0], scope[1])],
+        dt=block.T,
+        log=False,
+    )
     return scope, sim
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF])
-@pytest.mark.parametrize("make", [
-    lambda: fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA)),
-    lambda: Aircraft("c172p", speed=90)], ids=["JSBSimFDM", "Aircraft"])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA)),
+        lambda: Aircraft("c172p", speed=90),
+    ],
+    ids=["JSBSimFDM", "Aircraft"],
+)
 def test_an_input_that_is_not_finite_ends_the_flight(make, value):
     block = make()
     scope, sim = wire(block, Source(lambda t: value if t > 0.999 else 0.01))
@@ -276,7 +337,7 @@ def test_ground_impact_ends_the_flight(aircraft):
     assert abs(error.value.value) > 50.0
     assert time[-1] == pytest.approx(error.value.time - plane.T)
     assert np.isfinite(height).all()
-    assert height[:int(3.0 / plane.T)].min() > 0.0
+    assert height[: int(3.0 / plane.T)].min() > 0.0
     # neither forgotten by going on, nor remembered after a reset
     with pytest.raises(FlightError):
         sim.run(1.0)
@@ -286,8 +347,9 @@ def test_ground_impact_ends_the_flight(aircraft):
 
 @pytest.mark.parametrize("shown", [[], ["simulation/sim-time-sec", "inertia/weight-lbs"]])
 def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
-    block = JSBSimFDM(aircraft_model="A4", trim_altitude=3000, trim_airspeed=400,
-                      output_properties=shown)
+    block = JSBSimFDM(
+        aircraft_model="A4", trim_altitude=3000, trim_airspeed=400, output_properties=shown
+    )
     sim = Simulation([block], dt=block.T, log=False)
     sim.run(0.5)
     block.fdm["fcs/elevator-cmd-norm"] = math.nan
@@ -296,9 +358,13 @@ def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
     assert block.samples < 63
 
 
-@pytest.mark.parametrize("fuel", [
-    {"condition": TrimCondition(altitude=5000, speed=90, fuel=[100, 1000])},
-    {"setup": {"propulsion/tank[1]/contents-lbs": 1000}}])
+@pytest.mark.parametrize(
+    "fuel",
+    [
+        {"condition": TrimCondition(altitude=5000, speed=90, fuel=[100, 1000])},
+        {"setup": {"propulsion/tank[1]/contents-lbs": 1000}},
+    ],
+)
 def test_more_fuel_than_a_tank_holds_is_refused(fuel):
     with pytest.raises(ParameterError, match=r"tank\[1\].* 1000.* holds 185 lb"):
         Aircraft("c172p", **fuel)
@@ -308,8 +374,9 @@ def test_more_fuel_than_a_tank_holds_is_refused(fuel):
 def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
     plane = Aircraft("c172p", altitude=altitude, speed=90)
     command = Constant(elevator)
-    sim = Simulation([plane, command], [Connection(command, plane["elevator"])], dt=plane.T,
-                     log=False)
+    sim = Simulation(
+        [plane, command], [Connection(command, plane["elevator"])], dt=plane.T, log=False
+    )
     with pytest.raises(FlightError, match=r"crashed, load factor .* at t =") as error:
         sim.run(60.0)
     assert plane.outputs["h"] < 10.0
@@ -332,13 +399,20 @@ def test_a_plain_loop_does_go_on_after_the_impact():
     assert math.isnan(plain["velocities/p-rad_sec"])
 
 
-@pytest.mark.parametrize(("before", "after", "message"), [
-    ("</mass_balance>", "</mass_balanc>", "is not well-formed XML: mismatched tag"),
-    ("<?xml version=\"1.0\"?>", "<?xml version=\"1.0\" encoding=\"nonsense\"?>", "not well-formed"),
-    ('<location name="CG" unit="IN">', '<location name="CG" unit="MILES">', "unknown unit 'MILES'"),
-    ('<location name="CG" unit="IN">', '<location name="X" unit="IN">', "no empty-weight CG"),
-    (None, "", "not well-formed XML: no element found"),
-])
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("</mass_balance>", "</mass_balanc>", "is not well-formed XML: mismatched tag"),
+        ('<?xml version="1.0"?>', '<?xml version="1.0" encoding="nonsense"?>', "not well-formed"),
+        (
+            '<location name="CG" unit="IN">',
+            '<location name="CG" unit="MILES">',
+            "unknown unit 'MILES'",
+        ),
+        ('<location name="CG" unit="IN">', '<location name="X" unit="IN">', "no empty-weight CG"),
+        (None, "", "not well-formed XML: no element found"),
+    ],
+)
 def test_a_malformed_model_with_another_empty_cg(before, after, message, tmp_path):
     model = tmp_path / "aircraft" / "c172p" / "c172p.xml"
     bundled = Path(jsbsim.get_default_root_dir()) / "aircraft" / "c172p"
@@ -350,7 +424,6 @@ def test_a_malformed_model_with_another_empty_cg(before, after, message, tmp_pat
     assert before is None or before in text
     model.write_text(text.replace(before, after) if before else after)
     with pytest.raises(AircraftError, match=re.escape(message)) as error:
-        Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0),
-                 root=str(tmp_path))
+        Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0), root=str(tmp_path))
     assert error.value.aircraft == "c172p"
     assert "\n" not in str(error.value)

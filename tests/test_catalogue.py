@@ -29,8 +29,13 @@ QUICK = ("hello_jsbsim", "pitch_hold", "van_der_pol")
 def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)
-    done = subprocess.run([sys.executable, str(diagram_folder() / f"{name}.py")], cwd=tmp_path,
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [sys.executable, str(diagram_folder() / f"{name}.py")],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     # numbers that show that it worked, and a figure
@@ -72,8 +77,14 @@ def test_run_saves_figure_and_signals(tmp_path, capsys):
     assert figure.read_bytes().startswith(b"\x89PNG")
     with signals.open() as file:
         rows = list(csv.reader(file))
-    assert rows[0] == ["time [s]", "altitude [ft]", "true airspeed [ft/s]", "pitch angle [deg]",
-                       "roll angle [deg]", "heading [deg]"]
+    assert rows[0] == [
+        "time [s]",
+        "altitude [ft]",
+        "true airspeed [ft/s]",
+        "pitch angle [deg]",
+        "roll angle [deg]",
+        "heading [deg]",
+    ]
     assert len(rows) == 122
     assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)
     assert "62.157 %" in capsys.readouterr().out
@@ -89,9 +100,27 @@ def test_run_takes_a_study(tmp_path, capsys):
 
 def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys):
     table = tmp_path / "a.csv"
-    assert main(["study", "aoa_vs_cas", "--aircraft", "c172p", "--altitude", "3000", "--speeds",
-                 "70:90:10", "--jobs", "1", "--csv", str(table),
-                 "--save", str(tmp_path / "a.png")]) == 0
+    assert (
+        main(
+            [
+                "study",
+                "aoa_vs_cas",
+                "--aircraft",
+                "c172p",
+                "--altitude",
+                "3000",
+                "--speeds",
+                "70:90:10",
+                "--jobs",
+                "1",
+                "--csv",
+                str(table),
+                "--save",
+                str(tmp_path / "a.png"),
+            ]
+        )
+        == 0
+    )
     rows = list(csv.DictReader(table.open()))
     assert [float(row["requested_speed_kcas"]) for row in rows] == [70.0, 80.0, 90.0]
     assert {row["requested_altitude_ft"] for row in rows} == {"3000.0"}
@@ -121,8 +150,9 @@ def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
     script = tmp_path / "mine.py"
     script.write_text("print('\u03b1')\n", encoding="utf-8")
     command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
-    ended = subprocess.run(command, capture_output=True, text=True,
-                           env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    ended = subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "ascii"}
+    )
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "\\u03b1\n", "")
 
 
@@ -192,12 +222,19 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize(("stop", "status", "text"), [
-    ("raise KeyboardInterrupt", 130, "interrupted"),
-    ("1 / 0", 1, "mine.py failed"),
-    ("from pathsim_jsbsim_blocks import ParameterError; "
-     "raise ParameterError('too late', parameter='t', value=t)", 1, "too late"),
-])
+@pytest.mark.parametrize(
+    ("stop", "status", "text"),
+    [
+        ("raise KeyboardInterrupt", 130, "interrupted"),
+        ("1 / 0", 1, "mine.py failed"),
+        (
+            "from pathsim_jsbsim_blocks import ParameterError; "
+            "raise ParameterError('too late', parameter='t', value=t)",
+            1,
+            "too late",
+        ),
+    ],
+)
 def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp_path, capsys):
     script, figure, signals = (tmp_path / name for name in ("mine.py", "a.png", "a.csv"))
     script.write_text(STOPPED.format(stop=stop))
@@ -216,9 +253,20 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp
 def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
     script, signals = tmp_path / "mine.py", tmp_path / "a.csv"
     script.write_text(STOPPED.format(stop="import time; print(t, flush=True); time.sleep(60)"))
-    with subprocess.Popen([sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script),
-                           "--csv", str(signals)], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "pathsim_jsbsim_blocks.cli",
+            "run",
+            str(script),
+            "--csv",
+            str(signals),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
@@ -241,19 +289,33 @@ def test_sys_exit_is_an_ordinary_end(tmp_path):
 def test_a_stop_before_anything_was_recorded_saves_nothing(tmp_path, capsys):
     script = tmp_path / "mine.py"
     script.write_text("raise KeyboardInterrupt\n")
-    assert main(["run", str(script), "--csv", str(tmp_path / "a.csv"),
-                 "--save", str(tmp_path / "a.png")]) == 130
+    assert (
+        main(
+            [
+                "run",
+                str(script),
+                "--csv",
+                str(tmp_path / "a.csv"),
+                "--save",
+                str(tmp_path / "a.png"),
+            ]
+        )
+        == 130
+    )
     assert capsys.readouterr().err == "pathsim-jsbsim: interrupted\n"
     assert [file.name for file in tmp_path.iterdir()] == ["mine.py"]
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    (b"x = 1\ndef f(:\n", "mine.py:2: invalid syntax"),
-    (b"if x:\ny\n", "mine.py:2: expected an indented block"),
-    (b"# coding: nonsense\n", "unknown encoding: nonsense"),
-    (b"x = '\xff'\n", "mine.py"),
-    (b"x = '\0'\n", "null bytes"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"x = 1\ndef f(:\n", "mine.py:2: invalid syntax"),
+        (b"if x:\ny\n", "mine.py:2: expected an indented block"),
+        (b"# coding: nonsense\n", "unknown encoding: nonsense"),
+        (b"x = '\xff'\n", "mine.py"),
+        (b"x = '\0'\n", "null bytes"),
+    ],
+)
 def test_a_script_that_python_cannot_read_is_one_line(text, message, tmp_path, capsys):
     script = tmp_path / "mine.py"
     script.write_bytes(text)
@@ -276,17 +338,22 @@ def test_a_full_disk_is_named_and_the_other_file_is_written(full, tmp_path, caps
     (tmp_path / "helper.py").write_text("TEXT = ''\n")
     figure, signals = tmp_path / "a.png", tmp_path / "a.csv"
     assert main(["run", str(script), "--save", str(figure), "--csv", str(signals)]) == 1
-    assert capsys.readouterr().err == (f"pathsim-jsbsim: cannot write {str(tmp_path / full)!r}: "
-                                       "No space left on device\n")
-    other, = {"a.csv", "a.png"} - {full}
+    assert capsys.readouterr().err == (
+        f"pathsim-jsbsim: cannot write {str(tmp_path / full)!r}: No space left on device\n"
+    )
+    (other,) = {"a.csv", "a.png"} - {full}
     assert (tmp_path / other).stat().st_size > 50
 
 
 @full_disk
 def test_output_that_does_not_fit_on_the_disk():
     with open("/dev/full", "w") as full:
-        done = subprocess.run([sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "list"],
-                              stdout=full, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run(
+            [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "list"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
     assert done.returncode == 1
     assert done.stderr == "pathsim-jsbsim: the output: No space left on device\n"
 
@@ -304,14 +371,22 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, cap
             assert main(["run", str(script), option, str(tmp_path / name)]) == 1
         out, err = capsys.readouterr()
         assert out == ""
-        assert err == (f"pathsim-jsbsim: cannot write {str(tmp_path / name)!r}: "
-                       "Read-only file system\n")
+        assert err == (
+            f"pathsim-jsbsim: cannot write {str(tmp_path / name)!r}: Read-only file system\n"
+        )
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a directory in use cannot be deleted")
-@pytest.mark.parametrize("arguments", [
-    ["run", "hello_jsbsim"], ["run", "hello_jsbsim", "--csv", "a.csv", "--save", "a.png"],
-    ["trim", "c172p"], ["aircraft"], ["export", "pitch_hold"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "hello_jsbsim"],
+        ["run", "hello_jsbsim", "--csv", "a.csv", "--save", "a.png"],
+        ["trim", "c172p"],
+        ["aircraft"],
+        ["export", "pitch_hold"],
+    ],
+)
 def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monkeypatch, capsys):
     (tmp_path / "gone").mkdir()
     monkeypatch.chdir(tmp_path / "gone")
@@ -322,30 +397,39 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
     assert len(err.splitlines()) == 1
 
 
-@pytest.mark.parametrize(("arguments", "text"), [
-    (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
-    (["run", "trim_envelop"], "no diagram or study 'trim_envelop'; did you mean 'trim_envelope'"),
-    (["study", "climb_schedule", "--altitude", "3000"], "takes no --altitude; it takes --aircraft"),
-    (["study", "aoa_vs_cas", "--wide"], "takes no --wide"),
-    (["study", "aoa_vs_cas_loading", "--aircraft", "737"], "takes no --aircraft"),
-    (["study", "aoa_vs_cas", "--speeds", "90"], "FIRST:LAST:STEP"),
-    (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
-    (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
-    (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
-    (["properties", "c172p", "--after", "-1"], "after must lie in [0, inf]"),
-    (["properties", "737", "theta", "--trim", "--speed", "100"], "alpha ran to the end"),
-    (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
-    (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
-    (["run", "hello_jsbsim", "--save", "."], "is a directory"),
-    (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
-    (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
-    (["run", str(diagram_folder() / "pitch_hold.pvm")], "no Python script"),
-    (["trim", "c172"], "did you mean 'c172p'"),
-    (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
-    (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),
-    (["trim", "737", "--speed", "100"], "alpha ran to the end"),
-    (["properties", "c172p", "theta-dg"], "theta-deg"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
+        (
+            ["run", "trim_envelop"],
+            "no diagram or study 'trim_envelop'; did you mean 'trim_envelope'",
+        ),
+        (
+            ["study", "climb_schedule", "--altitude", "3000"],
+            "takes no --altitude; it takes --aircraft",
+        ),
+        (["study", "aoa_vs_cas", "--wide"], "takes no --wide"),
+        (["study", "aoa_vs_cas_loading", "--aircraft", "737"], "takes no --aircraft"),
+        (["study", "aoa_vs_cas", "--speeds", "90"], "FIRST:LAST:STEP"),
+        (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
+        (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
+        (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
+        (["properties", "c172p", "--after", "-1"], "after must lie in [0, inf]"),
+        (["properties", "737", "theta", "--trim", "--speed", "100"], "alpha ran to the end"),
+        (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
+        (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
+        (["run", "hello_jsbsim", "--save", "."], "is a directory"),
+        (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
+        (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
+        (["run", str(diagram_folder() / "pitch_hold.pvm")], "no Python script"),
+        (["trim", "c172"], "did you mean 'c172p'"),
+        (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
+        (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),
+        (["trim", "737", "--speed", "100"], "alpha ran to the end"),
+        (["properties", "c172p", "theta-dg"], "theta-deg"),
+    ],
+)
 def test_mistakes_end_with_a_message_and_status_1(arguments, text, capsys):
     assert main(arguments) == 1
     out, err = capsys.readouterr()
@@ -368,8 +452,10 @@ def test_trim_prints_the_published_state(capsys):
 def test_trim_creates_what_a_model_misses(capsys):
     assert main(["trim", "L17", "--speed", "105", "--gear", "0"]) == 1
     assert "create={'fcs/flaps-pos-deg': 0.0}" in capsys.readouterr().err
-    assert main(["trim", "L17", "--speed", "105", "--gear", "0",
-                 "--create", "fcs/flaps-pos-deg=0"]) == 0
+    assert (
+        main(["trim", "L17", "--speed", "105", "--gear", "0", "--create", "fcs/flaps-pos-deg=0"])
+        == 0
+    )
     assert " norm" in capsys.readouterr().out
 
 
@@ -379,7 +465,7 @@ def test_properties_shows_access_and_value(capsys):
 
 
 def value_of(name, capsys):
-    line, = (x for x in capsys.readouterr().out.splitlines() if x.split()[0] == name)
+    (line,) = (x for x in capsys.readouterr().out.splitlines() if x.split()[0] == name)
     return float(line.split()[2])
 
 
@@ -389,13 +475,15 @@ def test_properties_after_the_trim_and_in_flight(capsys):
     plain = trimmed("c172p", 5000.0, 90.0, gamma=-3.0)
     assert main([*arguments, "--trim"]) == 0
     # printed with ten digits
-    assert value_of("position/h-sl-ft", capsys) == pytest.approx(plain["position/h-sl-ft"],
-                                                                 rel=1e-9)
+    assert value_of("position/h-sl-ft", capsys) == pytest.approx(
+        plain["position/h-sl-ft"], rel=1e-9
+    )
     for _ in range(240):
         plain.run()
     assert main([*arguments, "--after", "2"]) == 0
-    assert value_of("position/h-sl-ft", capsys) == pytest.approx(plain["position/h-sl-ft"],
-                                                                 rel=1e-9)
+    assert value_of("position/h-sl-ft", capsys) == pytest.approx(
+        plain["position/h-sl-ft"], rel=1e-9
+    )
     assert plain["position/h-sl-ft"] < 4990.0
 
 

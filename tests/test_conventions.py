@@ -15,8 +15,11 @@ import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks import BlocksError
 
 ROOT = Path(__file__).parents[1]
-PUBLIC = {n: o for n, o in vars(package).items()
-          if inspect.isclass(o) and o.__module__.startswith(package.__name__)}
+PUBLIC = {
+    n: o
+    for n, o in vars(package).items()
+    if inspect.isclass(o) and o.__module__.startswith(package.__name__)
+}
 BLOCKS = {n: o for n, o in PUBLIC.items() if issubclass(o, Block)}
 DATA = {n: o for n, o in PUBLIC.items() if n in ("TrimCondition", "TrimState")}
 
@@ -48,8 +51,11 @@ def test_every_block_is_public():
     # the bases of blocks, which have subclasses in the package, are not
     for part in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         here = vars(importlib.import_module(part.name)).items()
-        for name, block in [(n, o) for n, o in here if inspect.isclass(o) and issubclass(o, Block)
-                            and o.__module__ == part.name]:
+        for name, block in [
+            (n, o)
+            for n, o in here
+            if inspect.isclass(o) and issubclass(o, Block) and o.__module__ == part.name
+        ]:
             base = any(c.__module__.startswith(package.__name__) for c in block.__subclasses__())
             assert base or BLOCKS.get(name) is block, f"{name} is missing in __all__"
 
@@ -142,6 +148,7 @@ def test_no_name_is_a_module_and_something_else():
 def test_imports_point_down():
     # the contracts are in pyproject.toml
     lint = "from importlinter.cli import lint_imports_command; lint_imports_command()"
-    done = subprocess.run([sys.executable, "-c", lint, "--no-cache"], cwd=ROOT,
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -21,8 +21,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def blocks(page, language):
-    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"),
-                      re.M | re.S)
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S)
 
 
 @pytest.fixture(autouse=True)
@@ -34,9 +33,14 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
 
 
 # test_workers has a cluster and a batch in each run of the tests
-@pytest.mark.parametrize("page", [
-    pytest.param(p, id=p.name, marks=pytest.mark.long if p.name == "studies.md" else ())
-    for p in PAGES if blocks(p, "python")])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(p, id=p.name, marks=pytest.mark.long if p.name == "studies.md" else ())
+        for p in PAGES
+        if blocks(p, "python")
+    ],
+)
 def test_python_blocks_run_in_their_order(page):
     namespace = {"__name__": page.stem}
     for block in blocks(page, "python"):
@@ -57,11 +61,19 @@ def _uses_pathview(command):
 
 # test_published computes these two in each run of the tests
 LONG = ("trim_envelope", "thrust_vectoring")
-COMMANDS = [pytest.param(c, id=f"{page}: {c}",
-                         marks=pytest.mark.long if any(name in c for name in LONG) else ())
-            for page, session in sessions() for c in session if not _uses_pathview(c)]
-PATHVIEW = [pytest.param(commands, id=f"{page}: {commands[0]}") for page, session in sessions()
-            if (commands := [c for c in session if _uses_pathview(c)])]
+COMMANDS = [
+    pytest.param(
+        c, id=f"{page}: {c}", marks=pytest.mark.long if any(name in c for name in LONG) else ()
+    )
+    for page, session in sessions()
+    for c in session
+    if not _uses_pathview(c)
+]
+PATHVIEW = [
+    pytest.param(commands, id=f"{page}: {commands[0]}")
+    for page, session in sessions()
+    if (commands := [c for c in session if _uses_pathview(c)])
+]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -75,15 +87,18 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
     shown = []
     # serving has tests of its own, in a browser
     load = importlib.import_module("pathsim_jsbsim_blocks.pathview._view")._load
-    monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.view",
-                        lambda target, port, browser, **trust: shown.append(load(target, **trust)))
+    monkeypatch.setattr(
+        "pathsim_jsbsim_blocks.pathview.view",
+        lambda target, port, browser, **trust: shown.append(load(target, **trust)),
+    )
     monkeypatch.syspath_prepend(tmp_path / "site")
     for number, words in enumerate(map(shlex.split, session), 1):
         _, command, target, *options = words
         target = tmp_path / target
         if target.suffix and not target.exists():
-            target.write_bytes(find_diagram("step_response").with_suffix(target.suffix)
-                               .read_bytes())
+            target.write_bytes(
+                find_diagram("step_response").with_suffix(target.suffix).read_bytes()
+            )
         for package_name in (b for a, b in pairwise(options) if a == "--toolbox"):
             folder = tmp_path.joinpath("site", *Toolbox.parse(package_name).import_path.split("."))
             folder.mkdir(parents=True)
@@ -106,15 +121,19 @@ def test_the_first_two_commands_set_up_an_environment_of_their_own():
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_links_and_pictures_are_there(page):
-    for target in re.findall(r"\]\(([^)#]+)[^)]*\)|src=\"([^\"]+)\"",
-                             page.read_text(encoding="utf-8")):
+    for target in re.findall(
+        r"\]\(([^)#]+)[^)]*\)|src=\"([^\"]+)\"", page.read_text(encoding="utf-8")
+    ):
         path = target[0] or target[1]
         if not path.startswith("http"):
             assert (page.parent / path).exists(), path
 
 
-MODULES = [m.name for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
-           if ".diagrams" not in m.name]
+MODULES = [
+    m.name
+    for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
+    if ".diagrams" not in m.name
+]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -124,14 +143,20 @@ def test_docstring_examples(name):
 
 def test_the_block_reference_has_every_public_name():
     text = "".join(p.read_text(encoding="utf-8") for p in (ROOT / "docs" / "reference").glob("*"))
-    public = [n for n, o in vars(package).items() if isinstance(o, type)
-              and o.__module__.startswith(package.__name__) and not issubclass(o, Exception)]
+    public = [
+        n
+        for n, o in vars(package).items()
+        if isinstance(o, type)
+        and o.__module__.startswith(package.__name__)
+        and not issubclass(o, Exception)
+    ]
     assert [n for n in public if f"autoclass:: {n}\n" not in text] == []
 
 
 def test_there_are_docstring_examples():
-    assert sum(len(doctest.DocTestFinder().find(importlib.import_module(n))) > 0
-               for n in MODULES) > 5
+    assert (
+        sum(len(doctest.DocTestFinder().find(importlib.import_module(n))) > 0 for n in MODULES) > 5
+    )
 
 
 def test_generated_pages_are_current(monkeypatch):

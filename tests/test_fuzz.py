@@ -17,10 +17,17 @@ def test_random_arguments_end_in_our_own_errors_and_leave_nothing_behind(tmp_pat
     temporary.mkdir()
     report = tmp_path / "report.json"
     done = subprocess.run(
-        [sys.executable, str(FUZZ), str(report), str(settings().max_examples // 20)], cwd=work,
-        capture_output=True, timeout=600,
-        env={**os.environ, "TMPDIR": str(temporary), "PYTHONDONTWRITEBYTECODE": "1",
-             "HYPOTHESIS_STORAGE_DIRECTORY": str(storage)})
+        [sys.executable, str(FUZZ), str(report), str(settings().max_examples // 20)],
+        cwd=work,
+        capture_output=True,
+        timeout=600,
+        env={
+            **os.environ,
+            "TMPDIR": str(temporary),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "HYPOTHESIS_STORAGE_DIRECTORY": str(storage),
+        },
+    )
     # an abort would show here
     assert done.returncode == 0, done.stderr.decode()
     assert json.loads(report.read_text(encoding="utf-8")) == []

@@ -27,10 +27,17 @@ CELLS = [  # code, figures that it draws
 
 def test_a_notebook_draws_each_figure_once_and_writes_no_file(tmp_path):
     notebook = nbformat.v4.new_notebook(
-        cells=[nbformat.v4.new_code_cell(code) for code, _ in CELLS])
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3",
-                            resources={"metadata": {"path": str(tmp_path)}}).execute()
-    drawn = [sum("image/png" in output.get("data", {}) for output in cell.outputs)
-             for cell in notebook.cells]
+        cells=[nbformat.v4.new_code_cell(code) for code, _ in CELLS]
+    )
+    nbclient.NotebookClient(
+        notebook,
+        timeout=120,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(tmp_path)}},
+    ).execute()
+    drawn = [
+        sum("image/png" in output.get("data", {}) for output in cell.outputs)
+        for cell in notebook.cells
+    ]
     assert drawn == [figures for _, figures in CELLS]
     assert list(tmp_path.iterdir()) == []

@@ -27,10 +27,18 @@ def _close_figures():
 @pytest.fixture
 def scope():
     scope = Scope(labels=["height [ft]", "pitch [deg]", "heading [deg]", "plain"])
-    sources = [Source(lambda t: 100 + t), Source(lambda t: 2 * t),
-               Source(lambda t: (350 + 10 * t) % 360), Source(lambda t: -t)]
-    sim = Simulation([*sources, scope],
-                     [Connection(s, scope[i]) for i, s in enumerate(sources)], dt=0.1, log=False)
+    sources = [
+        Source(lambda t: 100 + t),
+        Source(lambda t: 2 * t),
+        Source(lambda t: (350 + 10 * t) % 360),
+        Source(lambda t: -t),
+    ]
+    sim = Simulation(
+        [*sources, scope],
+        [Connection(s, scope[i]) for i, s in enumerate(sources)],
+        dt=0.1,
+        log=False,
+    )
     sim.run(3.0)
     return scope
 

@@ -13,9 +13,13 @@ from pathsim.blocks import Block
 import pathsim_jsbsim_blocks as package
 
 PROMISES = json.loads((Path(__file__).parent / "data" / "promises.json").read_text())
-PUBLIC = {name: thing for name, thing in vars(package).items() if inspect.isclass(thing)
-          and thing.__module__.startswith(package.__name__)
-          and (issubclass(thing, Block) or name == "TrimCondition")}
+PUBLIC = {
+    name: thing
+    for name, thing in vars(package).items()
+    if inspect.isclass(thing)
+    and thing.__module__.startswith(package.__name__)
+    and (issubclass(thing, Block) or name == "TrimCondition")
+}
 # a default is compared by its text, which tells 0 from 0.0 and from False
 
 
@@ -37,7 +41,7 @@ def test_every_block_is_in_the_table():
 def test_what_was_promised_is_kept(name):
     now = promise(PUBLIC[name])
     for kind, promised in PROMISES[name].items():
-        assert promised == (promised and now[kind][:len(promised)]), kind
+        assert promised == (promised and now[kind][: len(promised)]), kind
 
 
 @pytest.mark.parametrize("name", PROMISES)

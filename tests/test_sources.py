@@ -11,10 +11,11 @@ from pathsim_jsbsim_blocks import DoubletSource, MultistepSource, ParameterError
 pytestmark = pytest.mark.matrix
 
 SOURCES = {
-    "doublet": (lambda: DoubletSource(amplitude=2.0, start=0.5, width=0.7),
-                [0.5, 1.2, 1.9]),
-    "doublet with gap": (lambda: DoubletSource(start=0.5, width=0.7, gap=0.31, polarity=-1),
-                         [0.5, 1.2, 1.51, 2.21]),
+    "doublet": (lambda: DoubletSource(amplitude=2.0, start=0.5, width=0.7), [0.5, 1.2, 1.9]),
+    "doublet with gap": (
+        lambda: DoubletSource(start=0.5, width=0.7, gap=0.31, polarity=-1),
+        [0.5, 1.2, 1.51, 2.21],
+    ),
     "3-2-1-1": (lambda: MultistepSource(start=0.25, step=0.3), [0.25, 1.15, 1.75, 2.05, 2.35]),
     "ramp": (lambda: RampSource(final=3.0, start=0.4, rise_time=1.1), [0.4, 1.5]),
     "ramp with hold": (lambda: RampSource(start=0.4, rise_time=1.1, hold=0.6), [0.4, 1.5, 2.1]),
@@ -23,8 +24,9 @@ SOURCES = {
 
 def record(source, duration=3.0, **options):
     scope = Scope()
-    sim = Simulation([source, scope], [Connection(source, scope)],
-                     **{"dt": 0.01, "log": False, **options})
+    sim = Simulation(
+        [source, scope], [Connection(source, scope)], **{"dt": 0.01, "log": False, **options}
+    )
     sim.run(duration)
     time, data = scope.read()
     return time, data[0]
@@ -52,14 +54,25 @@ def test_multistep_is_a_3211_by_default():
     durations = [np.sum(y == v) * 0.01 for v in (0.5, -0.5)]
     assert durations == pytest.approx([0.8, 0.6])
     assert [y[abs(time - t).argmin()] for t in (0.3, 0.8, 1.1, 1.3, 1.5)] == [
-        0.5, -0.5, 0.5, -0.5, 0.0]
+        0.5,
+        -0.5,
+        0.5,
+        -0.5,
+        0.0,
+    ]
 
 
 def test_multistep_takes_any_widths_and_signs():
-    time, y = record(MultistepSource(amplitude=2.0, start=1.0, widths=[0.5, 0.25, 1.0],
-                                     signs=[-1, 0, 0.5]))
+    time, y = record(
+        MultistepSource(amplitude=2.0, start=1.0, widths=[0.5, 0.25, 1.0], signs=[-1, 0, 0.5])
+    )
     assert [y[abs(time - t).argmin()] for t in (0.5, 1.2, 1.6, 2.0, 2.9)] == [
-        0.0, -2.0, 0.0, 1.0, 0.0]
+        0.0,
+        -2.0,
+        0.0,
+        1.0,
+        0.0,
+    ]
 
 
 def test_ramp_rises_straight_and_holds():
@@ -95,24 +108,36 @@ def test_a_source_passes_nothing_through_and_starts_at_0(name):
 def test_adaptive_runs_land_on_every_edge(name, solver):
     make, edges = SOURCES[name]
     source, state, scope = make(), Integrator(0.0), Scope()
-    sim = Simulation([source, state, scope],
-                     [Connection(source, state, scope[0]), Connection(state, scope[1])],
-                     Solver=solver, dt=0.2, dt_max=0.5, log=False)
+    sim = Simulation(
+        [source, state, scope],
+        [Connection(source, state, scope[0]), Connection(state, scope[1])],
+        Solver=solver,
+        dt=0.2,
+        dt_max=0.5,
+        log=False,
+    )
     sim.run(3.0)
     time, _ = scope.read()
-    assert [abs(time - edge).min() for edge in edges] == pytest.approx([0.0] * len(edges),
-                                                                       abs=1e-12)
+    assert [abs(time - edge).min() for edge in edges] == pytest.approx(
+        [0.0] * len(edges), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("name", SOURCES)
 def test_the_integral_is_exact_because_no_edge_is_missed(name):
     # the area under the source, by a solver that would smear a missed edge over its step of 0.5 s
     make, _ = SOURCES[name]
-    area = {"doublet": 0.0, "doublet with gap": 0.0, "3-2-1-1": 0.1 * 0.3,
-            "ramp": 3.0 * (0.55 + 1.5), "ramp with hold": 0.55 + 0.6}[name]
+    area = {
+        "doublet": 0.0,
+        "doublet with gap": 0.0,
+        "3-2-1-1": 0.1 * 0.3,
+        "ramp": 3.0 * (0.55 + 1.5),
+        "ramp with hold": 0.55 + 0.6,
+    }[name]
     source, state = make(), Integrator(0.0)
-    sim = Simulation([source, state], [Connection(source, state)], Solver=RKCK54, dt=0.5,
-                     dt_max=0.5, log=False)
+    sim = Simulation(
+        [source, state], [Connection(source, state)], Solver=RKCK54, dt=0.5, dt_max=0.5, log=False
+    )
     sim.run(3.0)
     # the last stage before an edge is evaluated with the value after the edge only if it is missed
     assert float(state.outputs[0]) == pytest.approx(area, abs=1e-9)
@@ -149,34 +174,41 @@ def test_parameters_can_be_edited_while_it_runs():
     assert data[0][abs(time - 2.5).argmin()] == -3.0
 
 
-@pytest.mark.parametrize("make", [
-    lambda: DoubletSource(start=1e6, width=1e-11),  # no float between the two edges
-    lambda: RampSource(start=1e308, rise_time=1e308)])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: DoubletSource(start=1e6, width=1e-11),  # no float between the two edges
+        lambda: RampSource(start=1e308, rise_time=1e308),
+    ],
+)
 def test_edges_that_cannot_be_told_apart_are_refused(make):
     with pytest.raises(ParameterError, match="cannot be told apart") as error:
         make()
     assert error.value.parameter == "start"
 
 
-@pytest.mark.parametrize(("make", "parameter"), [
-    (lambda: DoubletSource(amplitude="big"), "amplitude"),
-    (lambda: DoubletSource(width=0.0), "width"),
-    (lambda: DoubletSource(width=-1.0), "width"),
-    (lambda: DoubletSource(gap=-0.1), "gap"),
-    (lambda: DoubletSource(start=float("nan")), "start"),
-    (lambda: DoubletSource(start=-1.0), "start"),
-    (lambda: DoubletSource(polarity=0), "polarity"),
-    (lambda: DoubletSource(amplitude=True), "amplitude"),
-    (lambda: MultistepSource(widths=[1, 2], signs=[1]), "signs"),
-    (lambda: MultistepSource(widths=[], signs=[]), "signs"),
-    (lambda: MultistepSource(widths="321"), "widths"),
-    (lambda: MultistepSource(widths=np.array(2.0)), "widths"),
-    (lambda: MultistepSource(widths=[1, 0, 1, 1]), "widths[1]"),
-    (lambda: MultistepSource(step=float("inf")), "step"),
-    (lambda: RampSource(rise_time=0.0), "rise_time"),
-    (lambda: RampSource(final=None), "final"),
-    (lambda: RampSource(hold=-1.0), "hold"),
-])
+@pytest.mark.parametrize(
+    ("make", "parameter"),
+    [
+        (lambda: DoubletSource(amplitude="big"), "amplitude"),
+        (lambda: DoubletSource(width=0.0), "width"),
+        (lambda: DoubletSource(width=-1.0), "width"),
+        (lambda: DoubletSource(gap=-0.1), "gap"),
+        (lambda: DoubletSource(start=float("nan")), "start"),
+        (lambda: DoubletSource(start=-1.0), "start"),
+        (lambda: DoubletSource(polarity=0), "polarity"),
+        (lambda: DoubletSource(amplitude=True), "amplitude"),
+        (lambda: MultistepSource(widths=[1, 2], signs=[1]), "signs"),
+        (lambda: MultistepSource(widths=[], signs=[]), "signs"),
+        (lambda: MultistepSource(widths="321"), "widths"),
+        (lambda: MultistepSource(widths=np.array(2.0)), "widths"),
+        (lambda: MultistepSource(widths=[1, 0, 1, 1]), "widths[1]"),
+        (lambda: MultistepSource(step=float("inf")), "step"),
+        (lambda: RampSource(rise_time=0.0), "rise_time"),
+        (lambda: RampSource(final=None), "final"),
+        (lambda: RampSource(hold=-1.0), "hold"),
+    ],
+)
 def test_bad_parameters_are_refused_by_name(make, parameter):
     with pytest.raises(ParameterError) as error:
         make()

@@ -18,8 +18,9 @@ sys.modules["jsbsim"] = None
 
 
 def run(code, *args):
-    done = subprocess.run([sys.executable, "-c", code, *args], capture_output=True, text=True,
-                          timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *args], capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     return json.loads(done.stdout)
@@ -27,7 +28,9 @@ def run(code, *args):
 
 @pytest.fixture(scope="module")
 def without():
-    return run(HIDE + """
+    return run(
+        HIDE
+        + """
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
 import pathsim_jsbsim_blocks as package
@@ -46,7 +49,8 @@ print(json.dumps({
     "aircraft": [n for n in ("Aircraft", "JSBSimFDM", "TrimCondition", "TrimState")
                  if hasattr(package, n)],
     "moved": float(abs(scope.read()[1]).max())}))
-""")
+"""
+    )
 
 
 def test_what_needs_jsbsim_is_absent(without):
@@ -55,8 +59,11 @@ def test_what_needs_jsbsim_is_absent(without):
 
 
 def test_all_other_blocks_are_there_and_can_be_built(without):
-    names = sorted(n for n, o in vars(package).items() if inspect.isclass(o)
-                   and issubclass(o, Block) and n not in ("Aircraft", "JSBSimFDM"))
+    names = sorted(
+        n
+        for n, o in vars(package).items()
+        if inspect.isclass(o) and issubclass(o, Block) and n not in ("Aircraft", "JSBSimFDM")
+    )
     assert len(names) > 20
     assert without["blocks"] == names
     assert without["built"] == names
@@ -67,14 +74,17 @@ def test_a_diagram_runs(without):
 
 
 def test_the_command_lists_the_diagrams():
-    names = run(HIDE + """
+    names = run(
+        HIDE
+        + """
 import contextlib, io
 from pathsim_jsbsim_blocks.cli import main
 said = io.StringIO()
 with contextlib.redirect_stdout(said):
     status = main(["list"])
 print(json.dumps([status, [line.split()[0] for line in said.getvalue().splitlines()]]))
-""")
+"""
+    )
     assert names[0] == 0
     assert "elevator_doublet" in names[1]
 

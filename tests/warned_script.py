@@ -25,7 +25,9 @@ scope = Scope()
 sim = Simulation(
     [reference, controller, scope],
     [Connection(reference, controller["r"]), Connection(controller["u"], scope)],
-    dt=0.003, log=False)
+    dt=0.003,
+    log=False,
+)
 
 if __name__ == "__main__":
     from pathsim_jsbsim_blocks.studies import run_batch

@@ -47,9 +47,12 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     if name in names:
         return diagram_folder() / f"{name}.py"
     also = list(also)
-    raise ParameterError(f"no diagram {'or study ' if also else ''}{name!r}"
-                         + did_you_mean(nearest(name, names + also)),
-                         parameter="name", value=name)
+    raise ParameterError(
+        f"no diagram {'or study ' if also else ''}{name!r}"
+        + did_you_mean(nearest(name, names + also)),
+        parameter="name",
+        value=name,
+    )
 
 
 def load_diagram(name: str) -> ModuleType:

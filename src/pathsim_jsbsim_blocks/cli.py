@@ -77,7 +77,8 @@ def _directory_is_gone() -> bool:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pathsim-jsbsim",
-        description="Fly JSBSim aircraft in PathSim block diagrams, and open them in PathView.")
+        description="Fly JSBSim aircraft in PathSim block diagrams, and open them in PathView.",
+    )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
@@ -87,55 +88,94 @@ def _parser() -> argparse.ArgumentParser:
         return sub
 
     def trust_toolbox(sub: argparse.ArgumentParser) -> None:
-        sub.add_argument("--trust-toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
-                         help="import this toolbox if the model asks for it, even if it is not one "
-                              "of PathSim's (repeatable)")
+        sub.add_argument(
+            "--trust-toolbox",
+            metavar="PACKAGE[:IMPORT]",
+            action="append",
+            default=[],
+            help="import this toolbox if the model asks for it, even if it is not one "
+            "of PathSim's (repeatable)",
+        )
 
     def trim_condition(sub: argparse.ArgumentParser) -> None:
         sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
         speed = sub.add_mutually_exclusive_group()
-        speed.add_argument("--speed", type=float, default=100.0,
-                           help="KCAS (default %(default)g; docs/fleet.md has one for each "
-                                "aircraft)")
+        speed.add_argument(
+            "--speed",
+            type=float,
+            default=100.0,
+            help="KCAS (default %(default)g; docs/fleet.md has one for each aircraft)",
+        )
         speed.add_argument("--mach", type=float, help="instead of --speed")
         sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
         sub.add_argument("--heading", type=float, default=0.0, help="deg")
         sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
         sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
-        sub.add_argument("--mode", default="full",
-                         help="full, longitudinal, ground, pull-up, turn or none")
+        sub.add_argument(
+            "--mode", default="full", help="full, longitudinal, ground, pull-up, turn or none"
+        )
         sub.add_argument("--gear", type=float, help="0 up to 1 down")
         sub.add_argument("--flaps", type=float, help="0 to 1")
-        sub.add_argument("--set", metavar="PROPERTY=VALUE", action="append", default=[],
-                         help="a property to write before the trim (repeatable)")
-        sub.add_argument("--create", metavar="PROPERTY=VALUE", action="append", default=[],
-                         help="a property that the model expects from FlightGear (repeatable)")
+        sub.add_argument(
+            "--set",
+            metavar="PROPERTY=VALUE",
+            action="append",
+            default=[],
+            help="a property to write before the trim (repeatable)",
+        )
+        sub.add_argument(
+            "--create",
+            metavar="PROPERTY=VALUE",
+            action="append",
+            default=[],
+            help="a property that the model expects from FlightGear (repeatable)",
+        )
 
     command("list", _list, "the diagrams and studies of the catalogue")
 
     sub = command("run", _run, "run a diagram or a study: print its results and show its figures")
     sub.add_argument("name", help="a diagram or a study of the catalogue, or the path of a script")
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
-    sub.add_argument("--csv", metavar="FILE", type=Path,
-                     help="write all recorded signals, including those of a run that crashes or is "
-                          "interrupted")
+    sub.add_argument(
+        "--csv",
+        metavar="FILE",
+        type=Path,
+        help="write all recorded signals, including those of a run that crashes or is interrupted",
+    )
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
     sub.add_argument("name", nargs="?", help="one model only")
-    sub.add_argument("--points", metavar="FIG", type=Path,
-                     help="draw the points that the model names: CG, wheels, tanks, ...")
-    sub.add_argument("--table", action="store_true",
-                     help="trim each in level flight and fly it for 30 s, controls held")
+    sub.add_argument(
+        "--points",
+        metavar="FIG",
+        type=Path,
+        help="draw the points that the model names: CG, wheels, tanks, ...",
+    )
+    sub.add_argument(
+        "--table",
+        action="store_true",
+        help="trim each in level flight and fly it for 30 s, controls held",
+    )
 
-    sub = command("properties", _properties,
-                  "the properties of an aircraft: name, access, value as initialised, after the "
-                  "trim or in flight")
+    sub = command(
+        "properties",
+        _properties,
+        "the properties of an aircraft: name, access, value as initialised, after the "
+        "trim or in flight",
+    )
     sub.add_argument("aircraft")
     sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
-    sub.add_argument("--trim", action="store_true",
-                     help="values after the trim; implied by any option of the condition")
-    sub.add_argument("--after", metavar="SECONDS", type=float,
-                     help="values after this time of flight from the trim, controls held")
+    sub.add_argument(
+        "--trim",
+        action="store_true",
+        help="values after the trim; implied by any option of the condition",
+    )
+    sub.add_argument(
+        "--after",
+        metavar="SECONDS",
+        type=float,
+        help="values after this time of flight from the trim, controls held",
+    )
     trim_condition(sub)
 
     sub = command("trim", _trim, "trim an aircraft and print the state found")
@@ -143,13 +183,19 @@ def _parser() -> argparse.ArgumentParser:
     trim_condition(sub)
 
     sub = command("study", _study, "run a trim study: its table, its figure")
-    sub.add_argument("name", help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, "
-                                  "thrust_vectoring or trim_envelope")
+    sub.add_argument(
+        "name",
+        help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, thrust_vectoring or trim_envelope",
+    )
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
     sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
-    sub.add_argument("--resume", metavar="FILE", type=Path,
-                     help="keep finished points in this file, and resume from it")
+    sub.add_argument(
+        "--resume",
+        metavar="FILE",
+        type=Path,
+        help="keep finished points in this file, and resume from it",
+    )
     sub.add_argument("--wide", action="store_true", help="the larger grid, if there is one")
     own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
     own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
@@ -159,26 +205,47 @@ def _parser() -> argparse.ArgumentParser:
     own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
 
     sub = command("view", _view, "open a diagram in PathView")
-    sub.add_argument("target", nargs="?", help="a diagram, a model (.pvm) or a script; default "
-                                               "is an empty diagram")
+    sub.add_argument(
+        "target",
+        nargs="?",
+        help="a diagram, a model (.pvm) or a script; default is an empty diagram",
+    )
     sub.add_argument("--port", type=int, help="default is 8360, or a free one")
     sub.add_argument("--no-browser", action="store_true", help="only serve")
-    sub.add_argument("--trust", action="store_true",
-                     help="open a model from outside without asking, now and later; its code runs "
-                          "as you when the model runs")
+    sub.add_argument(
+        "--trust",
+        action="store_true",
+        help="open a model from outside without asking, now and later; its code runs "
+        "as you when the model runs",
+    )
     trust_toolbox(sub)
 
     sub = command("export", _export, "write a diagram script as a PathView model")
     sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
-    sub.add_argument("-o", "--output", metavar="FILE.pvm", type=Path,
-                     help="default is NAME.pvm, beside the script or, for the catalogue, here")
+    sub.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.pvm",
+        type=Path,
+        help="default is NAME.pvm, beside the script or, for the catalogue, here",
+    )
 
     sub = command("convert", _convert, "write a PathView model as a Python script")
     sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
-    sub.add_argument("-o", "--output", metavar="FILE.py", type=Path,
-                     help="default is NAME.py beside the model, if that does not exist yet")
-    sub.add_argument("--toolbox", metavar="PACKAGE[:IMPORT]", action="append", default=[],
-                     help="a toolbox that the model itself does not name (repeatable)")
+    sub.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.py",
+        type=Path,
+        help="default is NAME.py beside the model, if that does not exist yet",
+    )
+    sub.add_argument(
+        "--toolbox",
+        metavar="PACKAGE[:IMPORT]",
+        action="append",
+        default=[],
+        help="a toolbox that the model itself does not name (repeatable)",
+    )
     trust_toolbox(sub)
     return parser
 
@@ -225,8 +292,9 @@ def _run(args: argparse.Namespace) -> int:
     return status
 
 
-def _save(figure: Path | None, csv_file: Path | None, scopes: Sequence[Any],
-          until: str = "") -> None:
+def _save(
+    figure: Path | None, csv_file: Path | None, scopes: Sequence[Any], until: str = ""
+) -> None:
     """Write the open figures and the signals; a failure of one does not prevent the other.
 
     ``until``, if given, is the title of a further figure of all that was recorded.
@@ -242,8 +310,7 @@ def _save(figure: Path | None, csv_file: Path | None, scopes: Sequence[Any],
                 show(time_histories(*scopes, title=until), "")
 
 
-def _stopped(error: BaseException, script: Path, figure: Path | None,
-             csv_file: Path | None) -> int:
+def _stopped(error: BaseException, script: Path, figure: Path | None, csv_file: Path | None) -> int:
     """Save what a script recorded before it stopped, and print the reason."""
     scopes = _recording_scopes(_left_by(error))
     saved = ""
@@ -277,8 +344,11 @@ def _stopped(error: BaseException, script: Path, figure: Path | None,
 
 def _left_by(error: BaseException) -> list[Any]:
     """Variables of the script that an exception ended, those of its functions included."""
-    return [x for frame, _ in traceback.walk_tb(error.__traceback__)
-            for x in list(frame.f_locals.values())]
+    return [
+        x
+        for frame, _ in traceback.walk_tb(error.__traceback__)
+        for x in list(frame.f_locals.values())
+    ]
 
 
 def _save_open_figures() -> None:
@@ -322,14 +392,19 @@ def _recording_scopes(objects: Iterable[Any]) -> list[Any]:
                 yield from scopes(block.blocks)
 
     simulations = {id(x): x for x in objects if isinstance(x, Simulation)}
-    return [scope for simulation in simulations.values() for scope in scopes(simulation.blocks)
-            if scope.read()[0] is not None]
+    return [
+        scope
+        for simulation in simulations.values()
+        for scope in scopes(simulation.blocks)
+        if scope.read()[0] is not None
+    ]
 
 
 def _write_csv(scopes: Sequence[Any], path: Path) -> None:
     if not scopes:
-        raise ParameterError("the script has no simulation that a Scope recorded",
-                             parameter="csv", value=str(path))
+        raise ParameterError(
+            "the script has no simulation that a Scope recorded", parameter="csv", value=str(path)
+        )
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
         time, data = scope.read()
@@ -380,8 +455,9 @@ def _draw_points(name: str | None, path: Path) -> None:
     from .plots import show
 
     if name is None:
-        raise ParameterError("--points needs the name of an aircraft", parameter="points",
-                             value=str(path))
+        raise ParameterError(
+            "--points needs the name of an aircraft", parameter="points", value=str(path)
+        )
     airframe = Airframe(name)
     airframe.run_ic()
     points = aircraft_points(airframe)
@@ -429,9 +505,17 @@ def _condition(args: argparse.Namespace) -> TrimCondition:
     from .flight.condition import TrimCondition
 
     return TrimCondition(
-        altitude=args.altitude, speed=args.speed, mach=args.mach, gamma=args.gamma,
-        heading=args.heading, bank=args.bank, load_factor=args.load_factor, mode=args.mode,
-        gear=args.gear, flaps=args.flaps)
+        altitude=args.altitude,
+        speed=args.speed,
+        mach=args.mach,
+        gamma=args.gamma,
+        heading=args.heading,
+        bank=args.bank,
+        load_factor=args.load_factor,
+        mode=args.mode,
+        gear=args.gear,
+        flaps=args.flaps,
+    )
 
 
 def _trim(args: argparse.Namespace) -> None:
@@ -445,8 +529,11 @@ def _trim(args: argparse.Namespace) -> None:
     for field in dataclasses.fields(state):
         value = getattr(state, field.name)
         if isinstance(value, tuple):
-            print(f"  {field.name:<13}" + "".join(f"{x:14.6f}" for x in value)
-                  + f" {UNITS[field.name]}")
+            print(
+                f"  {field.name:<13}"
+                + "".join(f"{x:14.6f}" for x in value)
+                + f" {UNITS[field.name]}"
+            )
         elif isinstance(value, float):
             unit = UNITS[field.name]
             degrees = f" ({math.degrees(value):.4f} deg)" if unit == "rad" else ""
@@ -460,16 +547,29 @@ def _values(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            raise ParameterError(f"--{option} needs PROPERTY=VALUE with a number, not {item!r}",
-                                 parameter=option, value=item) from None
+            raise ParameterError(
+                f"--{option} needs PROPERTY=VALUE with a number, not {item!r}",
+                parameter=option,
+                value=item,
+            ) from None
     return values
 
 
 def _study(args: argparse.Namespace) -> None:
     speeds = None if args.speeds is None else _range("speeds", args.speeds)
-    _run_study(args.name, args.save, args.csv, jobs=args.jobs, resume=args.resume,
-               wide=args.wide or None, aircraft=args.aircraft, altitude=args.altitude,
-               speeds=speeds, speed=args.speed, gamma=args.gamma)
+    _run_study(
+        args.name,
+        args.save,
+        args.csv,
+        jobs=args.jobs,
+        resume=args.resume,
+        wide=args.wide or None,
+        aircraft=args.aircraft,
+        altitude=args.altitude,
+        speeds=speeds,
+        speed=args.speed,
+        gamma=args.gamma,
+    )
 
 
 def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
@@ -485,7 +585,9 @@ def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opt
             raise ParameterError(
                 f"the study {name} takes no --{option}; it takes "
                 + ", ".join(f"--{x}" for x in taken if x != "progress"),
-                parameter=option, value=value)
+                parameter=option,
+                value=value,
+            )
     if csv_file is not None:
         writable("csv", csv_file)
     with _saving(figure_file):
@@ -512,8 +614,11 @@ def _range(option: str, text: str) -> list[float]:
         if not 0 <= count < 10_000:
             raise ValueError
     except (ValueError, OverflowError, ZeroDivisionError):
-        raise ParameterError(f"--{option} needs FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
-                             parameter=option, value=text) from None
+        raise ParameterError(
+            f"--{option} needs FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
+            parameter=option,
+            value=text,
+        ) from None
     return [first + i * step for i in range(count + 1)]
 
 
@@ -522,8 +627,13 @@ def _view(args: argparse.Namespace) -> None:
     from .pathview.trusted_models import remember
 
     def opened(trust: bool) -> None:
-        view(args.target, args.port, browser=not args.no_browser, trust=trust,
-             trust_toolboxes=args.trust_toolbox)
+        view(
+            args.target,
+            args.port,
+            browser=not args.no_browser,
+            trust=trust,
+            trust_toolboxes=args.trust_toolbox,
+        )
 
     try:
         opened(args.trust)
@@ -538,9 +648,14 @@ def _says_yes(error: UntrustedModelError) -> bool:
     """Whether the user, at a terminal, trusts a model."""
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         return False
-    print(f"{error.path!a} is {error.reason}:\n"
-          f"  pathsim-jsbsim convert FILE.pvm -o FILE.py     (writes its code, runs none of it)\n"
-          "Open it, now and later? [y/N] ", end="", file=sys.stderr, flush=True)
+    print(
+        f"{error.path!a} is {error.reason}:\n"
+        f"  pathsim-jsbsim convert FILE.pvm -o FILE.py     (writes its code, runs none of it)\n"
+        "Open it, now and later? [y/N] ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 

@@ -50,8 +50,9 @@ class AircraftError(BlocksError, ValueError):
         property that the model expects from its environment, empty if that is not the reason
     """
 
-    def __init__(self, message: str, *, aircraft: str, nearest: Sequence[str] = (),
-                 missing: str = ""):
+    def __init__(
+        self, message: str, *, aircraft: str, nearest: Sequence[str] = (), missing: str = ""
+    ):
         super().__init__(message)
         self.aircraft = aircraft
         self.nearest = list(nearest)
@@ -94,8 +95,15 @@ class TrimError(BlocksError, RuntimeError):
         values at which JSBSim stopped: accelerations in ft/s2 and rad/s2, commands, alpha in deg
     """
 
-    def __init__(self, message: str, *, aircraft: str, condition: Any, reason: str,
-                 residuals: Mapping[str, float]):
+    def __init__(
+        self,
+        message: str,
+        *,
+        aircraft: str,
+        condition: Any,
+        reason: str,
+        residuals: Mapping[str, float],
+    ):
         super().__init__(message)
         self.aircraft = aircraft
         self.condition = condition
@@ -191,8 +199,11 @@ class UntrustedModelError(DiagramError):
     """
 
     def __init__(self, *, path: Any, digest: str):
-        super().__init__("from outside: its parameters and code are Python that runs as you when "
-                         "the model runs; read its code first", path=path)
+        super().__init__(
+            "from outside: its parameters and code are Python that runs as you when "
+            "the model runs; read its code first",
+            path=path,
+        )
         self.digest = digest
 
 
@@ -206,6 +217,7 @@ class MissingExtraError(BlocksError, ImportError):
     """
 
     def __init__(self, package: str, extra: str):
-        super().__init__(f'{package} is not installed; get it with '
-                         f'pip install "pathsim-jsbsim-blocks[{extra}]"')
+        super().__init__(
+            f'{package} is not installed; get it with pip install "pathsim-jsbsim-blocks[{extra}]"'
+        )
         self.extra = extra

@@ -69,7 +69,9 @@ def _inline() -> bool:
     import matplotlib.pyplot as plt
 
     return plt.get_backend().lower().removeprefix("module://") in (
-        "inline", "matplotlib_inline.backend_inline")
+        "inline",
+        "matplotlib_inline.backend_inline",
+    )
 
 
 @exact_curves()
@@ -98,12 +100,19 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
                 panels.append((unit, []))
             panels[-1][1].append((time, y, label))
             first = False
-    figure, axes = subplots(len(panels), 1, sharex=True, squeeze=False, layout="constrained",
-                                figsize=(8, 1.2 + 1.7 * len(panels)))
+    figure, axes = subplots(
+        len(panels),
+        1,
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+        figsize=(8, 1.2 + 1.7 * len(panels)),
+    )
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
         # dashes keep coinciding curves apart
-        for (time, y, label), dashes in zip(signals, itertools.cycle(["-", "--", "-.", ":"]),
-                                            strict=False):
+        for (time, y, label), dashes in zip(
+            signals, itertools.cycle(["-", "--", "-.", ":"]), strict=False
+        ):
             ax.plot(time, _unwound(y) if unit == "deg" else y, dashes, label=label, linewidth=1.3)
         _readable(ax, np.concatenate([y for _, y, _ in signals]))
         if len(signals) == 1:
@@ -130,8 +139,11 @@ def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
     names = [_label(scope, i)[0] for i in range(len(data))]
     wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
     if wanted not in names:
-        raise ParameterError(f"the scope has no signal {label!r}"
-                             + did_you_mean(nearest(label, names)), parameter="label", value=label)
+        raise ParameterError(
+            f"the scope has no signal {label!r}" + did_you_mean(nearest(label, names)),
+            parameter="label",
+            value=label,
+        )
     return time, data[names.index(wanted)]
 
 
@@ -152,8 +164,7 @@ def aircraft_points(
     -------
     matplotlib.figure.Figure
     """
-    figure, (side, top) = subplots(2, 1, layout="constrained", figsize=(8, 9),
-                                       height_ratios=(1, 2))
+    figure, (side, top) = subplots(2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2))
     for (kind, found), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
         x, y, z = np.transpose(found)
         side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
@@ -170,8 +181,9 @@ def aircraft_points(
     return figure
 
 
-def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
-                 title: str = "ground track") -> Figure:
+def ground_track(
+    time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike, title: str = "ground track"
+) -> Figure:
     """Ground track in longitude and latitude, coloured by time, with start and end marked.
 
     Parameters
@@ -193,8 +205,9 @@ def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
     time, latitude, longitude = map(np.asarray, (time, latitude, longitude))
     points = np.column_stack([longitude, latitude])
     figure, ax = subplots(figsize=(6.5, 5.5), layout="constrained")
-    track = LineCollection(list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1],
-                           linewidths=2.5)
+    track = LineCollection(
+        list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1], linewidths=2.5
+    )
     ax.add_collection(track)
     ax.plot(*points[0], "ko", label="start")
     ax.plot(*points[-1], "rs", label="end")
@@ -218,8 +231,7 @@ def ground_track(time: ArrayLike, latitude: ArrayLike, longitude: ArrayLike,
 
 
 @exact_curves()
-def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str],
-                   title: str = "") -> Figure:
+def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: str = "") -> Figure:
     """One signal against another, with the start marked.
 
     Parameters
@@ -260,7 +272,8 @@ def show(figure: Figure, name: str) -> None:
     from matplotlib.backends.registry import BackendFilter
 
     interactive = plt.get_backend().lower() in {
-        b.lower() for b in backend_registry.list_builtin(BackendFilter.INTERACTIVE)}
+        b.lower() for b in backend_registry.list_builtin(BackendFilter.INTERACTIVE)
+    }
     if interactive and not _save_to:
         plt.show()
         return
@@ -295,8 +308,9 @@ def saving_to(path: str | Path) -> Iterator[None]:
 
     path = writable("save", path)
     path = path if path.suffix else path.with_suffix(".png")
-    one_of("the ending of save", path.suffix[1:].lower(),
-           FigureCanvasBase.get_supported_filetypes())
+    one_of(
+        "the ending of save", path.suffix[1:].lower(), FigureCanvasBase.get_supported_filetypes()
+    )
     targets = _numbered(path)
     _save_to.append(targets)
     try:
@@ -304,8 +318,11 @@ def saving_to(path: str | Path) -> Iterator[None]:
     finally:
         _save_to.pop()
     if next(targets) == path:
-        raise ParameterError(f"no figure was shown that could be saved as {str(path)!r}",
-                             parameter="save", value=str(path))
+        raise ParameterError(
+            f"no figure was shown that could be saved as {str(path)!r}",
+            parameter="save",
+            value=str(path),
+        )
 
 
 def _numbered(path: Path) -> Iterator[Path]:
@@ -317,8 +334,9 @@ def _numbered(path: Path) -> Iterator[Path]:
 def _recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     time, data = scope.read()
     if time is None:
-        raise ParameterError("the scope holds no recording: run the simulation first",
-                             parameter="scope", value=scope)
+        raise ParameterError(
+            "the scope holds no recording: run the simulation first", parameter="scope", value=scope
+        )
     # an interrupt may come between a sample's time and its values
     n = min(len(time), data.shape[1])
     return time[:n], data[:, :n]

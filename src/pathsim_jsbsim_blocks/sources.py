@@ -55,7 +55,10 @@ class _EdgeSource(NamedPorts):
             if not time < after < math.inf:
                 raise ParameterError(
                     f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
-                    "be told apart", parameter="start", value=times)
+                    "be told apart",
+                    parameter="start",
+                    value=times,
+                )
         return times
 
 
@@ -116,8 +119,11 @@ class DoubletSource(_StepsSource):
 
     def _pulses(self) -> list[tuple[float, float]]:
         if self.polarity not in (1, -1):
-            raise ParameterError(f"polarity must be 1 or -1, not {self.polarity!r}",
-                                 parameter="polarity", value=self.polarity)
+            raise ParameterError(
+                f"polarity must be 1 or -1, not {self.polarity!r}",
+                parameter="polarity",
+                value=self.polarity,
+            )
         level = self.polarity * number("amplitude", self.amplitude)
         width, gap = positive("width", self.width), number("gap", self.gap, low=0.0)
         return [(width, level), *([(gap, 0.0)] if gap else []), (width, -level)]
@@ -169,10 +175,12 @@ class MultistepSource(_StepsSource):
         if len(widths) != len(signs) or not widths:
             raise ParameterError(
                 f"widths and signs must have the same length, at least 1, not {len(widths)} and "
-                f"{len(signs)}", parameter="signs", value=self.signs)
+                f"{len(signs)}",
+                parameter="signs",
+                value=self.signs,
+            )
         step, amplitude = positive("step", self.step), number("amplitude", self.amplitude)
-        return [(step * width, amplitude * sign)
-                for width, sign in zip(widths, signs, strict=True)]
+        return [(step * width, amplitude * sign) for width, sign in zip(widths, signs, strict=True)]
 
 
 class RampSource(_EdgeSource):
@@ -230,5 +238,6 @@ class RampSource(_EdgeSource):
 def _list(name: str, value: Any) -> list:
     if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim):
         return list(value)
-    raise ParameterError(f"{name} must be a list of numbers, not {value!r}", parameter=name,
-                         value=value)
+    raise ParameterError(
+        f"{name} must be a list of numbers, not {value!r}", parameter=name, value=value
+    )

@@ -31,8 +31,13 @@ QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity
 with (Path(__file__).parents[1] / "data" / "isa_reference.csv").open() as _file:
     TABLE = np.array([[float(x) for x in row] for row in list(csv.reader(_file))[1:]]).T
 HEIGHT, GEOPOTENTIAL, DEVIATION = TABLE[:3]
-EXPECTED = dict(zip(("temperature", "pressure", "density", "speed_of_sound", "viscosity"),
-                    TABLE[3:], strict=True))
+EXPECTED = dict(
+    zip(
+        ("temperature", "pressure", "density", "speed_of_sound", "viscosity"),
+        TABLE[3:],
+        strict=True,
+    )
+)
 TABLE_RTOL = 1e-11  # twelve digits are printed: up to 5e-12 of the value is rounding
 
 
@@ -60,8 +65,10 @@ def test_table_from_arrays(quantity, altitude_kind):
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_table_from_floats(quantity):
-    values = [getattr(isa(h, dt), quantity)
-              for h, dt in zip(HEIGHT.tolist(), DEVIATION.tolist(), strict=True)]
+    values = [
+        getattr(isa(h, dt), quantity)
+        for h, dt in zip(HEIGHT.tolist(), DEVIATION.tolist(), strict=True)
+    ]
     assert all(type(value) is float for value in values)
     np.testing.assert_allclose(values, EXPECTED[quantity], rtol=TABLE_RTOL)
 
@@ -76,7 +83,8 @@ def test_table_from_the_block(altitude_kind):
         block.inputs[1] = DEVIATION[i]
         block.update(0.0)
         np.testing.assert_allclose(
-            block.outputs.to_array(), [EXPECTED[q][i] for q in QUANTITIES], rtol=rtol)
+            block.outputs.to_array(), [EXPECTED[q][i] for q in QUANTITIES], rtol=rtol
+        )
 
 
 def test_table_geopotential_altitude():
@@ -87,18 +95,21 @@ def test_table_geopotential_altitude():
 # other sources
 
 
-@pytest.mark.parametrize(("geopotential", "temperature", "pressure"), [
-    # ICAO Doc 7488/3, table D; its pressures are chained with six digits: 2e-6 off at 32 km
-    (-5000.0, 320.65, 1.77687e5),
-    (0.0, 288.15, 1.01325e5),
-    (11000.0, 216.65, 2.26320e4),
-    (20000.0, 216.65, 5.47487e3),
-    (32000.0, 228.65, 8.68014e2),
-    (47000.0, 270.65, 1.10906e2),
-    (51000.0, 270.65, 6.69384e1),
-    (71000.0, 214.65, 3.95639),
-    (80000.0, 196.65, 8.86272e-1),
-])
+@pytest.mark.parametrize(
+    ("geopotential", "temperature", "pressure"),
+    [
+        # ICAO Doc 7488/3, table D; its pressures are chained with six digits: 2e-6 off at 32 km
+        (-5000.0, 320.65, 1.77687e5),
+        (0.0, 288.15, 1.01325e5),
+        (11000.0, 216.65, 2.26320e4),
+        (20000.0, 216.65, 5.47487e3),
+        (32000.0, 228.65, 8.68014e2),
+        (47000.0, 270.65, 1.10906e2),
+        (51000.0, 270.65, 6.69384e1),
+        (71000.0, 214.65, 3.95639),
+        (80000.0, 196.65, 8.86272e-1),
+    ],
+)
 def test_printed_layer_bases(geopotential, temperature, pressure):
     air = isa(geopotential, altitude_kind="geopotential")
     assert air.temperature == pytest.approx(temperature, abs=1e-9)
@@ -111,21 +122,27 @@ def test_fluids_agrees(deviation):
     other = [ATMOSPHERE_1976(h, deviation) for h in heights.tolist()]
     air = isa(heights, deviation)
     # the US Standard Atmosphere 1976 has R = 287.05307: 8e-6 in pressure at 80 km
-    for quantity, name, rtol in [("pressure", "P", 1e-5), ("density", "rho", 1e-5),
-                                 ("temperature", "T", 1e-14), ("speed_of_sound", "v_sonic", 1e-6),
-                                 ("viscosity", "mu", 1e-14)]:
-        assert relative_difference(
-            getattr(air, quantity), [getattr(x, name) for x in other]) < rtol
+    for quantity, name, rtol in [
+        ("pressure", "P", 1e-5),
+        ("density", "rho", 1e-5),
+        ("temperature", "T", 1e-14),
+        ("speed_of_sound", "v_sonic", 1e-6),
+        ("viscosity", "mu", 1e-14),
+    ]:
+        assert relative_difference(getattr(air, quantity), [getattr(x, name) for x in other]) < rtol
 
 
 def test_ambiance_agrees():
     heights = np.linspace(-5000.0, 81000.0, 97)
     other, air = ambiance.Atmosphere(heights), isa(heights)
     # ambiance starts from the base pressures of table D, with their six digits
-    for quantity, name, rtol in [("pressure", "pressure", 3e-6), ("density", "density", 3e-6),
-                                 ("temperature", "temperature", 1e-14),
-                                 ("speed_of_sound", "speed_of_sound", 1e-14),
-                                 ("viscosity", "dynamic_viscosity", 1e-14)]:
+    for quantity, name, rtol in [
+        ("pressure", "pressure", 3e-6),
+        ("density", "density", 3e-6),
+        ("temperature", "temperature", 1e-14),
+        ("speed_of_sound", "speed_of_sound", 1e-14),
+        ("viscosity", "dynamic_viscosity", 1e-14),
+    ]:
         assert relative_difference(getattr(air, quantity), getattr(other, name)) < rtol
 
 
@@ -135,12 +152,17 @@ def test_ambiance_agrees():
 @pytest.mark.parametrize("base", [layer.base for layer in LAYERS[1:]])
 def test_continuous_at_layer_boundaries(base):
     for altitude, kind in ((base, "geopotential"), (geometric_altitude(base), "geometric")):
-        below, at, above = (isa(x, altitude_kind=kind) for x in (
-            np.nextafter(altitude, -np.inf), altitude, np.nextafter(altitude, np.inf)))
+        below, at, above = (
+            isa(x, altitude_kind=kind)
+            for x in (np.nextafter(altitude, -np.inf), altitude, np.nextafter(altitude, np.inf))
+        )
         arrays = isa(np.array([np.nextafter(altitude, -np.inf), altitude]), altitude_kind=kind)
         for quantity in QUANTITIES:
-            values = [getattr(below, quantity), getattr(above, quantity),
-                      *getattr(arrays, quantity)]
+            values = [
+                getattr(below, quantity),
+                getattr(above, quantity),
+                *getattr(arrays, quantity),
+            ]
             assert relative_difference(values, getattr(at, quantity)) < 1e-14
 
 
@@ -148,8 +170,10 @@ def test_hydrostatic_equilibrium():
     h = np.linspace(-4990.0, 79990.0, 501)
     h = h[np.abs(h[:, np.newaxis] - [layer.base for layer in LAYERS]).min(axis=1) > 2.0]
     step = 1.0  # m; the central difference is 1e-8 off, p's rounding 1e-11
-    slope = (isa(h + step, altitude_kind="geopotential").pressure
-             - isa(h - step, altitude_kind="geopotential").pressure) / (2 * step)
+    slope = (
+        isa(h + step, altitude_kind="geopotential").pressure
+        - isa(h - step, altitude_kind="geopotential").pressure
+    ) / (2 * step)
     assert relative_difference(-isa(h, altitude_kind="geopotential").density * G0, slope) < 1e-7
 
 
@@ -159,10 +183,13 @@ def test_scalar_array_and_block_are_one_atmosphere():
     floats = [isa(h, 7.0) for h in heights.tolist()]
     for quantity in QUANTITIES:
         # exp(n log x) and x**n differ by rounding only
-        assert relative_difference(
-            getattr(arrays, quantity), [getattr(x, quantity) for x in floats]) < 1e-14
+        assert (
+            relative_difference(getattr(arrays, quantity), [getattr(x, quantity) for x in floats])
+            < 1e-14
+        )
     assert ISAtmosphere()._eval(5000.0, 7.0) == pytest.approx(
-        [getattr(isa(5000.0, 7.0), q) for q in QUANTITIES[:4]], rel=1e-15)
+        [getattr(isa(5000.0, 7.0), q) for q in QUANTITIES[:4]], rel=1e-15
+    )
 
 
 def test_a_deviation_shifts_the_temperature_only():
@@ -170,7 +197,8 @@ def test_a_deviation_shifts_the_temperature_only():
     assert hot.pressure == standard.pressure
     assert hot.temperature == standard.temperature + 15.0
     assert hot.density * hot.temperature == pytest.approx(
-        standard.density * standard.temperature, rel=1e-15)
+        standard.density * standard.temperature, rel=1e-15
+    )
 
 
 def test_shapes():
@@ -241,8 +269,23 @@ def test_both_kinds_of_minus_5_km_are_inside():
 # bad input to the functions
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, "5000", None, True, [0.0, math.nan],
-                                 [[1.0], [1.0, 2.0]], [1j], -EARTH_RADIUS, -7e6, [0.0, -7e6]])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        math.nan,
+        math.inf,
+        -math.inf,
+        "5000",
+        None,
+        True,
+        [0.0, math.nan],
+        [[1.0], [1.0, 2.0]],
+        [1j],
+        -EARTH_RADIUS,
+        -7e6,
+        [0.0, -7e6],
+    ],
+)
 def test_bad_altitudes_are_refused(bad):
     with pytest.raises(ParameterError, match="altitude") as caught:
         isa(bad)

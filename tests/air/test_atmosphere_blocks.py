@@ -67,9 +67,15 @@ def test_the_ends_of_the_range_belong_to_it(kind):
 
 
 @pytest.mark.parametrize("out_of_range", ["extrapolate", "clamp", "error"])
-@pytest.mark.parametrize(("inputs", "port"), [
-    ((math.nan, 0.0), "altitude"), ((math.inf, 0.0), "altitude"),
-    ((0.0, math.nan), "temp_deviation"), ((0.0, -300.0), "temp_deviation")])
+@pytest.mark.parametrize(
+    ("inputs", "port"),
+    [
+        ((math.nan, 0.0), "altitude"),
+        ((math.inf, 0.0), "altitude"),
+        ((0.0, math.nan), "temp_deviation"),
+        ((0.0, -300.0), "temp_deviation"),
+    ],
+)
 def test_no_block_goes_on_with_nan(out_of_range, inputs, port):
     with pytest.raises(FlightError) as caught:
         set_inputs(ISAtmosphere(out_of_range=out_of_range), *inputs)
@@ -81,9 +87,15 @@ def test_below_the_centre_of_the_earth_ends_the_run():
         set_inputs(ISAtmosphere(), -7e6)
 
 
-@pytest.mark.parametrize(("parameter", "bad", "right"), [
-    ("altitude_kind", "geometrical", "geometric"), ("out_of_range", "clip", "clamp"),
-    ("out_of_range", True, "error"), ("altitude_kind", None, "geopotential")])
+@pytest.mark.parametrize(
+    ("parameter", "bad", "right"),
+    [
+        ("altitude_kind", "geometrical", "geometric"),
+        ("out_of_range", "clip", "clamp"),
+        ("out_of_range", True, "error"),
+        ("altitude_kind", None, "geopotential"),
+    ],
+)
 def test_bad_parameters_are_refused_when_built_and_when_edited(parameter, bad, right):
     with pytest.raises(ParameterError, match=right):
         ISAtmosphere(**{parameter: bad})
@@ -131,9 +143,12 @@ def test_linearized_block_is_linear_until_delinearized():
 
 def test_a_diagram_crosses_the_end_of_the_standard():
     altitude, block, scope = Source(lambda t: 79_000.0 + 100.0 * t), ISAtmosphere(), Scope()
-    sim = Simulation([altitude, block, scope], [Connection(altitude, block),
-                                                Connection(block["pressure"], scope)],
-                     dt=1.0, log=False)
+    sim = Simulation(
+        [altitude, block, scope],
+        [Connection(altitude, block), Connection(block["pressure"], scope)],
+        dt=1.0,
+        log=False,
+    )
     with pytest.warns(RuntimeWarning) as caught:
         sim.run(60.0)
     assert len(caught) == 1
@@ -149,8 +164,10 @@ def test_a_diagram_crosses_the_end_of_the_standard():
 def test_stands_in_for_pathsim_flight():
     assert issubclass(ISAtmosphere, pathsim_flight.ISAtmosphere)
     assert ISAtmosphere.input_port_labels == pathsim_flight.ISAtmosphere.input_port_labels
-    assert (pathsim_flight.ISAtmosphere.output_port_labels.items()
-            <= ISAtmosphere.output_port_labels.items())
+    assert (
+        pathsim_flight.ISAtmosphere.output_port_labels.items()
+        <= ISAtmosphere.output_port_labels.items()
+    )
     assert len(ISAtmosphere()._eval(1000.0)) == 4
 
 
@@ -160,10 +177,18 @@ def test_flight_sea_level_constants():
     assert ISAtmosphere().StdSL_speed_of_sound == pytest.approx(340.293988026, abs=5e-10)
 
 
-@pytest.mark.parametrize(("geopotential", "temperature", "pressure"), [
-    (0, 288.15, 101325.0), (11000, 216.65, 22632.0), (20000, 216.65, 5474.9),
-    (32000, 228.65, 868.02), (47000, 270.65, 110.91), (51000, 270.65, 66.939),
-    (71000, 214.65, 3.9564)])
+@pytest.mark.parametrize(
+    ("geopotential", "temperature", "pressure"),
+    [
+        (0, 288.15, 101325.0),
+        (11000, 216.65, 22632.0),
+        (20000, 216.65, 5474.9),
+        (32000, 228.65, 868.02),
+        (47000, 270.65, 110.91),
+        (51000, 270.65, 66.939),
+        (71000, 214.65, 3.9564),
+    ],
+)
 def test_flight_band_boundaries(geopotential, temperature, pressure):
     block = ISAtmosphere()
     out = set_inputs(block, block.geometric_altitude(geopotential), 0)
@@ -197,11 +222,19 @@ def test_flight_temperature_deviation(height):
     assert hot[1] < standard[1] < cold[1]
 
 
-@pytest.mark.parametrize(("height", "pressure", "density", "temperature", "speed_of_sound"), [
-    (0, 101325, 1.2250, 288.15, 340.294), (5000, 54048, 0.7364, 255.68, 320.545),
-    (15000, 12112, 0.1948, 216.65, 295.069), (25000, 2549.2, 0.0401, 221.55, 298.389),
-    (35000, 574.59, 0.0085, 236.51, 308.299), (49000, 90.337, 0.0012, 270.65, 329.799),
-    (65000, 10.930, 0.00016, 233.29, 306.193), (75000, 2.388, 0.0000399, 208.40, 289.396)])
+@pytest.mark.parametrize(
+    ("height", "pressure", "density", "temperature", "speed_of_sound"),
+    [
+        (0, 101325, 1.2250, 288.15, 340.294),
+        (5000, 54048, 0.7364, 255.68, 320.545),
+        (15000, 12112, 0.1948, 216.65, 295.069),
+        (25000, 2549.2, 0.0401, 221.55, 298.389),
+        (35000, 574.59, 0.0085, 236.51, 308.299),
+        (49000, 90.337, 0.0012, 270.65, 329.799),
+        (65000, 10.930, 0.00016, 233.29, 306.193),
+        (75000, 2.388, 0.0000399, 208.40, 289.396),
+    ],
+)
 def test_flight_spot_altitudes(height, pressure, density, temperature, speed_of_sound):
     out = set_inputs(ISAtmosphere(), height, 0)
     assert out[0] == pytest.approx(pressure, abs=0.5)

@@ -39,15 +39,40 @@ ECI = [f"position/eci-{i}-ft" for i in "xyz"]
 FROM_START = [f"position/from-start-neu-{i}-ft" for i in "neu"]
 CG = [f"inertia/cg-{i}-in" for i in "xyz"]
 REFERENCE_POINT = [f"metrics/visualrefpoint-{i}-in" for i in "xyz"]
-REFERENCE_POINT_EARTH = ["position/vrp-gc-latitude_deg", "position/vrp-longitude_deg",
-                         "position/vrp-radius-ft"]
+REFERENCE_POINT_EARTH = [
+    "position/vrp-gc-latitude_deg",
+    "position/vrp-longitude_deg",
+    "position/vrp-radius-ft",
+]
 OTHERS = ["velocities/vt-fps", "position/epa-rad", "position/h-sl-ft"]
-PROPERTIES = [*BODY, *WIND, *STABILITY, *MOMENT_BODY, *MOMENT_STABILITY, *MOMENT_WIND, *ANGLES,
-              *EULER, *GROUND, *AIR, *NED, *TOTAL_WIND, *VELOCITY_ECEF, *GEODETIC, *ECEF, *ECI,
-              *FROM_START, *CG, *REFERENCE_POINT, *REFERENCE_POINT_EARTH, *OTHERS]
+PROPERTIES = [
+    *BODY,
+    *WIND,
+    *STABILITY,
+    *MOMENT_BODY,
+    *MOMENT_STABILITY,
+    *MOMENT_WIND,
+    *ANGLES,
+    *EULER,
+    *GROUND,
+    *AIR,
+    *NED,
+    *TOTAL_WIND,
+    *VELOCITY_ECEF,
+    *GEODETIC,
+    *ECEF,
+    *ECI,
+    *FROM_START,
+    *CG,
+    *REFERENCE_POINT,
+    *REFERENCE_POINT_EARTH,
+    *OTHERS,
+]
 
-START = {"c172p": {"lat": 37.0, "lon": -122.0, "h": 5000.0, "kcas": 90.0, "psi": 40.0},
-         "737": {"lat": -35.0, "lon": 150.0, "h": 15000.0, "kcas": 280.0, "psi": 250.0}}
+START = {
+    "c172p": {"lat": 37.0, "lon": -122.0, "h": 5000.0, "kcas": 90.0, "psi": 40.0},
+    "737": {"lat": -35.0, "lon": 150.0, "h": 15000.0, "kcas": 280.0, "psi": 250.0},
+}
 
 # Neighbouring doubles are 1e-11 apart at 1e5 lbf and 4e-9 apart at the Earth's 2e7 ft.
 ROUNDING = 1e-8  # lbf, lbf ft, ft/s, ft
@@ -114,18 +139,14 @@ def test_the_flight_moves_every_angle(flight):
 
 def test_drag_side_and_lift(flight):
     alpha, beta = flight(ANGLES)
-    assert largest(axes.body_to_drag_side_lift(*flight(BODY), alpha, beta),
-                   flight(WIND)) < ROUNDING
-    assert largest(axes.drag_side_lift_to_body(*flight(WIND), alpha, beta),
-                   flight(BODY)) < ROUNDING
+    assert largest(axes.body_to_drag_side_lift(*flight(BODY), alpha, beta), flight(WIND)) < ROUNDING
+    assert largest(axes.drag_side_lift_to_body(*flight(WIND), alpha, beta), flight(BODY)) < ROUNDING
 
 
 def test_without_beta_they_are_those_of_the_stability_axes(flight):
     alpha, _ = flight(ANGLES)
-    assert largest(axes.body_to_drag_side_lift(*flight(BODY), alpha),
-                   flight(STABILITY)) < ROUNDING
-    assert largest(axes.drag_side_lift_to_body(*flight(STABILITY), alpha),
-                   flight(BODY)) < ROUNDING
+    assert largest(axes.body_to_drag_side_lift(*flight(BODY), alpha), flight(STABILITY)) < ROUNDING
+    assert largest(axes.drag_side_lift_to_body(*flight(STABILITY), alpha), flight(BODY)) < ROUNDING
 
 
 def test_body_stability_and_wind_axes(flight):
@@ -190,10 +211,12 @@ def test_tangent_plane_at_the_start(flight):
 
 def test_velocity_in_earth_axes(flight):
     lat, lon, _ = flight(GEODETIC)
-    assert largest(axes.ned_vector_to_ecef(*flight(NED), lat, lon),
-                   flight(VELOCITY_ECEF)) < ROUNDING
-    assert largest(axes.ecef_vector_to_ned(*flight(VELOCITY_ECEF), lat, lon),
-                   flight(NED)) < ROUNDING
+    assert (
+        largest(axes.ned_vector_to_ecef(*flight(NED), lat, lon), flight(VELOCITY_ECEF)) < ROUNDING
+    )
+    assert (
+        largest(axes.ecef_vector_to_ned(*flight(VELOCITY_ECEF), lat, lon), flight(NED)) < ROUNDING
+    )
 
 
 def test_inertial_and_earth_fixed_axes(flight):
@@ -213,8 +236,11 @@ def test_structural_axes_by_the_visual_reference_point(flight):
 
     lat_gc, lon_gc, radius = flight(REFERENCE_POINT_EARTH)
     lat_gc, lon_gc = np.deg2rad(lat_gc), np.deg2rad(lon_gc)
-    want = (radius * np.cos(lat_gc) * np.cos(lon_gc), radius * np.cos(lat_gc) * np.sin(lon_gc),
-            radius * np.sin(lat_gc))
+    want = (
+        radius * np.cos(lat_gc) * np.cos(lon_gc),
+        radius * np.cos(lat_gc) * np.sin(lon_gc),
+        radius * np.sin(lat_gc),
+    )
     # A wrong sign would show: the c172p's arm has all three parts, the 737's lies in its symmetry
     # plane.
     assert np.min(np.abs([part for part in arm if part.any()])) > 0.03
@@ -222,24 +248,30 @@ def test_structural_axes_by_the_visual_reference_point(flight):
     assert largest(axes.body_to_structural(*arm, cg), point) < ROUNDING
 
 
-@pytest.mark.parametrize(("phi", "theta", "psi", "north", "east", "down"), [
-    (0.0, 0.0, 90.0, 0.0, 1.0, 0.0),   # heading east, the nose points east
-    (0.0, 30.0, 0.0, 0.75**0.5, 0.0, -0.5),  # nose up, it points above the horizon
-    (60.0, 30.0, 180.0, -(0.75**0.5), 0.0, -0.5),  # and bank does not move it
-])
+@pytest.mark.parametrize(
+    ("phi", "theta", "psi", "north", "east", "down"),
+    [
+        (0.0, 0.0, 90.0, 0.0, 1.0, 0.0),  # heading east, the nose points east
+        (0.0, 30.0, 0.0, 0.75**0.5, 0.0, -0.5),  # nose up, it points above the horizon
+        (60.0, 30.0, 180.0, -(0.75**0.5), 0.0, -0.5),  # and bank does not move it
+    ],
+)
 def test_where_the_nose_points(phi, theta, psi, north, east, down):
     assert axes.body_to_ned(1.0, 0.0, 0.0, phi, theta, psi) == pytest.approx(
-        (north, east, down), abs=1e-15)
+        (north, east, down), abs=1e-15
+    )
 
 
 def test_right_wing_goes_down_with_positive_phi():
     assert axes.body_to_ned(0.0, 1.0, 0.0, 30.0, 0.0, 0.0) == pytest.approx(
-        (0.0, 0.75**0.5, 0.5), abs=1e-15)
+        (0.0, 0.75**0.5, 0.5), abs=1e-15
+    )
 
 
 def test_a_wheel_behind_right_of_and_below_the_centre_of_gravity():
     assert axes.structural_to_body(58.2, 43.0, -17.9, (41.0, 0.0, 36.5)) == pytest.approx(
-        (-17.2 / 12.0, 43.0 / 12.0, 54.4 / 12.0), rel=1e-14)
+        (-17.2 / 12.0, 43.0 / 12.0, 54.4 / 12.0), rel=1e-14
+    )
 
 
 def test_the_axes_of_the_ellipsoid():
@@ -248,7 +280,8 @@ def test_the_axes_of_the_ellipsoid():
     assert axes.geodetic_to_ecef(0.0, 0.0, 0.0) == pytest.approx((a, 0.0, 0.0), abs=3e-4)
     assert axes.geodetic_to_ecef(0.0, 90.0, 0.0) == pytest.approx((0.0, a, 0.0), abs=3e-4)
     assert axes.geodetic_to_ecef(-90.0, 0.0, 100.0) == pytest.approx(
-        (0.0, 0.0, -b - 100.0), abs=3e-4)
+        (0.0, 0.0, -b - 100.0), abs=3e-4
+    )
     lat, _, h = axes.ecef_to_geodetic(0.0, 0.0, -b - 100.0)
     assert lat == -90.0
     assert h == pytest.approx(100.0, abs=3e-4)
@@ -333,28 +366,34 @@ def test_nan_stays_where_it_is():
     assert np.isnan(x[1])
 
 
-@pytest.mark.parametrize(("call", "parameter", "message"), [
-    (lambda: axes.ned_to_body("1", 0, 0, 0, 0, 0), "north", "real number.*'1'"),
-    (lambda: axes.body_to_wind(1, 0, 0, None, 0), "alpha", "real number.*None"),
-    (lambda: axes.body_to_wind(1, 0, 0, 0, 1j), "beta", "real number"),
-    (lambda: axes.body_to_stability([[1], [1, 2]], 0, 0, 0), "x", "real number"),
-    (lambda: axes.body_to_ned([1, 2], 0, 0, [1, 2, 3], 0, 0), "x, y, z, phi, theta, psi",
-     r"broadcast.*x \(2,\), phi \(3,\)"),
-    (lambda: axes.structural_to_body(1, 2, 3, (1, 2)), "reference", "three coordinates"),
-    (lambda: axes.body_to_structural(1, 2, 3, 4), "reference", "three coordinates"),
-    (lambda: axes.body_to_structural(1, 2, 3, np.array(4.0)), "reference", "three coordinates"),
-    (lambda: axes.structural_to_body(1, 2, 3, (1, 2, "3")), "reference[2]", "real number"),
-    (lambda: axes.geodetic_to_ecef(91, 0, 0), "lat", r"\[-90, 90\]"),
-    (lambda: axes.geodetic_to_ned(0, 0, 0, [0, -91], 0), "lat0", r"\[-90, 90\]"),
-    (lambda: axes.ned_to_geodetic(0, 0, 0, 100, 0), "lat0", r"\[-90, 90\]"),
-    (lambda: axes.ecef_vector_to_ned(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
-    (lambda: axes.ned_vector_to_ecef(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
-    (lambda: axes.ecef_to_geodetic(0, 0, 0), "x, y, z", "centre of the Earth, not at 0 ft"),
-    (lambda: axes.ecef_to_geodetic(6378137.0, 0, 0), "x, y, z", "20.9e6 ft"),  # metres
-    (lambda: GeodeticToNED(lat0=-90.5), "lat0", r"\[-90, 90\]"),
-    (lambda: GeodeticToNED(lon0=float("nan")), "lon0", "finite"),
-    (lambda: GeodeticToNED(h0="5000"), "h0", "number"),
-])
+@pytest.mark.parametrize(
+    ("call", "parameter", "message"),
+    [
+        (lambda: axes.ned_to_body("1", 0, 0, 0, 0, 0), "north", "real number.*'1'"),
+        (lambda: axes.body_to_wind(1, 0, 0, None, 0), "alpha", "real number.*None"),
+        (lambda: axes.body_to_wind(1, 0, 0, 0, 1j), "beta", "real number"),
+        (lambda: axes.body_to_stability([[1], [1, 2]], 0, 0, 0), "x", "real number"),
+        (
+            lambda: axes.body_to_ned([1, 2], 0, 0, [1, 2, 3], 0, 0),
+            "x, y, z, phi, theta, psi",
+            r"broadcast.*x \(2,\), phi \(3,\)",
+        ),
+        (lambda: axes.structural_to_body(1, 2, 3, (1, 2)), "reference", "three coordinates"),
+        (lambda: axes.body_to_structural(1, 2, 3, 4), "reference", "three coordinates"),
+        (lambda: axes.body_to_structural(1, 2, 3, np.array(4.0)), "reference", "three coordinates"),
+        (lambda: axes.structural_to_body(1, 2, 3, (1, 2, "3")), "reference[2]", "real number"),
+        (lambda: axes.geodetic_to_ecef(91, 0, 0), "lat", r"\[-90, 90\]"),
+        (lambda: axes.geodetic_to_ned(0, 0, 0, [0, -91], 0), "lat0", r"\[-90, 90\]"),
+        (lambda: axes.ned_to_geodetic(0, 0, 0, 100, 0), "lat0", r"\[-90, 90\]"),
+        (lambda: axes.ecef_vector_to_ned(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
+        (lambda: axes.ned_vector_to_ecef(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
+        (lambda: axes.ecef_to_geodetic(0, 0, 0), "x, y, z", "centre of the Earth, not at 0 ft"),
+        (lambda: axes.ecef_to_geodetic(6378137.0, 0, 0), "x, y, z", "20.9e6 ft"),  # metres
+        (lambda: GeodeticToNED(lat0=-90.5), "lat0", r"\[-90, 90\]"),
+        (lambda: GeodeticToNED(lon0=float("nan")), "lon0", "finite"),
+        (lambda: GeodeticToNED(h0="5000"), "h0", "number"),
+    ],
+)
 def test_bad_input_is_named(call, parameter, message):
     with pytest.raises(ParameterError, match=message) as error:
         call()
@@ -375,15 +414,18 @@ def evaluate(block, ports, values, outputs):
     return [block.outputs[port] for port in outputs]
 
 
-@pytest.mark.parametrize(("block", "ports", "inputs", "to_ports", "outputs"), [
-    (WindToBody, FORCE_PORTS + ANGLE_PORTS, WIND + ANGLES, XYZ_PORTS, BODY),
-    (BodyToWind, XYZ_PORTS + ANGLE_PORTS, BODY + ANGLES, FORCE_PORTS, WIND),
-    (NEDToBody, NED_PORTS + EULER_PORTS, NED + EULER, XYZ_PORTS, GROUND),
-    (BodyToNED, XYZ_PORTS + EULER_PORTS, GROUND + EULER, NED_PORTS, NED),
-    # without beta the wind axes are the stability axes
-    (WindToBody, [*FORCE_PORTS, "alpha"], STABILITY + ANGLES[:1], XYZ_PORTS, BODY),
-    (BodyToWind, [*XYZ_PORTS, "alpha"], BODY + ANGLES[:1], FORCE_PORTS, STABILITY),
-])
+@pytest.mark.parametrize(
+    ("block", "ports", "inputs", "to_ports", "outputs"),
+    [
+        (WindToBody, FORCE_PORTS + ANGLE_PORTS, WIND + ANGLES, XYZ_PORTS, BODY),
+        (BodyToWind, XYZ_PORTS + ANGLE_PORTS, BODY + ANGLES, FORCE_PORTS, WIND),
+        (NEDToBody, NED_PORTS + EULER_PORTS, NED + EULER, XYZ_PORTS, GROUND),
+        (BodyToNED, XYZ_PORTS + EULER_PORTS, GROUND + EULER, NED_PORTS, NED),
+        # without beta the wind axes are the stability axes
+        (WindToBody, [*FORCE_PORTS, "alpha"], STABILITY + ANGLES[:1], XYZ_PORTS, BODY),
+        (BodyToWind, [*XYZ_PORTS, "alpha"], BODY + ANGLES[:1], FORCE_PORTS, STABILITY),
+    ],
+)
 def test_blocks_turn_what_jsbsim_flew(flight, block, ports, inputs, to_ports, outputs):
     for u, y in zip(np.transpose(flight(inputs)), np.transpose(flight(outputs)), strict=True):
         assert largest(evaluate(block(), ports, u, to_ports), y) < ROUNDING

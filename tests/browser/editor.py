@@ -4,8 +4,10 @@ import contextlib
 import json
 import re
 
-ENDED = re.compile(r"Simulation (completed|continued) successfully|"
-                   r"(Streaming|Continue) simulation failed|Validation (failed|error)")
+ENDED = re.compile(
+    r"Simulation (completed|continued) successfully|"
+    r"(Streaming|Continue) simulation failed|Validation (failed|error)"
+)
 TIMED_OUT = "Execution timed out"
 
 
@@ -17,8 +19,9 @@ class Editor:
 
     def __init__(self, browser, address, url=None):
         self.address, self.url = address, url
-        self.context = browser.new_context(viewport={"width": 1600, "height": 1000},
-                                           accept_downloads=True)
+        self.context = browser.new_context(
+            viewport={"width": 1600, "height": 1000}, accept_downloads=True
+        )
         self.page = self.context.new_page()
         self.errors = []
         self.overlooked = 0  # errors in PathView's console
@@ -28,8 +31,9 @@ class Editor:
         self.page.on("response", self._response)
         self.page.on("request", self._request)
         self.elsewhere = []  # what the page asks of other servers: it gets nothing
-        self.page.route(lambda url: not url.startswith((address, "blob:", "data:")),
-                        lambda route: route.abort())
+        self.page.route(
+            lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort()
+        )
 
     def __enter__(self):
         return self
@@ -43,8 +47,11 @@ class Editor:
 
     def _console(self, message):
         lost = TIMED_OUT in message.text or "504 (GATEWAY TIMEOUT)" in message.text  # see run
-        if (message.type == "error" and not lost
-                and message.location["url"].startswith(self.address)):
+        if (
+            message.type == "error"
+            and not lost
+            and message.location["url"].startswith(self.address)
+        ):
             self.errors.append(message.text)
 
     def _request(self, request):
@@ -80,7 +87,8 @@ class Editor:
         """What the canvas shows of each block, and how many ports it has."""
         return self.page.evaluate(
             """() => [...document.querySelectorAll('.svelte-flow__node')].map(n => [
-                n.dataset.id, n.innerText, n.querySelectorAll('.svelte-flow__handle').length])""")
+                n.dataset.id, n.innerText, n.querySelectorAll('.svelte-flow__handle').length])"""
+        )
 
     def messages(self, level=""):
         """The lines of PathView's own console panel."""
@@ -91,8 +99,11 @@ class Editor:
 
     def complaints(self):
         """Errors in PathView's console, but for a scope with nothing new and a run done again."""
-        return [m for m in self.messages(".error")[self.overlooked:]
-                if m.strip() not in ("", "Error reading Scope: 'NoneType' object is not iterable")]
+        return [
+            m
+            for m in self.messages(".error")[self.overlooked :]
+            if m.strip() not in ("", "Error reading Scope: 'NoneType' object is not iterable")
+        ]
 
     def run(self, button="Run", timeout=120_000):
         """Press a button and wait for the run's end; returns what PathView says of it."""
@@ -114,7 +125,9 @@ class Editor:
         self.page.wait_for_function(
             """([pattern, before]) => [...document.querySelectorAll('.console-panel .log-entry')]
                 .slice(before).some(e => new RegExp(pattern).test(e.innerText))""",
-            arg=[ENDED.pattern, before], timeout=timeout)
+            arg=[ENDED.pattern, before],
+            timeout=timeout,
+        )
         return next(filter(ENDED.search, reversed(self.messages())))
 
     def python(self):

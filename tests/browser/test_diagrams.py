@@ -40,9 +40,13 @@ def recorded(simulation, duration, named):
 
 def joined(first, second):
     """Streams of a run and of its continuation, in one."""
-    return {node: [time + second[node][0],
-                   [a + b for a, b in zip(signals, second[node][1], strict=True)]]
-            for node, (time, signals) in first.items()}
+    return {
+        node: [
+            time + second[node][0],
+            [a + b for a, b in zip(signals, second[node][1], strict=True)],
+        ]
+        for node, (time, signals) in first.items()
+    }
 
 
 def assert_same(streamed, expected):
@@ -79,8 +83,10 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
         of_export = meanwhile.submit(recorded, exported["sim"], script.DURATION, by_labels)
         assert editor.run() == "Simulation completed successfully"
         assert editor.runs[1] == editor.runs[0]
-        assert_same(of_export.result(), {tuple(own[node].labels): traces
-                                         for node, traces in expected.result().items()})
+        assert_same(
+            of_export.result(),
+            {tuple(own[node].labels): traces for node, traces in expected.result().items()},
+        )
 
         if end > script.DURATION * (1 - 1e-6):  # did not end itself
             longer = meanwhile.submit(recorded, script.sim, script.DURATION, own)

@@ -8,7 +8,7 @@ import pytest
 from pathsim_jsbsim_blocks.pathview import export_script
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
 
-LOOP = '''
+LOOP = """
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Integrator, Scope
 from pathsim_jsbsim_blocks import DiscretePID
@@ -23,7 +23,7 @@ sim = Simulation(
      Connection(plant, controller["y"], scope[0])], dt=0.01, log=False)
 if __name__ == "__main__":
     sim.run(2.0)
-'''
+"""
 
 
 @pytest.fixture
@@ -48,8 +48,9 @@ def test_a_parameter_changed_between_run_and_continue_takes_effect(loop, editor)
     controller.Kp = 2.5
     sim.run(2.0)
     _, recorded = scope.read()
-    streamed = [a + b for a, b in zip(editor.runs[0]["scope"][1], editor.runs[1]["scope"][1],
-                                      strict=True)]
+    streamed = [
+        a + b for a, b in zip(editor.runs[0]["scope"][1], editor.runs[1]["scope"][1], strict=True)
+    ]
     np.testing.assert_allclose(streamed, recorded, rtol=1e-12, atol=1e-12)
     # with the old gain y would be 1 - e^(-0.5 t)
     assert abs(recorded[0][-1] - (1.0 - np.exp(-2.0))) > 0.05

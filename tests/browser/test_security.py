@@ -17,32 +17,71 @@ PAGES = ["/", "/editor", "/editor.html", "/somewhere/else"]
 def mark(where):
     """JavaScript that runs Python in the editor's worker, which leaves a file behind."""
     code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
-    return ("fetch('/api/exec', {method: 'POST', body: " + json.dumps(code) + ", headers: "
-            "{'Content-Type': 'application/json', 'X-Session-ID': "
-            "localStorage.getItem('flask-session-id') ?? 'x'}}); top.ran = true").replace(
-                '"', "&quot;")
+    return (
+        "fetch('/api/exec', {method: 'POST', body: " + json.dumps(code) + ", headers: "
+        "{'Content-Type': 'application/json', 'X-Session-ID': "
+        "localStorage.getItem('flask-session-id') ?? 'x'}}); top.ran = true"
+    ).replace('"', "&quot;")
 
 
 def hostile(name, note=""):
     """A model whose texts hold markup."""
     port = [{"id": "a-output-0", "name": name}]
     return {
-        "version": "1.0.0", "metadata": {"name": name},
+        "version": "1.0.0",
+        "metadata": {"name": name},
         "graph": {
             "nodes": [
-                {"id": "a", "type": "Constant", "name": name, "position": {"x": 100, "y": 100},
-                 "inputs": [], "outputs": port, "params": {"value": "1.0"}},
-                {"id": "s", "type": "Scope", "name": "s", "position": {"x": 400, "y": 100},
-                 "inputs": [{"id": "s-input-0", "name": name}], "outputs": [],
-                 "params": {"labels": json.dumps([name])}}],
-            "connections": [{"id": "c", "sourceNodeId": "a", "sourcePortIndex": 0,
-                             "targetNodeId": "s", "targetPortIndex": 0}],
-            "annotations": [{"id": "n", "content": note or name, "position": {"x": 0, "y": -200},
-                             "width": 300, "height": 100}]},
-        "events": [{"id": "e", "type": "pathsim.events.ZeroCrossing", "name": name,
-                    "position": {"x": 100, "y": 300},
-                    "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"}}],
-        "codeContext": {"code": ""}, "simulationSettings": {"duration": "1.0", "dt": "0.1"}}
+                {
+                    "id": "a",
+                    "type": "Constant",
+                    "name": name,
+                    "position": {"x": 100, "y": 100},
+                    "inputs": [],
+                    "outputs": port,
+                    "params": {"value": "1.0"},
+                },
+                {
+                    "id": "s",
+                    "type": "Scope",
+                    "name": "s",
+                    "position": {"x": 400, "y": 100},
+                    "inputs": [{"id": "s-input-0", "name": name}],
+                    "outputs": [],
+                    "params": {"labels": json.dumps([name])},
+                },
+            ],
+            "connections": [
+                {
+                    "id": "c",
+                    "sourceNodeId": "a",
+                    "sourcePortIndex": 0,
+                    "targetNodeId": "s",
+                    "targetPortIndex": 0,
+                }
+            ],
+            "annotations": [
+                {
+                    "id": "n",
+                    "content": note or name,
+                    "position": {"x": 0, "y": -200},
+                    "width": 300,
+                    "height": 100,
+                }
+            ],
+        },
+        "events": [
+            {
+                "id": "e",
+                "type": "pathsim.events.ZeroCrossing",
+                "name": name,
+                "position": {"x": 100, "y": 300},
+                "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"},
+            }
+        ],
+        "codeContext": {"code": ""},
+        "simulationSettings": {"duration": "1.0", "dt": "0.1"},
+    }
 
 
 class Elsewhere:
@@ -88,12 +127,22 @@ def model(models):
     return "sine.pvm"
 
 
-@pytest.mark.parametrize("text", first([
-    "step $x$<img src=q onerror=\"{}\">", "$x$<a class=trap href=\"javascript:{}\">a</a>",
-    "<img src=q onerror=\"{}\">$x$",
-    "$x$<details open ontoggle=\"{}\">", "$x$<iframe srcdoc=\"<script>{}</script>\"></iframe>",
-    "<img src=q onerror=\"{}\">",
-    "$\\href{{javascript:{}}}{{x}}$", "$x$<iframe src=\"javascript:{}\"></iframe>"], 2))
+@pytest.mark.parametrize(
+    "text",
+    first(
+        [
+            'step $x$<img src=q onerror="{}">',
+            '$x$<a class=trap href="javascript:{}">a</a>',
+            '<img src=q onerror="{}">$x$',
+            '$x$<details open ontoggle="{}">',
+            '$x$<iframe srcdoc="<script>{}</script>"></iframe>',
+            '<img src=q onerror="{}">',
+            "$\\href{{javascript:{}}}{{x}}$",
+            '$x$<iframe src="javascript:{}"></iframe>',
+        ],
+        2,
+    ),
+)
 def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path):
     where = tmp_path / "ran"
     text = text.format(mark(where))
@@ -102,7 +151,8 @@ def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path)
     editor.page.wait_for_timeout(1000)
     if "$x$" in text:  # the page does take the name for HTML
         assert editor.page.locator(
-            ".svelte-flow__node[data-id='a'] :is(img, details, iframe, .trap)").count()
+            ".svelte-flow__node[data-id='a'] :is(img, details, iframe, .trap)"
+        ).count()
     for trap in editor.page.locator(".trap").all():
         trap.dispatch_event("click")
     assert editor.run() == "Simulation completed successfully"
@@ -112,9 +162,18 @@ def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path)
     assert not editor.elsewhere
 
 
-@pytest.mark.parametrize("note", first([
-    "[a](javascript:{})", "[a](x\" onmouseover=\"{}\" class=\"trap)",
-    "$x$<img src=q onerror=\"{}\">", "<script>{}</script>"], 2))
+@pytest.mark.parametrize(
+    "note",
+    first(
+        [
+            "[a](javascript:{})",
+            '[a](x" onmouseover="{}" class="trap)',
+            '$x$<img src=q onerror="{}">',
+            "<script>{}</script>",
+        ],
+        2,
+    ),
+)
 def test_a_note_runs_nothing(note, editor, models):
     # a link's address ends at the first bracket
     models["hostile.pvm"] = hostile("a", note=note.format("top.ran=true"))
@@ -131,8 +190,11 @@ def test_a_note_runs_nothing(note, editor, models):
 def test_another_page_cannot_make_the_editor_load_its_model(path, editor, elsewhere, model):
     elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
     editor.open(model)
-    for query in (f"model={elsewhere.address}/x.pvm", "modelgh=someone/something",
-                  f"backend=flask&host={elsewhere.address}"):
+    for query in (
+        f"model={elsewhere.address}/x.pvm",
+        "modelgh=someone/something",
+        f"backend=flask&host={elsewhere.address}",
+    ):
         target = f"{editor.address}{path}?{query}"
         elsewhere.pages["/attack"] = f"<script>location = {json.dumps(target)}</script>"
         editor.page.goto(f"{elsewhere.address}/attack")
@@ -216,21 +278,31 @@ def test_opened_from_another_page_the_printed_address_works(editor, elsewhere, m
 
 def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, models, model):
     content = hostile(r"gain $\alpha_0^2$", note=r"Angle $$\frac{\alpha}{\beta}$$")
-    content["graph"]["nodes"].append({
-        "id": "i", "type": "Integrator", "name": "i", "position": {"x": 400, "y": 300},
-        "inputs": [{"id": "i-input-0", "name": "in"}],
-        "outputs": [{"id": "i-output-0", "name": "out"}], "params": {}})
+    content["graph"]["nodes"].append(
+        {
+            "id": "i",
+            "type": "Integrator",
+            "name": "i",
+            "position": {"x": 400, "y": 300},
+            "inputs": [{"id": "i-input-0", "name": "in"}],
+            "outputs": [{"id": "i-output-0", "name": "out"}],
+            "params": {},
+        }
+    )
     models["formula.pvm"] = content
     editor.open("formula.pvm")
     page = editor.page
     formula = page.locator(".svelte-flow__node[data-id='a'] .katex-html .mathnormal").first
     formula.wait_for()
     assert formula.evaluate("e => getComputedStyle(e).fontFamily").startswith("KaTeX_Math")
-    page.wait_for_function("() => [...document.fonts].some(f => f.family == 'KaTeX_Math' "
-                           "&& f.status == 'loaded')")
+    page.wait_for_function(
+        "() => [...document.fonts].some(f => f.family == 'KaTeX_Math' && f.status == 'loaded')"
+    )
     # with the style sheet a formula is shown once
-    assert page.locator(".katex-mathml").first.evaluate(
-        "e => getComputedStyle(e).position") == "absolute"
+    assert (
+        page.locator(".katex-mathml").first.evaluate("e => getComputedStyle(e).position")
+        == "absolute"
+    )
     assert editor.run() == "Simulation completed successfully"
     page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
     assert "gain" in editor.python()

@@ -4,7 +4,7 @@ import json
 
 from pathsim_jsbsim_blocks.pathview import export_script
 
-SCRIPT = '''
+SCRIPT = """
 import warnings
 
 from pathsim import Connection, Simulation
@@ -29,9 +29,13 @@ sim = Simulation(
      Connection(controller["u"], through), Connection(through, scope)], dt=0.003, log=False)
 if __name__ == "__main__":
     sim.run(0.1)
-'''
-SAID = ["jumps over a sample instant", "DiscretePID measures 0 where no wire comes in: y",
-        "outside of the standard atmosphere's range", "UserWarning: the model's own"]
+"""
+SAID = [
+    "jumps over a sample instant",
+    "DiscretePID measures 0 where no wire comes in: y",
+    "outside of the standard atmosphere's range",
+    "UserWarning: the model's own",
+]
 
 
 def test_each_warning_is_in_the_console_once(tmp_path, models, editor):

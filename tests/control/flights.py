@@ -77,25 +77,27 @@ def fly(plane, seconds, ports=None, pulse=None, events=(), sensors=None, unwired
     autopilot = Autopilot(**{"gains": plane.aircraft, **parameters})
     scope, commands = Scope(), Scope()
     seen = plane if sensors is None else sensors
-    names = [name for name in autopilot.input_port_labels
-             if name in STATES and name not in unwired]
+    names = [name for name in autopilot.input_port_labels if name in STATES and name not in unwired]
     blocks = [plane, autopilot, scope, commands]
     connections = [
         Connection(seen[tuple(names)], autopilot[tuple(names)]),
-        Connection(plane[:len(STATES)], scope[:len(STATES)]),
-        Connection(autopilot[:len(COMMANDS)], commands[:len(COMMANDS)])]
+        Connection(plane[: len(STATES)], scope[: len(STATES)]),
+        Connection(autopilot[: len(COMMANDS)], commands[: len(COMMANDS)]),
+    ]
     if sensors is not None:
         blocks.append(sensors)
-        connections.append(Connection(plane[:len(STATES)], sensors[:len(STATES)]))
+        connections.append(Connection(plane[: len(STATES)], sensors[: len(STATES)]))
     for name, signal in (ports or {}).items():
         blocks.append(Source(lambda t, signal=signal: float(signal(t))))
         connections.append(Connection(blocks[-1], autopilot[name]))
     for name in ("elevator", "aileron", "rudder", "throttle"):
         if pulse and name in pulse:
             blocks += [Source(lambda t, signal=pulse[name]: float(signal(t))), Adder("++")]
-            connections += [Connection(blocks[-2], blocks[-1][0]),
-                            Connection(autopilot[name], blocks[-1][1]),
-                            Connection(blocks[-1], plane[name])]
+            connections += [
+                Connection(blocks[-2], blocks[-1][0]),
+                Connection(autopilot[name], blocks[-1][1]),
+                Connection(blocks[-1], plane[name]),
+            ]
         else:
             connections.append(Connection(autopilot[name], plane[name]))
     sim = Simulation(blocks, connections, list(events), dt=T, log=False)
@@ -130,7 +132,7 @@ def fly_holds(plane, seconds, vertical="altitude", lateral="heading", ports=None
             if name in plane.input_port_labels:
                 to.append(plane[name])
             connections.append(Connection(hold[name], *to))
-    connections.append(Connection(plane[:len(STATES)], scope[:len(STATES)]))
+    connections.append(Connection(plane[: len(STATES)], scope[: len(STATES)]))
     sim = Simulation(blocks, connections, dt=T, log=False)
     sim.run(seconds)
     return record(scope, commands)

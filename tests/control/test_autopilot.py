@@ -26,11 +26,18 @@ def diagram(order=1, states=0, **options):
     integrators = [Integrator() for _ in range(states)]
     sim = Simulation(
         [autopilot, plane, climb, turn, scope, *integrators][::order],
-        [Connection(plane[SEEN], autopilot[SEEN]), Connection(autopilot[DRIVEN], plane[DRIVEN]),
-         Connection(climb, autopilot["h_ref"]), Connection(turn, autopilot["psi_ref"]),
-         Connection(plane[:4], scope[:4]), Connection(autopilot[DRIVEN], scope[4:8]),
-         *(Connection(plane["theta"], i) for i in integrators)],
-        dt=T, log=False)
+        [
+            Connection(plane[SEEN], autopilot[SEEN]),
+            Connection(autopilot[DRIVEN], plane[DRIVEN]),
+            Connection(climb, autopilot["h_ref"]),
+            Connection(turn, autopilot["psi_ref"]),
+            Connection(plane[:4], scope[:4]),
+            Connection(autopilot[DRIVEN], scope[4:8]),
+            *(Connection(plane["theta"], i) for i in integrators),
+        ],
+        dt=T,
+        log=False,
+    )
     return sim, scope
 
 
@@ -65,8 +72,13 @@ def test_a_checkpoint_goes_on_bit_for_bit(tmp_path):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_any_inputs_keep_the_commands_within_their_authority(seed):
     rng = np.random.default_rng(seed)
-    autopilot = Autopilot("c172p", elevator_authority=0.3, aileron_authority=(-0.2, 0.4),
-                          rudder_authority=0.1, throttle_authority=(-0.5, 0.25))
+    autopilot = Autopilot(
+        "c172p",
+        elevator_authority=0.3,
+        aileron_authority=(-0.2, 0.4),
+        rudder_authority=0.1,
+        throttle_authority=(-0.5, 0.25),
+    )
     limits = [(-0.3, 0.3), (-0.2, 0.4), (-0.1, 0.1), (-0.5, 0.25)]
     state = autopilot.initial_state()
     n = len(autopilot.input_port_labels)
@@ -88,13 +100,15 @@ def test_a_step_of_the_law_is_pure():
 
 
 def test_controllers_work_without_jsbsim():
-    script = ("import sys; sys.modules['jsbsim'] = None\n"
-              "import pathsim_jsbsim_blocks as p\n"
-              "assert not hasattr(p, 'Aircraft')\n"
-              "for name in ('DiscretePID', 'PitchHold', 'RollHold', 'HeadingHold', 'AltitudeHold',"
-              " 'AirspeedHold', 'YawDamper', 'Autopilot'):\n"
-              "    block = getattr(p, name)()\n"
-              "    block.update(0.0)\n")
+    script = (
+        "import sys; sys.modules['jsbsim'] = None\n"
+        "import pathsim_jsbsim_blocks as p\n"
+        "assert not hasattr(p, 'Aircraft')\n"
+        "for name in ('DiscretePID', 'PitchHold', 'RollHold', 'HeadingHold', 'AltitudeHold',"
+        " 'AirspeedHold', 'YawDamper', 'Autopilot'):\n"
+        "    block = getattr(p, name)()\n"
+        "    block.update(0.0)\n"
+    )
     subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
 
 
@@ -107,8 +121,9 @@ def test_unwired_everything_is_quiet():
 
 
 def test_turn_and_climb_at_once():
-    flight = fly(start("737"), 120.0, {"h_ref": step(1000.0), "psi_ref": step(90.0),
-                                       "vc_ref": step(10.0)})
+    flight = fly(
+        start("737"), 120.0, {"h_ref": step(1000.0), "psi_ref": step(90.0), "vc_ref": step(10.0)}
+    )
     assert flight["h"][-1] - flight["h"][0] == pytest.approx(1000.0, abs=10.0)
     assert flight["psi"][-1] == pytest.approx(180.0, abs=0.5)
     assert flight["vc"][-1] - flight["vc"][0] == pytest.approx(10.0, abs=0.5)

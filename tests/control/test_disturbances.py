@@ -44,10 +44,17 @@ def plain_pid(name, reference, seconds):
             return [-elevator], state
 
     hold, clock, scope = Plain(T), Source(lambda t: t), Scope()
-    Simulation([plane, hold, clock, scope], [
-        Connection(plane["theta"], hold["theta"], scope[0]), Connection(plane["q"], hold["q"]),
-        Connection(clock, hold["time"]), Connection(hold, plane["elevator"], scope[1])],
-        dt=T, log=False).run(seconds)
+    Simulation(
+        [plane, hold, clock, scope],
+        [
+            Connection(plane["theta"], hold["theta"], scope[0]),
+            Connection(plane["q"], hold["q"]),
+            Connection(clock, hold["time"]),
+            Connection(hold, plane["elevator"], scope[1]),
+        ],
+        dt=T,
+        log=False,
+    ).run(seconds)
     t, (theta, elevator) = scope.read()
     return t, theta, elevator
 
@@ -55,8 +62,12 @@ def plain_pid(name, reference, seconds):
 @pytest.mark.parametrize("name", AIRCRAFT)
 def test_no_wind_up_of_the_pitch_hold(name):
     # authority 0.10; 12 deg demanded for 10 s, more than it can hold on the 737
-    flight = fly(start(name), 40.0, {**PITCH, "theta_ref": lambda t: 12.0 * (t < 10.0 - T / 2)},
-                 elevator_authority=0.10)
+    flight = fly(
+        start(name),
+        40.0,
+        {**PITCH, "theta_ref": lambda t: 12.0 * (t < 10.0 - T / 2)},
+        elevator_authority=0.10,
+    )
     assert np.max(np.abs(flight["elevator"])) == 0.10
     assert flight.after(10.0).settled("theta", flight["theta"][0], 1.0) < 12.0
 
@@ -98,19 +109,33 @@ def test_shear_of_10_kt(name, sign):
         assert after.settled(signal, flight[signal][0], TOLERANCES[signal]) < TIMES[name][signal]
 
 
-@pytest.mark.parametrize(("modes", "signals", "seconds"), [
-    ({}, ("h", "psi", "vc"), 45.0), (PITCH, ("theta", "phi", "vc"), 30.0)],
-    ids=["altitude and heading", "pitch and roll"])
+@pytest.mark.parametrize(
+    ("modes", "signals", "seconds"),
+    [({}, ("h", "psi", "vc"), 45.0), (PITCH, ("theta", "phi", "vc"), 30.0)],
+    ids=["altitude and heading", "pitch and roll"],
+)
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
 @pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_gust_of_30_fps(name, axis, modes, signals, seconds):
     # 1-cosine, 2 s long, from ahead (X), from the side (Y) and from below (Z)
     gust = "atmosphere/cosine-gust/"
-    flight = fly(start(name, heading=0.0, properties={
-        gust + "startup-duration-sec": 1.0, gust + "steady-duration-sec": 0.0,
-        gust + "end-duration-sec": 1.0, gust + "magnitude-ft_sec": 30.0,
-        gust + "frame": 3, gust + f"{axis}-velocity-ft_sec": -1.0,
-        gust + "start": 1}), seconds, modes)
+    flight = fly(
+        start(
+            name,
+            heading=0.0,
+            properties={
+                gust + "startup-duration-sec": 1.0,
+                gust + "steady-duration-sec": 0.0,
+                gust + "end-duration-sec": 1.0,
+                gust + "magnitude-ft_sec": 30.0,
+                gust + "frame": 3,
+                gust + f"{axis}-velocity-ft_sec": -1.0,
+                gust + "start": 1,
+            },
+        ),
+        seconds,
+        modes,
+    )
     assert np.ptp(flight[{"X": "vc", "Y": "beta", "Z": "nz"}[axis]]) > 0.3
     after = flight.after(2.0)
     for signal in signals:
@@ -124,12 +149,15 @@ def test_turbulence(name):
     assert np.max(np.abs(flight["h"] - flight["h"][0])) < 64.0  # ft
     deviation = {signal: flight[signal] - flight[signal][0] for signal in ("theta", "phi", "vc")}
     deviation["psi"] = wrap(flight["psi"] - flight["psi"][0])
-    rms = {signal: np.sqrt(np.mean(y ** 2)) for signal, y in deviation.items()}
-    saturated = {s: np.mean(flight[s] != 0.0)
-                 for s in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")}
-    print(f"{name}: dh {np.max(np.abs(flight['h'] - flight['h'][0])):.1f} ft, rms "
-          + ", ".join(f"{s} {x:.2f}" for s, x in rms.items())
-          + f", saturated {100 * max(saturated.values()):.1f} %")
+    rms = {signal: np.sqrt(np.mean(y**2)) for signal, y in deviation.items()}
+    saturated = {
+        s: np.mean(flight[s] != 0.0) for s in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
+    }
+    print(
+        f"{name}: dh {np.max(np.abs(flight['h'] - flight['h'][0])):.1f} ft, rms "
+        + ", ".join(f"{s} {x:.2f}" for s, x in rms.items())
+        + f", saturated {100 * max(saturated.values()):.1f} %"
+    )
     assert np.std(flight["nz"]) > 0.1  # the air does move
     assert max(saturated.values()) < 0.05
     assert rms["theta"] < 6.0
@@ -143,8 +171,17 @@ class Sensors(SampledLaw):
 
     input_port_labels = {name: i for i, name in enumerate(STATES)}
     output_port_labels = {name: i for i, name in enumerate(STATES)}
-    SIGMA = {"theta": 0.1, "phi": 0.1, "psi": 0.2, "p": 0.2, "q": 0.2, "r": 0.2, "h": 2.0,
-             "hdot": 1.0, "vc": 0.5}
+    SIGMA = {
+        "theta": 0.1,
+        "phi": 0.1,
+        "psi": 0.2,
+        "p": 0.2,
+        "q": 0.2,
+        "r": 0.2,
+        "h": 2.0,
+        "hdot": 1.0,
+        "vc": 0.5,
+    }
 
     def __init__(self, samples):
         super().__init__(T)
@@ -163,8 +200,11 @@ def test_sensor_noise(name):
     flight = fly(start(name), 120.0, {"psi_ref": step(20.0)}, sensors=Sensors(14_500))
     late = flight.after(60.0)
     # the true values stay within the step tolerance
-    for signal, error in (("psi", wrap(late["psi"] - flight["psi"][0] - 20.0)),
-                          ("h", late["h"] - flight["h"][0]), ("vc", late["vc"] - flight["vc"][0])):
+    for signal, error in (
+        ("psi", wrap(late["psi"] - flight["psi"][0] - 20.0)),
+        ("h", late["h"] - flight["h"][0]),
+        ("vc", late["vc"] - flight["vc"][0]),
+    ):
         assert np.max(np.abs(error)) < TOLERANCES[signal], signal
     for command in ("elevator", "aileron", "rudder", "throttle"):
         assert np.std(late[command]) < 0.05

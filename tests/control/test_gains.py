@@ -40,20 +40,23 @@ def test_an_unknown_table_names_the_nearest(hold):
     assert error.value.parameter == "gains"
 
 
-@pytest.mark.parametrize(("hold", "gains", "words"), [
-    (PitchHold, {**PITCH, "ramps": 1.0}, "'ramps' is no pitch gain.*did you mean 'ramp'"),
-    (PitchHold, {"Kp": 0.1}, "pitch gain missing: Ki"),
-    (PitchHold, 0.1, "pitch gains must be"),
-    (RollHold, YawGains(K=0.1), "roll gains must be"),
-    (AltitudeHold, {"altitudes": "737", "pitch": "737"}, "did you mean 'altitude'"),
-    (AltitudeHold, {"altitude": "737"}, "loop missing: pitch"),
-    (AltitudeHold, PITCH, "'Kp' is no loop"),
-    (HeadingHold, AttitudeGains(0.1, 0.1), "heading, roll"),
-    (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
-    (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
-    (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
-    (PitchHold, {**PITCH, "b": -0.1}, "b must lie in"),
-])
+@pytest.mark.parametrize(
+    ("hold", "gains", "words"),
+    [
+        (PitchHold, {**PITCH, "ramps": 1.0}, "'ramps' is no pitch gain.*did you mean 'ramp'"),
+        (PitchHold, {"Kp": 0.1}, "pitch gain missing: Ki"),
+        (PitchHold, 0.1, "pitch gains must be"),
+        (RollHold, YawGains(K=0.1), "roll gains must be"),
+        (AltitudeHold, {"altitudes": "737", "pitch": "737"}, "did you mean 'altitude'"),
+        (AltitudeHold, {"altitude": "737"}, "loop missing: pitch"),
+        (AltitudeHold, PITCH, "'Kp' is no loop"),
+        (HeadingHold, AttitudeGains(0.1, 0.1), "heading, roll"),
+        (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
+        (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
+        (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
+        (PitchHold, {**PITCH, "b": -0.1}, "b must lie in"),
+    ],
+)
 def test_what_gains_cannot_be(hold, gains, words):
     with pytest.raises(ParameterError, match=words):
         hold(gains=gains)
@@ -68,14 +71,24 @@ def test_numbers_and_tables_mix_by_loop():
     assert loop_gains({"altitude": "737", "pitch": gentle}, "altitude", "pitch")[1] is gentle
 
 
-@pytest.mark.parametrize(("hold", "name", "value"), [
-    (PitchHold, "gains", "cessna"), (PitchHold, "authority", -0.1),
-    (PitchHold, "authority", (0.1, 0.2)), (PitchHold, "authority", (-0.1, 0.0, 0.1)),
-    (PitchHold, "theta_ref", "level"), (RollHold, "phi_ref", float("nan")),
-    (HeadingHold, "bank_max", 0.0), (AltitudeHold, "hdot_max", -10.0),
-    (AltitudeHold, "theta_max", -20.0), (AirspeedHold, "vc_ref", [90.0]),
-    (Autopilot, "throttle_authority", "full"), (Autopilot, "psi_ref", "north"),
-    (YawDamper, "T", -1.0)])
+@pytest.mark.parametrize(
+    ("hold", "name", "value"),
+    [
+        (PitchHold, "gains", "cessna"),
+        (PitchHold, "authority", -0.1),
+        (PitchHold, "authority", (0.1, 0.2)),
+        (PitchHold, "authority", (-0.1, 0.0, 0.1)),
+        (PitchHold, "theta_ref", "level"),
+        (RollHold, "phi_ref", float("nan")),
+        (HeadingHold, "bank_max", 0.0),
+        (AltitudeHold, "hdot_max", -10.0),
+        (AltitudeHold, "theta_max", -20.0),
+        (AirspeedHold, "vc_ref", [90.0]),
+        (Autopilot, "throttle_authority", "full"),
+        (Autopilot, "psi_ref", "north"),
+        (YawDamper, "T", -1.0),
+    ],
+)
 def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
     with pytest.raises(ParameterError):
         hold(**{name: value})
@@ -99,9 +112,15 @@ def test_the_page_shows_the_gains_that_are_flown():
     page = (Path(__file__).parents[2] / "docs" / "autopilots.md").read_text(encoding="utf-8")
     loops = "pitch|roll|heading|altitude|speed|yaw"
     rows = re.findall(rf"^\| ({loops}) \| (\w+) \| (.+) \|$", page, re.M)
-    shown = {(table, loop, gain): float(value) for loop, gain, values in rows
-             for table, value in zip(GAINS, values.split(" | "), strict=True)}
-    flown = {(table, loop.name, gain): value for table, gains in GAINS.items()
-             for loop in dataclasses.fields(gains)
-             for gain, value in dataclasses.asdict(getattr(gains, loop.name)).items()}
+    shown = {
+        (table, loop, gain): float(value)
+        for loop, gain, values in rows
+        for table, value in zip(GAINS, values.split(" | "), strict=True)
+    }
+    flown = {
+        (table, loop.name, gain): value
+        for table, gains in GAINS.items()
+        for loop in dataclasses.fields(gains)
+        for gain, value in dataclasses.asdict(getattr(gains, loop.name)).items()
+    }
     assert shown == flown

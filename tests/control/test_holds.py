@@ -18,8 +18,10 @@ AIRCRAFT = list(POINTS)
 PITCH = {"pitch_mode": on, "roll_mode": on, "speed_off": on}
 
 
-@pytest.mark.parametrize(("name", "time", "overshoot", "error"), [
-    ("c172p", 4.0, 6.0, 0.03), ("737", 3.5, 8.0, 0.02), ("global5000", 9.0, 8.0, 0.03)])
+@pytest.mark.parametrize(
+    ("name", "time", "overshoot", "error"),
+    [("c172p", 4.0, 6.0, 0.03), ("737", 3.5, 8.0, 0.02), ("global5000", 9.0, 8.0, 0.03)],
+)
 def test_pitch_step_to_3_deg(name, time, overshoot, error):
     flight = fly(start(name), 30.0, PITCH, theta_ref=3.0)
     theta = flight["theta"]
@@ -30,13 +32,20 @@ def test_pitch_step_to_3_deg(name, time, overshoot, error):
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-@pytest.mark.parametrize(("name", "pulse", "time"), [
-    ("c172p", 0.132, 2.5), ("737", 0.409, 3.0), ("global5000", 0.209, 3.0)])
+@pytest.mark.parametrize(
+    ("name", "pulse", "time"),
+    [("c172p", 0.132, 2.5), ("737", 0.409, 3.0), ("global5000", 0.209, 3.0)],
+)
 def test_pitch_upset_of_5_deg(name, pulse, time, sign):
     plane = start(name)
     theta = plane.trim.theta
-    flight = fly(plane, 10.0, {**PITCH, "pitch_off": until(1.5)}, theta_ref=theta,
-                 pulse={"elevator": lambda t: sign * pulse * (0.5 < t + T / 2 < 1.5)})
+    flight = fly(
+        plane,
+        10.0,
+        {**PITCH, "pitch_off": until(1.5)},
+        theta_ref=theta,
+        pulse={"elevator": lambda t: sign * pulse * (0.5 < t + T / 2 < 1.5)},
+    )
     after = flight.after(1.5)
     assert abs(after["theta"][0] - theta) == pytest.approx(5.0, abs=0.3)
     assert after.settled("theta", theta, 0.5) < time
@@ -53,8 +62,9 @@ def test_roll_to_20_deg_and_back(name, overshoot):
     assert -np.min(back["phi"]) < overshoot
 
 
-@pytest.mark.parametrize(("name", "time"), first([
-    ("c172p", 18.0), ("737", 40.0), ("global5000", 42.0)]))
+@pytest.mark.parametrize(
+    ("name", "time"), first([("c172p", 18.0), ("737", 40.0), ("global5000", 42.0)])
+)
 @pytest.mark.parametrize(("heading", "turn"), [(90.0, 30.0), (350.0, 20.0)])
 def test_heading(name, time, heading, turn):
     flight = fly(start(name, heading=heading), 50.0, {"psi_ref": step(turn)})
@@ -86,8 +96,9 @@ def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
     assert abs(flight["hdot"][-1]) < 1.0
 
 
-@pytest.mark.parametrize(("name", "time"), first([
-    ("c172p", 60.0), ("737", 38.0), ("global5000", 35.0)]))
+@pytest.mark.parametrize(
+    ("name", "time"), first([("c172p", 60.0), ("737", 38.0), ("global5000", 35.0)])
+)
 def test_altitude_500_ft_up_and_held_for_300_s(name, time):
     flight = fly(start(name), 400.0, {"h_ref": step(500.0)})
     goal = flight["h"][0] + 500.0
@@ -99,8 +110,10 @@ def test_altitude_500_ft_up_and_held_for_300_s(name, time):
     assert np.max(np.abs(flight["vc"] - flight["vc"][0])) < 5.0
 
 
-@pytest.mark.parametrize(("name", "time", "altitude"), first([
-    ("737", 28.0, 15.0), ("c172p", 15.0, 10.0), ("global5000", 28.0, 15.0)]))
+@pytest.mark.parametrize(
+    ("name", "time", "altitude"),
+    first([("737", 28.0, 15.0), ("c172p", 15.0, 10.0), ("global5000", 28.0, 15.0)]),
+)
 def test_airspeed_10_kt_up(name, time, altitude):
     flight = fly(start(name), 90.0, {"vc_ref": step(10.0)})
     assert flight.settled("vc", flight["vc"][0] + 10.0, 0.5) < time
@@ -116,10 +129,16 @@ def test_nothing_moves_in_still_air(name):
     assert np.max(np.abs(flight["vc"] - flight["vc"][0])) < 0.05
 
 
-@pytest.mark.parametrize("modes", [{}, {"pitch_mode": on, "roll_mode": on}],
-                         ids=["altitude and heading", "pitch and roll"])
-@pytest.mark.parametrize("condition", [{}, {"mode": "turn", "bank": 20.0}, {"gamma": 3.0}],
-                         ids=["level", "turn", "climb"])
+@pytest.mark.parametrize(
+    "modes",
+    [{}, {"pitch_mode": on, "roll_mode": on}],
+    ids=["altitude and heading", "pitch and roll"],
+)
+@pytest.mark.parametrize(
+    "condition",
+    [{}, {"mode": "turn", "bank": 20.0}, {"gamma": 3.0}],
+    ids=["level", "turn", "climb"],
+)
 @pytest.mark.parametrize("name", AIRCRAFT)
 def test_no_command_jumps_at_engagement(name, condition, modes):
     offs = {port: until(2.0) for port in ("pitch_off", "roll_off", "speed_off", "yaw_off")}
@@ -139,8 +158,13 @@ def test_engage_and_disengage_in_mid_flight(name):
     def off(t):
         return 10.0 < t + T / 2 < 15.0 or 30.0 < t + T / 2 < 31.0
 
-    ports = {"pitch_off": off, "roll_off": off, "speed_off": off, "h_ref": step(200.0),
-             "psi_ref": step(20.0)}
+    ports = {
+        "pitch_off": off,
+        "roll_off": off,
+        "speed_off": off,
+        "h_ref": step(200.0),
+        "psi_ref": step(20.0),
+    }
     flight = fly(start(name), 90.0, ports)
     t = flight["t"]
     for command in ("elevator", "aileron", "throttle"):
@@ -161,9 +185,18 @@ def test_a_change_of_mode_makes_no_output_jump(name):
     def modes(t):
         return 10.0 < t + T / 2 < 20.0 or t > 30.0
 
-    flight = fly(start(name), 40.0, {
-        "pitch_mode": modes, "roll_mode": modes, "theta_ref": step(1.0), "h_ref": step(300.0),
-        "psi_ref": step(30.0), "phi_ref": step(10.0)})
+    flight = fly(
+        start(name),
+        40.0,
+        {
+            "pitch_mode": modes,
+            "roll_mode": modes,
+            "theta_ref": step(1.0),
+            "h_ref": step(300.0),
+            "psi_ref": step(30.0),
+            "phi_ref": step(10.0),
+        },
+    )
     # in one sample the references move by their ramps at most: 4 deg/s and 10 deg/s, and the
     # laws' gains are below 0.3 and 0.1 per deg
     assert np.max(np.abs(np.diff(flight["theta_cmd"]))) < 4.001 * T
@@ -172,12 +205,19 @@ def test_a_change_of_mode_makes_no_output_jump(name):
     assert np.max(np.abs(np.diff(flight["aileron"]))) < 0.03
 
 
-@pytest.mark.parametrize(("vertical", "lateral", "modes"), [
-    ("altitude", "heading", {}), ("pitch", "roll", {"pitch_mode": on, "roll_mode": on})])
+@pytest.mark.parametrize(
+    ("vertical", "lateral", "modes"),
+    [("altitude", "heading", {}), ("pitch", "roll", {"pitch_mode": on, "roll_mode": on})],
+)
 @pytest.mark.parametrize("name", first(["global5000", "c172p", "737"]))
 def test_the_autopilot_is_the_holds_in_one_block(name, vertical, lateral, modes):
-    ports = {"h_ref": step(100.0, 1.0), "theta_ref": step(2.0, 1.0), "psi_ref": step(20.0, 2.0),
-             "phi_ref": step(15.0, 2.0), "vc_ref": step(5.0, 3.0)}
+    ports = {
+        "h_ref": step(100.0, 1.0),
+        "theta_ref": step(2.0, 1.0),
+        "psi_ref": step(20.0, 2.0),
+        "phi_ref": step(15.0, 2.0),
+        "vc_ref": step(5.0, 3.0),
+    }
     one = fly(start(name), 20.0, {**ports, **modes})
     four = fly_holds(start(name), 20.0, vertical, lateral, ports)
     for signal in [*STATES, "elevator", "aileron", "rudder", "throttle", "theta_cmd", "phi_cmd"]:
@@ -195,8 +235,12 @@ def dutch_roll(damper):
     else:
         total = Adder("++")
         blocks += [damper, total]
-        connections += [Connection(plane["r"], damper["r"]), Connection(damper, total[0]),
-                        Connection(pulse, total[1]), Connection(total, plane["rudder"])]
+        connections += [
+            Connection(plane["r"], damper["r"]),
+            Connection(damper, total[0]),
+            Connection(pulse, total[1]),
+            Connection(total, plane["rudder"]),
+        ]
     Simulation(blocks, connections, dt=T, log=False).run(10.0)
     t, (beta,) = scope.read()
     beta = beta[t > 1.5]
@@ -219,18 +263,28 @@ def test_yaw_damper_leaves_a_steady_turn_alone():
 
 
 def test_yaw_damper_fades_out_when_it_is_switched_off():
-    flight = fly(start("c172p"), 20.0, {
-        "yaw_off": lambda t: t > 3.0 - T / 2, "roll_mode": on, "phi_ref": step(20.0)})
-    u = flight["rudder"][int(3.0 / T):]
+    flight = fly(
+        start("c172p"),
+        20.0,
+        {"yaw_off": lambda t: t > 3.0 - T / 2, "roll_mode": on, "phi_ref": step(20.0)},
+    )
+    u = flight["rudder"][int(3.0 / T) :]
     assert abs(u[0]) > 0.01
     assert u[240] == pytest.approx(u[0] * np.exp(-1.0), rel=0.01)  # 2 s, its time constant
 
 
 def test_reference_parameters_change_in_flight():
     plane, hold, scope = start("c172p"), PitchHold("c172p"), Scope()
-    sim = Simulation([plane, hold, scope], [
-        Connection(plane["theta"], hold["theta"], scope), Connection(plane["q"], hold["q"]),
-        Connection(hold["elevator"], plane["elevator"])], dt=T, log=False)
+    sim = Simulation(
+        [plane, hold, scope],
+        [
+            Connection(plane["theta"], hold["theta"], scope),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"]),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(5.0)
     hold.theta_ref = 4.0
     sim.run(10.0)
@@ -242,9 +296,16 @@ def test_reference_parameters_change_in_flight():
 
 def test_gains_and_tables_change_in_flight():
     plane, hold, scope = start("c172p"), PitchHold("c172p", theta_ref=3.0), Scope()
-    sim = Simulation([plane, hold, scope], [
-        Connection(plane["theta"], hold["theta"]), Connection(plane["q"], hold["q"]),
-        Connection(hold["elevator"], plane["elevator"], scope)], dt=T, log=False)
+    sim = Simulation(
+        [plane, hold, scope],
+        [
+            Connection(plane["theta"], hold["theta"]),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"], scope),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(0.5)
     k = len(scope.read()[0])
     hold.gains = {"Kp": 0.0, "Ki": 0.0}
@@ -253,16 +314,23 @@ def test_gains_and_tables_change_in_flight():
     assert np.ptp(after) < 1e-15
     hold.gains = "737"
     sim.run(1.0)
-    assert np.ptp(scope.read()[1][0][k + 60:]) > 1e-3
+    assert np.ptp(scope.read()[1][0][k + 60 :]) > 1e-3
 
 
 def test_altitude_hold_keeps_its_limits():
     plane, hold, scope = start("c172p"), AltitudeHold("c172p", theta_max=2.0, hdot_max=5.0), Scope()
     source = Source(lambda t: 1000.0)
-    sim = Simulation([plane, hold, source, scope], [
-        Connection(plane["h", "hdot", "theta", "q"], hold["h", "hdot", "theta", "q"]),
-        Connection(source, hold["h_ref"]), Connection(hold["elevator"], plane["elevator"]),
-        Connection(hold["theta_cmd", "hdot_cmd"], scope[:2])], dt=T, log=False)
+    sim = Simulation(
+        [plane, hold, source, scope],
+        [
+            Connection(plane["h", "hdot", "theta", "q"], hold["h", "hdot", "theta", "q"]),
+            Connection(source, hold["h_ref"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(hold["theta_cmd", "hdot_cmd"], scope[:2]),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(20.0)
     _, (theta, hdot) = scope.read()
     assert np.max(theta) == 2.0
@@ -272,9 +340,16 @@ def test_altitude_hold_keeps_its_limits():
 def test_t_of_the_hold_may_be_a_multiple_of_the_aircrafts():
     plane, hold = Aircraft("c172p", altitude=5000.0, speed=90.0), PitchHold(theta_ref=3.0, T=4 * T)
     scope = Scope()
-    sim = Simulation([hold, plane, scope], [
-        Connection(plane["theta"], hold["theta"], scope[0]), Connection(plane["q"], hold["q"]),
-        Connection(hold["elevator"], plane["elevator"], scope[1])], dt=T, log=False)
+    sim = Simulation(
+        [hold, plane, scope],
+        [
+            Connection(plane["theta"], hold["theta"], scope[0]),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"], scope[1]),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(10.0)
     _, (theta, elevator) = scope.read()
     assert abs(theta[-1] - 3.0) < 0.05

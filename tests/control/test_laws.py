@@ -97,8 +97,9 @@ def on_a_ramp(pi, ramp, target, y, rate, port, sat, off, feed):
                     goal = target(k)
                 else:
                     goal = (found if target is None else target) + port[k]  # noqa: F821
-                references[k] = references[k - 1] + clip(goal - references[k - 1],
-                                                         -ramp * T, ramp * T)
+                references[k] = references[k - 1] + clip(
+                    goal - references[k - 1], -ramp * T, ramp * T
+                )
             else:
                 references[k] = found = y[k]  # noqa: F841
                 if callable(target):
@@ -112,14 +113,24 @@ def on_a_ramp(pi, ramp, target, y, rate, port, sat, off, feed):
 def wires():
     """Random signals for every port, large enough for ramps and limits to act now and then."""
     rng = np.random.default_rng(22)
-    return {"theta": wander(rng, 1.2, 2.0), "phi": wander(rng, 2.0),
-            "psi": wander(rng, 8.0, 355.0) % 360.0, "vc": wander(rng, 2.0, 90.0),
-            "h": wander(rng, 20.0, 5000.0), "hdot": wander(rng, 3.0),
-            **{rate: wander(rng, 2.0) for rate in "pqr"},
-            "theta_ref": wander(rng, 1.2), "phi_ref": wander(rng, 2.0),
-            "psi_ref": wander(rng, 8.0), "h_ref": wander(rng, 15.0), "vc_ref": wander(rng, 2.0),
-            "off": OFF, "elev_sat": 0.02 * rng.normal(size=N),
-            "ail_sat": 0.02 * rng.normal(size=N), "thr_sat": 0.02 * rng.normal(size=N)}
+    return {
+        "theta": wander(rng, 1.2, 2.0),
+        "phi": wander(rng, 2.0),
+        "psi": wander(rng, 8.0, 355.0) % 360.0,
+        "vc": wander(rng, 2.0, 90.0),
+        "h": wander(rng, 20.0, 5000.0),
+        "hdot": wander(rng, 3.0),
+        **{rate: wander(rng, 2.0) for rate in "pqr"},
+        "theta_ref": wander(rng, 1.2),
+        "phi_ref": wander(rng, 2.0),
+        "psi_ref": wander(rng, 8.0),
+        "h_ref": wander(rng, 15.0),
+        "vc_ref": wander(rng, 2.0),
+        "off": OFF,
+        "elev_sat": 0.02 * rng.normal(size=N),
+        "ail_sat": 0.02 * rng.normal(size=N),
+        "thr_sat": 0.02 * rng.normal(size=N),
+    }
 
 
 ATTITUDE = {"Kp": 0.11, "Ki": 0.03, "Kr": 0.017, "b": 0.6, "ramp": 4.5}
@@ -144,14 +155,25 @@ def assert_same(ours, theirs, limits):
 
 
 @pytest.mark.parametrize("target", [None, 1.0])
-@pytest.mark.parametrize(("hold", "sign", "y", "rate", "actuator"), [
-    (PitchHold, -1.0, "theta", "q", "elevator"), (RollHold, 1.0, "phi", "p", "aileron")])
+@pytest.mark.parametrize(
+    ("hold", "sign", "y", "rate", "actuator"),
+    [(PitchHold, -1.0, "theta", "q", "elevator"), (RollHold, 1.0, "phi", "p", "aileron")],
+)
 def test_attitude_holds(wires, hold, sign, y, rate, actuator, target):
     limits = (-0.5, 0.4)
     block = hold(gains=ATTITUDE, authority=limits, T=T, **{f"{y}_ref": target})
     sat = wires[f"{actuator[:3]}_sat" if actuator == "aileron" else "elev_sat"]
-    u, reference = on_a_ramp(attitude(sign, *limits), ATTITUDE["ramp"], target, wires[y],
-                             wires[rate], wires[f"{y}_ref"], sat, OFF, NOTHING)
+    u, reference = on_a_ramp(
+        attitude(sign, *limits),
+        ATTITUDE["ramp"],
+        target,
+        wires[y],
+        wires[rate],
+        wires[f"{y}_ref"],
+        sat,
+        OFF,
+        NOTHING,
+    )
     assert_same(laws(block, **wires), {actuator: u, f"{y}_cmd": reference}, limits)
 
 
@@ -159,18 +181,35 @@ def test_attitude_holds(wires, hold, sign, y, rate, actuator, target):
 def test_airspeed_hold(wires, target):
     limits = (-0.15, 0.1)
     block = AirspeedHold(gains=SPEED, authority=limits, T=T, vc_ref=target)
-    pi = PI(**{name: value for name, value in SPEED.items() if name not in ("Kc", "ramp")},
-            low=limits[0], high=limits[1])
-    u, reference = on_a_ramp(pi, SPEED["ramp"], target, wires["vc"], NOTHING, wires["vc_ref"],
-                             wires["thr_sat"], OFF, SPEED["Kc"] * wires["hdot"])
+    pi = PI(
+        **{name: value for name, value in SPEED.items() if name not in ("Kc", "ramp")},
+        low=limits[0],
+        high=limits[1],
+    )
+    u, reference = on_a_ramp(
+        pi,
+        SPEED["ramp"],
+        target,
+        wires["vc"],
+        NOTHING,
+        wires["vc_ref"],
+        wires["thr_sat"],
+        OFF,
+        SPEED["Kc"] * wires["hdot"],
+    )
     assert_same(laws(block, **wires), {"throttle": u, "vc_cmd": reference}, limits)
 
 
 @pytest.mark.parametrize("target", [None, 355.0])
 def test_heading_hold(wires, target):
     bank, limits = 12.0, (-0.9, 0.9)
-    block = HeadingHold(gains={"heading": HEADING, "roll": ATTITUDE}, psi_ref=target,
-                        bank_max=bank, authority=0.9, T=T)
+    block = HeadingHold(
+        gains={"heading": HEADING, "roll": ATTITUDE},
+        psi_ref=target,
+        bank_max=bank,
+        authority=0.9,
+        T=T,
+    )
     start = {"k": None}
     banks = []
 
@@ -178,16 +217,26 @@ def test_heading_hold(wires, target):
         if start["k"] is None or OFF[k - 1]:
             start.update(k=k, found=wires["psi"][k], pi=PI(**HEADING, low=-bank, high=bank))
         error = math.remainder(
-            (start["found"] if target is None else target) + wires["psi_ref"][k]
-            - wires["psi"][k], 360.0)
+            (start["found"] if target is None else target) + wires["psi_ref"][k] - wires["psi"][k],
+            360.0,
+        )
         pi = start["pi"]
         if abs(HEADING["Kp"] * error) >= bank:
             pi.integral = 0.0
         banks.append(pi(error, 0.0))
         return banks[-1]
 
-    u, reference = on_a_ramp(attitude(1.0, *limits), ATTITUDE["ramp"], heading, wires["phi"],
-                             wires["p"], NOTHING, wires["ail_sat"], OFF, NOTHING)
+    u, reference = on_a_ramp(
+        attitude(1.0, *limits),
+        ATTITUDE["ramp"],
+        heading,
+        wires["phi"],
+        wires["p"],
+        NOTHING,
+        wires["ail_sat"],
+        OFF,
+        NOTHING,
+    )
     assert_same(laws(block, **wires), {"aileron": u, "phi_cmd": reference}, limits)
     assert 20 < np.count_nonzero(np.abs(banks) == bank) < len(banks) - 20
 
@@ -195,9 +244,15 @@ def test_heading_hold(wires, target):
 @pytest.mark.parametrize(("target", "hdot_max"), [(None, None), (5010.0, 12.0)])
 def test_altitude_hold(wires, target, hdot_max):
     limits, theta = (-0.8, 0.8), (-4.0, 6.0)
-    block = AltitudeHold(gains={"altitude": ALTITUDE, "pitch": ATTITUDE}, h_ref=target,
-                         hdot_max=hdot_max, theta_min=theta[0], theta_max=theta[1],
-                         authority=0.8, T=T)
+    block = AltitudeHold(
+        gains={"altitude": ALTITUDE, "pitch": ATTITUDE},
+        h_ref=target,
+        hdot_max=hdot_max,
+        theta_min=theta[0],
+        theta_max=theta[1],
+        authority=0.8,
+        T=T,
+    )
     climb = ALTITUDE["hdot_max"] if hdot_max is None else hdot_max
     now, demanded = {}, np.zeros(N)
 
@@ -210,10 +265,20 @@ def test_altitude_hold(wires, target, hdot_max):
         demanded[k] = clip(ALTITUDE["Kh"] * error, -climb, climb)
         return now["pi"](demanded[k], wires["hdot"][k], engaging=engaging)
 
-    u, reference = on_a_ramp(attitude(-1.0, *limits), ATTITUDE["ramp"], altitude, wires["theta"],
-                             wires["q"], NOTHING, wires["elev_sat"], OFF, NOTHING)
-    assert_same(laws(block, **wires),
-                {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded}, limits)
+    u, reference = on_a_ramp(
+        attitude(-1.0, *limits),
+        ATTITUDE["ramp"],
+        altitude,
+        wires["theta"],
+        wires["q"],
+        NOTHING,
+        wires["elev_sat"],
+        OFF,
+        NOTHING,
+    )
+    assert_same(
+        laws(block, **wires), {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded}, limits
+    )
     assert set(np.abs(demanded)) >= {0.0, climb}
 
 
@@ -235,33 +300,87 @@ def test_yaw_damper(wires):
     assert not laws(YawDamper(gains={"K": 0.0, "tau": tau}, T=T), **wires)["rudder"].any()
 
 
-GAINS = {"pitch": ATTITUDE, "roll": {**ATTITUDE, "Kr": 0.01}, "heading": HEADING,
-         "altitude": ALTITUDE, "speed": SPEED, "yaw": {"K": 0.02}}
+GAINS = {
+    "pitch": ATTITUDE,
+    "roll": {**ATTITUDE, "Kr": 0.01},
+    "heading": HEADING,
+    "altitude": ALTITUDE,
+    "speed": SPEED,
+    "yaw": {"K": 0.02},
+}
 
 
 @pytest.mark.parametrize("inner", [False, True])
 def test_the_autopilot_is_the_holds(wires, inner):
-    offs = {name: np.roll(OFF, shift) for name, shift in (
-        ("pitch_off", 0), ("roll_off", 60), ("speed_off", 130), ("yaw_off", 190))}
-    numbers = {"elevator_authority": 0.4, "aileron_authority": (-0.3, 0.35),
-               "rudder_authority": 0.05, "throttle_authority": (-0.15, 0.1)}
+    offs = {
+        name: np.roll(OFF, shift)
+        for name, shift in (
+            ("pitch_off", 0),
+            ("roll_off", 60),
+            ("speed_off", 130),
+            ("yaw_off", 190),
+        )
+    }
+    numbers = {
+        "elevator_authority": 0.4,
+        "aileron_authority": (-0.3, 0.35),
+        "rudder_authority": 0.05,
+        "throttle_authority": (-0.15, 0.1),
+    }
     steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
     modes = {"pitch_mode": NOTHING + inner, "roll_mode": NOTHING + inner}
-    one = laws(Autopilot(GAINS, theta_ref=1.0, h_ref=5020.0, phi_ref=2.0, psi_ref=10.0,
-                         vc_ref=96.0, bank_max=13.0, hdot_max=9.0, theta_min=-3.0, theta_max=5.0,
-                         T=T, **numbers), **steady, **offs, **modes)
+    one = laws(
+        Autopilot(
+            GAINS,
+            theta_ref=1.0,
+            h_ref=5020.0,
+            phi_ref=2.0,
+            psi_ref=10.0,
+            vc_ref=96.0,
+            bank_max=13.0,
+            hdot_max=9.0,
+            theta_min=-3.0,
+            theta_max=5.0,
+            T=T,
+            **numbers,
+        ),
+        **steady,
+        **offs,
+        **modes,
+    )
     pitch = {"authority": numbers["elevator_authority"], "T": T}
     roll = {"authority": numbers["aileron_authority"], "T": T}
     holds = [
-        ("pitch_off", PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch) if inner else AltitudeHold(
-            {name: GAINS[name] for name in ("altitude", "pitch")}, h_ref=5020.0, hdot_max=9.0,
-            theta_min=-3.0, theta_max=5.0, **pitch)),
-        ("roll_off", RollHold(GAINS["roll"], phi_ref=2.0, **roll) if inner else HeadingHold(
-            {name: GAINS[name] for name in ("heading", "roll")}, psi_ref=10.0, bank_max=13.0,
-            **roll)),
-        ("speed_off", AirspeedHold(GAINS["speed"], vc_ref=96.0, T=T,
-                                   authority=numbers["throttle_authority"])),
-        ("yaw_off", YawDamper(GAINS["yaw"], authority=numbers["rudder_authority"], T=T))]
+        (
+            "pitch_off",
+            PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch)
+            if inner
+            else AltitudeHold(
+                {name: GAINS[name] for name in ("altitude", "pitch")},
+                h_ref=5020.0,
+                hdot_max=9.0,
+                theta_min=-3.0,
+                theta_max=5.0,
+                **pitch,
+            ),
+        ),
+        (
+            "roll_off",
+            RollHold(GAINS["roll"], phi_ref=2.0, **roll)
+            if inner
+            else HeadingHold(
+                {name: GAINS[name] for name in ("heading", "roll")},
+                psi_ref=10.0,
+                bank_max=13.0,
+                **roll,
+            ),
+        ),
+        (
+            "speed_off",
+            AirspeedHold(GAINS["speed"], vc_ref=96.0, T=T, authority=numbers["throttle_authority"]),
+        ),
+        ("yaw_off", YawDamper(GAINS["yaw"], authority=numbers["rudder_authority"], T=T)),
+    ]
     several = {"hdot_cmd": NOTHING}
     for off, hold in holds:
         several |= laws(hold, **(steady | {"off": offs[off]}))
@@ -283,11 +402,23 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     back = 200
     error = (quiet["h"][back] + quiet["h_ref"] - quiet["h"])[back:300]
     assert y["hdot_cmd"][back:300] == pytest.approx(
-        np.clip(ALTITUDE["Kh"] * error, -8.0, 8.0), abs=1e-9)
+        np.clip(ALTITUDE["Kh"] * error, -8.0, 8.0), abs=1e-9
+    )
 
 
-@pytest.mark.parametrize("hold", [PitchHold, RollHold, HeadingHold, AltitudeHold, AirspeedHold,
-                                  YawDamper, Autopilot, DiscretePID])
+@pytest.mark.parametrize(
+    "hold",
+    [
+        PitchHold,
+        RollHold,
+        HeadingHold,
+        AltitudeHold,
+        AirspeedHold,
+        YawDamper,
+        Autopilot,
+        DiscretePID,
+    ],
+)
 def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     # PathSim makes room for any port number that is wired
     block = hold()
@@ -298,10 +429,22 @@ def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     assert block.law([*u, 9.0], state) == block.law(u, state)
 
 
-@pytest.mark.parametrize(("vc", "demanded", "share"), [
-    (90.0, 90.0, 1.0), (200.0, 90.0, 1.0), (81.0, 90.0, 1.0), (76.5, 90.0, 0.5), (72.0, 90.0, 0.0),
-    (67.5, 90.0, -0.5), (63.0, 90.0, -1.0), (10.0, 90.0, -1.0), (0.0, 0.0, 1.0), (10.0, -5.0, 1.0),
-    (0.25, 0.5, -1.0)])
+@pytest.mark.parametrize(
+    ("vc", "demanded", "share"),
+    [
+        (90.0, 90.0, 1.0),
+        (200.0, 90.0, 1.0),
+        (81.0, 90.0, 1.0),
+        (76.5, 90.0, 0.5),
+        (72.0, 90.0, 0.0),
+        (67.5, 90.0, -0.5),
+        (63.0, 90.0, -1.0),
+        (10.0, 90.0, -1.0),
+        (0.0, 0.0, 1.0),
+        (10.0, -5.0, 1.0),
+        (0.25, 0.5, -1.0),
+    ],
+)
 def test_share_of_the_climb_that_the_airspeed_allows(vc, demanded, share):
     assert _share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
 
@@ -310,14 +453,29 @@ def test_the_autopilot_gives_up_a_climb_for_its_airspeed():
     # held at 90 kt, flown at 76.5: half of the rate of climb demanded, descents in full
     n = 200
     for port, hdot in ((1000.0, 4.0), (-1000.0, -8.0)):
-        y = laws(Autopilot(GAINS, vc_ref=90.0, T=T), h=NOTHING + 5000.0, theta=NOTHING,
-                 vc=np.where(np.arange(N) < n, 90.0, 76.5), h_ref=NOTHING + port)
+        y = laws(
+            Autopilot(GAINS, vc_ref=90.0, T=T),
+            h=NOTHING + 5000.0,
+            theta=NOTHING,
+            vc=np.where(np.arange(N) < n, 90.0, 76.5),
+            h_ref=NOTHING + port,
+        )
         assert y["hdot_cmd"][n - 1] == pytest.approx(np.sign(port) * 8.0)
         assert y["hdot_cmd"][-1] == pytest.approx(hdot)
 
 
-@pytest.mark.parametrize(("angle", "same"), [
-    (0.0, 0.0), (180.0, -180.0), (-180.0, -180.0), (179.0, 179.0), (181.0, -179.0),
-    (-181.0, 179.0), (725.0, 5.0), (-725.0, -5.0)])
+@pytest.mark.parametrize(
+    ("angle", "same"),
+    [
+        (0.0, 0.0),
+        (180.0, -180.0),
+        (-180.0, -180.0),
+        (179.0, 179.0),
+        (181.0, -179.0),
+        (-181.0, 179.0),
+        (725.0, 5.0),
+        (-725.0, -5.0),
+    ],
+)
 def test_wrap(angle, same):
     assert wrap(angle) == same

@@ -26,8 +26,13 @@ def run(pid, r, y, rate=None, state=PID.START, **signals):
     rate = np.zeros(len(r)) if rate is None else rate
     out = []
     for k in range(len(r)):
-        u, state = pid.sample(state, float(r[k]), float(y[k]), float(rate[k]),
-                              **{name: s[k] for name, s in signals.items()})
+        u, state = pid.sample(
+            state,
+            float(r[k]),
+            float(y[k]),
+            float(rate[k]),
+            **{name: s[k] for name, s in signals.items()},
+        )
         out.append(u)
     return np.array(out), state
 
@@ -49,8 +54,14 @@ def test_unsaturated_law_is_its_transfer_function(Tf, sign):
     rng = np.random.default_rng(4)
     r, y, rate = np.cumsum(rng.normal(size=(3, 2000)), axis=1)
     r[0] = y[0] = rate[0] = 0.0
-    gains = {"Kp": sign * 0.7, "Ki": sign * 0.4, "Kd": sign * 0.05, "Kr": sign * 0.3, "b": 0.6,
-             "Tf": Tf}
+    gains = {
+        "Kp": sign * 0.7,
+        "Ki": sign * 0.4,
+        "Kd": sign * 0.05,
+        "Kr": sign * 0.3,
+        "b": 0.6,
+        "Tf": Tf,
+    }
     u, _ = run(PID(T, **gains), r, y, rate)
     # rounding: sums of 2000 numbers of size 1e2, divided by T in the derivative
     assert np.max(np.abs(u - by_transfer_functions(r, y, rate, **gains))) < 1e-10
@@ -74,14 +85,29 @@ gain = st.floats(-100.0, 100.0)
 def test_output_stays_within_any_limits(data):
     low = data.draw(finite)
     high = data.draw(st.floats(low, 2e6))
-    pid = PID(data.draw(st.floats(1e-4, 10.0)), Kp=data.draw(gain), Ki=data.draw(gain),
-              Kd=data.draw(gain), Kr=data.draw(gain), b=data.draw(st.floats(0.0, 1.0)),
-              Tf=data.draw(st.floats(0.0, 10.0)), low=low, high=high)
+    pid = PID(
+        data.draw(st.floats(1e-4, 10.0)),
+        Kp=data.draw(gain),
+        Ki=data.draw(gain),
+        Kd=data.draw(gain),
+        Kr=data.draw(gain),
+        b=data.draw(st.floats(0.0, 1.0)),
+        Tf=data.draw(st.floats(0.0, 10.0)),
+        low=low,
+        high=high,
+    )
     state = PID.START
     for _ in range(5):
-        u, state = pid.sample(state, data.draw(finite), data.draw(finite), data.draw(finite),
-                              data.draw(finite), data.draw(st.booleans()), data.draw(finite),
-                              data.draw(finite))
+        u, state = pid.sample(
+            state,
+            data.draw(finite),
+            data.draw(finite),
+            data.draw(finite),
+            data.draw(finite),
+            data.draw(st.booleans()),
+            data.draw(finite),
+            data.draw(finite),
+        )
         assert low <= u <= high
         assert all(map(math.isfinite, state))
 
@@ -92,8 +118,17 @@ def test_output_and_state_stay_bounded_in_100_000_random_samples():
         Kp, Ki, Kd, Kr = rng.normal(size=4) * 10.0 ** rng.uniform(-3, 2, 4)
         low = -(10.0 ** rng.uniform(-2, 1))
         high = 10.0 ** rng.uniform(-2, 1)
-        pid = PID(10.0 ** rng.uniform(-3, 0), Kp=Kp, Ki=Ki, Kd=Kd, Kr=Kr, b=rng.uniform(),
-                  Tf=rng.uniform(), low=low, high=high)
+        pid = PID(
+            10.0 ** rng.uniform(-3, 0),
+            Kp=Kp,
+            Ki=Ki,
+            Kd=Kd,
+            Kr=Kr,
+            b=rng.uniform(),
+            Tf=rng.uniform(),
+            low=low,
+            high=high,
+        )
         state = PID.START
         size = 10.0 ** rng.uniform(-2, 4)
         signals = size * rng.normal(size=(100, 3))
@@ -101,8 +136,11 @@ def test_output_and_state_stay_bounded_in_100_000_random_samples():
         # need, and one sample of integration before the back-calculation acts
         most = np.max(np.abs(signals))
         bound = max(-low, high) + most * (
-            2 * abs(Kp) + 2 * abs(Kd) / pid.T + 2 * abs(Kr)
-            + 2 * abs(Ki) * max(pid.T, abs(Kp / Ki) * 3 + pid.T))
+            2 * abs(Kp)
+            + 2 * abs(Kd) / pid.T
+            + 2 * abs(Kr)
+            + 2 * abs(Ki) * max(pid.T, abs(Kp / Ki) * 3 + pid.T)
+        )
         for (r, y, rate), off in zip(signals.tolist(), rng.random(100) < 0.1, strict=True):
             u, state = pid.sample(state, r, y, rate, 0.0, bool(off), 0.1 * r)
             assert low <= u <= high
@@ -194,9 +232,20 @@ def closed_loop(order=1, **parameters):
     step, pid, lag = StepSource(1.0, 0.1), DiscretePID(**parameters), Lag()
     scope = Scope()
     blocks = [step, pid, lag, scope][::order]
-    return pid, scope, Simulation(
-        blocks, [Connection(step, pid["r"]), Connection(lag, pid["y"], scope[1]),
-                 Connection(pid, lag, scope[0])], dt=T, log=False)
+    return (
+        pid,
+        scope,
+        Simulation(
+            blocks,
+            [
+                Connection(step, pid["r"]),
+                Connection(lag, pid["y"], scope[1]),
+                Connection(pid, lag, scope[0]),
+            ],
+            dt=T,
+            log=False,
+        ),
+    )
 
 
 def test_block_is_the_law():
@@ -242,9 +291,18 @@ def test_reset_runs_the_same_again():
     assert np.array_equal(scope.read()[1], first)
 
 
-@pytest.mark.parametrize(("name", "value"), [
-    ("Kp", "high"), ("Ki", math.nan), ("Tf", -1.0), ("Tt", 0.0), ("low", 2.0), ("T", 0.0),
-    ("Te", 0.0)])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("Kp", "high"),
+        ("Ki", math.nan),
+        ("Tf", -1.0),
+        ("Tt", 0.0),
+        ("low", 2.0),
+        ("T", 0.0),
+        ("Te", 0.0),
+    ],
+)
 def test_bad_parameters_are_refused_at_once_and_leave_the_block_as_it_was(name, value):
     with pytest.raises(ParameterError) as error:
         DiscretePID(**{name: value})
@@ -276,8 +334,19 @@ def test_of_what_is_set_at_once_all_or_none_counts():
 
 
 def test_parameters_keep_their_value_under_their_own_name():
-    values = {"Kp": 2, "Ki": 0.5, "Kd": 0.1, "Kr": 0.2, "b": 0.9, "Tf": 0.1, "Tt": None,
-              "Te": 0.2, "low": -2.0, "high": 3.0, "T": 0.01}
+    values = {
+        "Kp": 2,
+        "Ki": 0.5,
+        "Kd": 0.1,
+        "Kr": 0.2,
+        "b": 0.9,
+        "Tf": 0.1,
+        "Tt": None,
+        "Te": 0.2,
+        "low": -2.0,
+        "high": 3.0,
+        "T": 0.01,
+    }
     pid = DiscretePID(**values)
     assert {name: getattr(pid, name) for name in values} == values
 
@@ -326,8 +395,9 @@ def test_gains_not_given_are_0():
     assert u == pytest.approx(0.6 * 2.0 * T * np.arange(50), abs=1e-12)
 
 
-@pytest.mark.parametrize("gains", [{"Ki": 0.2, "Kd": 0.7}, {"Kd": 0.7, "Tf": 0.1},
-                                   {"Ki": 0.2, "Kd": 0.7, "Tf": 0.1}])
+@pytest.mark.parametrize(
+    "gains", [{"Ki": 0.2, "Kd": 0.7}, {"Kd": 0.7, "Tf": 0.1}, {"Ki": 0.2, "Kd": 0.7, "Tf": 0.1}]
+)
 @pytest.mark.parametrize("state", [PID.START, PID.FROM_REST, PID.holding(0.25)])
 def test_at_rest_the_output_stays_where_it_begins(gains, state):
     # nothing is known of y before the first sample, so its rate is 0 there

@@ -24,9 +24,13 @@ class Count(SampledLaw):
 def diagram(count, dt, start=0.0, **solver):
     """A law beside a state whose derivative is constant: an adaptive step is as long as it may."""
     constant, state, scope = Constant(1.0), Integrator(0.0), Scope()
-    sim = Simulation([constant, state, count, scope],
-                     [Connection(constant, state), Connection(count, scope)], dt=dt, log=False,
-                     **solver)
+    sim = Simulation(
+        [constant, state, count, scope],
+        [Connection(constant, state), Connection(count, scope)],
+        dt=dt,
+        log=False,
+        **solver,
+    )
     sim.reset(start)
     return sim, scope
 

@@ -23,8 +23,10 @@ from pathsim_jsbsim_blocks._core import _pathsim as seam
 pytestmark = pytest.mark.matrix
 
 SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
-PRIVATE = re.compile(r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
-                     r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent)\b")
+PRIVATE = re.compile(
+    r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
+    r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent)\b"
+)
 
 
 def test_registers_keep_their_values_in_data():
@@ -49,8 +51,12 @@ def test_registers_find_ports_by_name_and_number():
 
 def test_a_connection_asks_the_register_for_the_port_that_it_leads_to():
     pid, source, scope = DiscretePID(T=0.1), Source(lambda t: 1.0), Scope()
-    sim = Simulation([pid, source, scope], [Connection(source, pid["y"]), Connection(pid, scope)],
-                     dt=0.1, log=False)
+    sim = Simulation(
+        [pid, source, scope],
+        [Connection(source, pid["y"]), Connection(pid, scope)],
+        dt=0.1,
+        log=False,
+    )
     sim.run(0.1)
     assert pid.inputs.wired == {1}, "connections no longer look ports up by Register._map"
 
@@ -73,8 +79,12 @@ class Stages(Event):
 @pytest.mark.parametrize("solver", [SSPRK22, RK4, EUF, EUB])
 @pytest.mark.parametrize("states", [0, 1])
 def test_the_engine_counts_the_stages_of_a_step(solver, states):
-    sim = Simulation([Source(lambda t: t), Scope(), *(Integrator() for _ in range(states))],
-                     dt=0.1, Solver=solver, log=False)
+    sim = Simulation(
+        [Source(lambda t: t), Scope(), *(Integrator() for _ in range(states))],
+        dt=0.1,
+        Solver=solver,
+        log=False,
+    )
     stages = Stages(sim.engine)
     sim.add_event(stages)
     sim.run(0.5)
@@ -98,8 +108,9 @@ def test_a_subsystem_adds_one_pass_for_the_blocks_inside_it():
     wrapped = pid
     for depth in (1, 2, 3):
         interface = Interface()
-        wrapped = Subsystem([interface, wrapped], [Connection(interface, wrapped),
-                                                   Connection(wrapped, interface)])
+        wrapped = Subsystem(
+            [interface, wrapped], [Connection(interface, wrapped), Connection(wrapped, interface)]
+        )
         settling = [e for e in wrapped.events if isinstance(e, seam.Settling)]
         assert len(settling) == depth, "Subsystem.events no longer collects those of its blocks"
         assert all(e.clocks == [pid.clock] for e in settling)
@@ -109,8 +120,11 @@ def test_a_subsystem_adds_one_pass_for_the_blocks_inside_it():
 def test_a_subsystem_without_sampled_blocks_is_left_alone():
     crossing = ZeroCrossing(lambda t: t - 0.5)
     interface, amplifier = Interface(), Amplifier(2.0)
-    system = Subsystem([interface, amplifier], [Connection(interface, amplifier),
-                                                Connection(amplifier, interface)], [crossing])
+    system = Subsystem(
+        [interface, amplifier],
+        [Connection(interface, amplifier), Connection(amplifier, interface)],
+        [crossing],
+    )
     assert system.events == [crossing]
     assert hasattr(system, "_events"), "Subsystem._events is gone: _pathsim.own_events needs it"
     assert seam.own_events(system) == [crossing]
@@ -131,7 +145,8 @@ def test_the_loop_of_run_yields_after_every_step():
 
 def test_pathsim_redirects_warnings_in_one_method():
     assert hasattr(LoggerManager, "_setup_root_logger"), (
-        "LoggerManager._setup_root_logger is gone: keep_warnings_visible wraps it")
+        "LoggerManager._setup_root_logger is gone: keep_warnings_visible wraps it"
+    )
     assert hasattr(LoggerManager, "_initialized")
 
 
@@ -147,11 +162,17 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
     found = set()
     for path in SOURCE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Attribute) and PRIVATE.match("." + node.attr) and not (
-                    isinstance(node.value, ast.Name) and node.value.id == "self"):
+            if (
+                isinstance(node, ast.Attribute)
+                and PRIVATE.match("." + node.attr)
+                and not (isinstance(node.value, ast.Name) and node.value.id == "self")
+            ):
                 found.add(path.name)
             # the bridge looks for the line of a script that it runs; blocks look at no frames
-            if (path.parent.name != "pathview" and isinstance(node, ast.Attribute)
-                    and node.attr in ("_getframe", "currentframe")):
+            if (
+                path.parent.name != "pathview"
+                and isinstance(node, ast.Attribute)
+                and node.attr in ("_getframe", "currentframe")
+            ):
                 found.add(f"{path.name}: {node.attr}")
     assert found <= {"_pathsim.py"}

@@ -24,9 +24,11 @@ def pitch_hold(continuous=False, **options):
     hold = PitchHold(gains="c172p", theta_ref=3.0)
     scope = Scope()
     blocks = [plane, hold, scope]
-    wires = [Connection(plane["theta"], hold["theta"], scope[0]),
-             Connection(plane["q"], hold["q"], scope[1]),
-             Connection(hold["elevator"], plane["elevator"], scope[2])]
+    wires = [
+        Connection(plane["theta"], hold["theta"], scope[0]),
+        Connection(plane["q"], hold["q"], scope[1]),
+        Connection(hold["elevator"], plane["elevator"], scope[2]),
+    ]
     if continuous:
         integral = Integrator()
         blocks.append(integral)
@@ -40,23 +42,32 @@ def recorded(scope):
     return np.vstack([time, data])
 
 
-@pytest.mark.parametrize(("continuous", "options"), [
-    (False, {}), (False, {"dt": T / 2}), (False, {"dt": 2 * T}), (True, {}),
-    (True, {"Solver": SSPRK22}), (True, {"Solver": RKCK54, "dt_max": T}),
-    (False, {"Solver": RKDP54, "dt_max": T}),
-], ids=str)
+@pytest.mark.parametrize(
+    ("continuous", "options"),
+    [
+        (False, {}),
+        (False, {"dt": T / 2}),
+        (False, {"dt": 2 * T}),
+        (True, {}),
+        (True, {"Solver": SSPRK22}),
+        (True, {"Solver": RKCK54, "dt_max": T}),
+        (False, {"Solver": RKDP54, "dt_max": T}),
+    ],
+    ids=str,
+)
 @pytest.mark.filterwarnings("ignore:.*jumps over a sample instant")
 def test_the_flight_is_that_of_run(continuous, options):
     ran, expected = pitch_hold(continuous, **options)
     flown, scope = pitch_hold(continuous, **options)
     for duration in (0.5, 0.3, 0.05):
         # pieces so short that run makes no step too many
-        assert (fly(flown, duration)["total_steps"]
-                == ran.run(duration)["total_steps"])
+        assert fly(flown, duration)["total_steps"] == ran.run(duration)["total_steps"]
     assert np.array_equal(recorded(scope), recorded(expected))
     assert flown.time == ran.time
-    assert (fly(flown, 0.5, reset=True)["successful_steps"]
-            == ran.run(0.5, reset=True)["successful_steps"])
+    assert (
+        fly(flown, 0.5, reset=True)["successful_steps"]
+        == ran.run(0.5, reset=True)["successful_steps"]
+    )
     assert np.array_equal(recorded(scope), recorded(expected))
 
 
@@ -91,14 +102,15 @@ def stopped_at_the_start(sim):
     sim.add_event(Schedule(t_start=0.0, t_period=10.0, func_act=stop))
 
 
-@pytest.mark.parametrize("condition",
-                         [stopped_by_event, stopped_by_exception, stopped_at_the_start])
+@pytest.mark.parametrize(
+    "condition", [stopped_by_event, stopped_by_exception, stopped_at_the_start]
+)
 def test_stop_conditions_end_it_as_they_end_run(condition):
     ran, expected = pitch_hold()
     flown, scope = pitch_hold()
     for sim in (ran, flown):
         condition(sim)
-    assert (fly(flown, 1.0)["total_steps"] == ran.run(1.0)["total_steps"])
+    assert fly(flown, 1.0)["total_steps"] == ran.run(1.0)["total_steps"]
     assert flown.time == ran.time < 0.5
     if ran.time:
         assert np.array_equal(recorded(scope), recorded(expected))
@@ -128,8 +140,12 @@ def test_after_an_exception_it_goes_on():
         return u
 
     plane, sensor, scope = Aircraft("c172p", altitude=5000, speed=90), Function(law), Scope()
-    sim = Simulation([plane, sensor, scope], [Connection(plane["theta"], sensor),
-                                              Connection(sensor, scope)], dt=T, log=False)
+    sim = Simulation(
+        [plane, sensor, scope],
+        [Connection(plane["theta"], sensor), Connection(sensor, scope)],
+        dt=T,
+        log=False,
+    )
     fly(sim, 0.5)
     fails["now"] = True
     with pytest.raises(OSError, match="sensor lost"):
@@ -139,12 +155,20 @@ def test_after_an_exception_it_goes_on():
     assert plane.samples == 120
 
 
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
 def test_the_bar_shows_simulated_time_and_its_ratio_to_real_time():
     sim, _ = pitch_hold()
     with redirect_stderr(io.StringIO()) as stderr:
         fly(sim, 2.0, progress=True)
         assert "/2.0 s in" in stderr.getvalue()
         assert " s/s" in stderr.getvalue()
+    with redirect_stderr(Terminal()) as stderr:
+        fly(sim, 2.0)  # done in less than the 2 s after which a bar appears
+        assert stderr.getvalue() == ""
     with redirect_stderr(io.StringIO()) as stderr:
         fly(sim, 2.0)  # not a terminal
         fly(sim, 2.0, progress=False)

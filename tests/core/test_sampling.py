@@ -50,13 +50,21 @@ class Rejection(Event):
 def flown(law, source, dt, states=0, events=(), **more):
     scope = Scope()
     integrators = [Integrator(0.0) for _ in range(states)]
-    sim = Simulation([source, law, scope, *integrators],
-                     [Connection(source, law), Connection(law, scope, *integrators)],
-                     list(events), dt=dt, log=False, **more)
+    sim = Simulation(
+        [source, law, scope, *integrators],
+        [Connection(source, law), Connection(law, scope, *integrators)],
+        list(events),
+        dt=dt,
+        log=False,
+        **more,
+    )
     sim.run(1.0)
     time, (y,) = scope.read()
-    at = {round(t / T): value for t, value in zip(time, y, strict=True)
-          if abs(t / T - round(t / T)) < 1e-6}
+    at = {
+        round(t / T): value
+        for t, value in zip(time, y, strict=True)
+        if abs(t / T - round(t / T)) < 1e-6
+    }
     return law, at
 
 
@@ -64,8 +72,15 @@ def test_a_law_acts_once_at_an_instant_whose_step_was_rejected():
     # what the law computed in the rejected step is forgotten, and computed again in the next one
     value = [1.0]
     rejection = Rejection(0.5, lambda: value.__setitem__(0, 10.0))
-    _, at = flown(Total(T), Source(lambda t: value[0]), T / 2, states=1, events=[rejection],
-                    Solver=RKBS32, dt_max=T / 2)
+    _, at = flown(
+        Total(T),
+        Source(lambda t: value[0]),
+        T / 2,
+        states=1,
+        events=[rejection],
+        Solver=RKBS32,
+        dt_max=T / 2,
+    )
     assert rejection.rejected == 2
     assert [at[k] for k in range(11)] == [1, 2, 3, 4, 5, 15, 25, 35, 45, 55, 65]
 
@@ -107,9 +122,11 @@ class Count(SampledPlant):
 def counting(source, *others, connections=(), **more):
     plant, scope = Count(), Scope()
     more = {"dt": T, "log": False, **more}
-    sim = Simulation([source, plant, scope, *others],
-                     [Connection(source, plant, scope[0]), Connection(plant, scope[1]),
-                      *connections], **more)
+    sim = Simulation(
+        [source, plant, scope, *others],
+        [Connection(source, plant, scope[0]), Connection(plant, scope[1]), *connections],
+        **more,
+    )
     return plant, scope, sim
 
 
@@ -212,8 +229,12 @@ def test_a_look_shows_and_does_not_act(depth, states):
     plant, law, inputs = Count(), Total(T), ramp()
     system = inside(plant, depth)
     integrators = [Integrator() for _ in range(states)]
-    sim = Simulation([inputs, system, law, *integrators],
-                     [Connection(inputs, system, law, *integrators)], dt=T, log=False)
+    sim = Simulation(
+        [inputs, system, law, *integrators],
+        [Connection(inputs, system, law, *integrators)],
+        dt=T,
+        log=False,
+    )
     sim.run(0.5)
     seen = plant.outputs.to_array(), law.outputs.to_array()
     for t in (None, 0.5, 0.5 + T, 0.5 + 3 * T, 1e6, 0.0):
@@ -239,8 +260,9 @@ def test_a_look_shows_and_does_not_act(depth, states):
 def inside(block, depth):
     for _ in range(depth):
         interface = Interface()
-        block = Subsystem([interface, block], [Connection(interface, block),
-                                               Connection(block, interface)])
+        block = Subsystem(
+            [interface, block], [Connection(interface, block), Connection(block, interface)]
+        )
     return block
 
 
@@ -248,6 +270,7 @@ def inside(block, depth):
 @pytest.mark.parametrize("depth", [1, 2, 3])
 def test_depth_is_found_however_pathsim_hands_the_solver_down(depth, moved, monkeypatch):
     if moved:
+
         def set_solver(system, Solver, parent, **more):
             def each(blocks):
                 for block in blocks:
@@ -261,8 +284,12 @@ def test_depth_is_found_however_pathsim_hands_the_solver_down(depth, moved, monk
         monkeypatch.setattr(Subsystem, "set_solver", set_solver)
     plant, source, scope = Count(), ramp(), Scope()
     system = inside(plant, depth)
-    sim = Simulation([source, system, scope], [Connection(source, system),
-                                               Connection(system, scope)], dt=T, log=False)
+    sim = Simulation(
+        [source, system, scope],
+        [Connection(source, system), Connection(system, scope)],
+        dt=T,
+        log=False,
+    )
     sim.run(1.0)
     assert [u for _, u in plant.latched] == pytest.approx([k * T for k in range(10)])
     assert scope.read()[1][0].tolist() == list(range(11))
@@ -274,9 +301,14 @@ def test_a_rejected_step_does_not_change_what_was_latched(depth, crossings):
     # stages and rejected steps leave other values on the way into a subsystem
     plant, source, integrator = Count(0.01), Source(lambda t: 0.05 * math.sin(3 * t)), Integrator()
     system = inside(plant, depth)
-    sim = Simulation([source, system, integrator], [Connection(source, system, integrator)],
-                     [ZeroCrossing(lambda t: math.sin(47 * t + 1))] * crossings,
-                     dt=0.01, Solver=RKDP54, log=False)
+    sim = Simulation(
+        [source, system, integrator],
+        [Connection(source, system, integrator)],
+        [ZeroCrossing(lambda t: math.sin(47 * t + 1))] * crossings,
+        dt=0.01,
+        Solver=RKDP54,
+        log=False,
+    )
     sim.run(0.5)
     expected = [0.05 * math.sin(3 * k * 0.01) for k in range(50)]
     assert [u for _, u in plant.latched] == pytest.approx(expected, rel=0, abs=1e-9)
@@ -311,9 +343,16 @@ def test_after_an_exception_the_next_run_goes_on_exactly(method, last, depth, st
     system = inside(plant, depth)
     integrators = [Integrator() for _ in range(states)]
     blocks = [source, system, law, scope, *integrators]
-    sim = Simulation([*blocks, fault] if last else [fault, *blocks],
-                     [Connection(source, system, law, *integrators), Connection(system, scope[0]),
-                      Connection(law, scope[1])], dt=T, log=False)
+    sim = Simulation(
+        [*blocks, fault] if last else [fault, *blocks],
+        [
+            Connection(source, system, law, *integrators),
+            Connection(system, scope[0]),
+            Connection(law, scope[1]),
+        ],
+        dt=T,
+        log=False,
+    )
     with pytest.raises(RuntimeError, match="on purpose"):
         sim.run(1.0)
     assert plant.samples in (4, 5)

@@ -40,7 +40,8 @@ def test_profile_passes_through_the_table(profile):
         recorded = air[:, np.flatnonzero(height == h)[0]]
         # the table has twelve digits
         assert recorded == pytest.approx(
-            [pressure, density, temperature, speed_of_sound, viscosity], rel=1e-11)
+            [pressure, density, temperature, speed_of_sound, viscosity], rel=1e-11
+        )
 
 
 def test_profile_prints_the_published_values(profile):
@@ -89,8 +90,14 @@ def test_climb_at_10_000_ft(climb):
 def test_script_runs_anywhere_without_a_display(name, tmp_path):
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     environment["MPLBACKEND"] = "agg"
-    done = subprocess.run([sys.executable, find_diagram(name)], cwd=tmp_path, env=environment,
-                          capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, find_diagram(name)],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert done.stderr == ""
     lines = {line.split()[0]: line.split() for line in done.stdout.splitlines()}

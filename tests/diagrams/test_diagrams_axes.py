@@ -20,8 +20,10 @@ def flown():
     live = []
     for _ in range(30):
         diagram.sim.run(diagram.DURATION / 30)
-        live.append([diagram.fdm.fdm[name] for name in [*BODY, *WIND]]
-                    + [*diagram.to_body.outputs.to_array(), *diagram.to_wind.outputs.to_array()])
+        live.append(
+            [diagram.fdm.fdm[name] for name in [*BODY, *WIND]]
+            + [*diagram.to_body.outputs.to_array(), *diagram.to_wind.outputs.to_array()]
+        )
     return diagram, np.transpose(live)
 
 

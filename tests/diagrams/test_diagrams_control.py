@@ -11,8 +11,15 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
 T = 1 / 120
-PANELS = {"pitch_hold": 4, "altitude_hold": 4, "heading_hold": 5, "airspeed_hold": 4,
-          "yaw_damper": 3, "autopilot_mission": 5, "pitch_hold_primitives": 3}
+PANELS = {
+    "pitch_hold": 4,
+    "altitude_hold": 4,
+    "heading_hold": 5,
+    "airspeed_hold": 4,
+    "yaw_damper": 3,
+    "autopilot_mission": 5,
+    "pitch_hold_primitives": 3,
+}
 
 
 @pytest.fixture(scope="module")

@@ -48,9 +48,13 @@ def test_hello_jsbsim():
     close(trim.throttle[0], expected["trim", "fcs/throttle-cmd-norm[0]"])
     close(trim.pitch_trim, expected["trim", "fcs/pitch-trim-cmd-norm"])
     close(trim.alpha, expected["trim", "aero/alpha-deg"])
-    for label, name in (("altitude", "position/h-sl-ft"), ("true airspeed", "velocities/vt-fps"),
-                        ("pitch angle", "attitude/theta-deg"), ("roll angle", "attitude/phi-deg"),
-                        ("heading", "attitude/psi-deg")):
+    for label, name in (
+        ("altitude", "position/h-sl-ft"),
+        ("true airspeed", "velocities/vt-fps"),
+        ("pitch angle", "attitude/theta-deg"),
+        ("roll angle", "attitude/phi-deg"),
+        ("heading", "attitude/psi-deg"),
+    ):
         close(signal(module.scope, label)[1][-1], expected["t=1s", name])
 
 
@@ -73,16 +77,17 @@ def test_trimmed_flight():
     expected = table("02_trimmed_flight.csv")
     t = expected["t_s"]
     for scope, label, name in (
-            ("flight", "altitude", "position/h-sl-ft"),
-            ("flight", "calibrated airspeed", "velocities/vc-kts"),
-            ("attitude", "angle of attack", "aero/alpha-deg"),
-            ("attitude", "pitch angle", "attitude/theta-deg"),
-            ("attitude", "roll angle", "attitude/phi-deg"),
-            ("heading", "heading", "attitude/psi-deg"),
-            ("load", "load factor nx", "accelerations/Nx"),
-            ("load", "load factor nz", "accelerations/Nz"),
-            ("track", "latitude", "position/lat-geod-deg"),
-            ("track", "longitude", "position/long-gc-deg")):
+        ("flight", "altitude", "position/h-sl-ft"),
+        ("flight", "calibrated airspeed", "velocities/vc-kts"),
+        ("attitude", "angle of attack", "aero/alpha-deg"),
+        ("attitude", "pitch angle", "attitude/theta-deg"),
+        ("attitude", "roll angle", "attitude/phi-deg"),
+        ("heading", "heading", "attitude/psi-deg"),
+        ("load", "load factor nx", "accelerations/Nx"),
+        ("load", "load factor nz", "accelerations/Nz"),
+        ("track", "latitude", "position/lat-geod-deg"),
+        ("track", "longitude", "position/long-gc-deg"),
+    ):
         time, values = signal(getattr(module, scope), label)
         close(at(time, values, t), expected[name])
 
@@ -92,10 +97,12 @@ def test_aileron_turn_is_no_ten_degree_turn():
     expected = table("02_aileron_turn.csv")
     t = expected["t_s"]
     for scope, label, name in (
-            ("scope", "roll angle", "attitude/phi-deg"), ("scope", "heading", "attitude/psi-deg"),
-            ("scope", "altitude", "position/h-sl-ft"), ("flow", "angle of attack",
-                                                        "aero/alpha-deg"),
-            ("flow", "sideslip angle", "aero/beta-deg")):
+        ("scope", "roll angle", "attitude/phi-deg"),
+        ("scope", "heading", "attitude/psi-deg"),
+        ("scope", "altitude", "position/h-sl-ft"),
+        ("flow", "angle of attack", "aero/alpha-deg"),
+        ("flow", "sideslip angle", "aero/beta-deg"),
+    ):
         time, values = signal(getattr(module, scope), label)
         close(at(time, values, t), expected[name])
     # what the docstring says: roll angle at 5, 15 and 28 s, its extremes afterwards, turn, loss

@@ -44,7 +44,14 @@ def test_van_der_pol():
     # a fixed step of 0.01 s reaches 5e-6 of the amplitude of 2
     module = flown("van_der_pol")
     time, (x, v) = module.scope.read()
-    exact = solve_ivp(lambda t, s: [s[1], 1.5 * (1 - s[0] ** 2) * s[1] - s[0]], (0, time[-1]),
-                      [2.0, 0.5], method="DOP853", t_eval=time, rtol=1e-13, atol=1e-13).y
+    exact = solve_ivp(
+        lambda t, s: [s[1], 1.5 * (1 - s[0] ** 2) * s[1] - s[0]],
+        (0, time[-1]),
+        [2.0, 0.5],
+        method="DOP853",
+        t_eval=time,
+        rtol=1e-13,
+        atol=1e-13,
+    ).y
     assert np.abs(x - exact[0]).max() < 5e-6
     assert np.abs(v - exact[1]).max() < 5e-6

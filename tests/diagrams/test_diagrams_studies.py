@@ -81,8 +81,9 @@ def test_scheduled_climb():
         steps += 1
     assert diagram.sim.time == pytest.approx(steps * DT, abs=DT / 10)
     assert diagram.sim.time == pytest.approx(406.3, abs=0.05)
-    assert diagram.fdm.outputs["position/h-sl-ft"] == pytest.approx(fdm["position/h-sl-ft"],
-                                                                   rel=1e-11)
+    assert diagram.fdm.outputs["position/h-sl-ft"] == pytest.approx(
+        fdm["position/h-sl-ft"], rel=1e-11
+    )
 
 
 def test_the_tables_of_the_scheduled_climb_are_those_of_the_study():
@@ -100,9 +101,11 @@ def test_fixed_trim_climb():
     table = pd.read_csv(DATA / "10_climb_fixed_trim.csv")
     compare_climb(diagram, table[table.t_s <= diagram.DURATION / 3])
     trim = diagram.aircraft.trim
-    np.testing.assert_allclose([trim.throttle[0], trim.pitch_trim],
-                               table.iloc[0][["fcs/throttle-cmd-norm", "fcs/pitch-trim-cmd-norm"]],
-                               rtol=1e-11)
+    np.testing.assert_allclose(
+        [trim.throttle[0], trim.pitch_trim],
+        table.iloc[0][["fcs/throttle-cmd-norm", "fcs/pitch-trim-cmd-norm"]],
+        rtol=1e-11,
+    )
 
 
 @pytest.mark.parametrize("name", ["rudder_kick", "scheduled_climb", "fixed_trim_climb"])

@@ -37,10 +37,17 @@ def pitch_with(gain, duration=8.0):
     """Pitch angle of the c172p with ``elevator = gain (3 deg - theta)``, from time 4 s on."""
     plane, reference, error = Aircraft("c172p", altitude=5000, speed=90), Constant(3.0), Adder("+-")
     controller, scope = Amplifier(gain), Scope(labels=["pitch angle [deg]"])
-    sim = Simulation([plane, reference, error, controller, scope], [
-        Connection(reference, error[0]), Connection(plane["theta"], error[1], scope),
-        Connection(error, controller), Connection(controller, plane["elevator"])],
-        dt=1 / 120, log=False)
+    sim = Simulation(
+        [plane, reference, error, controller, scope],
+        [
+            Connection(reference, error[0]),
+            Connection(plane["theta"], error[1], scope),
+            Connection(error, controller),
+            Connection(controller, plane["elevator"]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
     sim.run(duration)
     time, (theta,) = scope.read()
     return theta[time > 4.0]
@@ -70,9 +77,13 @@ def naive_doublet(extra=()):
 
     pulse = StepSource(amplitude=[-0.1, 0.0, 0.1, 0.0], tau=[10.0, 11.0, 12.0, 13.0])
     aircraft, scope = Function(step), Scope()
-    sim = Simulation([pulse, aircraft, scope, *extra],
-                     [Connection(pulse, aircraft), Connection(aircraft, scope)]
-                     + [Connection(aircraft, block) for block in extra], dt=1 / 120, log=False)
+    sim = Simulation(
+        [pulse, aircraft, scope, *extra],
+        [Connection(pulse, aircraft), Connection(aircraft, scope)]
+        + [Connection(aircraft, block) for block in extra],
+        dt=1 / 120,
+        log=False,
+    )
     sim._update(0.0)
     steps.clear()
     sim.run(40.0)
@@ -89,9 +100,13 @@ def test_an_aircraft_in_a_function_runs_ahead_of_the_clock():
     assert round(diagram.aircraft.fdm.get_sim_time() * 120) == 4800
 
 
-@pytest.mark.parametrize(("name", "labels", "signals"), [
-    ("damped_oscillator", ["velocity v [1/s]", "position x [-]"], ("position x", 1.0)),
-    ("step_response", ["response y [-]", "step u [-]"], ("response y", 0.0))])
+@pytest.mark.parametrize(
+    ("name", "labels", "signals"),
+    [
+        ("damped_oscillator", ["velocity v [1/s]", "position x [-]"], ("position x", 1.0)),
+        ("step_response", ["response y [-]", "step u [-]"], ("response y", 0.0)),
+    ],
+)
 def test_swapped_labels_show_a_wrong_start(name, labels, signals):
     label, start = signals
     diagram = load_diagram(name)
@@ -191,12 +206,22 @@ def test_the_737_opens_a_port_in_plain_jsbsim(tmp_path):
     # another process may hold the ports that the model asks for, so a copy asks for free ones
     with socket.create_server(("", 0)) as one, socket.create_server(("", 0)) as other:
         ports = [server.getsockname()[1] for server in (one, other)]
-    root, _ = copied("737", tmp_path, ('port="5137"', f'port="{ports[0]}"'),
-                     ('port="5139"', f'port="{ports[1]}"'))
+    root, _ = copied(
+        "737",
+        tmp_path,
+        ('port="5137"', f'port="{ports[0]}"'),
+        ('port="5139"', f'port="{ports[1]}"'),
+    )
     found = {}
     for kind in ("plain", "ours"):
-        done = subprocess.run([sys.executable, "-c", SOCKETS, kind, str(root)], cwd=tmp_path,
-                              capture_output=True, text=True, timeout=120, env=dict(os.environ))
+        done = subprocess.run(
+            [sys.executable, "-c", SOCKETS, kind, str(root)],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=dict(os.environ),
+        )
         assert done.returncode == 0, done.stderr
         found[kind] = json.loads(done.stdout.splitlines()[-1])
     assert found == {"plain": sorted(ports), "ours": []}
@@ -216,8 +241,9 @@ def test_the_rudder_kick_overruns_its_commands():
     assert end == pytest.approx([17.9, 338.6], abs=0.05)
     diagram = load_diagram("rudder_kick")
     diagram.sim.run(20.0)
-    ours = [signal(diagram.commands, label)[1].max()
-            for label in ("aileron command", "rudder command")]
+    ours = [
+        signal(diagram.commands, label)[1].max() for label in ("aileron command", "rudder command")
+    ]
     assert ours == pytest.approx([1.0, 0.92], abs=1e-12)
     end = [diagram.aircraft.outputs[port] for port in ("phi", "psi")]
     assert end == pytest.approx([18.7, 339.5], abs=0.05)

@@ -36,11 +36,20 @@ class Fault(Source):
 def fly_disturbed(seed):
     """Fly one diagram; returns how often its run was ended."""
     draw = random.Random(seed)
-    plan = Plan(draw.choice(list(AIRCRAFT)), draw.choice([1 / 120, 1 / 100, 1 / 30]),
-                draw.randint(1, 4), draw.choice([SSPRK22, RK4, RKBS32, RKDP54, ESDIRK43]),
-                draw.randint(1, 4), (draw.choice(DRIVES), draw.choice(DRIVES)),
-                draw.randint(0, 2), draw.randint(0, 2), draw.random() < 0.5,
-                draw.random() < 0.5, draw.getrandbits(31), (1,))
+    plan = Plan(
+        draw.choice(list(AIRCRAFT)),
+        draw.choice([1 / 120, 1 / 100, 1 / 30]),
+        draw.randint(1, 4),
+        draw.choice([SSPRK22, RK4, RKBS32, RKDP54, ESDIRK43]),
+        draw.randint(1, 4),
+        (draw.choice(DRIVES), draw.choice(DRIVES)),
+        draw.randint(0, 2),
+        draw.randint(0, 2),
+        draw.random() < 0.5,
+        draw.random() < 0.5,
+        draw.getrandbits(31),
+        (1,),
+    )
     fdm, _, sim = build(plan)
     fault = Fault(draw)
     sim.add_block(fault)

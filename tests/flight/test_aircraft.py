@@ -19,24 +19,41 @@ pytestmark = pytest.mark.matrix
 
 T = 1 / 120
 INPUTS = ["elevator", "aileron", "rudder", "throttle"]
-COMMANDS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm",
-            "fcs/throttle-cmd-norm[0]"]
+COMMANDS = [
+    "fcs/elevator-cmd-norm",
+    "fcs/aileron-cmd-norm",
+    "fcs/rudder-cmd-norm",
+    "fcs/throttle-cmd-norm[0]",
+]
 FOOT = 0.3048  # m
 KNOT = 1852 / 3600 / FOOT  # ft/s
-RAW = ["attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad",
-       "velocities/phidot-rad_sec", "velocities/thetadot-rad_sec", "velocities/psidot-rad_sec",
-       *(f"velocities/{axis}-aero-fps" for axis in "uvw"),
-       *(f"velocities/v-{axis}-fps" for axis in ("north", "east", "down")),
-       "velocities/vc-fps", "velocities/vtrue-kts", "atmosphere/a-fps", "position/h-sl-meters",
-       *(f"position/ecef-{axis}-ft" for axis in "xyz"),
-       *(f"forces/fb{axis}-{kind}-lbs" for axis in "xz" for kind in ("aero", "prop")),
-       "inertia/weight-lbs"]
+RAW = [
+    "attitude/phi-rad",
+    "attitude/theta-rad",
+    "attitude/psi-rad",
+    "velocities/phidot-rad_sec",
+    "velocities/thetadot-rad_sec",
+    "velocities/psidot-rad_sec",
+    *(f"velocities/{axis}-aero-fps" for axis in "uvw"),
+    *(f"velocities/v-{axis}-fps" for axis in ("north", "east", "down")),
+    "velocities/vc-fps",
+    "velocities/vtrue-kts",
+    "atmosphere/a-fps",
+    "position/h-sl-meters",
+    *(f"position/ecef-{axis}-ft" for axis in "xyz"),
+    *(f"forces/fb{axis}-{kind}-lbs" for axis in "xz" for kind in ("aero", "prop")),
+    "inertia/weight-lbs",
+]
 
 
 def moves(t):
     """Increments that move the aircraft about all axes, within its commands' range."""
-    return [-0.25 * np.sin(2 * np.pi * t / 2), 0.4 * np.sin(2 * np.pi * t / 3),
-            -0.5 * np.sin(2 * np.pi * t / 2.5), 0.2 * np.sin(2 * np.pi * t / 4)]
+    return [
+        -0.25 * np.sin(2 * np.pi * t / 2),
+        0.4 * np.sin(2 * np.pi * t / 3),
+        -0.5 * np.sin(2 * np.pi * t / 2.5),
+        0.2 * np.sin(2 * np.pi * t / 4),
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -51,13 +68,23 @@ def flight():
     trim = np.array([fdm[name] for name in COMMANDS])
     raw = dict(zip(RAW, fly(fdm, COMMANDS, trim + [moves(i * T) for i in k], RAW).T, strict=True))
 
-    plane = Aircraft("c172p", altitude=5000.0, speed=90.0, gamma=2.0, heading=310.0, setup=setup,
-                     properties=wind)
+    plane = Aircraft(
+        "c172p", altitude=5000.0, speed=90.0, gamma=2.0, heading=310.0, setup=setup, properties=wind
+    )
     sources = [Source(lambda t, i=i: moves(t)[i]) for i in range(4)]
     scope, names = Scope(), list(plane.output_port_labels)
-    Simulation([*sources, plane, scope], [
-        *(Connection(source, plane[name]) for source, name in zip(sources, INPUTS, strict=True)),
-        Connection(plane[:len(names)], scope[:len(names)])], dt=T, log=False).run(4.0)
+    Simulation(
+        [*sources, plane, scope],
+        [
+            *(
+                Connection(source, plane[name])
+                for source, name in zip(sources, INPUTS, strict=True)
+            ),
+            Connection(plane[: len(names)], scope[: len(names)]),
+        ],
+        dt=T,
+        log=False,
+    ).run(4.0)
     return dict(zip(names, scope.read()[1], strict=True)), raw
 
 
@@ -66,37 +93,74 @@ def worked_out(raw):
     get = raw.__getitem__
     phi, theta, psi = (get(f"attitude/{angle}-rad") for angle in ("phi", "theta", "psi"))
     phidot, thetadot, psidot = (
-        get(f"velocities/{angle}dot-rad_sec") for angle in ("phi", "theta", "psi"))
+        get(f"velocities/{angle}dot-rad_sec") for angle in ("phi", "theta", "psi")
+    )
     u, v, w = (get(f"velocities/{axis}-aero-fps") for axis in "uvw")
     north, east, down = (get(f"velocities/v-{axis}-fps") for axis in ("north", "east", "down"))
     true = np.sqrt(u * u + v * v + w * w)
     lat, lon, _ = pymap3d.ecef2geodetic(*(FOOT * get(f"position/ecef-{axis}-ft") for axis in "xyz"))
     # the load factors are those of the forces one step earlier, where JSBSim sums them up
-    nx, nz = (np.concatenate([[np.nan], (
-        (get(f"forces/fb{axis}-aero-lbs") + get(f"forces/fb{axis}-prop-lbs"))
-        / get("inertia/weight-lbs"))[:-1]]) for axis in "xz")
+    nx, nz = (
+        np.concatenate(
+            [
+                [np.nan],
+                (
+                    (get(f"forces/fb{axis}-aero-lbs") + get(f"forces/fb{axis}-prop-lbs"))
+                    / get("inertia/weight-lbs")
+                )[:-1],
+            ]
+        )
+        for axis in "xz"
+    )
     return {
-        "theta": np.degrees(theta), "phi": np.degrees(phi), "psi": np.degrees(psi),
+        "theta": np.degrees(theta),
+        "phi": np.degrees(phi),
+        "psi": np.degrees(psi),
         "p": np.degrees(phidot - psidot * np.sin(theta)),
         "q": np.degrees(thetadot * np.cos(phi) + psidot * np.cos(theta) * np.sin(phi)),
         "r": np.degrees(-thetadot * np.sin(phi) + psidot * np.cos(theta) * np.cos(phi)),
-        "alpha": np.degrees(np.arctan2(w, u)), "beta": np.degrees(np.arcsin(v / true)),
+        "alpha": np.degrees(np.arctan2(w, u)),
+        "beta": np.degrees(np.arcsin(v / true)),
         "gamma": np.degrees(np.arctan2(-down, np.hypot(north, east))),
-        "h": get("position/h-sl-meters") / FOOT, "hdot": -down,
-        "vc": get("velocities/vc-fps") / KNOT, "vt": get("velocities/vtrue-kts") * KNOT,
-        "mach": true / get("atmosphere/a-fps"), "nx": nx, "nz": -nz, "lat": lat, "lon": lon,
+        "h": get("position/h-sl-meters") / FOOT,
+        "hdot": -down,
+        "vc": get("velocities/vc-fps") / KNOT,
+        "vt": get("velocities/vtrue-kts") * KNOT,
+        "mach": true / get("atmosphere/a-fps"),
+        "nx": nx,
+        "nz": -nz,
+        "lat": lat,
+        "lon": lon,
     }
 
 
 # by how much each port moves at least in that flight, in its unit: a wrong factor must show
-PORTS = {"theta": 5.0, "phi": 20.0, "psi": 5.0, "p": 20.0, "q": 10.0, "r": 10.0, "alpha": 5.0,
-         "beta": 5.0, "gamma": 5.0, "h": 10.0, "hdot": 5.0, "vc": 5.0, "vt": 5.0, "mach": 0.005,
-         "nx": 0.1, "nz": 0.5, "lat": 1e-4, "lon": 1e-4}
+PORTS = {
+    "theta": 5.0,
+    "phi": 20.0,
+    "psi": 5.0,
+    "p": 20.0,
+    "q": 10.0,
+    "r": 10.0,
+    "alpha": 5.0,
+    "beta": 5.0,
+    "gamma": 5.0,
+    "h": 10.0,
+    "hdot": 5.0,
+    "vc": 5.0,
+    "vt": 5.0,
+    "mach": 0.005,
+    "nx": 0.1,
+    "nz": 0.5,
+    "lat": 1e-4,
+    "lon": 1e-4,
+}
 
 
 def test_every_port_is_listed_here():
     assert [*PORTS, "elev_sat", "ail_sat", "rud_sat", "thr_sat"] == list(
-        Aircraft.output_port_labels)
+        Aircraft.output_port_labels
+    )
 
 
 @pytest.mark.parametrize("port", PORTS)
@@ -111,12 +175,16 @@ def test_a_port_is_what_other_properties_say(flight, port):
     assert block[port][known] == pytest.approx(expected[known], rel=tolerance, abs=tolerance)
 
 
-@pytest.mark.parametrize(("port", "signs"), [
-    ("elevator", {"q": -1, "theta": -1, "alpha": -1, "nz": -1, "hdot": -1, "gamma": -1}),
-    ("aileron", {"p": 1, "phi": 1}),
-    # the nose goes left, so the wind comes from the right
-    ("rudder", {"r": -1, "psi": -1, "beta": 1}),
-    ("throttle", {"nx": 1, "vc": 1, "vt": 1, "mach": 1})])
+@pytest.mark.parametrize(
+    ("port", "signs"),
+    [
+        ("elevator", {"q": -1, "theta": -1, "alpha": -1, "nz": -1, "hdot": -1, "gamma": -1}),
+        ("aileron", {"p": 1, "phi": 1}),
+        # the nose goes left, so the wind comes from the right
+        ("rudder", {"r": -1, "psi": -1, "beta": 1}),
+        ("throttle", {"nx": 1, "vc": 1, "vt": 1, "mach": 1}),
+    ],
+)
 def test_a_positive_input_does_what_its_line_in_the_manual_says(port, signs):
     def after(increment):
         plane, constant = Aircraft("c172p", speed=90.0, heading=90.0), Constant(increment)
@@ -133,8 +201,9 @@ def test_nothing_is_saturated_before_it_flies_nor_without_an_engine():
     for plane in (Aircraft("c172p", speed=90.0), glider):
         assert [plane.outputs[name] for name in saturations] == [0.0] * 4
     constant = Constant(0.5)
-    Simulation([constant, glider], [Connection(constant, glider["throttle"])],
-               dt=T, log=False).run(2 * T)
+    Simulation([constant, glider], [Connection(constant, glider["throttle"])], dt=T, log=False).run(
+        2 * T
+    )
     assert [glider.outputs[name] for name in saturations] == [0.0] * 4
 
 
@@ -150,17 +219,23 @@ def test_north_east_and_up_are_positive():
     assert plane.outputs["gamma"] == pytest.approx(3.0, abs=0.05)
 
 
-@pytest.mark.parametrize(("aircraft", "port", "increment", "command", "excess"), [
-    ("c172p", "elevator", 1.0, 0.86993, 0.13007),
-    ("c172p", "elevator", -2.0, -1.0, -1.0),
-    ("c172p", "elevator", 0.5, 0.5, 0.0),
-    ("737", "elevator", -2.0, -0.84041, -1.15959),
-    ("737", "elevator", 2.0, 1.0, 1.0),
-    ("737", "aileron", 1.25, 1.0, 0.25), ("737", "aileron", -3.0, -1.0, -2.0),
-    ("737", "rudder", 1.25, 1.0, 0.25), ("737", "rudder", -3.0, -1.0, -2.0),
-])
-def test_the_aircraft_limits_its_commands_and_says_by_how_much(aircraft, port, increment, command,
-                                                               excess):
+@pytest.mark.parametrize(
+    ("aircraft", "port", "increment", "command", "excess"),
+    [
+        ("c172p", "elevator", 1.0, 0.86993, 0.13007),
+        ("c172p", "elevator", -2.0, -1.0, -1.0),
+        ("c172p", "elevator", 0.5, 0.5, 0.0),
+        ("737", "elevator", -2.0, -0.84041, -1.15959),
+        ("737", "elevator", 2.0, 1.0, 1.0),
+        ("737", "aileron", 1.25, 1.0, 0.25),
+        ("737", "aileron", -3.0, -1.0, -2.0),
+        ("737", "rudder", 1.25, 1.0, 0.25),
+        ("737", "rudder", -3.0, -1.0, -2.0),
+    ],
+)
+def test_the_aircraft_limits_its_commands_and_says_by_how_much(
+    aircraft, port, increment, command, excess
+):
     altitude, speed = FLIGHTS[aircraft]
     gear = 0 if aircraft == "737" else None
     plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=gear)
@@ -178,11 +253,13 @@ def test_the_aircraft_limits_its_commands_and_says_by_how_much(aircraft, port, i
 def test_the_aircraft_limits_its_throttles(increment, command):
     plane = Aircraft("737", altitude=10000, speed=280, gear=0)
     constant = Constant(increment)
-    Simulation([constant, plane], [Connection(constant, plane["throttle"])],
-               dt=T, log=False).run(2 * T)
+    Simulation([constant, plane], [Connection(constant, plane["throttle"])], dt=T, log=False).run(
+        2 * T
+    )
     assert [plane.fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in (0, 1)] == [command, command]
     assert plane.outputs["thr_sat"] == pytest.approx(
-        plane.trim.throttle[0] + increment - command, abs=1e-12)
+        plane.trim.throttle[0] + increment - command, abs=1e-12
+    )
 
 
 def test_a_subclass_with_parameters_of_its_own_takes_a_condition():

@@ -28,12 +28,18 @@ def diagram(states=0, aircraft="c172p", dt=1 / 120, **options):
     integrators = [Integrator(0.0) for _ in range(states)]
     sim = Simulation(
         [hold, plane, doublet, wobble, scope, *integrators],
-        [Connection(plane["theta"], hold["theta"], scope[0], *integrators),
-         Connection(plane["q"], hold["q"]),
-         Connection(hold["elevator"], plane["elevator"], scope[1]),
-         Connection(doublet, plane["rudder"]), Connection(wobble, plane["aileron"]),
-         Connection(plane["phi"], scope[2])],
-        dt=dt, Solver=RK4, log=False)
+        [
+            Connection(plane["theta"], hold["theta"], scope[0], *integrators),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"], scope[1]),
+            Connection(doublet, plane["rudder"]),
+            Connection(wobble, plane["aileron"]),
+            Connection(plane["phi"], scope[2]),
+        ],
+        dt=dt,
+        Solver=RK4,
+        log=False,
+    )
     return sim, plane, scope
 
 
@@ -57,7 +63,7 @@ def test_a_loaded_checkpoint_goes_on_bit_for_bit(states, parts, tmp_path):
     # and a reset still starts from the beginning
     again.run(301 * dt, reset=True)
     first = other_scope.read()[1]
-    assert np.array_equal(first, scope.read()[1][:, :first.shape[1]])
+    assert np.array_equal(first, scope.read()[1][:, : first.shape[1]])
 
 
 def test_a_checkpoint_of_a_checkpoint(tmp_path):
@@ -91,10 +97,19 @@ def test_recording_is_off_by_default_so_memory_stays_bounded():
 
 
 @pytest.mark.parametrize("duration", [0, 1], ids=["not flown yet", "flown"])
-@pytest.mark.parametrize("change", [
-    {"aircraft": "c172x"}, {"T": 1 / 60}, {"substeps": 2}, {"properties": {"fcs/flap-cmd-norm": 1}},
-    {"setup": {"propulsion/tank/contents-lbs": 10}}, {"create": {"a/b": 1.0}}, {"heading": 1},
-], ids=lambda change: next(iter(change)))
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"aircraft": "c172x"},
+        {"T": 1 / 60},
+        {"substeps": 2},
+        {"properties": {"fcs/flap-cmd-norm": 1}},
+        {"setup": {"propulsion/tank/contents-lbs": 10}},
+        {"create": {"a/b": 1.0}},
+        {"heading": 1},
+    ],
+    ids=lambda change: next(iter(change)),
+)
 def test_a_checkpoint_of_another_flight_is_refused(change, duration, tmp_path):
     sim, _, _ = diagram()
     if duration:
@@ -110,9 +125,14 @@ def test_a_checkpoint_of_another_flight_is_refused(change, duration, tmp_path):
 
 def test_a_checkpoint_of_other_ports_is_refused(tmp_path):
     def build(input_, output):
-        fdm = JSBSimFDM(input_properties=[f"fcs/{input_}-cmd-norm"], output_properties=[output],
-                        aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000,
-                        record_inputs=True)
+        fdm = JSBSimFDM(
+            input_properties=[f"fcs/{input_}-cmd-norm"],
+            output_properties=[output],
+            aircraft_model="c172p",
+            trim_airspeed=90,
+            trim_altitude=5000,
+            record_inputs=True,
+        )
         return Simulation([fdm], dt=fdm.T, log=False)
 
     sim = build("elevator", "attitude/theta-deg")
@@ -162,17 +182,27 @@ def test_a_checkpoint_of_an_aircraft_that_has_not_flown(tmp_path):
 
 def test_any_property_block_too(tmp_path):
     def build():
-        fdm = JSBSimFDM(input_properties=["fcs/elevator-cmd-norm"],
-                        output_properties=["attitude/theta-deg"], aircraft_model="737",
-                        trim_airspeed=280, trim_altitude=10000, record_inputs=True,
-                        properties={"atmosphere/turb-type": 3,
-                                    "atmosphere/randomseed": 7,
-                                    "atmosphere/turbulence/milspec/severity": 4,
-                                    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50})
+        fdm = JSBSimFDM(
+            input_properties=["fcs/elevator-cmd-norm"],
+            output_properties=["attitude/theta-deg"],
+            aircraft_model="737",
+            trim_airspeed=280,
+            trim_altitude=10000,
+            record_inputs=True,
+            properties={
+                "atmosphere/turb-type": 3,
+                "atmosphere/randomseed": 7,
+                "atmosphere/turbulence/milspec/severity": 4,
+                "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50,
+            },
+        )
         source, scope = Source(lambda t: 0.05 * math.sin(t)), Scope()
-        return Simulation([fdm, source, scope],
-                          [Connection(source, fdm[0]), Connection(fdm[0], scope)],
-                          dt=1 / 120, log=False), scope
+        return Simulation(
+            [fdm, source, scope],
+            [Connection(source, fdm[0]), Connection(fdm[0], scope)],
+            dt=1 / 120,
+            log=False,
+        ), scope
 
     sim, scope = build()
     sim.run(2.0)
@@ -220,16 +250,19 @@ def saved(tmp_path):
     return tmp_path / "stop"
 
 
-@pytest.mark.parametrize("change", [
-    lambda data: data["simulation"].update(time=1.0),
-    lambda data: data["simulation"].update(dt=0.01),
-    lambda data: data.pop("digest"),
-    lambda data: data.update(digest=None),
-    lambda data: data["blocks"].pop(),
-    lambda data: data["blocks"][0].update(active=False),
-    lambda data: data["blocks"][1].update(latched="no"),
-    lambda data: data["blocks"][-1]["engine"].update(n=3),
-])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda data: data["simulation"].update(time=1.0),
+        lambda data: data["simulation"].update(dt=0.01),
+        lambda data: data.pop("digest"),
+        lambda data: data.update(digest=None),
+        lambda data: data["blocks"].pop(),
+        lambda data: data["blocks"][0].update(active=False),
+        lambda data: data["blocks"][1].update(latched="no"),
+        lambda data: data["blocks"][-1]["engine"].update(n=3),
+    ],
+)
 def test_a_changed_value_is_refused_wherever_it_is(saved, change):
     file = saved.with_suffix(".json")
     data = json.loads(file.read_text())
@@ -291,8 +324,11 @@ for size in (100, 8000):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_save_that_does_not_fit_on_the_disk_keeps_the_last_one(tmp_path):
-    done = subprocess.run([sys.executable, "-c", FULL, str(tmp_path / "stop"),
-                           str(Path(__file__).parents[1])], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(tmp_path / "stop"), str(Path(__file__).parents[1])],
+        capture_output=True,
+        text=True,
+    )
     assert done.stderr == ""
     assert done.stdout.split("\n") == ["File too large"] * 2 + [""]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["stop.json", "stop.npz"]

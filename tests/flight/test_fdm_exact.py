@@ -21,9 +21,18 @@ pytestmark = pytest.mark.matrix
 
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm"]
-OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "attitude/psi-deg",
-           "velocities/q-rad_sec", "velocities/p-rad_sec", "velocities/vt-fps",
-           "position/h-sl-ft", "position/lat-geod-deg", "simulation/sim-time-sec"]
+OUTPUTS = [
+    "aero/alpha-deg",
+    "attitude/theta-deg",
+    "attitude/phi-deg",
+    "attitude/psi-deg",
+    "velocities/q-rad_sec",
+    "velocities/p-rad_sec",
+    "velocities/vt-fps",
+    "position/h-sl-ft",
+    "position/lat-geod-deg",
+    "simulation/sim-time-sec",
+]
 
 
 def noise(seed, amplitude=0.02):
@@ -42,9 +51,17 @@ def sines():
 
 def block(aircraft="c172p", **more):
     altitude, speed = FLIGHTS[aircraft]
-    return JSBSimFDM(**{"T": T, "input_properties": INPUTS, "output_properties": OUTPUTS,
-                        "aircraft_model": aircraft, "trim_airspeed": speed,
-                        "trim_altitude": altitude, **more})
+    return JSBSimFDM(
+        **{
+            "T": T,
+            "input_properties": INPUTS,
+            "output_properties": OUTPUTS,
+            "aircraft_model": aircraft,
+            "trim_airspeed": speed,
+            "trim_altitude": altitude,
+            **more,
+        }
+    )
 
 
 def wire(fdm, sources, others=(), connections=(), events=(), dt=T, backwards=False, **more):
@@ -53,9 +70,16 @@ def wire(fdm, sources, others=(), connections=(), events=(), dt=T, backwards=Fal
     blocks = [*sources, fdm, scope, *others]
     return scope, Simulation(
         blocks[::-1] if backwards else blocks,
-        [*(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
-         *(Connection(fdm[i], scope[n + i]) for i in range(len(OUTPUTS))), *connections],
-        list(events), dt=dt, log=False, **more)
+        [
+            *(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
+            *(Connection(fdm[i], scope[n + i]) for i in range(len(OUTPUTS))),
+            *connections,
+        ],
+        list(events),
+        dt=dt,
+        log=False,
+        **more,
+    )
 
 
 def samples(scope, T=T, n_inputs=3):
@@ -75,8 +99,9 @@ def loop(u, aircraft="c172p", T=T, substeps=1):
 
 
 @pytest.mark.parametrize("aircraft", FLIGHTS)
-@pytest.mark.parametrize("sources", [lambda: [noise(1), noise(2), noise(3)], sines],
-                         ids=["random", "sines"])
+@pytest.mark.parametrize(
+    "sources", [lambda: [noise(1), noise(2), noise(3)], sines], ids=["random", "sines"]
+)
 def test_bit_for_bit_at_dt_equal_T(aircraft, sources):
     fdm = block(aircraft)
     scope, sim = wire(fdm, sources())
@@ -131,9 +156,15 @@ def test_every_solver(states, solver, backwards):
     # continuous states driven by the aircraft, so that the stages see its outputs
     integrators = [Integrator(0.0) for _ in range(states)]
     options = {"dt_max": T / 3} if solver in (RKBS32, RKCK54, ESDIRK43) else {}
-    scope, sim = wire(fdm, sines(), integrators,
-                      [Connection(fdm[1], *integrators)] if states else [],
-                      Solver=solver, backwards=backwards, **options)
+    scope, sim = wire(
+        fdm,
+        sines(),
+        integrators,
+        [Connection(fdm[1], *integrators)] if states else [],
+        Solver=solver,
+        backwards=backwards,
+        **options,
+    )
     sim.run(1.0)
     u, y = samples(scope)
     assert len(y) == 121
@@ -165,8 +196,12 @@ def test_values_edited_between_two_runs_count_from_then_on(states):
     fdm = block()
     constant = Constant(0.01)
     integrators = [Integrator(0.0)] * states
-    scope, sim = wire(fdm, [constant, sine(1.0, 0.0), sine(0.5, 1.0)], integrators,
-                      [Connection(fdm[1], *integrators)] if states else [])
+    scope, sim = wire(
+        fdm,
+        [constant, sine(1.0, 0.0), sine(0.5, 1.0)],
+        integrators,
+        [Connection(fdm[1], *integrators)] if states else [],
+    )
     sim.run(1.0)
     constant.value = -0.02
     sim.run(1.0)
@@ -196,11 +231,17 @@ def test_two_aircraft_at_two_rates():
     scope, slow_scope = Scope(), Scope()
     sim = Simulation(
         [slow, *sources, fast, scope, slow_scope],
-        [*(Connection(s, fast[i], slow[i], scope[i], slow_scope[i])
-           for i, s in enumerate(sources)),
-         *(Connection(fast[i], scope[3 + i]) for i in range(len(OUTPUTS))),
-         *(Connection(slow[i], slow_scope[3 + i]) for i in range(len(OUTPUTS)))],
-        dt=T, log=False)
+        [
+            *(
+                Connection(s, fast[i], slow[i], scope[i], slow_scope[i])
+                for i, s in enumerate(sources)
+            ),
+            *(Connection(fast[i], scope[3 + i]) for i in range(len(OUTPUTS))),
+            *(Connection(slow[i], slow_scope[3 + i]) for i in range(len(OUTPUTS))),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(4.0)
     u, y = samples(scope)
     assert np.array_equal(y, loop(u))
@@ -244,8 +285,9 @@ def test_inside_subsystems(depth, states, gain):
     fdm = block()
     system = nested(fdm, depth, gain)
     integrators = [Integrator(0.0)] * states
-    scope, sim = wire(system, sines(), integrators,
-                      [Connection(system[1], *integrators)] if states else [])
+    scope, sim = wire(
+        system, sines(), integrators, [Connection(system[1], *integrators)] if states else []
+    )
     sim.run(2.0)
     u, y = samples(scope)
     assert len(y) == 241
@@ -263,11 +305,18 @@ def test_feedback_through_algebraic_blocks_has_no_delay():
     scope = Scope()
     sim = Simulation(
         [fdm, gain, total, source, *zeros, scope],
-        [Connection(fdm["attitude/theta-deg"], gain), Connection(gain, total[0]),
-         Connection(source, total[1]), Connection(total, fdm[0], scope[0]),
-         Connection(zeros[0], fdm[1], scope[1]), Connection(zeros[1], fdm[2], scope[2]),
-         *(Connection(fdm[i], scope[3 + i]) for i in range(len(OUTPUTS)))],
-        dt=T, log=False)
+        [
+            Connection(fdm["attitude/theta-deg"], gain),
+            Connection(gain, total[0]),
+            Connection(source, total[1]),
+            Connection(total, fdm[0], scope[0]),
+            Connection(zeros[0], fdm[1], scope[1]),
+            Connection(zeros[1], fdm[2], scope[2]),
+            *(Connection(fdm[i], scope[3 + i]) for i in range(len(OUTPUTS))),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(3.0)
     u, y = samples(scope)
     time = np.arange(len(u)) * T
@@ -294,10 +343,16 @@ def test_a_function_block_sees_every_sample():
     # a direct check of the order of evaluation: what a Function computes belongs to t_k
     fdm = block()
     difference = Function(lambda theta, alpha: theta - alpha)
-    scope, sim = wire(fdm, sines(), [difference, seen := Scope()],
-                      [Connection(fdm["attitude/theta-deg"], difference[0]),
-                       Connection(fdm["aero/alpha-deg"], difference[1]),
-                       Connection(difference, seen)])
+    scope, sim = wire(
+        fdm,
+        sines(),
+        [difference, seen := Scope()],
+        [
+            Connection(fdm["attitude/theta-deg"], difference[0]),
+            Connection(fdm["aero/alpha-deg"], difference[1]),
+            Connection(difference, seen),
+        ],
+    )
     sim.run(1.0)
     _, y = samples(scope)
     assert np.array_equal(seen.read()[1][0], y[:, 1] - y[:, 0])
@@ -357,12 +412,17 @@ def test_reset_to_another_time_flies_from_there():
     assert fdm.samples == 240
 
 
-@pytest.mark.parametrize("samples", [
-    200_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("samples", [200_000, pytest.param(1_000_000, marks=pytest.mark.long)])
 def test_many_samples_are_counted_exactly(samples):
     # the diagram's clock has drifted by then; the sample count must not have
-    fdm = JSBSimFDM(T=T, aircraft_model="ball", trim_mode="none", trim_altitude=1e5,
-                    trim_airspeed=0, output_properties=["simulation/sim-time-sec"])
+    fdm = JSBSimFDM(
+        T=T,
+        aircraft_model="ball",
+        trim_mode="none",
+        trim_altitude=1e5,
+        trim_airspeed=0,
+        output_properties=["simulation/sim-time-sec"],
+    )
     fdm.advance = lambda index, u: [0.0]  # the count is under test, not the flight
     sim = Simulation([fdm], dt=T, log=False)
     sim._update(0.0)

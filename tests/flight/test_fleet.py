@@ -19,8 +19,15 @@ from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_fl
 
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
-OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "velocities/vt-fps",
-           "position/h-sl-ft", "position/lat-geod-deg", "simulation/sim-time-sec"]
+OUTPUTS = [
+    "aero/alpha-deg",
+    "attitude/theta-deg",
+    "attitude/phi-deg",
+    "velocities/vt-fps",
+    "position/h-sl-ft",
+    "position/lat-geod-deg",
+    "simulation/sim-time-sec",
+]
 
 
 def test_every_model_is_listed_and_thirty_trim():
@@ -36,17 +43,29 @@ def test_level_flight_is_a_plain_loop(aircraft):
     assert flight.condition.gear == gear
     assert set(flight.create) == set(create)
 
-    fdm = JSBSimFDM(T=T, input_properties=INPUTS, output_properties=OUTPUTS,
-                    aircraft_model=aircraft, condition=flight.condition, create=flight.create)
+    fdm = JSBSimFDM(
+        T=T,
+        input_properties=INPUTS,
+        output_properties=OUTPUTS,
+        aircraft_model=aircraft,
+        condition=flight.condition,
+        create=flight.create,
+    )
     # small enough for every aircraft to stay in the air, unstable ones included
-    sources = [Source(lambda t: 0.005 * math.sin(3.0 * t)),
-               Source(lambda t: 0.005 * math.sin(2.0 * t))]
+    sources = [
+        Source(lambda t: 0.005 * math.sin(3.0 * t)),
+        Source(lambda t: 0.005 * math.sin(2.0 * t)),
+    ]
     scope = Scope()
     sim = Simulation(
         [*sources, fdm, scope],
-        [*(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
-         *(Connection(fdm[i], scope[2 + i]) for i in range(len(OUTPUTS)))],
-        dt=T, log=False)
+        [
+            *(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
+            *(Connection(fdm[i], scope[2 + i]) for i in range(len(OUTPUTS))),
+        ],
+        dt=T,
+        log=False,
+    )
     sim.run(30.0)
     data = scope.read()[1].T
     u, y = data[:, :2], data[:, 2:]
@@ -60,8 +79,12 @@ def test_level_flight_is_a_plain_loop(aircraft):
 
 
 # the last three search for seconds
-@pytest.mark.parametrize(("aircraft", "reason"), first(sorted(
-    NOT_FLYING.items(), key=lambda item: item[0] in ("ah1s", "F450", "paraglider")), -3))
+@pytest.mark.parametrize(
+    ("aircraft", "reason"),
+    first(
+        sorted(NOT_FLYING.items(), key=lambda item: item[0] in ("ah1s", "F450", "paraglider")), -3
+    ),
+)
 def test_the_others_say_why_not(aircraft, reason):
     with pytest.raises((TrimError, AircraftError), match=re.escape(repr(aircraft))) as error:
         level_flight(aircraft, tries=1)
@@ -100,8 +123,11 @@ def test_the_command_prints_the_table(capsys, monkeypatch):
 
 def test_the_page_is_up_to_date():
     page = Path(__file__).parents[2].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]]
-            for line in page.splitlines() if line.startswith("| ")][1:]
+    rows = [
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in page.splitlines()
+        if line.startswith("| ")
+    ][1:]
     assert [row[0] for row in rows] == aircraft_names()
     for name, _, altitude, speed, *_, verdict in rows:
         if name in FLYING:

@@ -37,8 +37,13 @@ def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
         fdm = block(T=T, substeps=substeps, record_inputs=True)
         system = nested(fdm, depth, False) if depth else fdm
         integrators = [Integrator(0.0)] * states
-        scope, sim = wire(system, sines(), integrators,
-                          [Connection(system[1], *integrators)] if states else [], dt=T)
+        scope, sim = wire(
+            system,
+            sines(),
+            integrators,
+            [Connection(system[1], *integrators)] if states else [],
+            dt=T,
+        )
         return fdm, scope, sim
 
     fdm, _, sim = diagram()
@@ -58,8 +63,9 @@ def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
         def interrupt(over=over):
             time.sleep(draw.uniform(0.001, 0.02))
             if not over.is_set():
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(me),
-                                                           ctypes.py_object(KeyboardInterrupt))
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                    ctypes.c_ulong(me), ctypes.py_object(KeyboardInterrupt)
+                )
 
         thread = threading.Thread(target=interrupt)
         try:
@@ -117,15 +123,26 @@ def test_an_aircraft_that_is_run_from_outside_ends_the_flight():
 def test_a_trim_is_no_input():
     # written at every sample it pins the aircraft, and where it fails JSBSim ends the process
     with pytest.raises(PropertyError, match="trims the aircraft again"):
-        JSBSimFDM(aircraft_model="c172p", trim_altitude=5000, trim_airspeed=90,
-                  input_properties=["simulation/do_simple_trim"])
+        JSBSimFDM(
+            aircraft_model="c172p",
+            trim_altitude=5000,
+            trim_airspeed=90,
+            input_properties=["simulation/do_simple_trim"],
+        )
 
 
 @pytest.mark.parametrize("terrain", [0.0, 4000.0])
 def test_under_the_ground_the_flight_ends(terrain):
     # gear up nothing of a 737 touches the ground
-    plane = Aircraft("737", altitude=terrain + 800, speed=300, gamma=-5, gear=0, mode="none",
-                     properties={"ic/terrain-elevation-ft": terrain})
+    plane = Aircraft(
+        "737",
+        altitude=terrain + 800,
+        speed=300,
+        gamma=-5,
+        gear=0,
+        mode="none",
+        properties={"ic/terrain-elevation-ft": terrain},
+    )
     with pytest.raises(FlightError, match=r"under the ground, height .* is -1\.") as error:
         flying(plane).run(120.0)
     assert error.value.name == "position/h-agl-ft"

@@ -13,12 +13,27 @@ from pathsim.blocks import Scope, Source
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 
 T = 1 / 120
-MEASURED = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "elev_sat", "ail_sat",
-            "thr_sat")
+MEASURED = (
+    "theta",
+    "phi",
+    "psi",
+    "p",
+    "q",
+    "r",
+    "h",
+    "hdot",
+    "vc",
+    "elev_sat",
+    "ail_sat",
+    "thr_sat",
+)
 COMMANDS = ("elevator", "aileron", "rudder", "throttle")
-TURBULENCE = {"atmosphere/randomseed": 7, "atmosphere/turb-type": 3,
-              "atmosphere/turbulence/milspec/severity": 3,
-              "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 30}
+TURBULENCE = {
+    "atmosphere/randomseed": 7,
+    "atmosphere/turb-type": 3,
+    "atmosphere/turbulence/milspec/severity": 3,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 30,
+}
 
 
 def megabytes():
@@ -28,16 +43,27 @@ def megabytes():
 
 def mission(sampling_period):
     """A 737 that its autopilot holds in turbulence, its fuel frozen."""
-    plane = Aircraft("737", altitude=10000, speed=280, gear=0, properties=TURBULENCE,
-                     setup={"propulsion/fuel_freeze": 1})
+    plane = Aircraft(
+        "737",
+        altitude=10000,
+        speed=280,
+        gear=0,
+        properties=TURBULENCE,
+        setup={"propulsion/fuel_freeze": 1},
+    )
     pilot = Autopilot(gains="737")
     scope = Scope(sampling_period=sampling_period)
     sim = Simulation(
         [plane, pilot, scope],
-        [*(Connection(plane[name], pilot[name]) for name in MEASURED),
-         *(Connection(pilot[name], plane[name]) for name in COMMANDS),
-         Connection(plane["h"], scope[0]), Connection(plane["vc"], scope[1])],
-        dt=T, log=False)
+        [
+            *(Connection(plane[name], pilot[name]) for name in MEASURED),
+            *(Connection(pilot[name], plane[name]) for name in COMMANDS),
+            Connection(plane["h"], scope[0]),
+            Connection(plane["vc"], scope[1]),
+        ],
+        dt=T,
+        log=False,
+    )
     return sim, plane, scope
 
 
@@ -58,6 +84,7 @@ def minutes(count):
 
 def lives(count):
     """Memory that lives of a diagram leave behind after the first tenth of them, in MB."""
+
     def life():
         plane = Aircraft("c172p", altitude=5000, speed=90)
         scope = Scope()
@@ -72,19 +99,26 @@ def lives(count):
     return megabytes() - before
 
 
-@pytest.mark.parametrize(("flight", "count", "most"), [
-    # 64800 steps at two numbers a second are 10 kB; a leak of 100 bytes a step were 6 MB
-    pytest.param(minutes, 10, 3.0, marks=pytest.mark.long),
-    # the same of a leak of 420 bytes a step, as a number or two that are kept
-    (minutes, 3, 3.0),
-    # an aircraft takes 0.37 MB: 90 that stay were 33 MB, 900 were 330
-    (lives, 100, 8.0),
-    pytest.param(lives, 1000, 8.0, marks=pytest.mark.long),
-])
+@pytest.mark.parametrize(
+    ("flight", "count", "most"),
+    [
+        # 64800 steps at two numbers a second are 10 kB; a leak of 100 bytes a step were 6 MB
+        pytest.param(minutes, 10, 3.0, marks=pytest.mark.long),
+        # the same of a leak of 420 bytes a step, as a number or two that are kept
+        (minutes, 3, 3.0),
+        # an aircraft takes 0.37 MB: 90 that stay were 33 MB, 900 were 330
+        (lives, 100, 8.0),
+        pytest.param(lives, 1000, 8.0, marks=pytest.mark.long),
+    ],
+)
 def test_memory_stays_bounded(flight, count, most):
     # in a process of its own, whose memory no other test moves
-    done = subprocess.run([sys.executable, __file__, flight.__name__, str(count)],
-                          capture_output=True, text=True, timeout=500)
+    done = subprocess.run(
+        [sys.executable, __file__, flight.__name__, str(count)],
+        capture_output=True,
+        text=True,
+        timeout=500,
+    )
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < most
 
@@ -96,9 +130,13 @@ def test_twenty_aircraft_in_one_diagram_fly_as_each_alone():
         scope = Scope()
         sim = Simulation(
             [*planes, source, scope],
-            [Connection(source, *(plane["elevator"] for plane in planes)),
-             *(Connection(plane["theta"], scope[i]) for i, plane in enumerate(planes))],
-            dt=T, log=False)
+            [
+                Connection(source, *(plane["elevator"] for plane in planes)),
+                *(Connection(plane["theta"], scope[i]) for i, plane in enumerate(planes)),
+            ],
+            dt=T,
+            log=False,
+        )
         return sim, scope
 
     many, scope = build(20)

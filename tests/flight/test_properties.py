@@ -27,9 +27,15 @@ from pathsim_jsbsim_blocks import (
 )
 
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
-OUTPUTS = ["attitude/theta-deg", "attitude/phi-deg", "velocities/q-rad_sec",
-           "velocities/p-rad_sec", "velocities/vt-fps", "position/h-sl-ft",
-           "simulation/sim-time-sec"]
+OUTPUTS = [
+    "attitude/theta-deg",
+    "attitude/phi-deg",
+    "velocities/q-rad_sec",
+    "velocities/p-rad_sec",
+    "velocities/vt-fps",
+    "position/h-sl-ft",
+    "simulation/sim-time-sec",
+]
 AIRCRAFT = {"c172p": (5000.0, 90.0), "737": (10000.0, 280.0), "A4": (10000.0, 300.0)}
 ADAPTIVE = (RKBS32, RKCK54, ESDIRK43)
 
@@ -58,20 +64,32 @@ class Plan:
     @property
     def samples(self):
         """Number of sample periods since the last reset."""
-        return sum(self.pieces[1 + max((i for i, n in enumerate(self.pieces) if n == 0),
-                                       default=-1):])
+        return sum(
+            self.pieces[1 + max((i for i, n in enumerate(self.pieces) if n == 0), default=-1) :]
+        )
 
 
-drives = st.sampled_from(["sine", "step", "doublet", "ramp", "constant", "feedback", "pid",
-                          "slow pid", "hold"])
+drives = st.sampled_from(
+    ["sine", "step", "doublet", "ramp", "constant", "feedback", "pid", "slow pid", "hold"]
+)
 plans = st.builds(
-    Plan, aircraft=st.sampled_from(list(AIRCRAFT)), T=st.sampled_from([1 / 120, 1 / 100, 1 / 30]),
-    substeps=st.integers(1, 4), solver=st.sampled_from([SSPRK22, RK4, *ADAPTIVE]),
-    parts=st.integers(1, 4), drives=st.tuples(drives, drives), states=st.integers(0, 2),
-    depth=st.integers(0, 2), gains=st.booleans(), inside=st.booleans(), order=st.integers(0, 2**31),
+    Plan,
+    aircraft=st.sampled_from(list(AIRCRAFT)),
+    T=st.sampled_from([1 / 120, 1 / 100, 1 / 30]),
+    substeps=st.integers(1, 4),
+    solver=st.sampled_from([SSPRK22, RK4, *ADAPTIVE]),
+    parts=st.integers(1, 4),
+    drives=st.tuples(drives, drives),
+    states=st.integers(0, 2),
+    depth=st.integers(0, 2),
+    gains=st.booleans(),
+    inside=st.booleans(),
+    order=st.integers(0, 2**31),
     # sample periods in a piece of the run; 0 is a reset. The last piece is a run
     pieces=st.lists(st.integers(0, 40), max_size=4).flatmap(
-        lambda pieces: st.integers(1, 40).map(lambda last: (*pieces, last))))
+        lambda pieces: st.integers(1, 40).map(lambda last: (*pieces, last))
+    ),
+)
 
 
 def drive(kind, plan, i, system):
@@ -84,21 +102,29 @@ def drive(kind, plan, i, system):
         reference = StepSource(amplitude=2.0, tau=7.3 * plan.T)
         return [reference, pid], [Connection(reference, pid["r"]), Connection(measured, pid["y"])]
     if kind == "hold":
-        hold = (PitchHold(theta_ref=2.0, authority=0.1, T=plan.T) if i == 0 else
-                RollHold(phi_ref=-3.0, authority=0.1, T=plan.T))
+        hold = (
+            PitchHold(theta_ref=2.0, authority=0.1, T=plan.T)
+            if i == 0
+            else RollHold(phi_ref=-3.0, authority=0.1, T=plan.T)
+        )
         return [hold], [Connection(measured, hold[0]), Connection(system[2 + i], hold[1])]
     if kind == "feedback":
         gain, offset, total = Amplifier(0.01), Constant(0.005), Adder("++")
-        return [gain, offset, total], [Connection(measured, gain), Connection(gain, total[0]),
-                                       Connection(offset, total[1])]
-    return [{
-        "sine": lambda: Source(lambda t: 0.03 * math.sin(5.0 * t + i)),
-        "step": lambda: StepSource(amplitude=0.03, tau=0.1234),
-        # edges on sample instants, and off them
-        "doublet": lambda: DoubletSource(amplitude=0.04, start=6 * plan.T, width=0.1111),
-        "ramp": lambda: RampSource(final=0.05, start=0.05, rise_time=0.3),
-        "constant": lambda: Constant(0.01),
-    }[kind]()], []
+        return [gain, offset, total], [
+            Connection(measured, gain),
+            Connection(gain, total[0]),
+            Connection(offset, total[1]),
+        ]
+    return [
+        {
+            "sine": lambda: Source(lambda t: 0.03 * math.sin(5.0 * t + i)),
+            "step": lambda: StepSource(amplitude=0.03, tau=0.1234),
+            # edges on sample instants, and off them
+            "doublet": lambda: DoubletSource(amplitude=0.04, start=6 * plan.T, width=0.1111),
+            "ramp": lambda: RampSource(final=0.05, start=0.05, rise_time=0.3),
+            "constant": lambda: Constant(0.01),
+        }[kind]()
+    ], []
 
 
 def around(fdm, plan):
@@ -130,9 +156,15 @@ def around(fdm, plan):
 
 def build(plan):
     altitude, speed = AIRCRAFT[plan.aircraft]
-    fdm = JSBSimFDM(T=plan.T, substeps=plan.substeps, input_properties=INPUTS,
-                    output_properties=OUTPUTS, aircraft_model=plan.aircraft,
-                    trim_altitude=altitude, trim_airspeed=speed)
+    fdm = JSBSimFDM(
+        T=plan.T,
+        substeps=plan.substeps,
+        input_properties=INPUTS,
+        output_properties=OUTPUTS,
+        aircraft_model=plan.aircraft,
+        trim_altitude=altitude,
+        trim_airspeed=speed,
+    )
     (system, inputs), scope = around(fdm, plan), Scope()
     blocks, wires = [system, scope], []
     for i, kind in enumerate(plan.drives):
@@ -149,8 +181,9 @@ def build(plan):
         wires.append(Connection(system[0], integrator))
     shuffled = np.random.default_rng(plan.order).permutation(len(blocks))
     limit = {"dt_max": plan.dt} if plan.solver in ADAPTIVE else {}
-    sim = Simulation([blocks[i] for i in shuffled], wires, dt=plan.dt, Solver=plan.solver,
-                     log=False, **limit)
+    sim = Simulation(
+        [blocks[i] for i in shuffled], wires, dt=plan.dt, Solver=plan.solver, log=False, **limit
+    )
     return fdm, scope, sim
 
 
@@ -181,8 +214,11 @@ def at_the_instants(plan, time, data):
     return data[:, at].T
 
 
-@settings(max_examples=settings().max_examples // 5, derandomize=True,
-          suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=settings().max_examples // 5,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
 @given(plans)
 def test_any_diagram_keeps_time_and_can_be_repeated(plan):
     event(f"{plan.solver.__name__}, {plan.states} states")

@@ -22,12 +22,15 @@ def fails():
     raise OSError("not the process's end")
 
 
-@pytest.mark.parametrize(("action", "outcome"), [
-    (lambda: None, Outcome.ENDS),
-    (fails, Outcome.ENDS),
-    (lambda: os.kill(os.getpid(), signal.SIGSEGV), Outcome.KILLS),
-    (goes_on, Outcome.GOES_ON),
-])
+@pytest.mark.parametrize(
+    ("action", "outcome"),
+    [
+        (lambda: None, Outcome.ENDS),
+        (fails, Outcome.ENDS),
+        (lambda: os.kill(os.getpid(), signal.SIGSEGV), Outcome.KILLS),
+        (goes_on, Outcome.GOES_ON),
+    ],
+)
 def test_outcomes(action, outcome):
     assert rehearse(action, seconds=1) is outcome
 

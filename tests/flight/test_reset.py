@@ -10,18 +10,31 @@ from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold
 
-OUTPUTS = ["aero/alpha-deg", "attitude/theta-deg", "attitude/phi-deg", "velocities/vt-fps",
-           "position/h-sl-ft", "position/long-gc-deg", "propulsion/engine/thrust-lbs",
-           "inertia/weight-lbs", "simulation/sim-time-sec"]
+OUTPUTS = [
+    "aero/alpha-deg",
+    "attitude/theta-deg",
+    "attitude/phi-deg",
+    "velocities/vt-fps",
+    "position/h-sl-ft",
+    "position/long-gc-deg",
+    "propulsion/engine/thrust-lbs",
+    "inertia/weight-lbs",
+    "simulation/sim-time-sec",
+]
 
 
 def wire(fdm, outputs):
     # the c172x's elevator actuator has a hysteresis that swallows 0.02
     doublet, scope = DoubletSource(amplitude=0.1, start=1.0, width=0.5), Scope()
-    sim = Simulation([doublet, fdm, scope],
-                     [Connection(doublet, fdm[0], scope[0]),
-                      *(Connection(fdm[i], scope[1 + i]) for i in range(len(outputs)))],
-                     dt=fdm.T, log=False)
+    sim = Simulation(
+        [doublet, fdm, scope],
+        [
+            Connection(doublet, fdm[0], scope[0]),
+            *(Connection(fdm[i], scope[1 + i]) for i in range(len(outputs))),
+        ],
+        dt=fdm.T,
+        log=False,
+    )
     return scope, sim
 
 
@@ -32,8 +45,9 @@ def flown(scope):
 
 @pytest.mark.parametrize("aircraft", first([*FEW, *sorted(set(FLYING) - set(FEW))], len(FEW)))
 def test_the_same_ten_seconds_twice(aircraft):
-    fdm = JSBSimFDM(input_properties=["fcs/elevator-cmd-norm"], output_properties=OUTPUTS,
-                    **keywords(aircraft))
+    fdm = JSBSimFDM(
+        input_properties=["fcs/elevator-cmd-norm"], output_properties=OUTPUTS, **keywords(aircraft)
+    )
     scope, sim = wire(fdm, OUTPUTS)
     sim.run(10.0)
     first = flown(scope)
@@ -104,9 +118,14 @@ def test_another_simulation_of_the_same_blocks_flies_on(states):
     def simulation(plane, hold, *integrators):
         return Simulation(
             [plane, hold, *integrators],
-            [Connection(plane["theta"], hold["theta"], *integrators),
-             Connection(plane["q"], hold["q"]), Connection(hold["elevator"], plane["elevator"])],
-            dt=1 / 120, log=False)
+            [
+                Connection(plane["theta"], hold["theta"], *integrators),
+                Connection(plane["q"], hold["q"]),
+                Connection(hold["elevator"], plane["elevator"]),
+            ],
+            dt=1 / 120,
+            log=False,
+        )
 
     once = blocks()
     simulation(*once).run(7.0)

@@ -58,9 +58,19 @@ def outside(code, folder, **environment):
     end = f"\njson.dump(report, open({str(report)!r}, 'w'))\n"
     path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
     done = subprocess.run(
-        [sys.executable, "-c", PRELUDE + code + end], cwd=work, capture_output=True, timeout=300,
-        env={**os.environ, "PYTHONPATH": path, "TMPDIR": str(temporary), "TMP": str(temporary),
-             "PYTHONDONTWRITEBYTECODE": "1", **environment})
+        [sys.executable, "-c", PRELUDE + code + end],
+        cwd=work,
+        capture_output=True,
+        timeout=300,
+        env={
+            **os.environ,
+            "PYTHONPATH": path,
+            "TMPDIR": str(temporary),
+            "TMP": str(temporary),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            **environment,
+        },
+    )
     assert done.returncode == 0, done.stderr.decode()
     assert os.listdir(temporary) == []
     return json.loads(report.read_text()), done.stdout + done.stderr, sorted(os.listdir(work))
@@ -68,9 +78,15 @@ def outside(code, folder, **environment):
 
 def fingerprint(folder):
     """Every file below a folder: size, time of change, contents."""
-    return {str(p.relative_to(folder)): (p.stat().st_size, p.stat().st_mtime_ns,
-                                         hashlib.sha256(p.read_bytes()).hexdigest())
-            for p in folder.rglob("*") if p.is_file() and p.suffix != ".pyc"}
+    return {
+        str(p.relative_to(folder)): (
+            p.stat().st_size,
+            p.stat().st_mtime_ns,
+            hashlib.sha256(p.read_bytes()).hexdigest(),
+        )
+        for p in folder.rglob("*")
+        if p.is_file() and p.suffix != ".pyc"
+    }
 
 
 FLY_ALL = f"""
@@ -124,13 +140,16 @@ def test_a_root_of_ones_own_stays_as_it_is(tmp_path):
     # with a root given JSBSim writes its files there, not into the current directory
     root = own_root(tmp_path, WRITERS)
     before = fingerprint(root)
-    report, printed, left = outside(f"""
+    report, printed, left = outside(
+        f"""
 report = []
 for name in {WRITERS!r}:
     airframe = Airframe(name, root={str(root)!r})
     airframe.run_ic()
     report.append(airframe.fdm.run())
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert report == [True] * len(WRITERS)
     assert fingerprint(root) == before
     assert printed == b""
@@ -148,15 +167,20 @@ def test_sealing_goes_on_to_the_last_output(tmp_path):
         outputs = ['<output name="left.csv" type="CSV" rate="1"/>'] * 1000 + [
             f'<output name="{tmp_path / "work" / "left.csv"}" type="CSV" rate="1"/>',
             '<output name="127.0.0.1" type="SOCKET" protocol="UDP" rate="1" '
-            f'port="{receiver.getsockname()[1]}"/>']
-        model.write_text(text.replace("</fdm_config>", "".join(outputs) + "</fdm_config>"),
-                         encoding="utf-8")
+            f'port="{receiver.getsockname()[1]}"/>',
+        ]
+        model.write_text(
+            text.replace("</fdm_config>", "".join(outputs) + "</fdm_config>"), encoding="utf-8"
+        )
         before = fingerprint(root)
-        report, printed, left = outside(f"""
+        report, printed, left = outside(
+            f"""
 airframe = Airframe("c172p", root={str(root)!r})
 airframe.run_ic()
 report = [airframe.fdm.run(), files()]
-""", tmp_path)
+""",
+            tmp_path,
+        )
         received = []
         with contextlib.suppress(BlockingIOError):
             received.append(receiver.recv(1000))
@@ -169,7 +193,8 @@ report = [airframe.fdm.run(), files()]
 
 def test_a_failed_trim_prints_nothing(tmp_path):
     # JSBSim does, and Python's last-resort handler prints warnings of loggers without handlers
-    report, printed, left = outside("""
+    report, printed, left = outside(
+        """
 from pathsim_jsbsim_blocks import TrimError
 report = []
 for name in ("737", "SGS", "dr1"):
@@ -178,19 +203,24 @@ for name in ("737", "SGS", "dr1"):
                   create=dict.fromkeys(keywords("fokker100")["create"], 0.0))
     except TrimError as error:
         report.append(error.reason)
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert len(report) == 3
     assert printed == b""
     assert left == []
 
 
 def test_the_737_twice_in_one_process(tmp_path):
-    report, printed, _ = outside("""
+    report, printed, _ = outside(
+        """
 flight = keywords("737")
 pair = [JSBSimFDM(output_properties=["position/h-sl-ft"], **flight) for _ in range(2)]
 Simulation(pair, dt=pair[0].T, log=False).run(1.0)
 report = [sockets(), *(float(fdm.outputs[0]) for fdm in pair)]
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert report[0] == []
     assert report[1] == report[2]
     assert printed == b""
@@ -207,23 +237,29 @@ def test_the_network_can_be_allowed(tmp_path):
         assert text.count(f'port="{theirs}"') == 1
         text = text.replace(f'port="{theirs}"', f'port="{ours}"')
     model.write_text(text, encoding="utf-8")
-    report, printed, _ = outside(f"""
+    report, printed, _ = outside(
+        f"""
 report = []
 for allow in (False, True):
     fdm = JSBSimFDM(**keywords("737"), JSBSim_path={str(root)!r}, allow_network=allow)
     report.append(sockets())
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert report == [[], [["tcp", tcp], ["udp", udp]]]
     assert printed == b""
 
 
 def test_files_can_be_allowed(tmp_path):
-    _, printed, left = outside("""
+    _, printed, left = outside(
+        """
 for name in ("global5000", "c172x"):
     fdm = JSBSimFDM(**keywords(name), allow_files=True)
     Simulation([fdm], dt=fdm.T, log=False).run(0.5)
 report = None
-""", tmp_path)
+""",
+        tmp_path,
+    )
     # the names are in the models' XML
     assert left == ["JSBout172B.csv", "global5000.csv"]
     assert min((tmp_path / "work" / name).stat().st_size for name in left) > 1000
@@ -234,13 +270,16 @@ def test_copies_with_another_cg_are_gone_after_loading(tmp_path):
     x, _, _ = empty_weight_cg("global5000")
     before = fingerprint(INSTALLED)
     # `outside` asserts that the temporary folder is empty in the end
-    report, printed, left = outside(f"""
+    report, printed, left = outside(
+        f"""
 fdm = JSBSimFDM(aircraft_model="global5000", condition=TrimCondition(
     altitude=15000, speed=250, empty_cg_x={0.97 * x!r}))
 report = [os.listdir(os.environ["TMPDIR"])]
 Simulation([fdm], dt=fdm.T, log=False).run(0.5)
 Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert report == [[]]
     assert left == []
     assert printed == b""
@@ -281,8 +320,9 @@ def test_what_jsbsim_says_in_other_threads_reaches_the_logger(caplog, capfd):
             thread.start()
         for thread in threads:
             thread.join()
-    speakers = {r.threadName for r in caplog.records
-                if "doesn't appear to be trimmable" in r.getMessage()}
+    speakers = {
+        r.threadName for r in caplog.records if "doesn't appear to be trimmable" in r.getMessage()
+    }
     assert speakers == {thread.name for thread in threads}
     assert capfd.readouterr() == ("", "")
 
@@ -321,14 +361,17 @@ def test_a_handler_that_raises_does_no_harm(capfd):
 
 def test_the_watch_sees_what_it_looks_for(tmp_path):
     # show that the checks above detect violations: open a port, a file, and print
-    report, printed, left = outside("""
+    report, printed, left = outside(
+        """
 import socket
 server = socket.create_server(("127.0.0.1", 0))
 file = open("left.csv", "w")
 os.write(1, b"one")
 os.write(2, b"two")
 report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert report[0]
     assert report[1][0].endswith("left.csv")
     assert printed == b"onetwo"

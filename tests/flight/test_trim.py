@@ -31,8 +31,13 @@ def found(aircraft, setup=None, **condition):
 
 def test_the_published_trim_of_the_global5000():
     # a plain JSBSim loop (tests/data/studies/04_doublet_trim.csv) prints 12 digits
-    state = found("global5000", altitude=15000, speed=250, payload=[7586.0],
-                  fuel=[4048.815, 4048.815, 4048.815])
+    state = found(
+        "global5000",
+        altitude=15000,
+        speed=250,
+        payload=[7586.0],
+        fuel=[4048.815, 4048.815, 4048.815],
+    )
     assert state.alpha == pytest.approx(4.31758372367, rel=1e-11)
     assert state.elevator_rad == pytest.approx(-0.0517213350122, rel=1e-11)
     assert state.elevator_norm == pytest.approx(-0.147775242892, rel=1e-11)
@@ -49,9 +54,15 @@ def test_the_published_hello_world():
     assert state.psi == pytest.approx(45.0, abs=1e-6)
 
 
-@pytest.mark.parametrize(("aircraft", "altitude", "speed", "gamma"), [
-    ("c172p", 5000.0, 90.0, 0.0), ("737", 15000.0, 300.0, 3.0), ("A4", 1000.0, 300.0, 5.0),
-    ("f16", 10000.0, 350.0, 0.0)])
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "speed", "gamma"),
+    [
+        ("c172p", 5000.0, 90.0, 0.0),
+        ("737", 15000.0, 300.0, 3.0),
+        ("A4", 1000.0, 300.0, 5.0),
+        ("f16", 10000.0, 350.0, 0.0),
+    ],
+)
 def test_the_same_state_as_a_plain_trim(aircraft, altitude, speed, gamma):
     state = found(aircraft, altitude=altitude, speed=speed, gamma=gamma)
     fdm = trimmed(aircraft, altitude, speed, gamma=gamma)
@@ -89,19 +100,22 @@ def test_a_turn_holds_its_bank():
     assert state.alpha > level.alpha + 0.1
 
 
-@pytest.mark.parametrize(("aircraft", "altitude", "speed", "bank", "heading"), [
-    ("c172p", 5000, 90, 30, 90), ("c172p", 5000, 90, 60, 0), ("737", 10000, 280, -60, 358)])
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "speed", "bank", "heading"),
+    [("c172p", 5000, 90, 30, 90), ("c172p", 5000, 90, 60, 0), ("737", 10000, 280, -60, 358)],
+)
 def test_a_turn_starts_on_its_heading(aircraft, altitude, speed, bank, heading):
     # JSBSim's own turn trim leaves the nose up to 6 deg beyond, into the turn
-    state = found(aircraft, altitude=altitude, speed=speed, mode="turn", bank=bank,
-                  heading=heading)
+    state = found(aircraft, altitude=altitude, speed=speed, mode="turn", bank=bank, heading=heading)
     assert math.remainder(state.psi - heading, 360) == pytest.approx(0, abs=0.01)
     assert max(abs(a) for a in (state.udot, state.vdot, state.wdot)) < 1e-3
 
 
 def test_a_pull_up_takes_more_alpha():
-    one, half_more = (found("c172p", altitude=5000, speed=90, mode="pull-up", load_factor=n)
-                      for n in (1.0001, 1.5))
+    one, half_more = (
+        found("c172p", altitude=5000, speed=90, mode="pull-up", load_factor=n)
+        for n in (1.0001, 1.5)
+    )
     # lift is nearly proportional to alpha above the zero-lift angle of about -4 deg
     assert half_more.alpha - one.alpha > 1.5
 
@@ -115,8 +129,16 @@ def test_ground_trim_stands_on_the_gear():
     assert abs(state.wdot) < 1e-3
 
 
-@pytest.mark.parametrize("more", [{}, {"speed": 50}, {"mach": 0.3, "gamma": 5},
-                                  {"wind_north": -20}, {"wind_north": -20, "heading": 30}])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"speed": 50},
+        {"mach": 0.3, "gamma": 5},
+        {"wind_north": -20},
+        {"wind_north": -20, "heading": 30},
+    ],
+)
 @pytest.mark.parametrize("aircraft", ["c172p", "737", "A4"])
 def test_on_the_ground_nothing_moves_but_the_air(aircraft, more):
     condition = TrimCondition(**{"altitude": 0, "mode": "ground", **more})
@@ -145,8 +167,7 @@ def test_after_a_ground_trim_the_ground_is_where_it_was():
     assert state.alpha == pytest.approx(found("c172p", altitude=5000, speed=90).alpha, abs=1e-5)
     assert airframe.fdm["position/h-agl-ft"] == pytest.approx(5000, abs=1)
     # and a terrain that the user has set stays
-    trim(airframe, TrimCondition(altitude=5000, speed=90,
-                                 setup={"ic/terrain-elevation-ft": 1000}))
+    trim(airframe, TrimCondition(altitude=5000, speed=90, setup={"ic/terrain-elevation-ft": 1000}))
     trim(airframe, TrimCondition(altitude=6000, mode="ground"))
     trim(airframe, TrimCondition(altitude=5000, speed=90))
     assert airframe.fdm["position/h-agl-ft"] == pytest.approx(4000, abs=1)
@@ -174,8 +195,10 @@ def test_longitudinal_trim_leaves_the_wings_alone():
 @pytest.mark.parametrize(("heading", "north", "east"), [(0, -30, 0), (45, -20, 10), (270, 0, 25)])
 def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
     airframe = Airframe("c172p")
-    state = trim(airframe, TrimCondition(altitude=5000, speed=90, heading=heading,
-                                         wind_north=north, wind_east=east))
+    state = trim(
+        airframe,
+        TrimCondition(altitude=5000, speed=90, heading=heading, wind_north=north, wind_east=east),
+    )
     still = found("c172p", altitude=5000, speed=90, heading=heading)
     fdm = airframe.fdm
     course = math.radians(heading)
@@ -185,9 +208,11 @@ def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
         assert fdm["atmosphere/total-wind-east-fps"] == pytest.approx(east, abs=1e-9)
         # the aircraft's heading differs from its path through the air by a sideslip of 0.001 deg
         assert fdm["velocities/v-north-fps"] == pytest.approx(
-            still.tas * math.cos(course) + north, abs=0.02)
+            still.tas * math.cos(course) + north, abs=0.02
+        )
         assert fdm["velocities/v-east-fps"] == pytest.approx(
-            still.tas * math.sin(course) + east, abs=0.02)
+            still.tas * math.sin(course) + east, abs=0.02
+        )
         for _ in range(600):
             fdm.run()
     assert state.alpha == pytest.approx(still.alpha, abs=0.01)
@@ -209,8 +234,9 @@ def test_a_crosswind_does_not_turn_the_next_trim():
 
 def test_payload_and_fuel_move_the_weight():
     light = found("c172p", altitude=5000, speed=90, payload={0: 0.0, 1: 0.0}, fuel=[50.0, 50.0])
-    heavy = found("c172p", altitude=5000, speed=90, payload={0: 180.0, 1: 180.0},
-                  fuel=[100.0, 100.0])
+    heavy = found(
+        "c172p", altitude=5000, speed=90, payload={0: 180.0, 1: 180.0}, fuel=[100.0, 100.0]
+    )
     assert heavy.weight - light.weight == pytest.approx(460.0)
 
 
@@ -225,15 +251,27 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
     assert empty_weight_cg("global5000")[0] == x
 
 
-@pytest.mark.parametrize(("aircraft", "condition", "reason", "text"), [
-    ("737", {"altitude": 15000, "speed": 120}, "alpha limit", "alpha ran to the end of"),
-    ("737", {"altitude": 15000, "speed": 450, "gamma": 9}, "thrust", "throttle"),
-    ("SGS", {"altitude": 5000, "speed": 60}, "thrust", "no engine"),
-    # a wind from behind lifts the tail, a storm from ahead the whole aircraft
-    ("c172p", {"altitude": 0, "mode": "ground", "wind_north": 20}, "pitch angle",
-     "the pitch angle ran to the end"),
-    ("c172x", {"altitude": 0, "mode": "ground", "wind_north": -150}, "height", "the height ran"),
-])
+@pytest.mark.parametrize(
+    ("aircraft", "condition", "reason", "text"),
+    [
+        ("737", {"altitude": 15000, "speed": 120}, "alpha limit", "alpha ran to the end of"),
+        ("737", {"altitude": 15000, "speed": 450, "gamma": 9}, "thrust", "throttle"),
+        ("SGS", {"altitude": 5000, "speed": 60}, "thrust", "no engine"),
+        # a wind from behind lifts the tail, a storm from ahead the whole aircraft
+        (
+            "c172p",
+            {"altitude": 0, "mode": "ground", "wind_north": 20},
+            "pitch angle",
+            "the pitch angle ran to the end",
+        ),
+        (
+            "c172x",
+            {"altitude": 0, "mode": "ground", "wind_north": -150},
+            "height",
+            "the height ran",
+        ),
+    ],
+)
 def test_a_failed_trim_says_why(aircraft, condition, reason, text):
     condition = TrimCondition(**condition)
     airframe = Airframe(aircraft)
@@ -246,27 +284,34 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
     assert max(map(abs, error.value.residuals.values())) > 1e-3
 
 
-@pytest.mark.parametrize(("condition", "axis", "reason"), [
-    # the axes and controls of FGTrim::SetMode
-    ({}, "vdot", "bank"), ({}, "qdot", "elevator"),
-    ({"mode": "longitudinal"}, "wdot", "alpha limit"),
-    ({"mode": "turn", "bank": 20}, "vdot", "sideslip"),
-    ({"mode": "pull-up", "load_factor": 2}, "nlf", "alpha limit"),
-    ({"mode": "pull-up", "load_factor": 2}, "hmgt", "sideslip"),
-    ({"mode": "pull-up", "load_factor": 2}, "vdot", "bank"),
-    ({"mode": "ground"}, "pdot", "bank"), ({"mode": "ground"}, "qdot", "pitch angle"),
-])
+@pytest.mark.parametrize(
+    ("condition", "axis", "reason"),
+    [
+        # the axes and controls of FGTrim::SetMode
+        ({}, "vdot", "bank"),
+        ({}, "qdot", "elevator"),
+        ({"mode": "longitudinal"}, "wdot", "alpha limit"),
+        ({"mode": "turn", "bank": 20}, "vdot", "sideslip"),
+        ({"mode": "pull-up", "load_factor": 2}, "nlf", "alpha limit"),
+        ({"mode": "pull-up", "load_factor": 2}, "hmgt", "sideslip"),
+        ({"mode": "pull-up", "load_factor": 2}, "vdot", "bank"),
+        ({"mode": "ground"}, "pdot", "bank"),
+        ({"mode": "ground"}, "qdot", "pitch angle"),
+    ],
+)
 def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
     said = f"  Sorry, {axis} doesn't appear to be trimmable"
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages",
-                        lambda *a, **b: (False, [said]))
+    monkeypatch.setattr(
+        "pathsim_jsbsim_blocks.flight._trim.messages", lambda *a, **b: (False, [said])
+    )
     with pytest.raises(TrimError) as error:
         found("c172p", **condition)
     assert error.value.reason == reason
 
 
-@pytest.mark.parametrize(("aircraft", "altitude", "good", "bad"), [
-    ("737", 15000, 300, 120), ("A4", 10000, 250, 80)])
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "good", "bad"), [("737", 15000, 300, 120), ("A4", 10000, 250, 80)]
+)
 def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):
     airframe = Airframe(aircraft)
     fresh = trim(airframe, TrimCondition(altitude=altitude, speed=good))
@@ -288,8 +333,8 @@ def test_what_was_written_outlasts_a_failed_trim():
     assert airframe.fdm is not before
     assert airframe.fdm["ours/lamp"] == 2.0
     assert state == dataclasses.replace(
-        found("c172p", altitude=3000, speed=70, flaps=0.5, fuel=[50, 60]),
-        condition=state.condition)
+        found("c172p", altitude=3000, speed=70, flaps=0.5, fuel=[50, 60]), condition=state.condition
+    )
 
 
 @pytest.mark.parametrize("mode", ["none", "full"])
@@ -303,14 +348,17 @@ def test_after_a_flight_that_broke_it_an_airframe_starts_fresh(mode):
     assert trim(airframe, condition) == fresh
 
 
-@pytest.mark.parametrize("field", sorted(
-    set(UNITS) & {f.name for f in dataclasses.fields(TrimState)}))
+@pytest.mark.parametrize(
+    "field", sorted(set(UNITS) & {f.name for f in dataclasses.fields(TrimState)})
+)
 def test_every_field_of_a_state_is_checked(monkeypatch, field):
     airframe, condition = Airframe("c172p"), TrimCondition(altitude=5000, speed=90, mode="none")
     fine = trim(airframe, condition)
     broken = (math.nan,) if field == "throttle" else math.inf
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.state",
-                        lambda *_: dataclasses.replace(fine, **{field: broken}))
+    monkeypatch.setattr(
+        "pathsim_jsbsim_blocks.flight._trim.state",
+        lambda *_: dataclasses.replace(fine, **{field: broken}),
+    )
     with pytest.raises(TrimError, match=f"{field} not finite after the trim"):
         trim(Airframe("c172p"), condition)
 
@@ -330,27 +378,39 @@ for condition in eval(sys.argv[2]):
 """
 
 
-@pytest.mark.parametrize(("aircraft", "conditions", "said"), [
-    # JSBSim's search for a ground attitude reads invalid memory, which ends the process
-    ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
-    ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
-    ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
-])
+@pytest.mark.parametrize(
+    ("aircraft", "conditions", "said"),
+    [
+        # JSBSim's search for a ground attitude reads invalid memory, which ends the process
+        ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
+        ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
+        ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
+    ],
+)
 def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, conditions, said):
-    done = subprocess.run([sys.executable, "-c", GROUND, aircraft, repr(conditions)],
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", GROUND, aircraft, repr(conditions)], capture_output=True, text=True
+    )
     assert (done.returncode, done.stdout.strip(), done.stderr) == (0, said, "")
 
 
-@pytest.mark.parametrize(("aircraft", "condition", "reason", "text"), [
-    ("Short_S23", {"altitude": 2000, "mach": 1.88, "mode": "turn", "bank": 30}, "mach",
-     "Mach 1.88: propellers"),
-    ("c172p", {"altitude": 30000, "speed": 450}, "mach", "propellers"),
-    ("737", {"altitude": 5e5, "speed": 300}, "altitude", "above 278,386 ft"),
-    ("c172p", {"altitude": 1e6, "mode": "ground"}, "altitude", "above 278,386 ft"),
-])
-def test_what_cannot_be_is_refused_before_the_search(monkeypatch, aircraft, condition, reason,
-                                                     text):
+@pytest.mark.parametrize(
+    ("aircraft", "condition", "reason", "text"),
+    [
+        (
+            "Short_S23",
+            {"altitude": 2000, "mach": 1.88, "mode": "turn", "bank": 30},
+            "mach",
+            "Mach 1.88: propellers",
+        ),
+        ("c172p", {"altitude": 30000, "speed": 450}, "mach", "propellers"),
+        ("737", {"altitude": 5e5, "speed": 300}, "altitude", "above 278,386 ft"),
+        ("c172p", {"altitude": 1e6, "mode": "ground"}, "altitude", "above 278,386 ft"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_the_search(
+    monkeypatch, aircraft, condition, reason, text
+):
     monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages", None)
     with pytest.raises(TrimError, match=text) as error:
         found(aircraft, **condition)
@@ -363,14 +423,26 @@ def test_alpha_limits_count():
     assert "[-4, 3] deg" in str(error.value)
 
 
-@pytest.mark.parametrize(("values", "parameter"), [
-    ({"speed": -10}, "speed"), ({"speed": 0}, "speed"), ({"altitude": float("nan")}, "altitude"),
-    ({"mach": 0}, "mach"), ({"gamma": 100}, "gamma"), ({"mode": "level"}, "mode"),
-    ({"gear": 2}, "gear"), ({"bank": 30}, "bank"), ({"load_factor": 2}, "load_factor"),
-    ({"payload": [-1]}, "payload[0]"), ({"fuel": {"left": 3}}, "fuel index"),
-    ({"fuel": 100}, "fuel"), ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
-    ({"setup": ["a"]}, "setup"), ({"speed": "fast"}, "speed"),
-])
+@pytest.mark.parametrize(
+    ("values", "parameter"),
+    [
+        ({"speed": -10}, "speed"),
+        ({"speed": 0}, "speed"),
+        ({"altitude": float("nan")}, "altitude"),
+        ({"mach": 0}, "mach"),
+        ({"gamma": 100}, "gamma"),
+        ({"mode": "level"}, "mode"),
+        ({"gear": 2}, "gear"),
+        ({"bank": 30}, "bank"),
+        ({"load_factor": 2}, "load_factor"),
+        ({"payload": [-1]}, "payload[0]"),
+        ({"fuel": {"left": 3}}, "fuel index"),
+        ({"fuel": 100}, "fuel"),
+        ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
+        ({"setup": ["a"]}, "setup"),
+        ({"speed": "fast"}, "speed"),
+    ],
+)
 def test_impossible_conditions_are_refused(values, parameter):
     with pytest.raises(ParameterError) as error:
         TrimCondition(**values)
@@ -390,10 +462,12 @@ def test_conditions_can_be_sent_to_other_processes():
 
 
 def test_conditions_and_states_are_values():
-    condition = TrimCondition(altitude=1000, speed=80, mode="none", payload=[10.0],
-                              setup={"fcs/flap-cmd-norm": 1.0})
-    same = TrimCondition(altitude=1000, speed=80, mode="none", payload={0: 10.0},
-                         setup={"fcs/flap-cmd-norm": 1.0})
+    condition = TrimCondition(
+        altitude=1000, speed=80, mode="none", payload=[10.0], setup={"fcs/flap-cmd-norm": 1.0}
+    )
+    same = TrimCondition(
+        altitude=1000, speed=80, mode="none", payload={0: 10.0}, setup={"fcs/flap-cmd-norm": 1.0}
+    )
     assert hash(condition) == hash(same)
     assert len({condition, same, TrimCondition()}) == 2
     for twin in (copy.deepcopy(condition), pickle.loads(pickle.dumps(condition))):
@@ -412,8 +486,12 @@ def test_conditions_and_states_are_values():
 
 def test_the_setup_of_a_block_is_written_after_that_of_its_condition():
     # two names of one latitude: the last one written counts
-    condition = TrimCondition(altitude=1000, speed=80, mode="none", setup={
-        "ic/lat-geod-deg": 10.0, "ic/lat-geod-rad": math.radians(20.0)})
+    condition = TrimCondition(
+        altitude=1000,
+        speed=80,
+        mode="none",
+        setup={"ic/lat-geod-deg": 10.0, "ic/lat-geod-rad": math.radians(20.0)},
+    )
     assert Aircraft("c172p", condition=condition).outputs["lat"] == pytest.approx(20.0)
     plane = Aircraft("c172p", condition=condition, setup={"ic/lat-geod-deg": 30.0})
     assert plane.outputs["lat"] == pytest.approx(30.0)

@@ -8,5 +8,7 @@ from corruptions import loaded_from_corruptions
 def test_corrupted_checkpoints(tmp_path):
     seed, count = 20, 300
     refused = loaded_from_corruptions(tmp_path, seed, count)
-    print(f"checkpoints, seed {seed}: {count} corruptions, {refused} refused, "
-          f"{count - refused} flew the same flight")
+    print(
+        f"checkpoints, seed {seed}: {count} corruptions, {refused} refused, "
+        f"{count - refused} flew the same flight"
+    )

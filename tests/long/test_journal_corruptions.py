@@ -8,5 +8,7 @@ from corruptions import resumed_from_corruptions
 def test_corrupted_files_of_a_study(tmp_path):
     seed, count = 20, 300
     refused = resumed_from_corruptions(tmp_path, seed, count)
-    print(f"journal, seed {seed}: {count} corruptions, {refused} refused, "
-          f"{count - refused} gave the same table")
+    print(
+        f"journal, seed {seed}: {count} corruptions, {refused} refused, "
+        f"{count - refused} gave the same table"
+    )

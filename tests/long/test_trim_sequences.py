@@ -91,9 +91,15 @@ def batch(folder, seed, sequences, modes):
     path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
     done = subprocess.run(
         [sys.executable, "-c", BATCH, str(seed), str(sequences), modes, str(log), str(report)],
-        env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True)
-    assert done.returncode == 0, (done.returncode, done.stderr[-2000:],
-                                  log.read_text().splitlines()[-12:])
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, (
+        done.returncode,
+        done.stderr[-2000:],
+        log.read_text().splitlines()[-12:],
+    )
     return json.loads(report.read_text())
 
 

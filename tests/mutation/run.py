@@ -61,29 +61,54 @@ class OnePercent(Operator):
 
 
 # one change that a mistaken hand might make; nonsense such as a shift of floats dies at once
-OPERATORS = {name: get_operator(f"core/{name}")() for name in (
-    "ReplaceBinaryOperator_Add_Sub", "ReplaceBinaryOperator_Sub_Add",
-    "ReplaceBinaryOperator_Mul_Div", "ReplaceBinaryOperator_Div_Mul",
-    "ReplaceBinaryOperator_Mul_Add", "ReplaceBinaryOperator_Pow_Mul",
-    "ReplaceBinaryOperator_FloorDiv_Div", "ReplaceBinaryOperator_Mod_Div",
-    "ReplaceUnaryOperator_Delete_Not", "ReplaceUnaryOperator_Delete_USub",
-    "ReplaceUnaryOperator_USub_UAdd",
-    "ReplaceComparisonOperator_Lt_LtE", "ReplaceComparisonOperator_LtE_Lt",
-    "ReplaceComparisonOperator_Gt_GtE", "ReplaceComparisonOperator_GtE_Gt",
-    "ReplaceComparisonOperator_Lt_GtE", "ReplaceComparisonOperator_LtE_Gt",
-    "ReplaceComparisonOperator_Gt_LtE", "ReplaceComparisonOperator_GtE_Lt",
-    "ReplaceComparisonOperator_Eq_NotEq", "ReplaceComparisonOperator_NotEq_Eq",
-    "ReplaceComparisonOperator_Is_IsNot", "ReplaceComparisonOperator_IsNot_Is",
-    "ReplaceTrueWithFalse", "ReplaceFalseWithTrue", "ReplaceAndWithOr", "ReplaceOrWithAnd",
-    "AddNot", "ExceptionReplacer", "ZeroIterationForLoop", "ReplaceBreakWithContinue",
-    "ReplaceContinueWithBreak", "NumberReplacer")} | {"OnePercent": OnePercent()}
+OPERATORS = {
+    name: get_operator(f"core/{name}")()
+    for name in (
+        "ReplaceBinaryOperator_Add_Sub",
+        "ReplaceBinaryOperator_Sub_Add",
+        "ReplaceBinaryOperator_Mul_Div",
+        "ReplaceBinaryOperator_Div_Mul",
+        "ReplaceBinaryOperator_Mul_Add",
+        "ReplaceBinaryOperator_Pow_Mul",
+        "ReplaceBinaryOperator_FloorDiv_Div",
+        "ReplaceBinaryOperator_Mod_Div",
+        "ReplaceUnaryOperator_Delete_Not",
+        "ReplaceUnaryOperator_Delete_USub",
+        "ReplaceUnaryOperator_USub_UAdd",
+        "ReplaceComparisonOperator_Lt_LtE",
+        "ReplaceComparisonOperator_LtE_Lt",
+        "ReplaceComparisonOperator_Gt_GtE",
+        "ReplaceComparisonOperator_GtE_Gt",
+        "ReplaceComparisonOperator_Lt_GtE",
+        "ReplaceComparisonOperator_LtE_Gt",
+        "ReplaceComparisonOperator_Gt_LtE",
+        "ReplaceComparisonOperator_GtE_Lt",
+        "ReplaceComparisonOperator_Eq_NotEq",
+        "ReplaceComparisonOperator_NotEq_Eq",
+        "ReplaceComparisonOperator_Is_IsNot",
+        "ReplaceComparisonOperator_IsNot_Is",
+        "ReplaceTrueWithFalse",
+        "ReplaceFalseWithTrue",
+        "ReplaceAndWithOr",
+        "ReplaceOrWithAnd",
+        "AddNot",
+        "ExceptionReplacer",
+        "ZeroIterationForLoop",
+        "ReplaceBreakWithContinue",
+        "ReplaceContinueWithBreak",
+        "NumberReplacer",
+    )
+} | {"OnePercent": OnePercent()}
 
 
 def own_tests(tree: Path, module: Path) -> list[str]:
     """Arguments for pytest: the tests of a module, by the longest key that its path ends with."""
     path = f"/{module.relative_to(PACKAGE).with_suffix('').as_posix()}"
-    keys = [key for key in OWN_TESTS
-            if path.endswith(f"/{key}") or (key.endswith("/") and f"/{key}" in path)]
+    keys = [
+        key
+        for key in OWN_TESTS
+        if path.endswith(f"/{key}") or (key.endswith("/") and f"/{key}" in path)
+    ]
     found = []
     for name in OWN_TESTS[max(keys, key=len)] if keys else ():
         if not name.endswith(".py"):  # an option
@@ -116,12 +141,14 @@ def silent(source: str) -> list[tuple[int, int, int, int]]:
         elif isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             for argument in node.exc.args[:1]:
                 add(argument)
-        elif (isinstance(node, ast.Call)
-              and ast.unparse(node.func).startswith(("log.", "warnings.", "TypeVar"))) or (
-                isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)):
+        elif (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func).startswith(("log.", "warnings.", "TypeVar"))
+        ) or (isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)):
             add(node)
         elif isinstance(node, ast.Assign) and re.match(
-                r"(tuple|dict|list|Callable|Sequence|Mapping)\[|\w+ \| ", ast.unparse(node.value)):
+            r"(tuple|dict|list|Callable|Sequence|Mapping)\[|\w+ \| ", ast.unparse(node.value)
+        ):
             add(node.value)
     return spans
 
@@ -132,8 +159,9 @@ def mutants(source: str) -> dict[tuple[int, int], list[tuple[str, int]]]:
     spans = silent(source)
     places = defaultdict(list)
     for name, operator in OPERATORS.items():
-        positions = (position for node in ast_nodes(tree)
-                     for position in operator.mutation_positions(node))
+        positions = (
+            position for node in ast_nodes(tree) for position in operator.mutation_positions(node)
+        )
         for occurrence, ((line, column), _) in enumerate(positions):
             if not any((a, b) <= (line, column) < (c, d) for a, b, c, d in spans):
                 places[line, column].append((name, occurrence))
@@ -160,8 +188,7 @@ def sample(tree: Path, only: str, count: int, seed: int) -> list[tuple[Path, str
             operator, occurrence = random.Random(digest).choice(choices)
             drawn.append((digest, module, operator, occurrence))
     print(f"{len(drawn)} places for mutants", flush=True)
-    return [mutant for _, *mutant in sorted(drawn)[:count]
-            if re.search(only, mutant[0].as_posix())]
+    return [mutant for _, *mutant in sorted(drawn)[:count] if re.search(only, mutant[0].as_posix())]
 
 
 def changed(before: str, after: str) -> tuple[int, str, str]:
@@ -174,7 +201,7 @@ def changed(before: str, after: str) -> tuple[int, str, str]:
 
 
 def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, str]:
-    """"passed", "failed" or "timeout", seconds, and the test that failed."""
+    """ "passed", "failed" or "timeout", seconds, and the test that failed."""
     start = time.monotonic()
     report = tree / "report.txt"
     child = os.fork()
@@ -185,13 +212,26 @@ def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, s
         os.dup2(fd, 2)
         os.chdir(tree)
         os.environ["PYTHONPATH"] = str(tree / "src")
-        sys.path[:] = [str(tree / "src"), *(p for p in sys.path if p not in (
-            str(ROOT / "src"), str(Path(__file__).parent), ""))]
+        sys.path[:] = [
+            str(tree / "src"),
+            *(p for p in sys.path if p not in (str(ROOT / "src"), str(Path(__file__).parent), "")),
+        ]
         pytest = import_module("pytest")
         code = 99
         try:
-            code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=no",
-                                "-p", "no:xdist", *tests])
+            code = pytest.main(
+                [
+                    "-x",
+                    "-q",
+                    "-p",
+                    "no:cacheprovider",
+                    "--no-header",
+                    "--tb=no",
+                    "-p",
+                    "no:xdist",
+                    *tests,
+                ]
+            )
         finally:
             sys.stdout.flush()
             os._exit(int(code))
@@ -251,8 +291,13 @@ def main() -> int:
     known = reasons()
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         tree = Path(folder) / "tree"
-        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(
-            ".git", ".venv*", "__pycache__", ".*_cache", ".hypothesis"))
+        shutil.copytree(
+            ROOT,
+            tree,
+            ignore=shutil.ignore_patterns(
+                ".git", ".venv*", "__pycache__", ".*_cache", ".hypothesis"
+            ),
+        )
         chosen = sample(tree, options.only, options.count, options.seed)
         if not options.list:
             preload()
@@ -266,9 +311,15 @@ def main() -> int:
                 print(f"{where}:{number}: {before} -> {after}")
                 continue
             tests = own_tests(tree, module)
-            digest = hashlib.sha256("\0".join([mutated, *tests, *(
-                (tree / test).read_text() for test in tests if test.endswith(".py"))]).encode()
-                ).hexdigest()
+            digest = hashlib.sha256(
+                "\0".join(
+                    [
+                        mutated,
+                        *tests,
+                        *((tree / test).read_text() for test in tests if test.endswith(".py")),
+                    ]
+                ).encode()
+            ).hexdigest()
             outcome, taken, failed = kept.get(digest, ""), 0.0, ""
             if not outcome:
                 limit = 20 + 2 * unchanged(baseline, tree, tests)
@@ -279,8 +330,11 @@ def main() -> int:
                     with options.journal.open("a") as journal:
                         journal.write(f"{digest} {outcome}\n")
             killed += outcome != "passed"
-            print(f"{i + 1:4d} {killed:4d} {outcome:8s}{taken:6.1f} s  {where}:{number} {name}: "
-                  f"{before} -> {after}  {failed}", flush=True)
+            print(
+                f"{i + 1:4d} {killed:4d} {outcome:8s}{taken:6.1f} s  {where}:{number} {name}: "
+                f"{before} -> {after}  {failed}",
+                flush=True,
+            )
             if outcome == "passed":
                 survivors.append((f"{where}: {before} -> {after}", number))
     if options.list:

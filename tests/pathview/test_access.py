@@ -20,14 +20,22 @@ from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
 pathview = pytest.importorskip("pathview")
 
 ODD = "a b#c?d%20&e.pvm"
-PAGES = ["/", "/editor", "/editor.html", "/index.html", "/somewhere/else", "/model/a/b",
-         "/..%2f..%2fetc/passwd"]
+PAGES = [
+    "/",
+    "/editor",
+    "/editor.html",
+    "/index.html",
+    "/somewhere/else",
+    "/model/a/b",
+    "/..%2f..%2fetc/passwd",
+]
 
 
 @pytest.fixture(scope="module")
 def server():
-    with Server({"one.pvm": {"graph": {"nodes": []}}, ODD: {"graph": {"nodes": []}}},
-                port=0) as server:
+    with Server(
+        {"one.pvm": {"graph": {"nodes": []}}, ODD: {"graph": {"nodes": []}}}, port=0
+    ) as server:
         threading.Thread(target=server.run, daemon=True).start()
         yield server
 
@@ -40,14 +48,25 @@ def cookie(server):
 @pytest.fixture
 def ask(server, cookie):
     """A request as a browser sends it: by default from the page, once it has its cookie."""
+
     def ask(path, method="GET", **changes):
-        headers = {"Host": urlsplit(server.address).netloc, "Cookie": cookie,
-                   "Sec-Fetch-Site": "same-origin", "Origin": server.address, **changes}
+        headers = {
+            "Host": urlsplit(server.address).netloc,
+            "Cookie": cookie,
+            "Sec-Fetch-Site": "same-origin",
+            "Origin": server.address,
+            **changes,
+        }
         client = server.app.test_client(use_cookies=False)
         port = urlsplit(server.address).port
-        return client.open(path, method=method, json={} if method == "POST" else None,
-                           environ_overrides={"SERVER_PORT": str(port)},
-                           headers={k: v for k, v in headers.items() if v is not None})
+        return client.open(
+            path,
+            method=method,
+            json={} if method == "POST" else None,
+            environ_overrides={"SERVER_PORT": str(port)},
+            headers={k: v for k, v in headers.items() if v is not None},
+        )
+
     return ask
 
 
@@ -55,23 +74,39 @@ def token(server):
     return server.url().rpartition("token=")[2]
 
 
-CALLS = [("GET", "/api/health"), ("POST", "/api/init"), ("POST", "/api/exec"),
-         ("POST", "/api/eval"), ("POST", "/api/stream/start"), ("POST", "/api/stream/poll"),
-         ("POST", "/api/stream/exec"), ("POST", "/api/stream/stop"), ("DELETE", "/api/session"),
-         ("OPTIONS", "/api/exec")]
+CALLS = [
+    ("GET", "/api/health"),
+    ("POST", "/api/init"),
+    ("POST", "/api/exec"),
+    ("POST", "/api/eval"),
+    ("POST", "/api/stream/start"),
+    ("POST", "/api/stream/poll"),
+    ("POST", "/api/stream/exec"),
+    ("POST", "/api/stream/stop"),
+    ("DELETE", "/api/session"),
+    ("OPTIONS", "/api/exec"),
+]
 
 
 @pytest.mark.parametrize(("method", "path"), CALLS)
 def test_code_runs_only_for_the_served_page(method, path, ask, server, cookie):
     # without X-Session-ID, PathView itself says 400: the call has reached it and starts no worker
     assert ask(path, method).status_code in (200, 400)
-    for changes in [{"Cookie": None}, {"Cookie": "pathsim-jsbsim-1=x"},
-                    {"Cookie": cookie + "x"},
-                    {"Sec-Fetch-Site": None}, {"Sec-Fetch-Site": "none"},
-                    {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": "cross-site"},
-                    {"Sec-Fetch-Site": "same-origin, same-origin"},
-                    {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": ""},
-                    {"Origin": "http://127.0.0.1:1"}, {"Host": "evil.example"}]:
+    for changes in [
+        {"Cookie": None},
+        {"Cookie": "pathsim-jsbsim-1=x"},
+        {"Cookie": cookie + "x"},
+        {"Sec-Fetch-Site": None},
+        {"Sec-Fetch-Site": "none"},
+        {"Sec-Fetch-Site": "same-site"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-origin, same-origin"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": ""},
+        {"Origin": "http://127.0.0.1:1"},
+        {"Host": "evil.example"},
+    ]:
         assert ask(path, method, **changes).status_code == 403, changes
     # browsers name the origin with whatever writes
     assert (ask(path, method, Origin=None).status_code == 403) == (method != "GET")
@@ -79,12 +114,27 @@ def test_code_runs_only_for_the_served_page(method, path, ask, server, cookie):
         assert ask(f"{path}?token={token(server)}", method, Cookie=None).status_code == 403
 
 
-@pytest.mark.parametrize("path", [*PAGES, "/favicon.png", "/app/version.json", "/model/one.pvm",
-                                  "/katex/katex.min.css", "/model/none.pvm"])
+@pytest.mark.parametrize(
+    "path",
+    [
+        *PAGES,
+        "/favicon.png",
+        "/app/version.json",
+        "/model/one.pvm",
+        "/katex/katex.min.css",
+        "/model/none.pvm",
+    ],
+)
 def test_without_the_token_there_is_nothing(path, ask, server, cookie):
-    for changes in [{"Cookie": None}, {"Cookie": cookie[:-1]}, {"Cookie": cookie + "\xe9"},
-                    {"Cookie": cookie.replace("=", "0=")}, {"Sec-Fetch-Site": "cross-site"},
-                    {"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": None}]:
+    for changes in [
+        {"Cookie": None},
+        {"Cookie": cookie[:-1]},
+        {"Cookie": cookie + "\xe9"},
+        {"Cookie": cookie.replace("=", "0=")},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+        {"Sec-Fetch-Site": None},
+    ]:
         answer = ask(path, **changes)
         assert answer.status_code == 403
         assert token(server) not in answer.text
@@ -132,8 +182,9 @@ def test_each_page_has_a_policy_and_no_inline_script_but_ours(path, ask):
         assert answer.status_code == 200
         assert answer.mimetype == "text/html"
         assert "no-store" in answer.headers["Cache-Control"]
-        rules = dict(rule.split(" ", 1) for rule in
-                     answer.headers["Content-Security-Policy"].split("; "))
+        rules = dict(
+            rule.split(" ", 1) for rule in answer.headers["Content-Security-Policy"].split("; ")
+        )
         nonce = re.fullmatch(r"'self' 'nonce-([\w-]{22})'", rules["script-src"])[1]
         assert rules["connect-src"] == "'self'"
         for name in ("default-src", "frame-ancestors", "base-uri", "form-action"):
@@ -149,18 +200,41 @@ def test_each_page_has_a_policy_and_no_inline_script_but_ours(path, ask):
 @pytest.mark.parametrize("path", PAGES)
 def test_a_page_opens_only_what_is_served(path, ask, server):
     origin = server.address
-    for good in ["", "model=/model/one.pvm", f"model={quote('/model/' + quote(ODD), safe='')}",
-                 "model=/examples/vanderpol.json", "backend=flask", f"backend=flask&host={origin}",
-                 "theme=dark", "new=1", "tour=start"]:
+    for good in [
+        "",
+        "model=/model/one.pvm",
+        f"model={quote('/model/' + quote(ODD), safe='')}",
+        "model=/examples/vanderpol.json",
+        "backend=flask",
+        f"backend=flask&host={origin}",
+        "theme=dark",
+        "new=1",
+        "tour=start",
+    ]:
         assert ask(f"{path}?{good}").status_code == 200, good
-    for bad in ["model=http://evil.example/x.pvm", "model=//evil.example/model/one.pvm",
-                "model=/model/none.pvm", "model=/model/../model/one.pvm", "model=one.pvm",
-                "model=%5C%5Cevil.example/model/one.pvm", "model=/api/health", "model=",
-                "model=/model/one.pvm&model=http://evil.example/x.pvm", "model=data:,{}",
-                "model=/examples/../index.html", "model=/examples/none.json",
-                "model=/examples/..", "modelgh=someone/something", "modelgh=",
-                "backend=pyodide", "backend=", "host=http://evil.example",
-                "backend=flask&host=http://127.0.0.1:1", "m%6Fdelgh=x", "unheard=of"]:
+    for bad in [
+        "model=http://evil.example/x.pvm",
+        "model=//evil.example/model/one.pvm",
+        "model=/model/none.pvm",
+        "model=/model/../model/one.pvm",
+        "model=one.pvm",
+        "model=%5C%5Cevil.example/model/one.pvm",
+        "model=/api/health",
+        "model=",
+        "model=/model/one.pvm&model=http://evil.example/x.pvm",
+        "model=data:,{}",
+        "model=/examples/../index.html",
+        "model=/examples/none.json",
+        "model=/examples/..",
+        "modelgh=someone/something",
+        "modelgh=",
+        "backend=pyodide",
+        "backend=",
+        "host=http://evil.example",
+        "backend=flask&host=http://127.0.0.1:1",
+        "m%6Fdelgh=x",
+        "unheard=of",
+    ]:
         answer = ask(f"{path}?{bad}")
         assert answer.status_code == 403, bad
         assert "<script" not in answer.text
@@ -200,10 +274,15 @@ def test_formulas_need_no_other_server(ask):
 
 
 def test_a_toolboxs_name_cannot_end_the_script():
-    text, nonce = page.rendered("<head></head><script>1</script>",
-                                [Toolbox("</script><script>alert(1)</script>", "os")])
+    text, nonce = page.rendered(
+        "<head></head><script>1</script>", [Toolbox("</script><script>alert(1)</script>", "os")]
+    )
     assert re.findall(r"<(/?script[^>]*)>", text) == [
-        f'script nonce="{nonce}"', "/script", f'script nonce="{nonce}"', "/script"]
+        f'script nonce="{nonce}"',
+        "/script",
+        f'script nonce="{nonce}"',
+        "/script",
+    ]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's table")
@@ -230,26 +309,53 @@ def test_another_user_who_reads_the_command_line_gets_nothing():
                 assert status in answer.stdout
 
 
-@pytest.mark.parametrize("name", ["step $x$<img src=q onerror=alert(1)>", "<b>$x$", "$x$ </p>",
-                                  "$a$<!-- $b$"])
+@pytest.mark.parametrize(
+    "name", ["step $x$<img src=q onerror=alert(1)>", "<b>$x$", "$x$ </p>", "$a$<!-- $b$"]
+)
 @pytest.mark.parametrize("place", ["block", "port", "event", "inside"])
 def test_a_name_that_the_page_takes_for_html_is_refused(name, place, tmp_path):
-    node = {"id": "a", "type": "Constant", "name": "a", "inputs": [], "params": {},
-            "outputs": [{"id": "a-output-0", "name": "out"}]}
+    node = {
+        "id": "a",
+        "type": "Constant",
+        "name": "a",
+        "inputs": [],
+        "params": {},
+        "outputs": [{"id": "a-output-0", "name": "out"}],
+    }
     content = {"version": "1.0.0", "graph": {"nodes": [node]}}
     if place == "block":
         node["name"] = name
     elif place == "port":
         node["outputs"][0]["name"] = name
     elif place == "event":
-        content["events"] = [{"id": "e", "type": "ZeroCrossing", "name": name, "params": {
-            "func_evt": "lambda t: 1"}}]
+        content["events"] = [
+            {"id": "e", "type": "ZeroCrossing", "name": name, "params": {"func_evt": "lambda t: 1"}}
+        ]
     else:
-        content["graph"]["nodes"] = [{
-            "id": "s", "type": "Subsystem", "name": "s", "inputs": [], "outputs": [], "params": {},
-            "graph": {"nodes": [{"id": "i", "type": "Interface", "name": "i", "inputs": [],
-                                 "outputs": [], "params": {}}, {**node, "name": name}],
-                      "connections": []}}]
+        content["graph"]["nodes"] = [
+            {
+                "id": "s",
+                "type": "Subsystem",
+                "name": "s",
+                "inputs": [],
+                "outputs": [],
+                "params": {},
+                "graph": {
+                    "nodes": [
+                        {
+                            "id": "i",
+                            "type": "Interface",
+                            "name": "i",
+                            "inputs": [],
+                            "outputs": [],
+                            "params": {},
+                        },
+                        {**node, "name": name},
+                    ],
+                    "connections": [],
+                },
+            }
+        ]
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps(content))
     with pytest.raises(DiagramError, match="holds HTML") as caught:
@@ -260,7 +366,16 @@ def test_a_name_that_the_page_takes_for_html_is_refused(name, place, tmp_path):
 @pytest.mark.parametrize("address", ["javascript:alert(1)", '" onmouseover="alert(1)', "data:,x"])
 def test_a_note_with_a_link_that_runs_something_is_refused(address, tmp_path):
     path = tmp_path / "model.pvm"
-    path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [], "annotations": [
-        {"id": "n", "content": f"see [this]({address})"}]}}))
+    path.write_text(
+        json.dumps(
+            {
+                "version": "1.0.0",
+                "graph": {
+                    "nodes": [],
+                    "annotations": [{"id": "n", "content": f"see [this]({address})"}],
+                },
+            }
+        )
+    )
     with pytest.raises(DiagramError, match="not a web address"):
         view(path, browser=False)

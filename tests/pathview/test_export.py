@@ -56,6 +56,7 @@ if __name__ == "__main__":
 @pytest.fixture
 def export(tmp_path):
     """Export the text of a script; returns the model."""
+
     def export(text, name="script"):
         path = tmp_path / f"{name}.py"
         path.write_text(textwrap.dedent(text), encoding="utf-8")
@@ -66,8 +67,11 @@ def export(tmp_path):
 
 def script(blocks, wires="", before="", names=None, after="", events="[]"):
     """A script that builds the blocks given as statements."""
-    names = names or ", ".join(line.split(" = ")[0] for line in blocks.splitlines()
-                               if " = " in line and not line.startswith(" "))
+    names = names or ", ".join(
+        line.split(" = ")[0]
+        for line in blocks.splitlines()
+        if " = " in line and not line.startswith(" ")
+    )
     return f"""
 import numpy as np
 from pathsim import Connection, Interface, Simulation, Subsystem
@@ -86,15 +90,22 @@ def node(model, name):
 
 
 def wires(model):
-    return {(c["sourceNodeId"], c["sourcePortIndex"], c["targetNodeId"], c["targetPortIndex"])
-            for c in model["graph"]["connections"]}
+    return {
+        (c["sourceNodeId"], c["sourcePortIndex"], c["targetNodeId"], c["targetPortIndex"])
+        for c in model["graph"]["connections"]
+    }
 
 
 def test_structure_comes_from_the_live_diagram_and_expressions_from_the_source(export):
     model = export(OSCILLATOR)
     assert [(n["name"], n["type"]) for n in model["graph"]["nodes"]] == [
-        ("velocity", "Integrator"), ("position", "Integrator"), ("spring", "Amplifier"),
-        ("damper", "Amplifier"), ("force", "Adder"), ("scope", "Scope")]
+        ("velocity", "Integrator"),
+        ("position", "Integrator"),
+        ("spring", "Amplifier"),
+        ("damper", "Amplifier"),
+        ("force", "Adder"),
+        ("scope", "Scope"),
+    ]
     assert node(model, "position")["params"] == {"initial_value": "x0"}
     assert node(model, "velocity")["params"] == {}
     assert node(model, "spring")["params"]["gain"] == "-k"
@@ -102,34 +113,51 @@ def test_structure_comes_from_the_live_diagram_and_expressions_from_the_source(e
     assert node(model, "scope")["params"] == {"labels": '["v", "x"]'}
     assert [p["name"] for p in node(model, "scope")["inputs"]] == ["v", "x"]
     assert wires(model) == {
-        ("velocity", 0, "position", 0), ("velocity", 0, "damper", 0), ("velocity", 0, "scope", 0),
-        ("position", 0, "spring", 0), ("position", 0, "scope", 1), ("spring", 0, "force", 0),
-        ("damper", 0, "force", 1), ("force", 0, "velocity", 0)}
+        ("velocity", 0, "position", 0),
+        ("velocity", 0, "damper", 0),
+        ("velocity", 0, "scope", 0),
+        ("position", 0, "spring", 0),
+        ("position", 0, "scope", 1),
+        ("spring", 0, "force", 0),
+        ("damper", 0, "force", 1),
+        ("force", 0, "velocity", 0),
+    }
 
 
 def test_only_needed_code_becomes_context_with_its_comments(export):
     model = export(OSCILLATOR)
-    assert model["codeContext"]["code"] == (
-        "# initial position\nx0 = 2.0  # m\nk, d = 0.8, 0.2")
+    assert model["codeContext"]["code"] == ("# initial position\nx0 = 2.0  # m\nk, d = 0.8, 0.2")
 
 
 def test_settings_are_as_written_and_pathsims_defaults_otherwise(export):
     assert export(OSCILLATOR)["simulationSettings"] == {
-        "solver": "RKCK54", "duration": "10 * np.pi", "dt": "1 / 100", "dt_min": "1e-16",
-        "dt_max": "", "rtol": "1e-6", "atol": "1e-08", "ftol": "1e-10", "adaptive": True,
-        "ghostTraces": 0, "plotResults": True}
+        "solver": "RKCK54",
+        "duration": "10 * np.pi",
+        "dt": "1 / 100",
+        "dt_min": "1e-16",
+        "dt_max": "",
+        "rtol": "1e-6",
+        "atol": "1e-08",
+        "ftol": "1e-10",
+        "adaptive": True,
+        "ghostTraces": 0,
+        "plotResults": True,
+    }
 
 
-@pytest.mark.parametrize(("run", "duration"), [
-    ("sim.run(20)", "20"),
-    ("sim.run(duration=2 * T)\nsim.plot()", "2 * T"),
-    ("sim.run()", "10.0"),
-    ("if __name__ == '__main__':\n    tf = 7\n    sim.run(tf)", "tf"),
-    ("def main():\n    sim.run(T)\n\nif __name__ == '__main__':\n    main()", "T"),
-    ("def main():\n    sim.run(T)\n\nmain()", "T"),
-    ("", "10.0"),
-    ("DURATION = 3.0", "DURATION"),
-])
+@pytest.mark.parametrize(
+    ("run", "duration"),
+    [
+        ("sim.run(20)", "20"),
+        ("sim.run(duration=2 * T)\nsim.plot()", "2 * T"),
+        ("sim.run()", "10.0"),
+        ("if __name__ == '__main__':\n    tf = 7\n    sim.run(tf)", "tf"),
+        ("def main():\n    sim.run(T)\n\nif __name__ == '__main__':\n    main()", "T"),
+        ("def main():\n    sim.run(T)\n\nmain()", "T"),
+        ("", "10.0"),
+        ("DURATION = 3.0", "DURATION"),
+    ],
+)
 def test_duration_is_that_of_the_first_run(export, run, duration):
     model = export(script("a = Constant(1)\ns = Scope()", before="T = 5.0", after=run))
     assert model["simulationSettings"]["duration"] == duration
@@ -138,50 +166,80 @@ def test_duration_is_that_of_the_first_run(export, run, duration):
 
 
 def test_ports_by_slice_list_name_and_several_targets(export):
-    model = export(script(
-        "lut = Function(lambda t: (t, 2*t, 3*t))\nflow = Function(lambda a, b, c: a)\n"
-        "compare = GreaterThan()\nclock = Source(lambda t: t)\nscope = Scope()",
-        "Connection(clock, lut), Connection(lut[0:3], flow[0:3], scope[0:3]),"
-        "Connection(lut[1], compare['b']), Connection(clock['out'], compare['a'])"))
+    model = export(
+        script(
+            "lut = Function(lambda t: (t, 2*t, 3*t))\nflow = Function(lambda a, b, c: a)\n"
+            "compare = GreaterThan()\nclock = Source(lambda t: t)\nscope = Scope()",
+            "Connection(clock, lut), Connection(lut[0:3], flow[0:3], scope[0:3]),"
+            "Connection(lut[1], compare['b']), Connection(clock['out'], compare['a'])",
+        )
+    )
     assert wires(model) == {
-        ("clock", 0, "lut", 0), ("clock", 0, "compare", 0), ("lut", 1, "compare", 1),
-        *(("lut", i, "flow", i) for i in range(3)), *(("lut", i, "scope", i) for i in range(3))}
+        ("clock", 0, "lut", 0),
+        ("clock", 0, "compare", 0),
+        ("lut", 1, "compare", 1),
+        *(("lut", i, "flow", i) for i in range(3)),
+        *(("lut", i, "scope", i) for i in range(3)),
+    }
     assert [p["name"] for p in node(model, "compare")["inputs"]] == ["a", "b"]
     assert [p["name"] for p in node(model, "lut")["outputs"]] == ["out 0", "out 1", "out 2"]
 
 
 def test_wires_made_in_a_loop_are_read_from_the_live_diagram(export):
-    model = export(script("a = Constant(1)\nb = Function(lambda x, y: x)\nc = Scope()",
-                          "*[Connection(a, b[i]) for i in range(2)], Connection(b, c)"))
+    model = export(
+        script(
+            "a = Constant(1)\nb = Function(lambda x, y: x)\nc = Scope()",
+            "*[Connection(a, b[i]) for i in range(2)], Connection(b, c)",
+        )
+    )
     assert wires(model) == {("a", 0, "b", 0), ("a", 0, "b", 1), ("b", 0, "c", 0)}
 
 
 def test_blocks_without_a_variable_get_a_name_of_their_class(export):
     model = export(script("parts = [Constant(1), Scope()]", "Connection(*parts)", names="*parts"))
     assert [n["name"] for n in model["graph"]["nodes"]] == ["Constant", "Scope"]
-    assert [n["name"] for n in export(script(
-        "", names="Constant(1), Constant(2)"))["graph"]["nodes"]] == ["Constant", "Constant 2"]
+    assert [
+        n["name"] for n in export(script("", names="Constant(1), Constant(2)"))["graph"]["nodes"]
+    ] == ["Constant", "Constant 2"]
 
 
 def test_names_that_pathview_would_confuse_are_changed_also_in_functions(export):
     """PathView's variables are lower case: Int would hide int, K hides the parameter k, and X is x,
     which ``height`` has as a variable of its own."""
-    model = export(script(
-        "Int = Integrator(k)\nX = Integrator()\nx = Integrator()\nK = Amplifier(k)\n"
-        "Lambda = Amplifier()\nφ = Amplifier()\nblocks_ = Constant()\nsimulation = Constant()",
-        before="k = 2.0\ndef height(t):\n    x = Int.engine.state\n    return x - k * len(X())\n",
-        events="[ZeroCrossing(height, lambda t: X.engine.set(K.gain))]"))
+    model = export(
+        script(
+            "Int = Integrator(k)\nX = Integrator()\nx = Integrator()\nK = Amplifier(k)\n"
+            "Lambda = Amplifier()\nφ = Amplifier()\nblocks_ = Constant()\nsimulation = Constant()",
+            before="k = 2.0\ndef height(t):\n    x = Int.engine.state\n    return x - k * len(X())\n",
+            events="[ZeroCrossing(height, lambda t: X.engine.set(K.gain))]",
+        )
+    )
     names = [n["name"] for n in model["graph"]["nodes"]]
-    assert names == ["Int block", "X block", "x block 2", "K block", "Lambda block", "Amplifier",
-                     "blocks block", "simulation"]
-    assert ("x = int_block.engine.state\n    return x - k * len(x_block())"
-            in model["codeContext"]["code"])
+    assert names == [
+        "Int block",
+        "X block",
+        "x block 2",
+        "K block",
+        "Lambda block",
+        "Amplifier",
+        "blocks block",
+        "simulation",
+    ]
+    assert (
+        "x = int_block.engine.state\n    return x - k * len(x_block())"
+        in model["codeContext"]["code"]
+    )
     assert model["events"][0]["params"] == {
-        "func_evt": "height", "func_act": "lambda t: x_block.engine.set(k_block.gain)"}
+        "func_evt": "height",
+        "func_act": "lambda t: x_block.engine.set(k_block.gain)",
+    }
 
 
 def test_context_follows_functions_imports_loops_and_changes(export):
-    code = export(script("a = Amplifier(gain(3))\ns = Source(lambda t: table[int(t)])", before="""
+    code = export(
+        script(
+            "a = Amplifier(gain(3))\ns = Source(lambda t: table[int(t)])",
+            before="""
 import math
 from os import path, sep
 unused = path.join("a", "b")
@@ -198,17 +256,29 @@ root = math.sqrt
 np.random.seed(1)
 note = \"\"\"not
 needed\"\"\"
-""".replace("table = []", "scale = 2.0\ntable = []").replace("scale = 1.0\n", "")))
+""".replace("table = []", "scale = 2.0\ntable = []").replace("scale = 1.0\n", ""),
+        )
+    )
     code = code["codeContext"]["code"]
-    for text in ("import math", "scale = 2.0", "table = []", "table.append(scale * i)",
-                 "@np.vectorize\ndef gain(x):", "root = math.sqrt", "np.random.seed(1)"):
+    for text in (
+        "import math",
+        "scale = 2.0",
+        "table = []",
+        "table.append(scale * i)",
+        "@np.vectorize\ndef gain(x):",
+        "root = math.sqrt",
+        "np.random.seed(1)",
+    ):
         assert text in code
     for text in ("unused", "sep", "note", "import numpy"):
         assert text not in code
 
 
 def test_a_text_of_several_lines_survives_pathviews_indentation(export):
-    code = export(script("s = Source(lambda t: len(TEXT) + len(f()))", before='''
+    code = export(
+        script(
+            "s = Source(lambda t: len(TEXT) + len(f()))",
+            before='''
 TEXT = """one
 two"""
 def f():
@@ -216,22 +286,33 @@ def f():
     string."""
     return f"""a{TEXT}
 b"""
-'''))["codeContext"]["code"]
+''',
+        )
+    )["codeContext"]["code"]
     assert "TEXT = 'one\\ntwo'" in code
     assert "return f'a{TEXT}\\nb'" in code
     assert '"""Doc\n    string."""' in code
 
 
 def test_decorated_functions(export):
-    model = export(script("@Source\ndef wave(t):\n    return np.sin(w * t)\ns = Scope()",
-                          "Connection(wave, s)", before="w = 3.0", names="wave, s"))
+    model = export(
+        script(
+            "@Source\ndef wave(t):\n    return np.sin(w * t)\ns = Scope()",
+            "Connection(wave, s)",
+            before="w = 3.0",
+            names="wave, s",
+        )
+    )
     assert node(model, "wave")["params"] == {"func": "wave_function"}
     assert model["codeContext"]["code"] == (
-        "w = 3.0\n\ndef wave_function(t):\n    return np.sin(w * t)")
+        "w = 3.0\n\ndef wave_function(t):\n    return np.sin(w * t)"
+    )
 
 
 def test_subsystems_nest_with_interfaces_events_and_port_names(export):
-    model = export(script("""
+    model = export(
+        script(
+            """
 inner_port = Interface()
 inner_gain = Amplifier(2)
 inner = Subsystem([inner_port, inner_gain],
@@ -245,7 +326,11 @@ plant = Subsystem([plant_port, plant_state, inner],
                    Connection(plant_state, plant_port["x"])], [crossing])
 source = Constant(-1.0)
 scope = Scope()
-""", "Connection(source, plant), Connection(plant[1], scope)", names="source, plant, scope"))
+""",
+            "Connection(source, plant), Connection(plant[1], scope)",
+            names="source, plant, scope",
+        )
+    )
     plant = node(model, "plant")
     assert [p["name"] for p in plant["inputs"]] == ["u"]
     assert [p["name"] for p in plant["outputs"]] == ["y", "x"]
@@ -259,34 +344,61 @@ scope = Scope()
     assert model["codeContext"]["code"] == "from pathsim.events import ZeroCrossing"
 
 
-@pytest.mark.parametrize(("imports", "blocks", "order"), [
-    ("from pathsim_jsbsim_blocks import ISAtmosphere", "air = ISAtmosphere()",
-     ["pathsim_jsbsim_blocks"]),
-    ("from pathsim_flight import ISAtmosphere", "air = ISAtmosphere()", ["pathsim_flight"]),
-    ("from pathsim_flight import ISAtmosphere\nfrom pathsim_jsbsim_blocks import DoubletSource",
-     "air = ISAtmosphere()\nd = DoubletSource()", ["pathsim_jsbsim_blocks", "pathsim_flight"]),
-    ("from pathsim_jsbsim_blocks import ISAtmosphere\nfrom pathsim_flight import JSBSimWrapper",
-     "air = ISAtmosphere()\nfdm = JSBSimWrapper(input_properties=['fcs/elevator-cmd-norm'],"
-     "output_properties=['attitude/theta-deg'])", ["pathsim_flight", "pathsim_jsbsim_blocks"]),
-])
+@pytest.mark.parametrize(
+    ("imports", "blocks", "order"),
+    [
+        (
+            "from pathsim_jsbsim_blocks import ISAtmosphere",
+            "air = ISAtmosphere()",
+            ["pathsim_jsbsim_blocks"],
+        ),
+        ("from pathsim_flight import ISAtmosphere", "air = ISAtmosphere()", ["pathsim_flight"]),
+        (
+            "from pathsim_flight import ISAtmosphere\nfrom pathsim_jsbsim_blocks import DoubletSource",
+            "air = ISAtmosphere()\nd = DoubletSource()",
+            ["pathsim_jsbsim_blocks", "pathsim_flight"],
+        ),
+        (
+            "from pathsim_jsbsim_blocks import ISAtmosphere\nfrom pathsim_flight import JSBSimWrapper",
+            "air = ISAtmosphere()\nfdm = JSBSimWrapper(input_properties=['fcs/elevator-cmd-norm'],"
+            "output_properties=['attitude/theta-deg'])",
+            ["pathsim_flight", "pathsim_jsbsim_blocks"],
+        ),
+    ],
+)
 def test_toolboxes_stand_in_an_order_in_which_the_right_class_wins(export, imports, blocks, order):
     """ISAtmosphere is in both; PathView takes the class of the toolbox that is registered last."""
     required = export(script(blocks, before=imports))["requiredToolboxes"]
     assert [t["importPath"] for t in required] == order
     assert required[-1] == {
-        "id": f"pypi:{order[-1].replace('_', '-')}", "displayName": order[-1].replace("_", "-"),
-        "source": {"type": "pypi", "pkg": order[-1].replace("_", "-")}, "importPath": order[-1]}
+        "id": f"pypi:{order[-1].replace('_', '-')}",
+        "displayName": order[-1].replace("_", "-"),
+        "source": {"type": "pypi", "pkg": order[-1].replace("_", "-")},
+        "importPath": order[-1],
+    }
 
 
 def test_classes_that_hide_each_other_are_refused(export):
     with pytest.raises(DiagramError, match="same class name 'ISAtmosphere'"):
-        export(script("a = ISAtmosphere()\nb = Other()", before=(
-            "from pathsim_jsbsim_blocks import ISAtmosphere\n"
-            "from pathsim_flight import ISAtmosphere as Other")))
+        export(
+            script(
+                "a = ISAtmosphere()\nb = Other()",
+                before=(
+                    "from pathsim_jsbsim_blocks import ISAtmosphere\n"
+                    "from pathsim_flight import ISAtmosphere as Other"
+                ),
+            )
+        )
     with pytest.raises(DiagramError, match="hide each other"):
-        export(script("a = ISAtmosphere()\nb = CAStoTAS()", before=(
-            "from pathsim_jsbsim_blocks import ISAtmosphere\n"
-            "from pathsim_flight import CAStoTAS")))
+        export(
+            script(
+                "a = ISAtmosphere()\nb = CAStoTAS()",
+                before=(
+                    "from pathsim_jsbsim_blocks import ISAtmosphere\n"
+                    "from pathsim_flight import CAStoTAS"
+                ),
+            )
+        )
 
 
 def test_the_same_script_gives_the_same_file(export, tmp_path):
@@ -307,23 +419,32 @@ def test_positions_in_an_existing_model_are_kept_by_name(export, tmp_path):
     model["graph"]["annotations"][0]["position"] = {"x": 7, "y": 7}
     model["graph"]["annotations"].append({"id": "mine", "content": "note"})
     (tmp_path / "oscillator.pvm").write_text(json.dumps(model))
-    again = export(OSCILLATOR.replace("force = Adder()", "force = Adder()\nmore = Amplifier(3)")
-                   .replace("force, scope]", "force, scope, more]"), "oscillator")
+    again = export(
+        OSCILLATOR.replace("force = Adder()", "force = Adder()\nmore = Amplifier(3)").replace(
+            "force, scope]", "force, scope, more]"
+        ),
+        "oscillator",
+    )
     assert node(again, "spring")["position"] == {"x": 1230, "y": -450}
     assert node(again, "spring")["params"]["gain"] == "-k"
     assert node(again, "damper")["params"]["_rotation"] == 1
     more, others = node(again, "more"), [n for n in again["graph"]["nodes"] if n["name"] != "more"]
     assert more["params"]["gain"] == "3"
-    assert all(abs(more["position"]["x"] - n["position"]["x"]) >= 160
-               or abs(more["position"]["y"] - n["position"]["y"]) >= 80 for n in others)
+    assert all(
+        abs(more["position"]["x"] - n["position"]["x"]) >= 160
+        or abs(more["position"]["y"] - n["position"]["y"]) >= 80
+        for n in others
+    )
     assert again["graph"]["annotations"][0]["position"] == {"x": 7, "y": 7}
     assert again["graph"]["annotations"][1]["content"] == "note"
 
 
 def test_the_docstring_becomes_an_annotation(export):
     assert export(OSCILLATOR)["graph"]["annotations"][0]["content"] == (
-        "# Oscillator\n\nA mass on a spring.\n\nSecond paragraph with `code`.")
-    model = export(r'''
+        "# Oscillator\n\nA mass on a spring.\n\nSecond paragraph with `code`."
+    )
+    model = export(
+        r'''
 """Title
 =====
 
@@ -336,55 +457,106 @@ two:
 
     x + 1 = v
 """
-''' + script("a = Constant(1)"))
+'''
+        + script("a = Constant(1)")
+    )
     assert model["graph"]["annotations"][0]["content"] == (
-        "# Title\n\nOne $x^2$ and two:\n- a\n- b\n\n$$ x + 1 = v $$")
+        "# Title\n\nOne $x^2$ and two:\n- a\n- b\n\n$$ x + 1 = v $$"
+    )
     assert export(script("a = Constant(1)"))["graph"]["annotations"] == []
 
 
 BLOCK = "a = Amplifier(2.0)"
 
 REFUSED = {
-    "own class": (script("class Mine(Amplifier):\n    def update(self, t):\n        pass\n"
-                         "a = Mine()", names="a"), 11,
-                  "does not know the block 'Mine'.*installed package"),
-    "core block that PathView lacks": (script("a = Comparator()"), 8,
-                                       "does not know the block 'Comparator'"),
-    "state": (script("a = Integrator()", after="a.engine.set(3.0)"), 10,
-              "'a' is changed after it is built: engine.x"),
-    "steady state": (script("a = Integrator(1.0)\nb = Amplifier(-1.0)", after="sim.steadystate()",
-                            wires="Connection(a, b), Connection(b, a)"), 11,
-                     r"steadystate\(\) before the run changes 'a'"),
-    "switched off": (script(BLOCK + "\nb = Scope()\nc = Connection(a, b)\nc.off()", "c",
-                            names="a, b"), 12, "connections"),
-    "event switched off": (script(f"{BLOCK}\ne = ZeroCrossing(len, None)\ne.off()", names="a",
-                                  events="[e]"), 10, "'e' is changed after it is built"),
+    "own class": (
+        script(
+            "class Mine(Amplifier):\n    def update(self, t):\n        pass\na = Mine()", names="a"
+        ),
+        11,
+        "does not know the block 'Mine'.*installed package",
+    ),
+    "core block that PathView lacks": (
+        script("a = Comparator()"),
+        8,
+        "does not know the block 'Comparator'",
+    ),
+    "state": (
+        script("a = Integrator()", after="a.engine.set(3.0)"),
+        10,
+        "'a' is changed after it is built: engine.x",
+    ),
+    "steady state": (
+        script(
+            "a = Integrator(1.0)\nb = Amplifier(-1.0)",
+            after="sim.steadystate()",
+            wires="Connection(a, b), Connection(b, a)",
+        ),
+        11,
+        r"steadystate\(\) before the run changes 'a'",
+    ),
+    "switched off": (
+        script(BLOCK + "\nb = Scope()\nc = Connection(a, b)\nc.off()", "c", names="a, b"),
+        12,
+        "connections",
+    ),
+    "event switched off": (
+        script(f"{BLOCK}\ne = ZeroCrossing(len, None)\ne.off()", names="a", events="[e]"),
+        10,
+        "'e' is changed after it is built",
+    ),
     "file": (script("a = Source(lambda t: len(__file__))"), 8, "__file__ has no meaning"),
-    "blocks in a function": (script(f"{BLOCK}\nall_ = [a]\ns = Source(lambda t: len(all_))",
-                                    names="a, s"), 10, "'all_' holds blocks"),
-    "absent block": (script(f"{BLOCK}\nb = Constant(1)\ns = Source(lambda t: b.value)",
-                            names="a, s"), None, "'b', which is not in the simulation"),
-    "not listed": (script(f"{BLOCK}\nb = Scope()", "Connection(a, b)", names="a"), None,
-                   "'b' is wired but not in the list"),
-    "twice": (script(BLOCK, names="Subsystem([Interface(), a]), a"), 8,
-              "'a' is in the diagram twice"),
+    "blocks in a function": (
+        script(f"{BLOCK}\nall_ = [a]\ns = Source(lambda t: len(all_))", names="a, s"),
+        10,
+        "'all_' holds blocks",
+    ),
+    "absent block": (
+        script(f"{BLOCK}\nb = Constant(1)\ns = Source(lambda t: b.value)", names="a, s"),
+        None,
+        "'b', which is not in the simulation",
+    ),
+    "not listed": (
+        script(f"{BLOCK}\nb = Scope()", "Connection(a, b)", names="a"),
+        None,
+        "'b' is wired but not in the list",
+    ),
+    "twice": (
+        script(BLOCK, names="Subsystem([Interface(), a]), a"),
+        8,
+        "'a' is in the diagram twice",
+    ),
     "iterations": (script(BLOCK).replace("log=False", "iterations_max=9"), 9, "iterations_max"),
-    "solver parameter": (script(BLOCK).replace("log=False", "Solver=ESDIRK43, xyz=1"), None,
-                         "xyz"),
-    "not adaptive": (script(BLOCK, after="sim.run(3, adaptive=False)").replace(
-        "log=False", "Solver=RKCK54"), 10, "adaptive"),
-    "reserved name": (script("a = Amplifier(events)", before="events = 3"), None,
-                      "uses the name 'events'"),
+    "solver parameter": (script(BLOCK).replace("log=False", "Solver=ESDIRK43, xyz=1"), None, "xyz"),
+    "not adaptive": (
+        script(BLOCK, after="sim.run(3, adaptive=False)").replace("log=False", "Solver=RKCK54"),
+        10,
+        "adaptive",
+    ),
+    "reserved name": (
+        script("a = Amplifier(events)", before="events = 3"),
+        None,
+        "uses the name 'events'",
+    ),
     "relative import": ("from . import x", 1, "script fails: ImportError"),
     "error": ("x = 1\ny = x / 0", 2, "script fails: ZeroDivisionError"),
     "exit": ("import sys\nsys.exit(3)", 2, "script fails: SystemExit"),
     "syntax": ("x = (", 1, "not Python"),
     "no simulation": ("x = 1", None, "runs no Simulation"),
-    "nameless object": (script(
-        "class Model:\n    k = 1.0\n    def build(self):\n        return Source(lambda t: self.k)\n"
-        "a = Model().build()", names="a"), 11, "'self' is a variable of a function"),
-    "several simulations": ("from pathsim import Simulation\na = Simulation(log=False)\n"
-                            "b = Simulation(log=False)", None, "builds 2 simulations"),
+    "nameless object": (
+        script(
+            "class Model:\n    k = 1.0\n    def build(self):\n        return Source(lambda t: self.k)\n"
+            "a = Model().build()",
+            names="a",
+        ),
+        11,
+        "'self' is a variable of a function",
+    ),
+    "several simulations": (
+        "from pathsim import Simulation\na = Simulation(log=False)\nb = Simulation(log=False)",
+        None,
+        "builds 2 simulations",
+    ),
 }
 
 
@@ -401,7 +573,10 @@ def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, ex
 
 
 def test_a_value_that_a_function_of_the_script_changes(export):
-    code = export(script("a = Amplifier(k[0])", before="""
+    code = export(
+        script(
+            "a = Amplifier(k[0])",
+            before="""
 k = [1.0]
 n = 0
 def more(x):
@@ -409,7 +584,9 @@ def more(x):
     n = 2
     k.append(x)
 more(5)
-"""))["codeContext"]["code"]
+""",
+        )
+    )["codeContext"]["code"]
     assert code.endswith("    k.append(x)\nmore(5)")
     assert code.startswith("k = [1.0]")
 
@@ -476,18 +653,21 @@ sim = Simulation([i, a, s], [Connection(i, a, s), Connection(a, i)], dt=0.01, lo
 """
 
 BUILT = {
-    "changed in a loop that runs": LOOP + """
+    "changed in a loop that runs": LOOP
+    + """
 for g in (-6.0, -7.0):
     a.gain = g
     sim.run(1)
 """,
-    "solvers tried in a loop": LOOP + """
+    "solvers tried in a loop": LOOP
+    + """
 if __name__ == "__main__":
     for solver in (ESDIRK32, GEAR21):
         sim._set_solver(Solver=solver, tolerance_lte_abs=1e-4)
         sim.run(1)
 """,
-    "changed under with, try and if": LOOP + """
+    "changed under with, try and if": LOOP
+    + """
 with np.errstate(all="ignore"):
     a.gain = -2.0
     try:
@@ -498,7 +678,8 @@ with np.errstate(all="ignore"):
     finally:
         a.gain = 0.0
 """,
-    "added under the main guard": LOOP + """
+    "added under the main guard": LOOP
+    + """
 if __name__ == "__main__":
     extra = Amplifier(0.5)
     sim.add_block(extra)
@@ -695,7 +876,8 @@ sim = Simulation([a, p, c, d, *noise, s], [
     Connection(noise[1], s[2])], log=False)
 sim.run(1)
 """,
-    "run by getattr": LOOP + """
+    "run by getattr": LOOP
+    + """
 getattr(sim, "run")(0.5)
 """,
 }
@@ -703,6 +885,7 @@ getattr(sim, "run")(0.5)
 
 def first_run(path, monkeypatch):
     """What a script records until the end of its first run, as Python runs it."""
+
     class Done(BaseException):
         pass
 
@@ -732,29 +915,39 @@ def test_the_model_flies_as_the_script_until_its_first_run_ends(case, tmp_path, 
         warnings.filterwarnings("ignore", message=".*the model is the diagram of the first run")
         again = convert_model(export_script(path), tmp_path / "again.py")
     (time, signals), (time_there, signals_there) = (
-        first_run(p, monkeypatch) for p in (path, again))
+        first_run(p, monkeypatch) for p in (path, again)
+    )
     assert len(time) > 5
     np.testing.assert_array_equal(time_there, time)
     np.testing.assert_array_equal(signals_there, signals)
 
 
 def test_expressions_stay_where_they_give_the_diagrams_value(export):
-    model = export(HEAD + "k = 2.0\na = Amplifier(3 * k)\nb = Amplifier(k)\nc = Amplifier(1)\n"
-                   "b.gain += 0.5\nc.gain = 7.0\n"
-                   "sim = Simulation([a, b, c], [], log=False)\nsim.run(2 * k)")
+    model = export(
+        HEAD + "k = 2.0\na = Amplifier(3 * k)\nb = Amplifier(k)\nc = Amplifier(1)\n"
+        "b.gain += 0.5\nc.gain = 7.0\n"
+        "sim = Simulation([a, b, c], [], log=False)\nsim.run(2 * k)"
+    )
     assert [node(model, n)["params"]["gain"] for n in "abc"] == ["3 * k", "2.5", "7.0"]
     assert model["simulationSettings"]["duration"] == "2 * k"
 
 
-@pytest.mark.parametrize(("after", "told"), [
-    ("sim.run(1)\nsim.run(2)", ["line 13: sim.run()"]),
-    ("sim.run(1)\na.gain = 3\nsim.steadystate()", ["line 13: 'a' is changed",
-                                                   "line 14: sim.steadystate()"]),
-    ("for g in (1.0, 2.0):\n    a.gain = g\n    sim.run(1)", ["line 12: the loop runs"]),
-    ("sim.run(1)\nother = Simulation([Constant()], log=False)\nother.run(3)",
-     ["line 13: another simulation", "line 14: other.run()"]),
-    ("while sim.time < 1:\n    sim.timestep()", ["line 13: how long timestep() goes on"]),
-])
+@pytest.mark.parametrize(
+    ("after", "told"),
+    [
+        ("sim.run(1)\nsim.run(2)", ["line 13: sim.run()"]),
+        (
+            "sim.run(1)\na.gain = 3\nsim.steadystate()",
+            ["line 13: 'a' is changed", "line 14: sim.steadystate()"],
+        ),
+        ("for g in (1.0, 2.0):\n    a.gain = g\n    sim.run(1)", ["line 12: the loop runs"]),
+        (
+            "sim.run(1)\nother = Simulation([Constant()], log=False)\nother.run(3)",
+            ["line 13: another simulation", "line 14: other.run()"],
+        ),
+        ("while sim.time < 1:\n    sim.timestep()", ["line 13: how long timestep() goes on"]),
+    ],
+)
 def test_what_comes_after_the_first_run_is_named(after, told, export):
     with pytest.warns(UserWarning, match="the model is the diagram of the first run") as caught:
         export(HEAD + LOOP + after)
@@ -765,29 +958,40 @@ def test_what_comes_after_the_first_run_is_named(after, told, export):
 
 @pytest.mark.parametrize("call", ["fly(sim, 7.0)", "fly(duration=7.0, sim=sim)", "b.fly(sim, 7.0)"])
 def test_fly_is_a_run(call, export):
-    model = export(HEAD + "import pathsim_jsbsim_blocks as b\n"
-                   "from pathsim_jsbsim_blocks import fly\n" + LOOP + call)
+    model = export(
+        HEAD + "import pathsim_jsbsim_blocks as b\n"
+        "from pathsim_jsbsim_blocks import fly\n" + LOOP + call
+    )
     assert float(model["simulationSettings"]["duration"]) == 7.0
 
 
 def test_a_flight_after_the_first_is_named(export):
     with pytest.warns(UserWarning, match=r"fly\(\)"):
-        export(HEAD + "from pathsim_jsbsim_blocks import fly\n" + LOOP
-               + "fly(sim, 7.0)\nfly(sim, 1.0)")
+        export(
+            HEAD + "from pathsim_jsbsim_blocks import fly\n" + LOOP + "fly(sim, 7.0)\nfly(sim, 1.0)"
+        )
 
 
 def test_a_single_run_needs_no_warning(export):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        export(HEAD + LOOP + "if __name__ == '__main__':\n    sim.run(1)\n    sim.plot()\n"
-                             "    print(s.read())")
+        export(
+            HEAD + LOOP + "if __name__ == '__main__':\n    sim.run(1)\n    sim.plot()\n"
+            "    print(s.read())"
+        )
 
 
-@pytest.mark.parametrize(("data", "name"), [
-    (b"\xef\xbb\xbf" + OSCILLATOR.encode(), "byte-order mark"),
-    (b"# -*- coding: latin-1 -*-\n" + OSCILLATOR.replace("on a spring", "on a sp\xe9ring")
-     .encode("latin-1"), "latin-1"),
-])
+@pytest.mark.parametrize(
+    ("data", "name"),
+    [
+        (b"\xef\xbb\xbf" + OSCILLATOR.encode(), "byte-order mark"),
+        (
+            b"# -*- coding: latin-1 -*-\n"
+            + OSCILLATOR.replace("on a spring", "on a sp\xe9ring").encode("latin-1"),
+            "latin-1",
+        ),
+    ],
+)
 def test_encodings_that_python_knows(data, name, tmp_path):
     path = tmp_path / "script.py"
     path.write_bytes(data)
@@ -797,21 +1001,27 @@ def test_encodings_that_python_knows(data, name, tmp_path):
 
 
 def test_unseeded_draws_stay_as_written(export):
-    model = export(HEAD + "k = np.random.rand()\na = Amplifier(k)\nw = WhiteNoise()\n"
-                   "sim = Simulation([a, w], [], log=False)\nsim.run(1)")
+    model = export(
+        HEAD + "k = np.random.rand()\na = Amplifier(k)\nw = WhiteNoise()\n"
+        "sim = Simulation([a, w], [], log=False)\nsim.run(1)"
+    )
     assert model["codeContext"]["code"] == "k = np.random.rand()"
 
 
 def test_functions_that_draw_from_a_seeded_generator_in_another_state_are_refused(export):
     with pytest.raises(DiagramError, match="global random generator") as caught:
-        export(HEAD + "np.random.seed(2)\nunused = np.random.rand()\n"
-               "a = Source(lambda t: np.random.rand())\n"
-               "sim = Simulation([a], [], log=False)\nsim.run(1)")
+        export(
+            HEAD + "np.random.seed(2)\nunused = np.random.rand()\n"
+            "a = Source(lambda t: np.random.rand())\n"
+            "sim = Simulation([a], [], log=False)\nsim.run(1)"
+        )
     assert caught.value.line == 7
 
 
 def test_the_script_runs_in_no_other_way_than_as_the_main_program(export, tmp_path):
     marker = tmp_path / "ran"
-    export(HEAD + LOOP + f"if __name__ == '__main__':\n    sim.run(1)\n"
-                         f"    open({str(marker)!r}, 'w').close()")
+    export(
+        HEAD + LOOP + f"if __name__ == '__main__':\n    sim.run(1)\n"
+        f"    open({str(marker)!r}, 'w').close()"
+    )
     assert not marker.exists()

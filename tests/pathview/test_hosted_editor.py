@@ -51,8 +51,13 @@ print(json.dumps({"light": light, "blocks": sorted(OURS.blocks()), "runs": runs}
 @pytest.fixture(scope="module")
 def hosted():
     models = [str(diagram_folder() / f"{n}.pvm") for n in diagram_names()]
-    answer = subprocess.run([sys.executable, "-c", HOSTED, *models], text=True, check=True,
-                            stdout=subprocess.PIPE, timeout=300)
+    answer = subprocess.run(
+        [sys.executable, "-c", HOSTED, *models],
+        text=True,
+        check=True,
+        stdout=subprocess.PIPE,
+        timeout=300,
+    )
     return json.loads(answer.stdout)
 
 

@@ -14,8 +14,7 @@ pytest.importorskip("pathview")
 
 def graph(wires, ports=None, kinds=None):
     """From ``"a>b a>c.1"``: wires by names, with the number of the target's port."""
-    names = list(dict.fromkeys(
-        n.partition(".")[0] for w in wires.split() for n in w.split(">")))
+    names = list(dict.fromkeys(n.partition(".")[0] for w in wires.split() for n in w.split(">")))
     found, into, out = [], dict.fromkeys(names, 0), dict.fromkeys(names, 0)
     for wire in wires.split():
         source, target = wire.split(">")
@@ -23,9 +22,16 @@ def graph(wires, ports=None, kinds=None):
         out[source] = 1
         into[target] = max(into[target], int(port or 0) + 1)
         found.append(Wire(names.index(source), 0, names.index(target), int(port or 0)))
-    nodes = [Node(n, (kinds or {}).get(n, "Block"), {},
-                  [f"in {i}" for i in range(into[n])],
-                  [f"out {i}" for i in range((ports or {}).get(n, out[n]))]) for n in names]
+    nodes = [
+        Node(
+            n,
+            (kinds or {}).get(n, "Block"),
+            {},
+            [f"in {i}" for i in range(into[n])],
+            [f"out {i}" for i in range((ports or {}).get(n, out[n]))],
+        )
+        for n in names
+    ]
     return Graph(nodes, found, [])
 
 
@@ -44,24 +50,30 @@ def test_signals_run_from_left_to_right_in_straight_lines():
 
 
 def test_feedback_blocks_are_turned_and_below():
-    x, y, turned = placed(graph(
-        "step>sum sum>plant plant>scope plant>sensor sensor>filter filter>sum.1"))
+    x, y, turned = placed(
+        graph("step>sum sum>plant plant>scope plant>sensor sensor>filter filter>sum.1")
+    )
     assert turned == {"sensor", "filter"}
     assert x["sum"] < x["filter"] < x["sensor"] < x["plant"] < x["scope"]
     assert min(y["sensor"], y["filter"]) > max(y[n] for n in ("step", "sum", "plant"))
 
 
 def test_an_oscillator_begins_at_its_sum():
-    x, _, turned = placed(graph("v>x v>damper x>spring spring>sum damper>sum.1 sum>mass mass>v "
-                                "x>scope v>scope.1"))
+    x, _, turned = placed(
+        graph("v>x v>damper x>spring spring>sum damper>sum.1 sum>mass mass>v x>scope v>scope.1")
+    )
     assert turned == {"spring", "damper"}
     assert x["sum"] < x["mass"] < x["v"] < x["x"] < x["scope"]
 
 
 def test_a_controller_stands_before_its_plant():
     """Many outputs make the plant, although it is wired first and comes back everywhere."""
-    x, _, turned = placed(graph("plane>hold plane>hold.1 plane>hold.2 set>hold.3 hold>plane "
-                                "plane>scope", ports={"plane": 22}))
+    x, _, turned = placed(
+        graph(
+            "plane>hold plane>hold.1 plane>hold.2 set>hold.3 hold>plane plane>scope",
+            ports={"plane": 22},
+        )
+    )
     assert x["set"] < x["hold"] < x["plane"] < x["scope"]
     assert not turned
 
@@ -85,24 +97,44 @@ def test_nothing_overlaps_and_all_is_on_the_grid(n, data):
         wires.append(Wire(source, 0, target, into[target]))
         into[target] += 1
     outputs = {w.source for w in wires}
-    nodes = [Node("x" * data.draw(st.integers(1, 20)), "Block", {}, ["in"] * into[i],
-                  ["out"] * data.draw(st.integers(int(i in outputs), 6))) for i in range(n)]
+    nodes = [
+        Node(
+            "x" * data.draw(st.integers(1, 20)),
+            "Block",
+            {},
+            ["in"] * into[i],
+            ["out"] * data.draw(st.integers(int(i in outputs), 6)),
+        )
+        for i in range(n)
+    ]
     sizes = [size(node, data.draw(st.integers(0, 3))) for node in nodes]
     layout = arrange(Graph(nodes, wires, []), sizes)
     assert all(v % 10 == 0 for c in layout.centres for v in c)
     for (a, box_a), (b, box_b) in itertools.combinations(
-            zip(layout.centres, sizes, strict=True), 2):
-        assert (abs(a[0] - b[0]) >= (box_a[0] + box_b[0]) / 2
-                or abs(a[1] - b[1]) >= (box_a[1] + box_b[1]) / 2)
+        zip(layout.centres, sizes, strict=True), 2
+    ):
+        assert (
+            abs(a[0] - b[0]) >= (box_a[0] + box_b[0]) / 2
+            or abs(a[1] - b[1]) >= (box_a[1] + box_b[1]) / 2
+        )
 
 
-@pytest.mark.parametrize(("name", "kind", "inputs", "outputs", "pinned", "expected"), [
-    ("a", "Block", 0, 1, 0, (80, 40)), ("a" * 10, "Block", 1, 0, 0, (80, 40)),
-    ("a" * 11, "Block", 0, 1, 0, (100, 40)), ("a" * 14, "Block", 0, 1, 0, (120, 40)),
-    ("a", "B" * 12, 0, 1, 0, (80, 40)), ("a", "B" * 13, 0, 1, 0, (100, 40)),
-    ("a", "Block", 0, 1, 1, (160, 80)), ("a", "Block", 0, 1, 2, (160, 100)),
-    ("a", "Block", 2, 1, 0, (80, 40)), ("a", "Block", 3, 1, 0, (80, 60)),
-    ("a", "Block", 1, 22, 1, (160, 440))])
+@pytest.mark.parametrize(
+    ("name", "kind", "inputs", "outputs", "pinned", "expected"),
+    [
+        ("a", "Block", 0, 1, 0, (80, 40)),
+        ("a" * 10, "Block", 1, 0, 0, (80, 40)),
+        ("a" * 11, "Block", 0, 1, 0, (100, 40)),
+        ("a" * 14, "Block", 0, 1, 0, (120, 40)),
+        ("a", "B" * 12, 0, 1, 0, (80, 40)),
+        ("a", "B" * 13, 0, 1, 0, (100, 40)),
+        ("a", "Block", 0, 1, 1, (160, 80)),
+        ("a", "Block", 0, 1, 2, (160, 100)),
+        ("a", "Block", 2, 1, 0, (80, 40)),
+        ("a", "Block", 3, 1, 0, (80, 60)),
+        ("a", "Block", 1, 22, 1, (160, 440)),
+    ],
+)
 def test_a_block_is_as_large_as_pathview_draws_it(name, kind, inputs, outputs, pinned, expected):
     # 6 px for a letter of the name, 5 for one of the type, 20 for a port, 24 for a pinned parameter
     node = Node(name, kind, {}, ["in"] * inputs, ["out"] * outputs)
@@ -130,25 +162,37 @@ def test_the_way_back_runs_below_from_right_to_left_at_equal_distances():
     x, y, _ = placed(graph("step>sum sum>a a>b b>c c>d d>e e>scope e>back back>way way>sum.1"))
     assert y["back"] == y["way"]
     assert [x["back"], x["way"]] == pytest.approx(
-        [x["e"] + (x["sum"] - x["e"]) * part for part in (1 / 3, 2 / 3)], abs=5)
+        [x["e"] + (x["sum"] - x["e"]) * part for part in (1 / 3, 2 / 3)], abs=5
+    )
     # too short a way is widened about its middle: 80 and 90 for each block on it
     x, _, _ = placed(graph("step>sum sum>plant plant>scope plant>back back>way way>sum.1"))
     middle = (x["sum"] + x["plant"]) / 2
     assert [x["back"], x["way"]] == pytest.approx(
-        [middle + 170 * side / 3 for side in (1, -1)], abs=5)
+        [middle + 170 * side / 3 for side in (1, -1)], abs=5
+    )
 
 
 def test_two_ways_back_do_not_touch():
-    x, y, turned = placed(graph(
-        "step>sum sum>plant plant>scope plant>one one>sum.1 plant>two two>sum.2"))
+    x, y, turned = placed(
+        graph("step>sum sum>plant plant>scope plant>one one>sum.1 plant>two two>sum.2")
+    )
     assert turned == {"one", "two"}
     assert x["one"] == x["two"]
     assert abs(y["one"] - y["two"]) == 70
 
 
-@pytest.mark.parametrize(("x", "y", "touching"), [
-    (0, 0, True), (99, 69, True), (-99, -69, True), (100, 0, False), (-100, 69, False),
-    (0, 70, False), (99, -70, False)])
+@pytest.mark.parametrize(
+    ("x", "y", "touching"),
+    [
+        (0, 0, True),
+        (99, 69, True),
+        (-99, -69, True),
+        (100, 0, False),
+        (-100, 69, False),
+        (0, 70, False),
+        (99, -70, False),
+    ],
+)
 def test_blocks_touch_where_no_wire_goes_between(x, y, touching):
     assert touch((500, 300), (80, 40), (500 + x, 300 + y), (80, 40)) is touching
     assert touch((500 + x, 300 + y), (100, 60), (500, 300), (60, 20)) is touching

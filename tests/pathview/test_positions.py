@@ -34,7 +34,9 @@ def test_events_stand_in_a_row_below_the_blocks():
     assert positions(new["events"]) == {"first": (40, 140), "second": (160, 140)}
     old = {"events": [{"name": "second", "position": {"x": 7, "y": 8}}]}
     assert positions(written([A, B], [A_TO_B], EVENTS, existing=old)["events"]) == {
-        "first": (40, 140), "second": (7, 8)}
+        "first": (40, 140),
+        "second": (7, 8),
+    }
 
 
 def test_the_note_stands_above_the_blocks():
@@ -51,18 +53,26 @@ def test_the_note_stands_above_the_blocks():
     chain = [Node(f"n{i}", "Block", {}, ["in"], ["out"]) for i in range(9)]
     wires = [Wire(i, 0, i + 1, 0) for i in range(8)]
     for n, width in ((3, 440), (9, 760)):  # as wide as the blocks, at most 760
-        (note,) = written(chain[:n], wires[:n - 1], docstring="Title.")["graph"]["annotations"]
+        (note,) = written(chain[:n], wires[: n - 1], docstring="Title.")["graph"]["annotations"]
         assert note["width"] == width
 
 
 def test_new_blocks_stand_beside_those_that_were_there():
     c = Node("c", "Block", {}, ["in"], ["out"])
-    old = {"graph": {"nodes": [
-        {"name": "a", "position": {"x": 1040, "y": 503}, "params": {"_rotation": 1}},
-        {"name": "b", "position": {"x": 1220, "y": 497}}]}}
+    old = {
+        "graph": {
+            "nodes": [
+                {"name": "a", "position": {"x": 1040, "y": 503}, "params": {"_rotation": 1}},
+                {"name": "b", "position": {"x": 1220, "y": 497}},
+            ]
+        }
+    }
     new = written([A, B, c], [A_TO_B, Wire(1, 0, 2, 0)], existing=old)
     assert positions(new["graph"]["nodes"]) == {
-        "a": (1040, 503), "b": (1220, 497), "c": (1400, 500)}
+        "a": (1040, 503),
+        "b": (1220, 497),
+        "c": (1400, 500),
+    }
     assert [n["params"] for n in new["graph"]["nodes"]] == [{"_rotation": 1}, {}, {}]
     (note,) = written([A, B], [A_TO_B], docstring="Title.", existing=old)["graph"]["annotations"]
     assert (note["width"], note["position"]) == (420, {"x": 1000, "y": 480 - 50 - 30})
@@ -73,9 +83,15 @@ def test_new_blocks_stand_beside_those_that_were_there():
     assert positions(new["graph"]["nodes"])["c"] == (1400, 570)
 
 
-@pytest.mark.parametrize(("values", "shown"), [
-    (["1", "2"], ["p0", "p1"]), (["1", "2", "3", "4"], ["p0", "p1", "p2"]),
-    (["x" * 18], ["p0"]), (["x" * 19, "1"], ["p1"])])
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        (["1", "2"], ["p0", "p1"]),
+        (["1", "2", "3", "4"], ["p0", "p1", "p2"]),
+        (["x" * 18], ["p0"]),
+        (["x" * 19, "1"], ["p1"]),
+    ],
+)
 def test_short_parameters_are_shown_on_the_block(values, shown):
     params = {f"p{i}": value for i, value in enumerate(values)}
     (node,) = written([Node("a", "Block", params, [], ["out"])])["graph"]["nodes"]
@@ -84,18 +100,26 @@ def test_short_parameters_are_shown_on_the_block(values, shown):
     assert "pinnedParams" not in node
 
 
-@pytest.mark.parametrize(("ports", "labels"), [
-    (["in 0", "in 1"], False), (["in"], False), (["y"], False), (["theta", "q"], True),
-    (["in 0", "q"], True)])
+@pytest.mark.parametrize(
+    ("ports", "labels"),
+    [
+        (["in 0", "in 1"], False),
+        (["in"], False),
+        (["y"], False),
+        (["theta", "q"], True),
+        (["in 0", "q"], True),
+    ],
+)
 def test_names_of_ports_are_shown_where_they_say_something(ports, labels):
     (node,) = written([Node("a", "Block", {}, ports, ["out"])])["graph"]["nodes"]
     assert node["params"].get("_showInputLabels", False) is labels
     assert "_showOutputLabels" not in node["params"]
     assert [(p["name"], p["index"], p["direction"]) for p in node["inputs"]] == [
-        (name, i, "input") for i, name in enumerate(ports)]
+        (name, i, "input") for i, name in enumerate(ports)
+    ]
 
 
-SCRIPT = '''
+SCRIPT = """
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Constant, Scope
 
@@ -116,7 +140,7 @@ sim = Simulation([a, b, c, part, scope], [
 
 if __name__ == "__main__":
     sim.run(1.0)
-'''
+"""
 
 
 def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
@@ -131,12 +155,22 @@ def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
         return {n["name"]: (len(n["inputs"]), len(n["outputs"])) for n in nodes}
 
     assert ports(graph["nodes"]) == {
-        "a": (0, 1), "b": (0, 1), "c": (0, 1), "part": (3, 2), "scope": (3, 0)}
+        "a": (0, 1),
+        "b": (0, 1),
+        "c": (0, 1),
+        "part": (3, 2),
+        "scope": (3, 0),
+    }
     assert graph["nodes"][0]["params"] == {"value": "max(1.0, 0.5)"}
     (part,) = (n for n in graph["nodes"] if n["name"] == "part")
     assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (3, 1)}
     assert sorted((w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]) == [
-        (0, 0), (0, 0), (0, 1), (0, 2), (1, 2)]
+        (0, 0),
+        (0, 0),
+        (0, 1),
+        (0, 2),
+        (1, 2),
+    ]
     # the third input goes on inside, though the subsystem has two outputs only
     again = runpy.run_path(str(convert_model(path.with_suffix(".pvm"), tmp_path / "out.py")))
     again["sim"].run(0.1)

@@ -35,8 +35,11 @@ def traces(path, monkeypatch, longest=math.inf):
     made = iter(range(1000))
     generator = np.random.default_rng
     with monkeypatch.context() as patched:
-        patched.setattr(np.random, "default_rng", lambda seed=None: generator(
-            next(made) if seed is None else seed))
+        patched.setattr(
+            np.random,
+            "default_rng",
+            lambda seed=None: generator(next(made) if seed is None else seed),
+        )
         np.random.seed(1)  # noqa: NPY002 (the models draw from the global one)
         script = Script(path)
         duration = eval(compile(_duration(script), "duration", "eval"), script.namespace)
@@ -64,19 +67,29 @@ def parts(graph, path=()):
     """Nodes with their parameters, events and wires of all levels, by name."""
     names = {n["id"]: plain(n["name"]) for n in graph["nodes"]}
     for n in graph["nodes"]:
-        yield (*path, names[n["id"]], n["type"],
-               tuple(sorted((k, v) for k, v in n["params"].items() if not k.startswith("_"))))
+        yield (
+            *path,
+            names[n["id"]],
+            n["type"],
+            tuple(sorted((k, v) for k, v in n["params"].items() if not k.startswith("_"))),
+        )
         if "graph" in n:
             yield from parts(n["graph"], (*path, names[n["id"]]))
     for c in graph["connections"]:
-        yield (*path, names[c["sourceNodeId"]], c["sourcePortIndex"],
-               names[c["targetNodeId"]], c["targetPortIndex"])
+        yield (
+            *path,
+            names[c["sourceNodeId"]],
+            c["sourcePortIndex"],
+            names[c["targetNodeId"]],
+            c["targetPortIndex"],
+        )
     for e in graph.get("events") or []:
         yield (*path, plain(e["name"]), e["type"], tuple(sorted(e["params"].items())))
 
 
-@pytest.mark.parametrize("longest", [
-    12.0, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"])
+@pytest.mark.parametrize(
+    "longest", [12.0, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"]
+)
 @pytest.mark.parametrize("name", diagram_names())
 def test_script_to_model_to_script(name, longest, tmp_path, monkeypatch):
     script, model = (diagram_folder() / f"{name}.{kind}" for kind in ("py", "pvm"))
@@ -91,14 +104,16 @@ def test_model_to_script_to_model(name, tmp_path):
     before, after = (json.loads(p.read_text(encoding="utf-8")) for p in (model, again))
     assert sorted(map(str, parts(after["graph"]))) == sorted(map(str, parts(before["graph"])))
     assert [(e["name"], e["params"]) for e in after["events"]] == [
-        (e["name"], e["params"]) for e in before["events"]]
+        (e["name"], e["params"]) for e in before["events"]
+    ]
     assert after["simulationSettings"] == before["simulationSettings"]
     assert after["codeContext"] == before["codeContext"]
     assert after.get("requiredToolboxes") == before.get("requiredToolboxes")
 
 
-@pytest.mark.parametrize("name", sorted(p.stem for p in EXAMPLES.glob("*.json")
-                                        if p.stem != "manifest"))
+@pytest.mark.parametrize(
+    "name", sorted(p.stem for p in EXAMPLES.glob("*.json") if p.stem != "manifest")
+)
 def test_pathviews_own_examples(name, tmp_path, monkeypatch):
     example = EXAMPLES / f"{name}.json"
     script = convert_model(example, tmp_path / f"{name}.py")
@@ -113,7 +128,8 @@ def test_pathviews_own_examples(name, tmp_path, monkeypatch):
 @pytest.mark.parametrize("change", ["n += 1", "n = n + 1", "k = 1; n += k", "del n; n = 7"])
 def test_a_global_that_an_event_changes(change, tmp_path):
     path = tmp_path / "counter.py"
-    path.write_text(f"""
+    path.write_text(
+        f"""
 from pathsim import Simulation
 from pathsim.blocks import Constant
 from pathsim.events import Schedule
@@ -127,7 +143,9 @@ one = Constant(1.0)
 tick = Schedule(t_period=0.1, func_act=count)
 sim = Simulation([one], [], [tick], dt=0.01, log=False)
 sim.run(0.55)
-""", encoding="utf-8")
+""",
+        encoding="utf-8",
+    )
     namespaces = []
     for script in (path, convert_model(export_script(path), tmp_path / "again.py")):
         namespaces.append(Script(script).namespace)
@@ -137,5 +155,7 @@ sim.run(0.55)
 
 def _count(graph):
     inner = [_count(n["graph"]) for n in graph["nodes"] if "graph" in n]
-    return (len(graph["nodes"]) + sum(n for n, _ in inner),
-            len(graph["connections"]) + sum(w for _, w in inner))
+    return (
+        len(graph["nodes"]) + sum(n for n, _ in inner),
+        len(graph["connections"]) + sum(w for _, w in inner),
+    )

@@ -1,7 +1,7 @@
 """A model from outside runs after the user's word only, and the word is for its content."""
 
-import copy
 import contextlib
+import copy
 import io
 import json
 import os
@@ -19,10 +19,21 @@ from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember
 pytest.importorskip("pathview")
 
 MODEL = {
-    "version": "1.0.0", "metadata": {"name": "model", "created": "a", "modified": "b"},
-    "graph": {"nodes": [{"id": "a", "type": "Constant", "name": "one", "inputs": [],
-                         "outputs": [{"name": "0"}], "position": {"x": 0, "y": 0},
-                         "params": {"value": "1.5"}}]},
+    "version": "1.0.0",
+    "metadata": {"name": "model", "created": "a", "modified": "b"},
+    "graph": {
+        "nodes": [
+            {
+                "id": "a",
+                "type": "Constant",
+                "name": "one",
+                "inputs": [],
+                "outputs": [{"name": "0"}],
+                "position": {"x": 0, "y": 0},
+                "params": {"value": "1.5"},
+            }
+        ]
+    },
     "codeContext": {"code": ""},
 }
 # with this port the server does not start: the model was trusted when that is the error
@@ -59,9 +70,11 @@ def test_a_model_from_outside_is_refused_without_a_terminal(path, capsys):
     assert opens(path) == 2
     out, errors = capsys.readouterr()
     assert out == ""
-    assert errors == (f"pathsim-jsbsim: {path}: from outside: its parameters and code are Python "
-                      "that runs as you when the model runs; read its code first, then pass "
-                      "--trust\n")
+    assert errors == (
+        f"pathsim-jsbsim: {path}: from outside: its parameters and code are Python "
+        "that runs as you when the model runs; read its code first, then pass "
+        "--trust\n"
+    )
     with pytest.raises(UntrustedModelError) as caught:
         view(path, port=NO_PORT)
     assert caught.value.path == str(path)
@@ -119,8 +132,10 @@ def test_models_of_this_package_are_known_by_their_content(name, tmp_path):
 
 def test_what_the_user_exports_is_his(tmp_path):
     script = tmp_path / "script.py"
-    script.write_text("from pathsim import Simulation\nfrom pathsim.blocks import Constant\n"
-                      "one = Constant(1.0)\nsim = Simulation([one], log=False)\n")
+    script.write_text(
+        "from pathsim import Simulation\nfrom pathsim.blocks import Constant\n"
+        "one = Constant(1.0)\nsim = Simulation([one], log=False)\n"
+    )
     assert cli.main(["export", str(script)]) == 0
     assert opens(script.with_suffix(".pvm")) == 1
     script.write_text(script.read_text().replace("1.0", "2.0"))
@@ -128,14 +143,22 @@ def test_what_the_user_exports_is_his(tmp_path):
     assert opens(script.with_suffix(".pvm")) == 2
 
 
-@pytest.mark.parametrize(("place", "key", "value"), [
-    (["codeContext"], "code", "x = 1"), (["graph", "nodes", 0], "name", "two"),
-    (["graph", "nodes", 0], "type", "Scope"), (["graph", "nodes", 0, "params"], "value", "2.0"),
-    (["graph", "nodes", 0, "params"], "position", "1"), (["metadata"], "name", "x"),
-    (["graph", "nodes", 0, "params"], "position", {"x": 1, "y": 0}),
-    (["graph", "nodes", 0], "position", {"x": "print()", "y": 0}),
-    ([], "requiredToolboxes", []), ([], "events", [{}]), ([], "other", 1),
-])
+@pytest.mark.parametrize(
+    ("place", "key", "value"),
+    [
+        (["codeContext"], "code", "x = 1"),
+        (["graph", "nodes", 0], "name", "two"),
+        (["graph", "nodes", 0], "type", "Scope"),
+        (["graph", "nodes", 0, "params"], "value", "2.0"),
+        (["graph", "nodes", 0, "params"], "position", "1"),
+        (["metadata"], "name", "x"),
+        (["graph", "nodes", 0, "params"], "position", {"x": 1, "y": 0}),
+        (["graph", "nodes", 0], "position", {"x": "print()", "y": 0}),
+        ([], "requiredToolboxes", []),
+        ([], "events", [{}]),
+        ([], "other", 1),
+    ],
+)
 def test_every_change_but_of_place_and_time_is_another_digest(place, key, value):
     changed = copy.deepcopy(MODEL)
     at = changed
@@ -195,8 +218,9 @@ def test_at_a_terminal_the_user_is_asked_once(path, monkeypatch):
         os.write(master, text.encode())
         with open(slave, "r+b", buffering=0) as terminal, monkeypatch.context() as patched:
             patched.setattr(sys, "stdin", io.TextIOWrapper(io.BufferedReader(terminal)))
-            patched.setattr(sys, "stderr", io.TextIOWrapper(io.FileIO(os.dup(slave), "w"),
-                                                            write_through=True))
+            patched.setattr(
+                sys, "stderr", io.TextIOWrapper(io.FileIO(os.dup(slave), "w"), write_through=True)
+            )
             status = opens(path)
             sys.stderr.close()
             sys.stdin.detach()

@@ -23,15 +23,34 @@ def test_a_script_that_is_no_text_is_refused(content, tmp_path):
 def converted(tmp_path, kind, after=(), **params):
     """The script of a model: a subsystem with one event, and the nodes after it."""
     place = {"position": {"x": 0, "y": 0}}
-    interface = {"id": "i", "type": "Interface", "name": "Interface", "inputs": [], "outputs": [],
-                 "params": {}, **place}
+    interface = {
+        "id": "i",
+        "type": "Interface",
+        "name": "Interface",
+        "inputs": [],
+        "outputs": [],
+        "params": {},
+        **place,
+    }
     event = {"id": "e", "type": kind, "name": "tick", "params": params, **place}
-    part = {"id": "s", "type": "Subsystem", "name": "part", "inputs": [], "outputs": [],
-            "params": {}, **place,
-            "graph": {"nodes": [interface], "connections": [], "events": [event]}}
-    model = {"version": "1.0.0", "metadata": {"name": "m", "created": "", "modified": ""},
-             "graph": {"nodes": [part, *after], "connections": []}, "events": [],
-             "codeContext": {"code": ""}, "simulationSettings": {"duration": "1"}}
+    part = {
+        "id": "s",
+        "type": "Subsystem",
+        "name": "part",
+        "inputs": [],
+        "outputs": [],
+        "params": {},
+        **place,
+        "graph": {"nodes": [interface], "connections": [], "events": [event]},
+    }
+    model = {
+        "version": "1.0.0",
+        "metadata": {"name": "m", "created": "", "modified": ""},
+        "graph": {"nodes": [part, *after], "connections": []},
+        "events": [],
+        "codeContext": {"code": ""},
+        "simulationSettings": {"duration": "1"},
+    }
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps(model))
     return convert_model(path, tmp_path / "out.py").read_text()
@@ -46,7 +65,14 @@ def test_events_inside_a_subsystem_are_checked_too(tmp_path):
 
 
 def test_blocks_after_a_subsystem_are_checked_too(tmp_path):
-    block = {"id": "b", "type": "Amplifer", "name": "gain", "inputs": [], "outputs": [],
-             "params": {}, "position": {"x": 0, "y": 0}}
+    block = {
+        "id": "b",
+        "type": "Amplifer",
+        "name": "gain",
+        "inputs": [],
+        "outputs": [],
+        "params": {},
+        "position": {"x": 0, "y": 0},
+    }
     with pytest.raises(DiagramError, match=r"block 'gain': .*did you mean 'Amplifier'"):
         converted(tmp_path, "pathsim.events.Schedule", [block])

@@ -32,9 +32,14 @@ def get(url, **headers):
 def test_interrupted_it_leaves_no_port_process_or_file(number, tmp_path):
     served = Served(tmp_path, "step_response", "--no-browser", "--port", "0")
     request = urllib.request.Request(
-        f"{served.address}/api/init", data=b'{"packages": []}',
-        headers={"Content-Type": "application/json", "X-Session-ID": "one",
-                 **page_headers(served.url)})
+        f"{served.address}/api/init",
+        data=b'{"packages": []}',
+        headers={
+            "Content-Type": "application/json",
+            "X-Session-ID": "one",
+            **page_headers(served.url),
+        },
+    )
     assert json.load(urllib.request.urlopen(request, timeout=60))["type"] == "ready"
     workers = served.children()
     assert workers
@@ -102,19 +107,23 @@ def test_this_package_is_always_registered_and_the_models_toolboxes_last():
         return json.JSONDecoder().raw_decode(script[start:])[0]
 
     assert [t["importPath"] for t in registered([])] == [OURS.import_path]
-    assert [t["importPath"] for t in registered([FLIGHT])] == [
-        OURS.import_path, FLIGHT.import_path]
+    assert [t["importPath"] for t in registered([FLIGHT])] == [OURS.import_path, FLIGHT.import_path]
     assert [t["importPath"] for t in registered([OURS, FLIGHT])] == [
-        OURS.import_path, FLIGHT.import_path]
+        OURS.import_path,
+        FLIGHT.import_path,
+    ]
     blocks = {b["className"]: b["override"] for b in registered([])[0]["blocks"]}
     assert blocks["DoubletSource"] == {"category": "Sources", "shape": "pill"}
     assert blocks.keys() == OURS.blocks().keys()
 
 
-@pytest.mark.parametrize(("target", "error", "message"), [
-    ("no_such_diagram", ParameterError, "no diagram 'no_such_diagram'"),
-    ("missing.pvm", DiagramError, "cannot be read"),
-])
+@pytest.mark.parametrize(
+    ("target", "error", "message"),
+    [
+        ("no_such_diagram", ParameterError, "no diagram 'no_such_diagram'"),
+        ("missing.pvm", DiagramError, "cannot be read"),
+    ],
+)
 def test_what_cannot_be_shown_is_an_error_at_once(target, error, message):
     with pytest.raises(error, match=message):
         view(target, browser=False)
@@ -122,7 +131,24 @@ def test_what_cannot_be_shown_is_an_error_at_once(target, error, message):
 
 def test_a_model_with_an_unknown_block_is_not_served(tmp_path):
     path = tmp_path / "model.pvm"
-    path.write_text(json.dumps({"version": "1.0.0", "graph": {"nodes": [
-        {"id": "a", "type": "Nothing", "name": "a", "inputs": [], "outputs": [], "params": {}}]}}))
+    path.write_text(
+        json.dumps(
+            {
+                "version": "1.0.0",
+                "graph": {
+                    "nodes": [
+                        {
+                            "id": "a",
+                            "type": "Nothing",
+                            "name": "a",
+                            "inputs": [],
+                            "outputs": [],
+                            "params": {},
+                        }
+                    ]
+                },
+            }
+        )
+    )
     with pytest.raises(BlocksError, match="does not know the block 'Nothing'"):
         view(path, browser=False)

@@ -25,8 +25,9 @@ def pull(elevator, fuel):
 
     step = Constant(elevator)
     aircraft = Aircraft("c172p", condition=TrimCondition(speed=90, fuel=[fuel, fuel]))
-    sim = Simulation([step, aircraft], [Connection(step, aircraft["elevator"])], dt=1 / 120,
-                     log=False)
+    sim = Simulation(
+        [step, aircraft], [Connection(step, aircraft["elevator"])], dt=1 / 120, log=False
+    )
     sim.run(2.0)
     return {"pitch_deg": aircraft["theta"].get_outputs()[0], "alpha_trim_deg": aircraft.trim.alpha}
 
@@ -37,23 +38,36 @@ def noise(gain, seed=None):
 
 def test_a_diagram_is_flown_for_every_case():
     table = quiet(pull, {"elevator": [-0.1, 0.1], "fuel": [40.0, 120.0]})
-    assert table.columns.tolist() == ["elevator", "fuel", "seed", "completed", "reason",
-                                      "pitch_deg", "alpha_trim_deg"]
+    assert table.columns.tolist() == [
+        "elevator",
+        "fuel",
+        "seed",
+        "completed",
+        "reason",
+        "pitch_deg",
+        "alpha_trim_deg",
+    ]
     assert table.completed.all()
     for row in table.itertuples():
-        fdm = plain_jsbsim.trimmed("c172p", 5000.0, 90.0, setup={
-            f"propulsion/tank[{i}]/contents-lbs": row.fuel for i in (0, 1)})
+        fdm = plain_jsbsim.trimmed(
+            "c172p",
+            5000.0,
+            90.0,
+            setup={f"propulsion/tank[{i}]/contents-lbs": row.fuel for i in (0, 1)},
+        )
         elevator = fdm["fcs/elevator-cmd-norm"] + row.elevator
-        pitch = plain_jsbsim.fly(fdm, ["fcs/elevator-cmd-norm"], [[elevator]] * 240,
-                                 ["attitude/theta-deg"])[-1, 0]
+        pitch = plain_jsbsim.fly(
+            fdm, ["fcs/elevator-cmd-norm"], [[elevator]] * 240, ["attitude/theta-deg"]
+        )[-1, 0]
         # the plain loop's trim differs by rounding
         assert row.pitch_deg == pytest.approx(pitch, abs=1e-6)
 
 
 def test_the_number_of_workers_does_not_change_a_bit():
     cases = {"gain": [1.0, 2.0, 3.0]}
-    pd.testing.assert_frame_equal(quiet(noise, cases), quiet(noise, cases, jobs=2),
-                                  check_exact=True)
+    pd.testing.assert_frame_equal(
+        quiet(noise, cases), quiet(noise, cases, jobs=2), check_exact=True
+    )
 
 
 def test_seeds_are_recorded_and_reproduce_a_case():
@@ -90,11 +104,14 @@ def test_a_case_that_fails_says_why_and_the_others_go_on():
     assert table.alpha_deg.isna().tolist() == [False, True, True, False]
 
 
-@pytest.mark.parametrize(("result", "message"), [
-    (3.0, "must return a dict"),
-    ({"gain": 1.0}, "is a column of the cases"),
-    ({"x": object()}, "must be a number, text"),
-])
+@pytest.mark.parametrize(
+    ("result", "message"),
+    [
+        (3.0, "must return a dict"),
+        ({"gain": 1.0}, "is a column of the cases"),
+        ({"x": object()}, "must be a number, text"),
+    ],
+)
 def test_a_result_that_is_no_row_is_the_reason(result, message):
     table = quiet(lambda gain: result, {"gain": [1.0]})
     assert not table.completed[0]
@@ -123,8 +140,9 @@ def test_a_batch_resumes_from_its_file(tmp_path):
     table = quiet(noise, {"gain": [1.0, 2.0]}, resume=path)
     lines = path.read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:2]))
-    pd.testing.assert_frame_equal(quiet(noise, {"gain": [1.0, 2.0]}, resume=path), table,
-                                  check_exact=True)
+    pd.testing.assert_frame_equal(
+        quiet(noise, {"gain": [1.0, 2.0]}, resume=path), table, check_exact=True
+    )
     with pytest.raises(ParameterError, match="holds another study"):
         quiet(noise, {"gain": [1.0, 3.0]}, resume=path)
 
@@ -149,15 +167,18 @@ def test_a_build_function_that_holds_an_aircraft_is_refused():
         quiet(build, {"gain": [1.0]})
 
 
-@pytest.mark.parametrize(("build", "cases", "message"), [
-    (noise, {}, "cases is empty"),
-    (noise, {"gan": [1.0]}, "case 0 has 'gan', which build does not take; did you mean 'gain'"),
-    (noise, [{"gain": 1.0}, {}], "case 1 has no 'gain'"),
-    (noise, {"gain": [math.nan]}, "must be finite"),
-    (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
-    ("noise", {"gain": [1.0]}, "build must be a function"),
-    (dict, {"gain": [1.0]}, "must be a function with known parameters"),
-])
+@pytest.mark.parametrize(
+    ("build", "cases", "message"),
+    [
+        (noise, {}, "cases is empty"),
+        (noise, {"gan": [1.0]}, "case 0 has 'gan', which build does not take; did you mean 'gain'"),
+        (noise, [{"gain": 1.0}, {}], "case 1 has no 'gain'"),
+        (noise, {"gain": [math.nan]}, "must be finite"),
+        (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
+        ("noise", {"gain": [1.0]}, "build must be a function"),
+        (dict, {"gain": [1.0]}, "must be a function with known parameters"),
+    ],
+)
 def test_bad_input_is_refused_before_the_work_begins(monkeypatch, build, cases, message):
     monkeypatch.setattr(batch, "run_parts", None)
     with pytest.raises(ParameterError, match=message):

@@ -18,9 +18,16 @@ def test_a_corrupted_file_gives_the_same_table_or_is_refused(tmp_path):
     assert 20 < resumed_from_corruptions(tmp_path, seed=11, count=60) < 60
 
 
-@pytest.mark.parametrize(("before", "after"), [
-    ("0.3333333333333333", "0.3333333333333334"), ("true", "null"), ('"part": 3', '"part": 4'),
-    ("point 5", "point 6"), ("0.3333", "NaN, 0.3333")])
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("0.3333333333333333", "0.3333333333333334"),
+        ("true", "null"),
+        ('"part": 3', '"part": 4'),
+        ("point 5", "point 6"),
+        ("0.3333", "NaN, 0.3333"),
+    ],
+)
 def test_a_line_that_is_still_json_is_refused_too(tmp_path, before, after):
     path = tmp_path / "thirds.jsonl"
     run(resume=path)
@@ -43,8 +50,9 @@ def test_a_carriage_return_loses_no_finished_part(tmp_path):
 
 def test_a_file_of_an_earlier_version_is_named(tmp_path):
     path = tmp_path / "thirds.jsonl"
-    path.write_text(json.dumps({"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"})
-                    + "\n")
+    path.write_text(
+        json.dumps({"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"}) + "\n"
+    )
     with pytest.raises(ParameterError, match="holds a study written by another version"):
         run(resume=path)
 
@@ -107,8 +115,11 @@ except FileError as error:
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
     path = tmp_path / "thirds.jsonl"
-    done = subprocess.run([sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[1])],
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[1])],
+        capture_output=True,
+        text=True,
+    )
     assert done.stderr == ""
     assert done.stdout.startswith("True File too large cannot write ")
     assert "the parts finished before are kept" in done.stdout
@@ -122,8 +133,10 @@ def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_is_named(tmp_path):
     journal = Journal(tmp_path / "thirds.jsonl", "thirds", "thirds")
-    with open("/dev/full", "wb", buffering=0) as journal._file, \
-            pytest.raises(FileError, match=r"thirds.jsonl': No space left on device"):
+    with (
+        open("/dev/full", "wb", buffering=0) as journal._file,
+        pytest.raises(FileError, match=r"thirds.jsonl': No space left on device"),
+    ):
         journal.add(0, [])
     # to read it would never end
     with pytest.raises(ParameterError, match="cannot write '/dev/full': it is not a file"):

@@ -31,8 +31,9 @@ time.sleep(600)
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
 @pytest.mark.parametrize("state", ["busy", "idle"])
 def test_no_worker_outlives_a_killed_parent(state, tmp_path):
-    with subprocess.Popen([sys.executable, "-c", STUDY, str(tmp_path), state],
-                          stdout=subprocess.PIPE) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", STUDY, str(tmp_path), state], stdout=subprocess.PIPE
+    ) as parent:
         if state == "idle":
             assert parent.stdout.readline() == b"done\n"
         deadline = time.monotonic() + 60

@@ -56,8 +56,11 @@ def test_aoa_vs_cas(tables):
 def by_case(table, reference):
     """The rows of each CG position, weight and altitude, of both tables."""
     for (factor, weight, altitude), rows in reference.groupby(["cg_factor", "weight_case", "h_ft"]):
-        ours = table[(table.cg_shift_percent == round(100 * factor - 100))
-                     & (table.weight_case == weight) & (table.requested_altitude_ft == altitude)]
+        ours = table[
+            (table.cg_shift_percent == round(100 * factor - 100))
+            & (table.weight_case == weight)
+            & (table.requested_altitude_ft == altitude)
+        ]
         yield factor, altitude, ours, rows
 
 
@@ -77,7 +80,8 @@ def test_with_the_cg_aft_light_and_mid_are_unstable_in_trim(tables):
     table = tables("aoa_vs_cas_loading", wide=True)
     table = table[table.trimmed & (table.speed_kcas > 169.0)]
     for (shift, weight, altitude), rows in table.groupby(
-            ["cg_shift_percent", "weight_case", "requested_altitude_ft"]):
+        ["cg_shift_percent", "weight_case", "requested_altitude_ft"]
+    ):
         if altitude == {-5: 8000, 5: 30000}[shift]:
             stable = shift == -5 or weight == "heavy"
             # trailing edge down is positive
@@ -88,9 +92,16 @@ def test_with_the_cg_aft_light_and_mid_are_unstable_in_trim(tables):
 def after_a_pulse(shift, weight, altitude):
     """Change of alpha in deg 30 s after 0.01 of elevator for 0.5 s, at 200 KCAS."""
     payload, fuel = published._WEIGHTS[weight]
-    plane = Aircraft("global5000", condition=TrimCondition(
-        altitude=altitude, speed=200, payload=[payload], fuel=[fuel] * 3,
-        empty_cg_x=(1 + shift / 100) * empty_weight_cg("global5000")[0]))
+    plane = Aircraft(
+        "global5000",
+        condition=TrimCondition(
+            altitude=altitude,
+            speed=200,
+            payload=[payload],
+            fuel=[fuel] * 3,
+            empty_cg_x=(1 + shift / 100) * empty_weight_cg("global5000")[0],
+        ),
+    )
     pulse = StepSource(amplitude=[0.01, 0.0], tau=[0.0, 0.5])
     sim = Simulation([plane, pulse], [Connection(pulse, plane["elevator"])], dt=1 / 120, log=False)
     sim.run(30.0)
@@ -137,9 +148,12 @@ def test_trim_envelope(tables):
     assert table.requested_gamma_deg.tolist() == reference.gamma_deg.tolist()
     assert table.trimmed.tolist() == reference.trimmed.astype(bool).tolist()
     assert table.trimmed.sum() == 364
-    for ours, theirs in (("speed_kcas", "vc_kts"), ("alpha_deg", "alpha_deg"),
-                         ("throttle_norm", "throttle_norm"),
-                         ("pitch_trim_norm", "pitch_trim_norm")):
+    for ours, theirs in (
+        ("speed_kcas", "vc_kts"),
+        ("alpha_deg", "alpha_deg"),
+        ("throttle_norm", "throttle_norm"),
+        ("pitch_trim_norm", "pitch_trim_norm"),
+    ):
         np.testing.assert_allclose(table[ours], reference[theirs], rtol=RTOL, equal_nan=True)
     assert set(table.reason[~table.trimmed]) == {"thrust", "alpha limit", "no convergence"}
     assert (table.reason[table.trimmed] == "").all()
@@ -158,9 +172,13 @@ def test_climb_schedule(tables):
     same(table.alpha_deg, reference.alpha_deg)
 
 
-@pytest.mark.parametrize(("wide", "settings"), [
-    (False, {"alpha_min": -4.0, "alpha_max": 12.0}),
-    (True, {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0})])
+@pytest.mark.parametrize(
+    ("wide", "settings"),
+    [
+        (False, {"alpha_min": -4.0, "alpha_max": 12.0}),
+        (True, {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0}),
+    ],
+)
 def test_the_wide_envelope_is_flown_clean(monkeypatch, wide, settings):
     asked = {}
     monkeypatch.setattr(published, "trim_sweep", lambda aircraft, grid, **_: asked.update(grid))
@@ -174,13 +192,21 @@ def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
     table = tables("aoa_vs_cas_loading", wide=True)
     figure = studies.alpha_elevator_chart(table)
     assert [ax.get_ylabel() for ax in figure.axes] == [
-        "angle of attack [deg]", "elevator deflection [deg]", "elevator deflection [-]"]
+        "angle of attack [deg]",
+        "elevator deflection [deg]",
+        "elevator deflection [-]",
+    ]
     assert [len(ax.lines) for ax in figure.axes] == [12, 12, 12]
     first = figure.axes[1].lines[0]
     assert first.get_label() == (
-        "light, empty CG 39.5 in forward, 8,000 ft, 52,735 lb, CG 754.7 in")
-    rows = table[(table.weight_case == "light") & (table.cg_shift_percent == -5)
-                 & (table.requested_altitude_ft == 8000) & table.trimmed]
+        "light, empty CG 39.5 in forward, 8,000 ft, 52,735 lb, CG 754.7 in"
+    )
+    rows = table[
+        (table.weight_case == "light")
+        & (table.cg_shift_percent == -5)
+        & (table.requested_altitude_ft == 8000)
+        & table.trimmed
+    ]
     np.testing.assert_allclose(first.get_ydata(), rows.elevator_rad * 180 / math.pi, rtol=1e-12)
 
 
@@ -192,7 +218,10 @@ def test_the_envelope_map_shows_every_point(tables):
         assert sum(len(marks.get_offsets()) for marks in ax.collections) == 680
         assert len(ax.collections[0].get_offsets()) == 364
     assert {ax.get_ylabel() for ax in figure.axes} > {
-        "throttle command [-]", "thrust [1000 lbf]", "angle of attack [deg]"}
+        "throttle command [-]",
+        "thrust [1000 lbf]",
+        "angle of attack [deg]",
+    }
 
 
 def test_the_thrust_chart_marks_the_least_thrust(tables):
@@ -214,8 +243,12 @@ def test_the_climb_chart_shows_both_commands(tables):
         assert ax.get_xlabel() == "altitude [ft]"
 
 
-CHARTS = [studies.alpha_elevator_chart, studies.envelope_map, studies.thrust_chart,
-          studies.climb_chart]
+CHARTS = [
+    studies.alpha_elevator_chart,
+    studies.envelope_map,
+    studies.thrust_chart,
+    studies.climb_chart,
+]
 
 
 @pytest.mark.parametrize("chart", CHARTS)
@@ -228,8 +261,9 @@ def test_a_chart_refuses_a_foreign_table(chart):
 
 
 def test_a_chart_names_the_column_that_a_sweep_of_ones_own_lacks():
-    table = studies.trim_sweep("c172p", {"altitude": 5000, "speed": [80, 90]}, jobs=1,
-                               progress=False)
+    table = studies.trim_sweep(
+        "c172p", {"altitude": 5000, "speed": [80, 90]}, jobs=1, progress=False
+    )
     with pytest.raises(ParameterError, match="thrust_vectoring; this one has no column 'case'"):
         studies.thrust_chart(table)
     with pytest.raises(ParameterError, match="no column 'requested_gamma_deg'"):
@@ -247,6 +281,6 @@ def test_thrust_vectoring_turns_every_engine_of_another_aircraft(monkeypatch):
 
     monkeypatch.setattr(published, "trim_sweep", sweep)
     studies.thrust_vectoring(aircraft="B747")
-    (aircraft, grid), = asked
+    ((aircraft, grid),) = asked
     assert aircraft == "B747"
     assert sum("pitch-angle-rad" in key for key in grid[0]) == 4

@@ -17,8 +17,13 @@ from pathsim_jsbsim_blocks import AircraftError, ParameterError, PropertyError
 from pathsim_jsbsim_blocks.errors import MissingExtraError
 from pathsim_jsbsim_blocks.studies import sweep, trim_sweep
 
-GRID = {"altitude": 15000, "alpha_min": -4, "alpha_max": 12, "speed": [120, 200, 300, 450],
-        "gamma": [-8, 0, 3]}
+GRID = {
+    "altitude": 15000,
+    "alpha_min": -4,
+    "alpha_max": 12,
+    "speed": [120, 200, 300, 450],
+    "gamma": [-8, 0, 3],
+}
 
 UNITS = ("ft", "kcas", "fps", "deg", "norm", "lb", "rad", "fps2", "radps2", "in", "mach")
 
@@ -49,8 +54,13 @@ def test_every_number_has_its_unit_in_the_name_of_its_column():
 
 
 def test_what_a_point_leaves_open_is_nan():
-    table = quiet("737", [{"altitude": 30000, "mach": 0.8}, {"altitude": 30000, "mach": 0.7,
-                                                             "fuel": [1000, 1000, 1000]}])
+    table = quiet(
+        "737",
+        [
+            {"altitude": 30000, "mach": 0.8},
+            {"altitude": 30000, "mach": 0.7, "fuel": [1000, 1000, 1000]},
+        ],
+    )
     assert table.requested_speed_kcas.isna().all()
     assert table.requested_speed_kcas.dtype == float
     assert table["requested_fuel_lb[2]"].isna().tolist() == [True, False]
@@ -70,7 +80,8 @@ def test_gear_fuel_and_wind_reach_the_aircraft():
     fdm = plain_jsbsim.trimmed("737", 15000.0, 250.0, gamma=3.0, setup=gear)
     [row] = quiet("737", {"altitude": 15000, "speed": 250, "gamma": 3, "gear": 0}).itertuples()
     assert row.thrust_lb == pytest.approx(
-        sum(fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in (0, 1)), rel=1e-9)
+        sum(fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in (0, 1)), rel=1e-9
+    )
     assert row.alpha_deg == pytest.approx(fdm["aero/alpha-deg"], rel=1e-9)
 
     fuel = {f"propulsion/tank[{i}]/contents-lbs": w for i, w in enumerate((50.0, 120.0))}
@@ -80,8 +91,11 @@ def test_gear_fuel_and_wind_reach_the_aircraft():
     assert row.pitch_trim_norm == pytest.approx(fdm["fcs/pitch-trim-cmd-norm"], rel=1e-6)
 
     # a tail wind from the south adds to the ground speed of an aircraft heading north
-    table = quiet("737", {"altitude": 15000, "speed": 250, "wind_north": [0, 50]},
-                  outputs=["velocities/vg-fps"])
+    table = quiet(
+        "737",
+        {"altitude": 15000, "speed": 250, "wind_north": [0, 50]},
+        outputs=["velocities/vg-fps"],
+    )
     assert table["velocities/vg-fps"].diff()[1] == pytest.approx(50, abs=0.5)
 
 
@@ -99,11 +113,15 @@ def test_what_one_point_sets_does_not_reach_the_next():
     assert forward.thrust_lb.nunique() == 3
 
 
-@pytest.mark.parametrize("more", [
-    # a full trim moves the ailerons, a longitudinal one leaves them as they are
-    {"mode": "longitudinal"},
-    {"fcs/flap-cmd-norm": 0.5, "fcs/flap-pos-norm": 0.5},
-], ids=["mode", "properties"])
+@pytest.mark.parametrize(
+    "more",
+    [
+        # a full trim moves the ailerons, a longitudinal one leaves them as they are
+        {"mode": "longitudinal"},
+        {"fcs/flap-cmd-norm": 0.5, "fcs/flap-pos-norm": 0.5},
+    ],
+    ids=["mode", "properties"],
+)
 def test_each_kind_of_point_gets_an_aircraft_of_its_own(more):
     rows = [{"speed": 90, **more}, {"speed": 90}]
     forward, backward = quiet("c172p", rows), quiet("c172p", rows[::-1])[::-1]
@@ -118,8 +136,11 @@ def test_a_file_of_other_outputs_or_another_mode_is_another_study(tmp_path):
 
     first = sweep(["aero/alpha-rad"])
     pd.testing.assert_frame_equal(sweep(["aero/alpha-rad"]), first, check_exact=True)
-    for other in ({"outputs": ["aero/beta-rad"]}, {}, {"outputs": ["aero/alpha-rad"],
-                                                       "mode": "longitudinal"}):
+    for other in (
+        {"outputs": ["aero/beta-rad"]},
+        {},
+        {"outputs": ["aero/alpha-rad"], "mode": "longitudinal"},
+    ):
         with pytest.raises(ParameterError, match="holds another study"):
             sweep(**other)
 
@@ -130,14 +151,23 @@ def test_the_root_may_be_a_path(tmp_path):
     assert table.trimmed.all()
 
 
-@pytest.mark.parametrize(("aircraft", "altitude", "speeds"), first([
-    # of each some points do not trim: one failed search once spoilt the rest of the chunk
-    ("737", 15000, [200, 120, 300, 120, 250]),
-    ("A4", 10000, [250, 80, 300, 80, 200]), ("A320", 10000, [280, 100, 300, 100, 280]),
-    ("f16", 10000, [300, 80, 350, 80, 300]), ("T37", 8000, [140, 40, 160, 40, 140]),
-    ("F80C", 8000, [185, 60, 220, 60, 185]), ("B747", 10000, [270, 90, 300, 90, 270]),
-    ("c182", 3000, [90, 150, 90]),  # searches for seconds
-], 7))
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "speeds"),
+    first(
+        [
+            # of each some points do not trim: one failed search once spoilt the rest of the chunk
+            ("737", 15000, [200, 120, 300, 120, 250]),
+            ("A4", 10000, [250, 80, 300, 80, 200]),
+            ("A320", 10000, [280, 100, 300, 100, 280]),
+            ("f16", 10000, [300, 80, 350, 80, 300]),
+            ("T37", 8000, [140, 40, 160, 40, 140]),
+            ("F80C", 8000, [185, 60, 220, 60, 185]),
+            ("B747", 10000, [270, 90, 300, 90, 270]),
+            ("c182", 3000, [90, 150, 90]),  # searches for seconds
+        ],
+        7,
+    ),
+)
 def test_the_size_of_the_chunks_does_not_show(aircraft, altitude, speeds):
     grid = {"altitude": altitude, "speed": speeds}
     fresh = quiet(aircraft, grid, chunk=1)
@@ -182,42 +212,49 @@ def test_no_file_is_left_and_the_jsbsim_package_is_not_touched(tmp_path, monkeyp
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("grid", "message"), [
-    ({}, "grid is empty"),
-    ([], "grid is empty"),
-    ({"speed": []}, "grid is empty: speed has no values"),
-    (None, "must be a dict of axes"),
-    ([1, 2], "one dict for each point"),
-    ({"sped": [200]}, "did you mean 'speed'"),
-    ({"speed": [200, math.nan]}, r"grid point 1: speed must be finite"),
-    ({"speed": [200, 0]}, r"grid point 1: speed must be greater than 0"),
-    ({"speed": [-1]}, "speed must be greater than 0"),
-    ({"speed": ["fast"]}, "speed must be a number"),
-    ({"speed": [200], "fuel": [[-1, 5]]}, r"fuel\[0\] must lie in"),
-    ({"speed": [200], "payload": [[-1]]}, r"payload\[0\] must lie in"),
-    ({"speed": [200], "fuel": [100, 200]}, "fuel must be a list or a dict of weights"),
-    ({"speed": [200], "mach": [0.5]}, "both mach and speed"),
-    ({"speed": [200], "mode": ["hover"]}, "mode must be one of"),
-    ({"speed": [object()]}, "must be a number, text"),
-    ({"speed": [200], "gear/gear-cmd-norm": ["up"]}, "gear/gear-cmd-norm must be a number"),
-    (pd.DataFrame({"speed": [200.0, math.nan]}), "grid point 1: speed must be finite"),
-])
+@pytest.mark.parametrize(
+    ("grid", "message"),
+    [
+        ({}, "grid is empty"),
+        ([], "grid is empty"),
+        ({"speed": []}, "grid is empty: speed has no values"),
+        (None, "must be a dict of axes"),
+        ([1, 2], "one dict for each point"),
+        ({"sped": [200]}, "did you mean 'speed'"),
+        ({"speed": [200, math.nan]}, r"grid point 1: speed must be finite"),
+        ({"speed": [200, 0]}, r"grid point 1: speed must be greater than 0"),
+        ({"speed": [-1]}, "speed must be greater than 0"),
+        ({"speed": ["fast"]}, "speed must be a number"),
+        ({"speed": [200], "fuel": [[-1, 5]]}, r"fuel\[0\] must lie in"),
+        ({"speed": [200], "payload": [[-1]]}, r"payload\[0\] must lie in"),
+        ({"speed": [200], "fuel": [100, 200]}, "fuel must be a list or a dict of weights"),
+        ({"speed": [200], "mach": [0.5]}, "both mach and speed"),
+        ({"speed": [200], "mode": ["hover"]}, "mode must be one of"),
+        ({"speed": [object()]}, "must be a number, text"),
+        ({"speed": [200], "gear/gear-cmd-norm": ["up"]}, "gear/gear-cmd-norm must be a number"),
+        (pd.DataFrame({"speed": [200.0, math.nan]}), "grid point 1: speed must be finite"),
+    ],
+)
 def test_a_bad_grid_is_refused_before_the_work_begins(monkeypatch, grid, message):
     monkeypatch.setattr(sweep, "run_parts", None)
     with pytest.raises(ParameterError, match=message):
         quiet("737", grid)
 
 
-@pytest.mark.parametrize(("aircraft", "grid", "options", "error", "message"), [
-    ("73", {"speed": [200]}, {}, AircraftError, "did you mean '737'"),
-    ("737", {"gear/gear-cmd-nrm": [1]}, {}, PropertyError, "gear/gear-cmd-norm"),
-    ("737", {"fuel": [[1, 1, 1, 1]]}, {}, PropertyError, r"tank\[3\]"),
-    ("737", {"speed": [200]}, {"outputs": ["aero/alfa-deg"]}, PropertyError, "aero/alpha-deg"),
-    ("737", {"speed": [200]}, {"outputs": "aero/alpha-deg"}, ParameterError, "must be a list"),
-    ("737", {"speed": [200]}, {"chunk": 0}, ParameterError, "chunk"),
-])
-def test_bad_parameters_are_refused_before_the_work_begins(monkeypatch, aircraft, grid, options,
-                                                           error, message):
+@pytest.mark.parametrize(
+    ("aircraft", "grid", "options", "error", "message"),
+    [
+        ("73", {"speed": [200]}, {}, AircraftError, "did you mean '737'"),
+        ("737", {"gear/gear-cmd-nrm": [1]}, {}, PropertyError, "gear/gear-cmd-norm"),
+        ("737", {"fuel": [[1, 1, 1, 1]]}, {}, PropertyError, r"tank\[3\]"),
+        ("737", {"speed": [200]}, {"outputs": ["aero/alfa-deg"]}, PropertyError, "aero/alpha-deg"),
+        ("737", {"speed": [200]}, {"outputs": "aero/alpha-deg"}, ParameterError, "must be a list"),
+        ("737", {"speed": [200]}, {"chunk": 0}, ParameterError, "chunk"),
+    ],
+)
+def test_bad_parameters_are_refused_before_the_work_begins(
+    monkeypatch, aircraft, grid, options, error, message
+):
     monkeypatch.setattr(sweep, "run_parts", None)
     with pytest.raises(error, match=message):
         quiet(aircraft, grid, **options)
@@ -236,7 +273,9 @@ def test_without_the_extra_the_error_names_it(monkeypatch):
 
 
 def test_importing_the_studies_does_not_import_what_the_extra_brings():
-    code = ("import sys, pathsim_jsbsim_blocks.studies; "
-            "print(sorted({'pandas', 'joblib', 'tqdm'} & set(sys.modules)))")
+    code = (
+        "import sys, pathsim_jsbsim_blocks.studies; "
+        "print(sorted({'pandas', 'joblib', 'tqdm'} & set(sys.modules)))"
+    )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert done.stdout.strip() == "[]"

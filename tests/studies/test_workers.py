@@ -16,14 +16,23 @@ from pathsim_jsbsim_blocks.studies.workers import run_parts
 
 GRID = {"altitude": 15000, "speed": [160, 250, 350], "gamma": [-3, 0, 3]}
 
-run = partial(run_parts, describe="point {}".format, title="numbers", job=lambda: "numbers", jobs=2,
-              resume=None, progress=False, died={"square": None})
+run = partial(
+    run_parts,
+    describe="point {}".format,
+    title="numbers",
+    job=lambda: "numbers",
+    jobs=2,
+    resume=None,
+    progress=False,
+    died={"square": None},
+)
 
 PARTS = [[1, 2], [3, 4, 5], [6], [7, 8]]
 
 
 def squaring(deadly=None):
     """Work that a worker does not survive at a deadly point."""
+
     # a function inside a function travels whole: workers need not import this module
     def work(part):
         if deadly in part:
@@ -103,8 +112,13 @@ print(midway)
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_sweep_killed_at_a_random_moment_resumes_to_the_identical_table(tmp_path):
-    done = subprocess.run([sys.executable, "-c", KILLED_AGAIN_AND_AGAIN, str(tmp_path)], check=True,
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED_AGAIN_AND_AGAIN, str(tmp_path)],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert int(done.stdout) >= 5  # the others were killed before the first chunk or after the last
 
 
@@ -150,8 +164,19 @@ def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
     assert notes.read_text() == "my notes\n"
 
 
-@pytest.mark.parametrize("line", ["nonsense", "{}", "[]", "7", '{"part": "x", "rows": []}',
-                                  '{"part": 1, "rows": 3}', "\0\0\0", '{"part": 0}'])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "nonsense",
+        "{}",
+        "[]",
+        "7",
+        '{"part": "x", "rows": []}',
+        '{"part": 1, "rows": 3}',
+        "\0\0\0",
+        '{"part": 0}',
+    ],
+)
 def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, line):
     path = tmp_path / "squares.jsonl"
     run(squares, PARTS, resume=path)
@@ -180,9 +205,11 @@ def dask_client():
     from distributed import Client, LocalCluster
 
     # one death is enough to give a task up (three are allowed by default)
-    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), \
-            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
-            Client(cluster) as client:
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
         yield client
 
 

@@ -29,7 +29,7 @@ def values(register: Register) -> list[float]:
 
 def show(register: Register, y: Sequence[float]) -> None:
     """Put values into the first ports."""
-    register._data[:len(y)] = y
+    register._data[: len(y)] = y
 
 
 def port_names(register: Register) -> dict[str, int]:
@@ -140,8 +140,9 @@ def tracker(sim: Simulation, duration: float) -> ProgressTracker:
     return ProgressTracker(duration, "TRANSIENT", logger=sim.logger, log=sim.log)
 
 
-def run_loop(sim: Simulation, duration: float, reset: bool, adaptive: bool,
-             progress: ProgressTracker) -> Generator[dict[str, Any], None, None]:
+def run_loop(
+    sim: Simulation, duration: float, reset: bool, adaptive: bool, progress: ProgressTracker
+) -> Generator[dict[str, Any], None, None]:
     """The loop of `Simulation.run`, which yields after every step."""
     return sim._run_loop(duration, reset, adaptive, tracker=progress)
 
@@ -177,4 +178,6 @@ def _lost() -> bool:
     loggers = (logging.Logger.manager.loggerDict.get("py.warnings"), logging.root)
     return warnings.showwarning.__module__ == logging.__name__ and all(
         isinstance(handler, logging.NullHandler)
-        for logger in loggers for handler in getattr(logger, "handlers", ()))
+        for logger in loggers
+        for handler in getattr(logger, "handlers", ())
+    )

@@ -25,12 +25,14 @@ _save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
 
 def _samples(simulation: Simulation) -> bool:
     """Whether a block in the diagram samples."""
-    return any(isinstance(event, ClockEvent)
-               for block in simulation.blocks for event in block.events)
+    return any(
+        isinstance(event, ClockEvent) for block in simulation.blocks for event in block.events
+    )
 
 
-def save_checkpoint(simulation: Simulation, path: str | os.PathLike[str],
-                    recordings: bool = True) -> None:
+def save_checkpoint(
+    simulation: Simulation, path: str | os.PathLike[str], recordings: bool = True
+) -> None:
     """Save a diagram as ``path.json`` and ``path.npz``, with a digest over both.
 
     Existing files are replaced once both new ones are complete.
@@ -99,15 +101,21 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     except (ValueError, TypeError, KeyError, RecursionError):
         intact = False
     if not intact:
-        raise ParameterError(f"the checkpoint {base!r} is damaged: its files have changed since "
-                             "they were saved", parameter="checkpoint", value=base)
+        raise ParameterError(
+            f"the checkpoint {base!r} is damaged: its files have changed since they were saved",
+            parameter="checkpoint",
+            value=base,
+        )
     try:
         _load(simulation, base)
     except BlocksError:
         raise
     except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
-        raise ParameterError(f"the checkpoint {base!r} belongs to another diagram: {error}",
-                             parameter="checkpoint", value=base) from error
+        raise ParameterError(
+            f"the checkpoint {base!r} belongs to another diagram: {error}",
+            parameter="checkpoint",
+            value=base,
+        ) from error
 
 
 def _base(path: str | os.PathLike[str]) -> str:

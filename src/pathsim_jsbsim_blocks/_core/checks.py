@@ -34,8 +34,15 @@ def did_you_mean(names: Iterable[str]) -> str:
     return f"; did you mean {' or '.join(repr(x) for x in names)}?" if names else ""
 
 
-def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = math.inf,
-           above: float | None = None, infinite: bool = False) -> float:
+def number(
+    parameter: str,
+    value: Any,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    infinite: bool = False,
+) -> float:
     """``value`` as a finite float with ``low <= value <= high`` (and ``value > above``).
 
     Raises
@@ -44,21 +51,29 @@ def number(parameter: str, value: Any, *, low: float = -math.inf, high: float = 
         for text, booleans, arrays, NaN, infinities (unless ``infinite``) and values out of range
     """
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ParameterError(f"{parameter} must be a number, not {value!r}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be a number, not {value!r}", parameter=parameter, value=value
+        )
     try:
         x = float(value)
     except OverflowError:
         x = math.inf
     if not math.isfinite(x) and not (infinite and math.isinf(x)):
-        raise ParameterError(f"{parameter} must be finite, not {x}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be finite, not {x}", parameter=parameter, value=value
+        )
     if above is not None and not x > above:
-        raise ParameterError(f"{parameter} must be greater than {above:g}, not {x:g}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be greater than {above:g}, not {x:g}",
+            parameter=parameter,
+            value=value,
+        )
     if not low <= x <= high:
-        raise ParameterError(f"{parameter} must lie in [{low:g}, {high:g}], not {x:g}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must lie in [{low:g}, {high:g}], not {x:g}",
+            parameter=parameter,
+            value=value,
+        )
     return x
 
 
@@ -71,8 +86,9 @@ def whole(parameter: str, value: Any, *, low: int) -> int:
     """``value`` as an int of at least ``low``; 4.0 passes, 4.5 does not."""
     x = number(parameter, value, low=low)
     if x != int(x):
-        raise ParameterError(f"{parameter} must be a whole number, not {x:g}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be a whole number, not {x:g}", parameter=parameter, value=value
+        )
     return int(x)
 
 
@@ -83,14 +99,18 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
         return value
     raise ParameterError(
         f"{parameter} must be one of {', '.join(map(repr, choices))}, not {value!r}"
-        + did_you_mean(nearest(str(value), choices, 1)), parameter=parameter, value=value)
+        + did_you_mean(nearest(str(value), choices, 1)),
+        parameter=parameter,
+        value=value,
+    )
 
 
 def flag(parameter: str, value: Any) -> bool:
     """``value`` if it is a real bool: the string "no" is truthy."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ParameterError(f"{parameter} must be True or False, not {value!r}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be True or False, not {value!r}", parameter=parameter, value=value
+        )
     return bool(value)
 
 
@@ -102,19 +122,26 @@ def as_path(parameter: str, value: Any) -> Path:
             raise TypeError
         return path
     except TypeError:
-        raise ParameterError(f"{parameter} must be a path, not {value!r}",
-                             parameter=parameter, value=value) from None
+        raise ParameterError(
+            f"{parameter} must be a path, not {value!r}", parameter=parameter, value=value
+        ) from None
 
 
 def writable(parameter: str, value: Any) -> Path:
     """``value`` as the path of a file that can be written, tried by opening it."""
     path = as_path(parameter, value)
     if path.is_dir():
-        raise ParameterError(f"{parameter} must be a file, {str(path)!r} is a directory",
-                             parameter=parameter, value=str(path))
+        raise ParameterError(
+            f"{parameter} must be a file, {str(path)!r} is a directory",
+            parameter=parameter,
+            value=str(path),
+        )
     if not path.parent.is_dir():
-        raise ParameterError(f"no directory {str(path.parent)!r} to write {path.name!r} in",
-                             parameter=parameter, value=str(path))
+        raise ParameterError(
+            f"no directory {str(path.parent)!r} to write {path.name!r} in",
+            parameter=parameter,
+            value=str(path),
+        )
     new = not os.path.lexists(path)
     if new or path.is_file():  # opening and closing a pipe would end its data
         try:
@@ -122,8 +149,11 @@ def writable(parameter: str, value: Any) -> Path:
             if new:
                 path.unlink()
         except OSError as error:
-            raise ParameterError(f"cannot write {str(path)!r}: {error.strerror}",
-                                 parameter=parameter, value=str(path)) from None
+            raise ParameterError(
+                f"cannot write {str(path)!r}: {error.strerror}",
+                parameter=parameter,
+                value=str(path),
+            ) from None
     return path
 
 
@@ -132,8 +162,11 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping):
-        raise ParameterError(f"{parameter} must be a dict of names and values, not {value!r}",
-                             parameter=parameter, value=value)
+        raise ParameterError(
+            f"{parameter} must be a dict of names and values, not {value!r}",
+            parameter=parameter,
+            value=value,
+        )
     return dict(value)
 
 
@@ -166,8 +199,11 @@ def finite(**values: Any) -> list[Any]:
     for parameter, x in zip(values, out, strict=True):
         known = np.isfinite(x)
         if not known.all():
-            raise ParameterError(f"{parameter} must be finite, not {x[~known].flat[0]}",
-                                 parameter=parameter, value=values[parameter])
+            raise ParameterError(
+                f"{parameter} must be finite, not {x[~known].flat[0]}",
+                parameter=parameter,
+                value=values[parameter],
+            )
     return [x if x.ndim else float(x) for x in out]
 
 
@@ -180,8 +216,11 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         except ValueError:  # ragged
             x = np.empty(0, object)
         if x.dtype.kind not in "iuf":
-            raise ParameterError(f"{parameter} must be a real number or an array of them, "
-                                 f"not {value!r}", parameter=parameter, value=value)
+            raise ParameterError(
+                f"{parameter} must be a real number or an array of them, not {value!r}",
+                parameter=parameter,
+                value=value,
+            )
         out.append(x.astype(float, copy=False))
     try:
         return out, np.broadcast_shapes(*(x.shape for x in out))
@@ -190,4 +229,6 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         raise ParameterError(
             "the arrays must broadcast to one shape, not "
             + ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape),
-            parameter=", ".join(values), value=shapes) from None
+            parameter=", ".join(values),
+            value=shapes,
+        ) from None

@@ -22,8 +22,9 @@ def filler(**texts: str) -> Callable[[Documented], Documented]:
 
     def fill(documented: Documented) -> Documented:
         if documented.__doc__:  # absent under python -OO
-            documented.__doc__ = _PLACE.sub(lambda place: indent(clean[place[2]], place[1]),
-                                            documented.__doc__)
+            documented.__doc__ = _PLACE.sub(
+                lambda place: indent(clean[place[2]], place[1]), documented.__doc__
+            )
         return documented
 
     return fill

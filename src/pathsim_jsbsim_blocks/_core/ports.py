@@ -20,8 +20,9 @@ class NamedPorts(Block):
             if isinstance(port, str) and port not in names:
                 close = nearest(port, names)
                 known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}"
-                raise self._no_port(f"{type(self).__name__} has no port {port!r}{known}", port,
-                                    close)
+                raise self._no_port(
+                    f"{type(self).__name__} has no port {port!r}{known}", port, close
+                )
         return super().__getitem__(key)
 
     def _no_port(self, message: str, port: str, close: list[str]) -> BlocksError:
@@ -41,9 +42,12 @@ class NamedPorts(Block):
         known = self.info()["parameters"]
         for name, value in values.items():
             if name not in known:
-                raise ParameterError(f"{type(self).__name__} has no parameter {name!r}"
-                                     + did_you_mean(nearest(name, known)), parameter=name,
-                                     value=value)
+                raise ParameterError(
+                    f"{type(self).__name__} has no parameter {name!r}"
+                    + did_you_mean(nearest(name, known)),
+                    parameter=name,
+                    value=value,
+                )
         before = {name: getattr(self, name) for name in values}
         try:
             self._put(values)

@@ -16,11 +16,12 @@ if TYPE_CHECKING:
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
 _BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
-_SECONDS_BEFORE_BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
+_SECONDS_BEFORE_BAR = 2.0
 
 
-def fly(sim: Simulation, duration: float = 10.0, reset: bool = False,
-        progress: bool | None = None) -> dict[str, Any]:
+def fly(
+    sim: Simulation, duration: float = 10.0, reset: bool = False, progress: bool | None = None
+) -> dict[str, Any]:
     """Run a diagram as ``sim.run(duration, reset)`` does, in less time.
 
     Every step is PathSim's own ``timestep``, so the trajectory is the same, bit for bit. Fixed
@@ -54,9 +55,17 @@ def fly(sim: Simulation, duration: float = 10.0, reset: bool = False,
     duration = number("duration", positive("duration", duration))
     start = 0.0 if reset else sim.time
     tracker = _pathsim.tracker(sim, duration)
-    with tracker, tqdm(
-            total=duration, unit=" s", bar_format=_BAR, leave=False, delay=0.0 if progress else
-            _SECONDS_BEFORE_BAR, disable=None if progress is None else not progress) as bar:
+    with (
+        tracker,
+        tqdm(
+            total=duration,
+            unit=" s",
+            bar_format=_BAR,
+            leave=False,
+            delay=0.0 if progress else _SECONDS_BEFORE_BAR,
+            disable=None if progress is None else not progress,
+        ) as bar,
+    ):
         adaptive = sim.engine.is_adaptive
         loop = _pathsim.run_loop(sim, duration, reset, adaptive, tracker)
         for _ in loop:
@@ -73,8 +82,9 @@ def _whole(steps: float) -> int:
     return math.ceil(steps * (1 - _ROUNDING))
 
 
-def _steps(sim: Simulation, count: int, start: float, duration: float, tracker: Any,
-           bar: tqdm) -> None:
+def _steps(
+    sim: Simulation, count: int, start: float, duration: float, tracker: Any, bar: tqdm
+) -> None:
     dt, shown = sim.dt, not bar.disable
     try:
         for _ in range(count):

@@ -118,8 +118,9 @@ class SampleClock(ClockEvent):
         slack = self._slack(time)
         latest = self.start + max(index - 1, 0) * self.period
         before = self._slack(latest)
-        self.next = Instant(index, time, time - slack, time + slack,
-                            latest - before, latest + before)
+        self.next = Instant(
+            index, time, time - slack, time + slack, latest - before, latest + before
+        )
 
     def go_on(self) -> None:
         """Wait for the sample after that waited for until now."""
@@ -128,7 +129,8 @@ class SampleClock(ClockEvent):
         slack = self._slack(time)
         # Instant(...), which takes three times as long
         self.next = tuple.__new__(
-            Instant, (k + 1, time, time - slack, time + slack, due_from, due_until))
+            Instant, (k + 1, time, time - slack, time + slack, due_from, due_until)
+        )
 
     def _slack(self, time: float) -> float:
         """How far the diagram's accumulated clock may be from an instant."""
@@ -220,8 +222,9 @@ class SampledBlock(Block):
         self._dt, self._resolved = dt, False
         next_ = self.clock.next
         if t >= next_.due_from:
-            self._sampled = (next_.k if t <= next_.due_until and next_.k in self._results
-                             else self._latest(t))
+            self._sampled = (
+                next_.k if t <= next_.due_until and next_.k in self._results else self._latest(t)
+            )
 
     def step_starts(self, t: float) -> None:
         """All blocks hold their final values at ``t``, where the next step starts."""
@@ -249,8 +252,11 @@ class SampledBlock(Block):
         """Index of the latest instant up to ``t`` of which there is a result."""
         k, results = self.clock.next.k, self._results
         latest = k - 1 + self.clock.due(t)
-        return latest if latest in results else max(
-            (i for i in results if k <= i <= latest), default=k - 1)
+        return (
+            latest
+            if latest in results
+            else max((i for i in results if k <= i <= latest), default=k - 1)
+        )
 
     def _finish(self) -> None:
         """Let the instants that were reached be over."""
@@ -285,8 +291,13 @@ class SampledBlock(Block):
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         clock = self.clock
-        json_data.update(period=clock.period, start=clock.start, index=clock.index,
-                         sampled=self._sampled, step_start=clock.step_start)
+        json_data.update(
+            period=clock.period,
+            start=clock.start,
+            index=clock.index,
+            sampled=self._sampled,
+            step_start=clock.step_start,
+        )
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
@@ -294,7 +305,10 @@ class SampledBlock(Block):
         if json_data["period"] != clock.period:
             raise ParameterError(
                 f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
-                f"this one has T = {clock.period!r}", parameter="T", value=clock.period)
+                f"this one has T = {clock.period!r}",
+                parameter="T",
+                value=clock.period,
+            )
         super().load_checkpoint(prefix, json_data, npz)
         clock.in_step = False
         clock.start, clock.step_start = json_data["start"], json_data["step_start"]
@@ -316,7 +330,9 @@ class SampledBlock(Block):
             f"{type(self).__name__} samples every {self.clock.period:.9g} s, but the diagram's "
             f"step from {self.clock.step_start:.9g} s to {t:.9g} s jumps over a sample instant: "
             "time is kept, but the inputs there are not known. Use a dt that divides T.",
-            RuntimeWarning, stacklevel=2)
+            RuntimeWarning,
+            stacklevel=2,
+        )
 
 
 class SampledPlant(SampledBlock):
@@ -400,8 +416,9 @@ class SampledLaw(SampledBlock):
 
     def __init__(self, T: float):
         super().__init__(T, first=0)
-        self.inputs = WiredRegister(len(self.inputs), self.input_port_labels
-                                    and dict(self.input_port_labels))
+        self.inputs = WiredRegister(
+            len(self.inputs), self.input_port_labels and dict(self.input_port_labels)
+        )
 
     def _forget(self) -> None:
         super()._forget()

@@ -86,8 +86,11 @@ def _at_other_pressure(mach: Any, ratio: Any) -> Any:
 def _speed(parameter: str, value: Any, air: Air) -> Any:
     """``value`` as a finite float, or as a float array that fits the air's shape."""
     if not isinstance(air, Air):
-        raise ParameterError("air must be that of isa(altitude) or Air(pressure, temperature), "
-                             f"not {air!r}", parameter="air", value=air)
+        raise ParameterError(
+            f"air must be that of isa(altitude) or Air(pressure, temperature), not {air!r}",
+            parameter="air",
+            value=air,
+        )
     if type(value) is float and isfinite(value):
         return value
     return finite(**{parameter: value, **air._asdict()})[0]
@@ -163,7 +166,7 @@ def impact_pressure(mach: Any, air: Air) -> Any:
 def dynamic_pressure(mach: Any, air: Air) -> Any:
     """Dynamic pressure in Pa, ``0.7 p M^2 = rho TAS^2 / 2``, at a Mach number."""
     mach = _speed("mach", mach, air)
-    return 0.7 * air.pressure * mach ** 2
+    return 0.7 * air.pressure * mach**2
 
 
 def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") -> Any:
@@ -178,6 +181,7 @@ def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") ->
         if a value is not finite and positive, or the shapes do not broadcast
     """
     cas, mach = positive_finite(cas=cas, mach=mach)
-    ratios = [_impact_ratio(x) if isinstance(x, float) else _impact_ratios(x)
-              for x in (cas / A0, mach)]
+    ratios = [
+        _impact_ratio(x) if isinstance(x, float) else _impact_ratios(x) for x in (cas / A0, mach)
+    ]
     return pressure_altitude(P0 * ratios[0] / ratios[1], altitude_kind)

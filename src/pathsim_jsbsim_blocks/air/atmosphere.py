@@ -50,7 +50,8 @@ _TOPS: list[float] = []  # of all layers but the last
 
 
 def pressure_temperature(
-        altitude: float, temp_deviation: float, geometric: bool) -> tuple[float, float]:
+    altitude: float, temp_deviation: float, geometric: bool
+) -> tuple[float, float]:
     """Standard pressure in Pa, temperature in K at a finite altitude above the Earth's centre."""
     h = EARTH_RADIUS * altitude / (EARTH_RADIUS + altitude) if geometric else altitude
     base, temperature, pressure, lapse_rate, exponent = LAYERS[bisect_right(_TOPS, h)]
@@ -79,7 +80,15 @@ def _put_layer_on_top(base: float, lapse_rate: float) -> None:
 # to 84.852 km in the US Standard Atmosphere 1976. Isothermal above, so that the extrapolated
 # temperature stays positive.
 for _km, _kelvin_per_km in (
-        (0, -6.5), (11, 0), (20, 1), (32, 2.8), (47, 0), (51, -2.8), (71, -2), (84.852, 0)):
+    (0, -6.5),
+    (11, 0),
+    (20, 1),
+    (32, 2.8),
+    (47, 0),
+    (51, -2.8),
+    (71, -2),
+    (84.852, 0),
+):
     _put_layer_on_top(1000.0 * _km, _kelvin_per_km / 1000)
 
 _COLUMNS = np.array(LAYERS).T
@@ -92,14 +101,13 @@ def _pressures_temperatures(altitude: Any, temp_deviation: Any, geometric: bool)
     flat = altitude.ravel(), pressures.ravel(), temperatures.ravel()
     tops = np.array(_TOPS)[:, np.newaxis]
     for start in range(0, altitude.size, 8192):  # pieces that stay in cache: twice as fast
-        h, p, t = (x[start:start + 8192] for x in flat)
+        h, p, t = (x[start : start + 8192] for x in flat)
         if geometric:
             h = EARTH_RADIUS * h / (EARTH_RADIUS + h)
         layer = np.sum(h >= tops, axis=0)
         base, temperature, pressure, lapse_rate, exponent = (x[layer] for x in _COLUMNS)
         t[:] = temperature + lapse_rate * (h - base)
-        p[:] = pressure * np.exp(
-            exponent * np.where(lapse_rate, np.log(t / temperature), h - base))
+        p[:] = pressure * np.exp(exponent * np.where(lapse_rate, np.log(t / temperature), h - base))
     temperatures = temperatures + temp_deviation
     if not _lowest(temperatures) > 0:
         _refuse_deviation(temp_deviation, _lowest(temperatures))
@@ -115,21 +123,30 @@ def positive_finite(**values: Any) -> list[Any]:
     out = finite(**values)
     for (parameter, value), x in zip(values.items(), out, strict=True):
         if not _lowest(x) > 0:
-            raise ParameterError(f"{parameter} must be positive, not {_lowest(x):g}",
-                                 parameter=parameter, value=value)
+            raise ParameterError(
+                f"{parameter} must be positive, not {_lowest(x):g}",
+                parameter=parameter,
+                value=value,
+            )
     return out
 
 
 def _refuse_altitude(altitude: Any) -> None:
     (h,) = finite(altitude=altitude)
-    raise ParameterError(f"altitude must be above the Earth's centre at {-EARTH_RADIUS:.0f} m, "
-                         f"not {_lowest(h):g} m", parameter="altitude", value=altitude)
+    raise ParameterError(
+        f"altitude must be above the Earth's centre at {-EARTH_RADIUS:.0f} m, not {_lowest(h):g} m",
+        parameter="altitude",
+        value=altitude,
+    )
 
 
 def _refuse_deviation(temp_deviation: Any, temperature: float) -> None:
     finite(temp_deviation=temp_deviation)
-    raise ParameterError(f"temp_deviation must leave a positive temperature, not {temperature:g} K",
-                         parameter="temp_deviation", value=temp_deviation)
+    raise ParameterError(
+        f"temp_deviation must leave a positive temperature, not {temperature:g} K",
+        parameter="temp_deviation",
+        value=temp_deviation,
+    )
 
 
 def geopotential_altitude(geometric: Any) -> Any:
@@ -160,8 +177,11 @@ def geometric_altitude(geopotential: Any) -> Any:
     """
     (h,) = finite(altitude=geopotential)
     if not _lowest(-h) > -EARTH_RADIUS:
-        raise ParameterError(f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, "
-                             f"not {-_lowest(-h):g} m", parameter="altitude", value=geopotential)
+        raise ParameterError(
+            f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-_lowest(-h):g} m",
+            parameter="altitude",
+            value=geopotential,
+        )
     return EARTH_RADIUS * h / (EARTH_RADIUS - h)
 
 
@@ -175,7 +195,7 @@ LIMITS = {
 def viscosity(temperature: Any) -> Any:
     """Dynamic viscosity of air in Pa s at a temperature in K, by Sutherland's formula."""
     (temperature,) = positive_finite(temperature=temperature)
-    return SUTHERLAND_BETA * temperature * temperature ** 0.5 / (temperature + SUTHERLAND_S)
+    return SUTHERLAND_BETA * temperature * temperature**0.5 / (temperature + SUTHERLAND_S)
 
 
 class Air(namedtuple("Air", ["pressure", "temperature"])):
@@ -312,7 +332,8 @@ def _altitude_of(quantity: str, value: Any, altitude_kind: str) -> Any:
         exponent = np.where(lapse_rate, exponent - 1, exponent)
     layer = np.searchsorted(-at_base[1:], np.negative(x), side="right")
     base, temperature, at_base, lapse_rate, exponent = (
-        column[layer] for column in (base, temperature, at_base, lapse_rate, exponent))
+        column[layer] for column in (base, temperature, at_base, lapse_rate, exponent)
+    )
     power = np.log(x / at_base) / exponent
     with np.errstate(all="ignore"):
         altitude = base + np.where(lapse_rate, temperature * np.expm1(power) / lapse_rate, power)

@@ -79,8 +79,13 @@ class AirDataBlock(NamedPorts, Function):
         try:  # Python floats, without the operator between: twice as fast
             self.outputs.update_from_array(self._outputs(*self.inputs.to_array().tolist()))
         except ParameterError as error:
-            raise FlightError(f"{type(self).__name__} at t = {t} s: {error}", aircraft="", time=t,
-                              name=error.parameter, value=error.value) from error
+            raise FlightError(
+                f"{type(self).__name__} at t = {t} s: {error}",
+                aircraft="",
+                time=t,
+                name=error.parameter,
+                value=error.value,
+            ) from error
 
     def _outputs(self, *inputs: float) -> Any:
         return self._eval(*inputs)
@@ -95,14 +100,17 @@ class AirDataBlock(NamedPorts, Function):
         finite(altitude=altitude)
         if self.out_of_range == "clamp":
             return min(max(altitude, self._low), self._high)
-        message = (f"{self.altitude_kind} altitude {altitude:g} m is outside of the standard "
-                   f"atmosphere's range, {self._low:.0f} m to {self._high:.0f} m")
+        message = (
+            f"{self.altitude_kind} altitude {altitude:g} m is outside of the standard "
+            f"atmosphere's range, {self._low:.0f} m to {self._high:.0f} m"
+        )
         if self.out_of_range == "error" or altitude <= -EARTH_RADIUS:
             raise ParameterError(message, parameter="altitude", value=altitude)
         if not self._warned:
             self._warned = True
-            warnings.warn(f"{type(self).__name__}: {message}; extrapolated", RuntimeWarning,
-                          stacklevel=2)
+            warnings.warn(
+                f"{type(self).__name__}: {message}; extrapolated", RuntimeWarning, stacklevel=2
+            )
         return altitude
 
 
@@ -160,8 +168,13 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     """
 
     input_port_labels = {"altitude": 0, "temp_deviation": 1}
-    output_port_labels = {"pressure": 0, "density": 1, "temperature": 2, "speed_of_sound": 3,
-                          "viscosity": 4}
+    output_port_labels = {
+        "pressure": 0,
+        "density": 1,
+        "temperature": 2,
+        "speed_of_sound": 3,
+        "viscosity": 4,
+    }
 
     R = R
     g0 = G0
@@ -171,8 +184,10 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     StdSL_speed_of_sound = A0
     atmosphere_bands = [
         flight.ISAtmosphere.AtmosphereBand(
-            layer.base, above.base, layer.temperature, layer.pressure, layer.lapse_rate)
-        for layer, above in pairwise(LAYERS)]
+            layer.base, above.base, layer.temperature, layer.pressure, layer.lapse_rate
+        )
+        for layer, above in pairwise(LAYERS)
+    ]
 
     def get_atmosphere_band(self, geopot_altitude: float) -> Any:
         above = [band.end_alt for band in self.atmosphere_bands[:-1]]

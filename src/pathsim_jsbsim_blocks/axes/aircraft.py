@@ -75,8 +75,7 @@ def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
 
 
 @_fill
-def structural_to_body(x: Values, y: Values, z: Values,
-                       reference: Sequence[Values]) -> Components:
+def structural_to_body(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
     """Body coordinates of a point given in structural coordinates.
 
     (x_B, y_B, z_B) = (x_ref - x, y - y_ref, z_ref - z) / 12
@@ -101,8 +100,7 @@ def structural_to_body(x: Values, y: Values, z: Values,
 
 
 @_fill
-def body_to_structural(x: Values, y: Values, z: Values,
-                       reference: Sequence[Values]) -> Components:
+def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
     """Structural coordinates of a point given in body coordinates.
 
     Parameters
@@ -126,8 +124,11 @@ def body_to_structural(x: Values, y: Values, z: Values,
 def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     parts = list(reference) if np.iterable(reference) else []
     if len(parts) != 3:
-        raise ParameterError(f"reference must be the three coordinates x, y, z, not {reference!r}",
-                             parameter="reference", value=reference)
+        raise ParameterError(
+            f"reference must be the three coordinates x, y, z, not {reference!r}",
+            parameter="reference",
+            value=reference,
+        )
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 
@@ -250,8 +251,7 @@ def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Componen
 
 
 @_fill
-def body_to_wind(x: Values, y: Values, z: Values, alpha: Values,
-                 beta: Values) -> Components:
+def body_to_wind(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
     """Turn a vector from body to wind axes: through alpha, then through beta.
 
     Parameters
@@ -274,8 +274,7 @@ def body_to_wind(x: Values, y: Values, z: Values, alpha: Values,
 
 
 @_fill
-def wind_to_body(x: Values, y: Values, z: Values, alpha: Values,
-                 beta: Values) -> Components:
+def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
     """Turn a vector from wind to body axes: the inverse of `body_to_wind`.
 
     Parameters
@@ -298,8 +297,9 @@ def wind_to_body(x: Values, y: Values, z: Values, alpha: Values,
 
 
 @_fill
-def body_to_drag_side_lift(x: Values, y: Values, z: Values, alpha: Values = 0.0,
-                           beta: Values = 0.0) -> Components:
+def body_to_drag_side_lift(
+    x: Values, y: Values, z: Values, alpha: Values = 0.0, beta: Values = 0.0
+) -> Components:
     """Drag, side force and lift of an aerodynamic force given in body axes.
 
     (D, Y, L) = (-x_W, y_W, -z_W), the signs of JSBSim's ``forces/fw*-aero-lbs``.
@@ -324,8 +324,9 @@ def body_to_drag_side_lift(x: Values, y: Values, z: Values, alpha: Values = 0.0,
 
 
 @_fill
-def drag_side_lift_to_body(drag: Values, side: Values, lift: Values,
-                           alpha: Values = 0.0, beta: Values = 0.0) -> Components:
+def drag_side_lift_to_body(
+    drag: Values, side: Values, lift: Values, alpha: Values = 0.0, beta: Values = 0.0
+) -> Components:
     """Body-axis components of drag, side force and lift.
 
     Parameters
@@ -348,8 +349,9 @@ def drag_side_lift_to_body(drag: Values, side: Values, lift: Values,
 
 
 @_fill
-def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
-                theta: Values, psi: Values) -> Components:
+def ned_to_body(
+    north: Values, east: Values, down: Values, phi: Values, theta: Values, psi: Values
+) -> Components:
     """Turn a vector from local NED to body axes by the 3-2-1 Euler angles.
 
     Through psi about z (down), then theta about y, then phi about x.
@@ -367,8 +369,9 @@ def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
 
     %(raises)s
     """
-    x, y, z, phi, theta, psi = arrays(north=north, east=east, down=down, phi=phi, theta=theta,
-                                      psi=psi)
+    x, y, z, phi, theta, psi = arrays(
+        north=north, east=east, down=down, phi=phi, theta=theta, psi=psi
+    )
     x, y = turn(x, y, psi)
     z, x = turn(z, x, theta)
     y, z = turn(y, z, phi)
@@ -376,8 +379,9 @@ def ned_to_body(north: Values, east: Values, down: Values, phi: Values,
 
 
 @_fill
-def body_to_ned(x: Values, y: Values, z: Values, phi: Values, theta: Values,
-                psi: Values) -> Components:
+def body_to_ned(
+    x: Values, y: Values, z: Values, phi: Values, theta: Values, psi: Values
+) -> Components:
     """Turn a vector from body to local NED axes: the inverse of `ned_to_body`.
 
     Parameters

@@ -201,8 +201,11 @@ class GeodeticToNED(NamedPorts, Function):
         super().__init__(func=self._position)
 
     def _origin(self) -> tuple[float, float, float]:
-        return (number("lat0", self.lat0, low=-90.0, high=90.0), number("lon0", self.lon0),
-                number("h0", self.h0))
+        return (
+            number("lat0", self.lat0, low=-90.0, high=90.0),
+            number("lon0", self.lon0),
+            number("h0", self.h0),
+        )
 
     def _position(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
         return geodetic_to_ned(lat, lon, h, *self._origin())

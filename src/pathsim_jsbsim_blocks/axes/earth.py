@@ -65,8 +65,9 @@ def _ellipsoid() -> Any:
 
 def _check_latitude(parameter: str, lat: Any) -> None:
     if np.any(np.abs(lat) > 90.0):
-        raise ParameterError(f"{parameter} must lie in [-90, 90] deg, not {lat}",
-                             parameter=parameter, value=lat)
+        raise ParameterError(
+            f"{parameter} must lie in [-90, 90] deg, not {lat}", parameter=parameter, value=lat
+        )
 
 
 @_fill
@@ -131,15 +132,19 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     x, y, z = arrays(x=x, y=y, z=z)
     radius = np.sqrt(x * x + y * y + z * z)
     if np.any(radius < 0.98 * SEMI_MINOR_AXIS):
-        raise ParameterError("x, y, z must lie near or above the ground, some 20.9e6 ft from the "
-                             f"centre of the Earth, not at {np.min(radius):g} ft",
-                             parameter="x, y, z", value=(x, y, z))
+        raise ParameterError(
+            "x, y, z must lie near or above the ground, some 20.9e6 ft from the "
+            f"centre of the Earth, not at {np.min(radius):g} ft",
+            parameter="x, y, z",
+            value=(x, y, z),
+        )
     return ecef2geodetic(x, y, z, _ellipsoid())
 
 
 @_fill
-def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
-                h0: Values = 0.0) -> Components:
+def ecef_to_ned(
+    x: Values, y: Values, z: Values, lat0: Values, lon0: Values, h0: Values = 0.0
+) -> Components:
     """Position of a point in Earth-centred coordinates, north, east and down of a reference.
 
     Parameters
@@ -164,8 +169,9 @@ def ecef_to_ned(x: Values, y: Values, z: Values, lat0: Values, lon0: Values,
 
 
 @_fill
-def ned_to_ecef(north: Values, east: Values, down: Values, lat0: Values,
-                lon0: Values, h0: Values = 0.0) -> Components:
+def ned_to_ecef(
+    north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
+) -> Components:
     """Earth-centred coordinates of a point north, east and down of a reference.
 
     Parameters
@@ -183,15 +189,17 @@ def ned_to_ecef(north: Values, east: Values, down: Values, lat0: Values,
     """
     from pymap3d import ned2ecef
 
-    north, east, down, lat0, lon0, h0 = arrays(north=north, east=east, down=down, lat0=lat0,
-                                               lon0=lon0, h0=h0)
+    north, east, down, lat0, lon0, h0 = arrays(
+        north=north, east=east, down=down, lat0=lat0, lon0=lon0, h0=h0
+    )
     _check_latitude("lat0", lat0)
     return ned2ecef(north, east, down, lat0, lon0, h0, _ellipsoid())
 
 
 @_fill
-def geodetic_to_ned(lat: Values, lon: Values, h: Values, lat0: Values,
-                    lon0: Values, h0: Values = 0.0) -> Components:
+def geodetic_to_ned(
+    lat: Values, lon: Values, h: Values, lat0: Values, lon0: Values, h0: Values = 0.0
+) -> Components:
     """Position of a geodetic position, north, east and down of a reference.
 
     Parameters
@@ -211,8 +219,9 @@ def geodetic_to_ned(lat: Values, lon: Values, h: Values, lat0: Values,
 
 
 @_fill
-def ned_to_geodetic(north: Values, east: Values, down: Values, lat0: Values,
-                    lon0: Values, h0: Values = 0.0) -> Components:
+def ned_to_geodetic(
+    north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
+) -> Components:
     """Geodetic position of a point north, east and down of a reference.
 
     Parameters
@@ -232,8 +241,7 @@ def ned_to_geodetic(north: Values, east: Values, down: Values, lat0: Values,
 
 
 @_fill
-def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
-                       lon: Values) -> Components:
+def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values) -> Components:
     """Turn a vector, such as a velocity, from Earth-centred to local NED axes.
 
     Parameters
@@ -258,8 +266,9 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values,
 
 
 @_fill
-def ned_vector_to_ecef(north: Values, east: Values, down: Values, lat: Values,
-                       lon: Values) -> Components:
+def ned_vector_to_ecef(
+    north: Values, east: Values, down: Values, lat: Values, lon: Values
+) -> Components:
     """Turn a vector from local NED to Earth-centred axes: inverse of `ecef_vector_to_ned`.
 
     Parameters

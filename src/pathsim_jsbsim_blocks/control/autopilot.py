@@ -96,14 +96,51 @@ class Autopilot(Controller):
     """
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
-    input_port_labels = {name: i for i, name in enumerate((
-        "theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc",
-        "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref",
-        "pitch_mode", "roll_mode", "pitch_off", "roll_off", "speed_off", "yaw_off",
-        "elev_sat", "ail_sat", "thr_sat"))}
-    output_port_labels = {name: i for i, name in enumerate((
-        "elevator", "aileron", "rudder", "throttle", "theta_cmd", "phi_cmd", "vc_cmd",
-        "hdot_cmd"))}
+    input_port_labels = {
+        name: i
+        for i, name in enumerate(
+            (
+                "theta",
+                "phi",
+                "psi",
+                "p",
+                "q",
+                "r",
+                "h",
+                "hdot",
+                "vc",
+                "theta_ref",
+                "h_ref",
+                "phi_ref",
+                "psi_ref",
+                "vc_ref",
+                "pitch_mode",
+                "roll_mode",
+                "pitch_off",
+                "roll_off",
+                "speed_off",
+                "yaw_off",
+                "elev_sat",
+                "ail_sat",
+                "thr_sat",
+            )
+        )
+    }
+    output_port_labels = {
+        name: i
+        for i, name in enumerate(
+            (
+                "elevator",
+                "aileron",
+                "rudder",
+                "throttle",
+                "theta_cmd",
+                "phi_cmd",
+                "vc_cmd",
+                "hdot_cmd",
+            )
+        )
+    }
 
     def __init__(
         self,
@@ -143,9 +180,12 @@ class Autopilot(Controller):
     def build(self) -> None:
         T = self.clock.period
         pitch, roll, heading, altitude, speed, yaw = loop_gains(
-            self.gains, "pitch", "roll", "heading", "altitude", "speed", "yaw")
-        self._targets = [optional(name, getattr(self, name)) for name in (
-            "theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")]
+            self.gains, "pitch", "roll", "heading", "altitude", "speed", "yaw"
+        )
+        self._targets = [
+            optional(name, getattr(self, name))
+            for name in ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
+        ]
         self._pitch = pitch_loop(T, pitch, limits("elevator_authority", self.elevator_authority))
         self._roll = roll_loop(T, roll, limits("aileron_authority", self.aileron_authority))
         self._speed = SpeedLoop(T, speed, limits("throttle_authority", self.throttle_authority))
@@ -154,28 +194,64 @@ class Autopilot(Controller):
         self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
 
     def initial_state(self) -> State:
-        return (AltitudeLoop.START, ReferenceLoop.START, HeadingLoop.START, ReferenceLoop.START,
-                SpeedLoop.START, WashoutLoop.START)
+        return (
+            AltitudeLoop.START,
+            ReferenceLoop.START,
+            HeadingLoop.START,
+            ReferenceLoop.START,
+            SpeedLoop.START,
+            WashoutLoop.START,
+        )
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        (theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref,
-         pitch_mode, roll_mode, pitch_off, roll_off, speed_off, yaw_off,
-         elev_sat, ail_sat, thr_sat) = u[:23]
+        (
+            theta,
+            phi,
+            psi,
+            p,
+            q,
+            r,
+            h,
+            hdot,
+            vc,
+            theta_ref,
+            h_ref,
+            phi_ref,
+            psi_ref,
+            vc_ref,
+            pitch_mode,
+            roll_mode,
+            pitch_off,
+            roll_off,
+            speed_off,
+            yaw_off,
+            elev_sat,
+            ail_sat,
+            thr_sat,
+        ) = u[:23]
         altitude, pitch, heading, roll, speed, yaw = state
         theta_target, h_target, phi_target, psi_target, vc_target = self._targets
 
         throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0)
+            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0
+        )
         hdot_cmd = 0.0
         if pitch_mode or pitch_off:
             altitude = AltitudeLoop.START
         else:
             theta_ref = 0.0
             theta_target, hdot_cmd, altitude = self._altitude.sample(
-                altitude, h, hdot, h_target, h_ref, ReferenceLoop.reference(pitch, theta),
-                _share_of_climb(vc, vc_cmd))
+                altitude,
+                h,
+                hdot,
+                h_target,
+                h_ref,
+                ReferenceLoop.reference(pitch, theta),
+                _share_of_climb(vc, vc_cmd),
+            )
         elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0)
+            pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0
+        )
 
         if roll_mode or roll_off:
             heading = HeadingLoop.START
@@ -183,11 +259,14 @@ class Autopilot(Controller):
             phi_ref = 0.0
             phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
         aileron, phi_cmd, roll = self._roll.sample(
-            roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0)
+            roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0
+        )
 
         rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
-        return ([elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
-                (altitude, pitch, heading, roll, speed, yaw))
+        return (
+            [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
+            (altitude, pitch, heading, roll, speed, yaw),
+        )
 
 
 def _share_of_climb(vc: float, vc_cmd: float) -> float:

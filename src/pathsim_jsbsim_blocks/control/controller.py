@@ -89,8 +89,11 @@ class Controller(NamedPorts, SampledLaw):
         ports = port_names(self.inputs)
         missing = [name for name in self.measured if ports[name] not in self.inputs.wired]
         if missing:
-            warnings.warn(f"{type(self).__name__} measures 0 where no wire comes in: "
-                          f"{', '.join(missing)}", RuntimeWarning, stacklevel=2)
+            warnings.warn(
+                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}",
+                RuntimeWarning,
+                stacklevel=2,
+            )
 
     def _put(self, values: dict[str, Any]) -> None:
         self.__dict__.update(values)

@@ -168,25 +168,25 @@ GAINS = {
         roll=AttitudeGains(Kp=0.060, Ki=0.021, Kr=0.004, b=0.85, ramp=10.0),
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
-        speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7,
-                         Kc=0.0035),
-        yaw=YawGains(K=0.020)),
+        speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7, Kc=0.0035),
+        yaw=YawGains(K=0.020),
+    ),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
         roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.14, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5,
-                         Kc=0.007),
-        yaw=YawGains(K=0.0)),
+        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5, Kc=0.007),
+        yaw=YawGains(K=0.0),
+    ),
     "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
         roll=AttitudeGains(Kp=0.054, Ki=0.011, Kr=0.005, b=0.94, ramp=7.0),
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.15, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=1.0, ramp=1.5,
-                         Kc=0.007),
-        yaw=YawGains(K=0.0)),
+        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=1.0, ramp=1.5, Kc=0.007),
+        yaw=YawGains(K=0.0),
+    ),
 }
 
 
@@ -215,7 +215,10 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     if not isinstance(gains, Mapping):
         raise ParameterError(
             f"gains must be the name of a table or a dict of the gains of {', '.join(loops)}, "
-            f"not {gains!r}", parameter="gains", value=gains)
+            f"not {gains!r}",
+            parameter="gains",
+            value=gains,
+        )
     _check_keys(gains, loops, loops, "loop")
     return tuple(loop_gains(gains[loop], loop)[0] for loop in loops)
 
@@ -226,8 +229,10 @@ def _one_loop(gains: Any, loop: str) -> Any:
         return gains
     if not isinstance(gains, Mapping):
         raise ParameterError(
-            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, "
-            f"not {gains!r}", parameter="gains", value=gains)
+            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, not {gains!r}",
+            parameter="gains",
+            value=gains,
+        )
     fields = dataclasses.fields(kind)
     needed = [f.name for f in fields if f.default is dataclasses.MISSING]
     _check_keys(gains, [f.name for f in fields], needed, f"{loop} gain")
@@ -239,8 +244,12 @@ def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
         if name not in names:
             raise ParameterError(
                 f"{name!r} is no {what}; there are {', '.join(names)}"
-                + did_you_mean(nearest(str(name), names, 1)), parameter="gains", value=gains)
+                + did_you_mean(nearest(str(name), names, 1)),
+                parameter="gains",
+                value=gains,
+            )
     missing = [name for name in needed if name not in gains]
     if missing:
-        raise ParameterError(f"{what} missing: {', '.join(missing)}", parameter="gains",
-                             value=gains)
+        raise ParameterError(
+            f"{what} missing: {', '.join(missing)}", parameter="gains", value=gains
+        )

@@ -44,8 +44,17 @@ class ReferenceLoop:
         """Where the reference is: on its ramp, or at the measured value while off."""
         return state[1] if state[2][0] > 0.0 else y
 
-    def sample(self, state: State, y: float, rate: float, target: float | None, increment: float,
-               sat: float, off: bool, feed: float = 0.0) -> tuple[float, float, State]:
+    def sample(
+        self,
+        state: State,
+        y: float,
+        rate: float,
+        target: float | None,
+        increment: float,
+        sat: float,
+        off: bool,
+        feed: float = 0.0,
+    ) -> tuple[float, float, State]:
         """Actuator increment, reference and next state.
 
         Parameters
@@ -90,8 +99,9 @@ class HeadingLoop:
         bank_max = positive("bank_max", bank_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
 
-    def sample(self, state: State, psi: float, target: float | None,
-               increment: float) -> tuple[float, State]:
+    def sample(
+        self, state: State, psi: float, target: float | None, increment: float
+    ) -> tuple[float, State]:
         """Bank reference in deg and next state; ``target`` None is the heading found."""
         found, law = state
         engaged = law[0] > 0.0
@@ -118,15 +128,29 @@ class AltitudeLoop:
 
     START: State = (0.0, PID.START)  # altitude found at engagement, law
 
-    def __init__(self, T: float, gains: AltitudeGains, hdot_max: float | None,
-                 theta_min: float, theta_max: float):
+    def __init__(
+        self,
+        T: float,
+        gains: AltitudeGains,
+        hdot_max: float | None,
+        theta_min: float,
+        theta_max: float,
+    ):
         self.Kh = gains.Kh
         self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
         theta_min, theta_max = number("theta_min", theta_min), number("theta_max", theta_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
-    def sample(self, state: State, h: float, hdot: float, target: float | None, increment: float,
-               theta: float, climb: float = 1.0) -> tuple[float, float, State]:
+    def sample(
+        self,
+        state: State,
+        h: float,
+        hdot: float,
+        target: float | None,
+        increment: float,
+        theta: float,
+        climb: float = 1.0,
+    ) -> tuple[float, float, State]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
@@ -159,11 +183,22 @@ class SpeedLoop:
         low, high = authority
         self.Kc = gains.Kc
         self.loop = ReferenceLoop(
-            PID(T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low,
-                high=high), gains.ramp)
+            PID(
+                T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
+            ),
+            gains.ramp,
+        )
 
-    def sample(self, state: State, vc: float, hdot: float, target: float | None, increment: float,
-               sat: float, off: bool) -> tuple[float, float, State]:
+    def sample(
+        self,
+        state: State,
+        vc: float,
+        hdot: float,
+        target: float | None,
+        increment: float,
+        sat: float,
+        off: bool,
+    ) -> tuple[float, float, State]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`."""
         return self.loop.sample(state, vc, 0.0, target, increment, sat, off, self.Kc * hdot)
 
@@ -212,7 +247,9 @@ def limits(parameter: str, value: Any) -> tuple[float, float]:
         if len(value) != 2:
             raise ParameterError(
                 f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
-                parameter=parameter, value=value)
+                parameter=parameter,
+                value=value,
+            )
         return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
     most = number(parameter, value, low=0.0)
     return -most, most

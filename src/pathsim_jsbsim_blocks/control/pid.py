@@ -67,9 +67,21 @@ class PID:
     START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     FROM_REST: State = (-2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def __init__(self, T: float, *, Kp: float = 0.0, Ki: float = 0.0, Kd: float = 0.0,
-                 Kr: float = 0.0, b: float = 1.0, Tf: float = 0.0, Tt: float | None = None,
-                 Te: float = 0.3, low: float = -math.inf, high: float = math.inf):
+    def __init__(
+        self,
+        T: float,
+        *,
+        Kp: float = 0.0,
+        Ki: float = 0.0,
+        Kd: float = 0.0,
+        Kr: float = 0.0,
+        b: float = 1.0,
+        Tf: float = 0.0,
+        Tt: float | None = None,
+        Te: float = 0.3,
+        low: float = -math.inf,
+        high: float = math.inf,
+    ):
         self.T = positive("T", T)
         self.Kp = number("Kp", Kp)
         self.Ki = number("Ki", Ki)
@@ -84,8 +96,11 @@ class PID:
         self.low = number("low", low, infinite=True)
         self.high = number("high", high, infinite=True)
         if self.low > self.high:
-            raise ParameterError(f"the lower limit {low!r} must not be above the upper, {high!r}",
-                                 parameter="low", value=low)
+            raise ParameterError(
+                f"the lower limit {low!r} must not be above the upper, {high!r}",
+                parameter="low",
+                value=low,
+            )
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         self._fade = math.exp(-self.T / positive("Te", Te))
@@ -97,8 +112,17 @@ class PID:
         """State of a law that is off and whose output is ``u``."""
         return (-1.0, 0.0, u, u, 0.0, 0.0)
 
-    def sample(self, state: State, r: float, y: float, rate: float = 0.0, sat: float = 0.0,
-               off: bool = False, track: float = 0.0, feed: float = 0.0) -> tuple[float, State]:
+    def sample(
+        self,
+        state: State,
+        r: float,
+        y: float,
+        rate: float = 0.0,
+        sat: float = 0.0,
+        off: bool = False,
+        track: float = 0.0,
+        feed: float = 0.0,
+    ) -> tuple[float, State]:
         """Output at one instant and the state after it.
 
         Parameters
@@ -242,8 +266,19 @@ class DiscretePID(Controller):
         self.configure()
 
     def build(self) -> None:
-        self._pid = PID(self.clock.period, Kp=self.Kp, Ki=self.Ki, Kd=self.Kd, Kr=self.Kr,
-                        b=self.b, Tf=self.Tf, Tt=self.Tt, Te=self.Te, low=self.low, high=self.high)
+        self._pid = PID(
+            self.clock.period,
+            Kp=self.Kp,
+            Ki=self.Ki,
+            Kd=self.Kd,
+            Kr=self.Kr,
+            b=self.b,
+            Tf=self.Tf,
+            Tt=self.Tt,
+            Te=self.Te,
+            low=self.low,
+            high=self.high,
+        )
 
     def initial_state(self) -> State:
         return PID.FROM_REST

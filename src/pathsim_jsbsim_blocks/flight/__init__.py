@@ -7,5 +7,16 @@ from .condition import TrimCondition
 from .fdm import JSBSimFDM
 from .fleet import LevelFlight, level_flight
 
-__all__ = ["Aircraft", "Airframe", "JSBSimFDM", "LevelFlight", "TrimCondition", "TrimState",
-           "aircraft_names", "empty_weight_cg", "has_retractable_gear", "level_flight", "trim"]
+__all__ = [
+    "Aircraft",
+    "Airframe",
+    "JSBSimFDM",
+    "LevelFlight",
+    "TrimCondition",
+    "TrimState",
+    "aircraft_names",
+    "empty_weight_cg",
+    "has_retractable_gear",
+    "level_flight",
+    "trim",
+]

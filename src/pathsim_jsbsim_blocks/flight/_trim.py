@@ -31,8 +31,14 @@ _TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: upper limit of the US Standard Atm
 _ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
 
 # the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
-_LIMITS = {"udot": "thrust", "vdot": "bank", "wdot": "alpha limit",
-           "pdot": "aileron", "qdot": "elevator", "rdot": "rudder"}
+_LIMITS = {
+    "udot": "thrust",
+    "vdot": "bank",
+    "wdot": "alpha limit",
+    "pdot": "aileron",
+    "qdot": "elevator",
+    "rdot": "rudder",
+}
 _LIMITS_OF_MODES = {
     "turn": {**_LIMITS, "vdot": "sideslip"},
     "pull-up": {**_LIMITS, "nlf": "alpha limit", "hmgt": "sideslip"},
@@ -41,17 +47,29 @@ _LIMITS_OF_MODES = {
 
 # units of the fields of a condition and of a state, in the column order of study tables
 UNITS = {
-    "altitude": "ft", "speed": "KCAS", "mach": "", "tas": "ft/s",
+    "altitude": "ft",
+    "speed": "KCAS",
+    "mach": "",
+    "tas": "ft/s",
     **dict.fromkeys(("gamma", "alpha", "beta", "theta", "phi", "psi"), "deg"),
-    "throttle": "norm", "thrust": "lbf", "pitch_trim": "norm",
-    "elevator_rad": "rad", "elevator_norm": "norm",
+    "throttle": "norm",
+    "thrust": "lbf",
+    "pitch_trim": "norm",
+    "elevator_rad": "rad",
+    "elevator_norm": "norm",
     **dict.fromkeys(("elevator", "aileron", "rudder"), "cmd norm"),
     **dict.fromkeys(("udot", "vdot", "wdot"), "ft/s2"),
-    **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"), "weight": "lb",
+    **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"),
+    "weight": "lb",
     **dict.fromkeys(("cg_x", "cg_y", "cg_z", "empty_cg_x"), "in"),
     **dict.fromkeys(("heading", "bank", "alpha_min", "alpha_max"), "deg"),
-    "load_factor": "g", "mode": "", "gear": "norm", "flaps": "norm",
-    **dict.fromkeys(("wind_north", "wind_east"), "ft/s"), "payload": "lb", "fuel": "lb",
+    "load_factor": "g",
+    "mode": "",
+    "gear": "norm",
+    "flaps": "norm",
+    **dict.fromkeys(("wind_north", "wind_east"), "ft/s"),
+    "payload": "lb",
+    "fuel": "lb",
 }
 
 
@@ -120,22 +138,38 @@ class TrimState:
 
 
 _STATE = {
-    "altitude": "position/h-sl-ft", "speed": "velocities/vc-kts", "mach": "velocities/mach",
-    "tas": "velocities/vt-fps", "alpha": "aero/alpha-deg", "beta": "aero/beta-deg",
-    "theta": "attitude/theta-deg", "phi": "attitude/phi-deg", "psi": "attitude/psi-deg",
-    "gamma": "flight-path/gamma-deg", "pitch_trim": "fcs/pitch-trim-cmd-norm",
-    "elevator": "fcs/elevator-cmd-norm", "aileron": "fcs/aileron-cmd-norm",
-    "rudder": "fcs/rudder-cmd-norm", "elevator_rad": "fcs/elevator-pos-rad",
-    "elevator_norm": "fcs/elevator-pos-norm", "udot": "accelerations/udot-ft_sec2",
-    "vdot": "accelerations/vdot-ft_sec2", "wdot": "accelerations/wdot-ft_sec2",
-    "pdot": "accelerations/pdot-rad_sec2", "qdot": "accelerations/qdot-rad_sec2",
-    "rdot": "accelerations/rdot-rad_sec2", "weight": "inertia/weight-lbs",
-    "cg_x": "inertia/cg-x-in", "cg_y": "inertia/cg-y-in", "cg_z": "inertia/cg-z-in",
+    "altitude": "position/h-sl-ft",
+    "speed": "velocities/vc-kts",
+    "mach": "velocities/mach",
+    "tas": "velocities/vt-fps",
+    "alpha": "aero/alpha-deg",
+    "beta": "aero/beta-deg",
+    "theta": "attitude/theta-deg",
+    "phi": "attitude/phi-deg",
+    "psi": "attitude/psi-deg",
+    "gamma": "flight-path/gamma-deg",
+    "pitch_trim": "fcs/pitch-trim-cmd-norm",
+    "elevator": "fcs/elevator-cmd-norm",
+    "aileron": "fcs/aileron-cmd-norm",
+    "rudder": "fcs/rudder-cmd-norm",
+    "elevator_rad": "fcs/elevator-pos-rad",
+    "elevator_norm": "fcs/elevator-pos-norm",
+    "udot": "accelerations/udot-ft_sec2",
+    "vdot": "accelerations/vdot-ft_sec2",
+    "wdot": "accelerations/wdot-ft_sec2",
+    "pdot": "accelerations/pdot-rad_sec2",
+    "qdot": "accelerations/qdot-rad_sec2",
+    "rdot": "accelerations/rdot-rad_sec2",
+    "weight": "inertia/weight-lbs",
+    "cg_x": "inertia/cg-x-in",
+    "cg_y": "inertia/cg-y-in",
+    "cg_z": "inertia/cg-z-in",
 }
 
 
-def trim(airframe: Airframe, condition: TrimCondition,
-         setup: Mapping[str, float] | None = None) -> TrimState:
+def trim(
+    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None = None
+) -> TrimState:
     """Initialise an airframe at a condition and trim it.
 
     Parameters
@@ -164,8 +198,11 @@ def trim(airframe: Airframe, condition: TrimCondition,
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     """
     if not isinstance(condition, TrimCondition):
-        raise ParameterError(f"condition must be a TrimCondition, not {condition!r}",
-                             parameter="condition", value=condition)
+        raise ParameterError(
+            f"condition must be a TrimCondition, not {condition!r}",
+            parameter="condition",
+            value=condition,
+        )
     if airframe.spent or (airframe.used and condition.mode == "ground"):
         airframe.renew()
     used = airframe.used
@@ -190,39 +227,56 @@ def trim(airframe: Airframe, condition: TrimCondition,
     found = state(airframe, condition)
     broken = _not_finite(found)
     if broken:
-        raise _failure(airframe, condition, "no convergence",
-                       f"{', '.join(broken)} not finite after the trim")
+        raise _failure(
+            airframe, condition, "no convergence", f"{', '.join(broken)} not finite after the trim"
+        )
     airframe.spent = False
     return found
 
 
 def _not_finite(found: TrimState) -> list[str]:
     """Names of the fields of a state that are not finite."""
-    return [name for name in UNITS if hasattr(found, name)
-            for value in [getattr(found, name)]
-            if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))]
+    return [
+        name
+        for name in UNITS
+        if hasattr(found, name)
+        for value in [getattr(found, name)]
+        if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))
+    ]
 
 
 def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
     """Raise TrimError for conditions that crash JSBSim's search or make it long and futile."""
     fdm = airframe.fdm
     if condition.altitude > _TOP_OF_THE_AIR:
-        raise _failure(airframe, condition, "altitude",
-                       f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the "
-                       "atmosphere ends")
+        raise _failure(
+            airframe,
+            condition,
+            "altitude",
+            f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the atmosphere ends",
+        )
     mach = fdm[_STATE["mach"]]
     if mach >= 1.0 and _propellers(airframe):
-        raise _failure(airframe, condition, "mach",
-                       f"Mach {mach:.3g}: propellers give thrust below Mach 1 only")
+        raise _failure(
+            airframe,
+            condition,
+            "mach",
+            f"Mach {mach:.3g}: propellers give thrust below Mach 1 only",
+        )
     # the search may still make other fields, such as thrust, finite
     if broken := [name for name in _not_finite(state(airframe, condition)) if name in _LIMITS]:
-        raise _failure(airframe, condition, "no convergence",
-                       f"{', '.join(broken)} not finite at this condition")
+        raise _failure(
+            airframe,
+            condition,
+            "no convergence",
+            f"{', '.join(broken)} not finite at this condition",
+        )
 
 
 def _propellers(airframe: Airframe) -> int:
-    return sum(airframe.has(f"propulsion/engine[{i}]/propeller-rpm")
-               for i in range(airframe.engines))
+    return sum(
+        airframe.has(f"propulsion/engine[{i}]/propeller-rpm") for i in range(airframe.engines)
+    )
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
@@ -234,11 +288,13 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
         found["psi"] = 0.0
     thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
     return TrimState(
-        aircraft=airframe.aircraft, condition=condition,
+        aircraft=airframe.aircraft,
+        condition=condition,
         throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
         # fsum refuses infinities of both signs
         thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
-        **found)
+        **found,
+    )
 
 
 def _start_engines(airframe: Airframe) -> None:
@@ -322,30 +378,37 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
     if near_ground or _propellers(airframe) > 1:
         outcome = rehearse(find, _LONGEST_SEARCH)
         if outcome is not Outcome.ENDS:
-            raise _failure(airframe, condition, "no convergence",
-                           f"the search was given up after {_LONGEST_SEARCH} s of computing"
-                           if outcome is Outcome.GOES_ON
-                           else "JSBSim's search would crash there")
+            raise _failure(
+                airframe,
+                condition,
+                "no convergence",
+                f"the search was given up after {_LONGEST_SEARCH} s of computing"
+                if outcome is Outcome.GOES_ON
+                else "JSBSim's search would crash there",
+            )
     # hushed: the TrimError reports the failure
     found, said = messages(find, hushed=True)
     if not found:
         limits = _LIMITS_OF_MODES.get(condition.mode, _LIMITS)
         axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
         powered = airframe.engines or condition.mode == "ground"
-        raise _failure(airframe, condition, limits[axis[1]] if axis
-                       else "no convergence" if powered else "thrust")
+        raise _failure(
+            airframe,
+            condition,
+            limits[axis[1]] if axis else "no convergence" if powered else "thrust",
+        )
 
 
-def _failure(airframe: Airframe, condition: TrimCondition, reason: str,
-             why: str = "") -> TrimError:
+def _failure(airframe: Airframe, condition: TrimCondition, reason: str, why: str = "") -> TrimError:
     fdm = airframe.fdm
     residuals = {name: fdm[_STATE[name]] for name in _LIMITS}
     alpha_min, alpha_max = (math.degrees(fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
     if alpha_max <= alpha_min:
         alpha_min, alpha_max = _ALPHA_RANGE_OF_MODELS_WITHOUT
     limits = {
-        "thrust": "the throttle ran to the end of its range" if airframe.engines
-                  else "it has no engine to hold the speed with",
+        "thrust": "the throttle ran to the end of its range"
+        if airframe.engines
+        else "it has no engine to hold the speed with",
         "alpha limit": f"alpha ran to the end of [{alpha_min:.3g}, {alpha_max:.3g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",
@@ -355,4 +418,8 @@ def _failure(airframe: Airframe, condition: TrimCondition, reason: str,
         f"{why or limits.get(reason, f'the {reason} ran to the end of its range')}; without trim "
         + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
         + " (ft/s2, rad/s2)",
-        aircraft=airframe.aircraft, condition=condition, reason=reason, residuals=residuals)
+        aircraft=airframe.aircraft,
+        condition=condition,
+        reason=reason,
+        residuals=residuals,
+    )

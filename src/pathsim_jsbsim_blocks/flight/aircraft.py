@@ -128,8 +128,20 @@ class Aircraft(FlightBlock):
     input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
     output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
 
-    _trim_keywords = {name: name for name in (
-        "altitude", "speed", "mach", "gamma", "heading", "bank", "mode", "gear", "flaps")}
+    _trim_keywords = {
+        name: name
+        for name in (
+            "altitude",
+            "speed",
+            "mach",
+            "gamma",
+            "heading",
+            "bank",
+            "mode",
+            "gear",
+            "flaps",
+        )
+    }
 
     def __init__(
         self,
@@ -154,9 +166,18 @@ class Aircraft(FlightBlock):
         allow_network: bool = False,
         allow_files: bool = False,
     ) -> None:
-        super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
-                         root=root, create=create, record_inputs=record_inputs,
-                         allow_network=allow_network, allow_files=allow_files)
+        super().__init__(
+            T,
+            substeps,
+            condition=condition,
+            setup=setup,
+            properties=properties,
+            root=root,
+            create=create,
+            record_inputs=record_inputs,
+            allow_network=allow_network,
+            allow_files=allow_files,
+        )
         self.aircraft = aircraft
         self.altitude = altitude
         self.speed = speed
@@ -175,18 +196,27 @@ class Aircraft(FlightBlock):
     def _connect(self) -> None:
         state = self.trim
         self._surfaces = [  # port, writer, trimmed command, lowest and highest command
-            ("elev_sat", self.airframe.writer("fcs/elevator-cmd-norm"), state.elevator,
-             # JSBSim limits the sum of command and pitch trim
-             *_range(state.pitch_trim)),
+            (
+                "elev_sat",
+                self.airframe.writer("fcs/elevator-cmd-norm"),
+                state.elevator,
+                # JSBSim limits the sum of command and pitch trim
+                *_range(state.pitch_trim),
+            ),
             ("ail_sat", self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
             ("rud_sat", self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
         ]
-        self._throttles = [(self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
-                           for i, throttle in enumerate(state.throttle)]
+        self._throttles = [
+            (self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
+            for i, throttle in enumerate(state.throttle)
+        ]
         self._saturation = {port: 0.0 for port, (name, _) in _OUTPUTS.items() if name is None}
         self._readers = [
-            partial(self._saturation.__getitem__, port) if name is None
-            else self.airframe.reader(name) for port, (name, _) in _OUTPUTS.items()]
+            partial(self._saturation.__getitem__, port)
+            if name is None
+            else self.airframe.reader(name)
+            for port, (name, _) in _OUTPUTS.items()
+        ]
         self._factors = [factor for _, factor in _OUTPUTS.values()]
 
     def _write(self, u: list[float]) -> None:

@@ -40,8 +40,9 @@ def aircraft_names(root: str | None = None) -> list[str]:
         JSBSim root directory; default is the one shipped with jsbsim
     """
     folder = aircraft_folder(root)
-    return sorted((p.name for p in folder.glob("*") if (p / f"{p.name}.xml").is_file()),
-                  key=str.lower)
+    return sorted(
+        (p.name for p in folder.glob("*") if (p / f"{p.name}.xml").is_file()), key=str.lower
+    )
 
 
 def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, float, float]:
@@ -51,8 +52,9 @@ def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, floa
     try:
         x, y, z = (float(str(location.findtext(axis))) * factor for axis in "xyz")
     except ValueError:
-        raise AircraftError(f"the empty-weight CG of aircraft {aircraft!r} is not three numbers",
-                            aircraft=aircraft) from None
+        raise AircraftError(
+            f"the empty-weight CG of aircraft {aircraft!r} is not three numbers", aircraft=aircraft
+        ) from None
     return x, y, z
 
 
@@ -60,11 +62,15 @@ def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
     """Whether any wheel is marked retractable."""
     model = _parsed(_model_file(aircraft, root), aircraft)
     try:
-        return any(float(wheel.text or 0)
-                   for wheel in model.iterfind("ground_reactions/contact/retractable"))
+        return any(
+            float(wheel.text or 0)
+            for wheel in model.iterfind("ground_reactions/contact/retractable")
+        )
     except ValueError:
-        raise AircraftError(f"aircraft {aircraft!r} marks a wheel as neither retractable (1) nor "
-                            "fixed (0)", aircraft=aircraft) from None
+        raise AircraftError(
+            f"aircraft {aircraft!r} marks a wheel as neither retractable (1) nor fixed (0)",
+            aircraft=aircraft,
+        ) from None
 
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
@@ -74,18 +80,24 @@ def _parsed(file: Path, aircraft: str) -> ET.Element:
     try:
         return ET.parse(file).getroot()
     except (ET.ParseError, ValueError, LookupError) as error:  # an encoding that Python lacks
-        raise AircraftError(f"the file of aircraft {aircraft!r} is not well-formed XML: {error} "
-                            f"({file})", aircraft=aircraft) from None
+        raise AircraftError(
+            f"the file of aircraft {aircraft!r} is not well-formed XML: {error} ({file})",
+            aircraft=aircraft,
+        ) from None
     except OSError as error:
-        raise AircraftError(f"the file of aircraft {aircraft!r} cannot be read: {error.strerror} "
-                            f"({file})", aircraft=aircraft) from None
+        raise AircraftError(
+            f"the file of aircraft {aircraft!r} cannot be read: {error.strerror} ({file})",
+            aircraft=aircraft,
+        ) from None
 
 
 def _inches(location: ET.Element, aircraft: str) -> float:
     unit = location.get("unit", "IN").upper()
     if unit not in _INCHES:
-        raise AircraftError(f"aircraft {aircraft!r} gives its empty-weight CG in the unknown unit "
-                            f"{unit!r}", aircraft=aircraft)
+        raise AircraftError(
+            f"aircraft {aircraft!r} gives its empty-weight CG in the unknown unit {unit!r}",
+            aircraft=aircraft,
+        )
     return _INCHES[unit]
 
 
@@ -98,8 +110,9 @@ def _cg_location(model: ET.Element, aircraft: str) -> ET.Element:
 
 def _model_file(aircraft: str, root: str | None) -> Path:
     if not isinstance(aircraft, str):
-        raise AircraftError(f"the aircraft must be a model's name, not {aircraft!r}",
-                            aircraft=repr(aircraft))
+        raise AircraftError(
+            f"the aircraft must be a model's name, not {aircraft!r}", aircraft=repr(aircraft)
+        )
     folder = aircraft_folder(root)
     file = folder / aircraft / f"{aircraft}.xml"
     try:
@@ -110,12 +123,16 @@ def _model_file(aircraft: str, root: str | None) -> Path:
         known, names = False, []
     if not known:
         if not folder.is_dir():
-            raise AircraftError(f"no folder {str(folder)!r} with aircraft models",
-                                aircraft=aircraft)
+            raise AircraftError(
+                f"no folder {str(folder)!r} with aircraft models", aircraft=aircraft
+            )
         close = nearest(aircraft, names)
         raise AircraftError(
             f"no aircraft {aircraft!r} among the {len(names)} models in {folder}"
-            + did_you_mean(close), aircraft=aircraft, nearest=close)
+            + did_you_mean(close),
+            aircraft=aircraft,
+            nearest=close,
+        )
     return file
 
 
@@ -160,9 +177,17 @@ class Airframe:
         if the model is unknown or JSBSim cannot load it
     """
 
-    def __init__(self, aircraft: str, dt: float = 1 / 120, *, root: str | None = None,
-                 empty_cg_x: float | None = None, create: Mapping[str, float] | None = None,
-                 allow_network: bool = False, allow_files: bool = False):
+    def __init__(
+        self,
+        aircraft: str,
+        dt: float = 1 / 120,
+        *,
+        root: str | None = None,
+        empty_cg_x: float | None = None,
+        create: Mapping[str, float] | None = None,
+        allow_network: bool = False,
+        allow_files: bool = False,
+    ):
         self.dt = positive("dt", dt)
         self.root = root
         self.aircraft = aircraft
@@ -220,8 +245,9 @@ class Airframe:
     def _load(self) -> None:
         failure = _failure_of(lambda: self.fdm.load_model(self.aircraft))
         if failure:
-            raise AircraftError(f"JSBSim cannot load aircraft {self.aircraft!r}: {failure}",
-                                aircraft=self.aircraft)
+            raise AircraftError(
+                f"JSBSim cannot load aircraft {self.aircraft!r}: {failure}", aircraft=self.aircraft
+            )
 
     def _create(self) -> None:
         for name, value in self._given.items():
@@ -245,11 +271,17 @@ class Airframe:
         if failure:
             said = re.search(r"property (\S+) does not exist", failure)
             missing = said[1] if said else ""
-            advice = (f". It expects this property from its environment; create it with "
-                      f"create={{{missing!r}: 0.0}}" if missing else "")
+            advice = (
+                f". It expects this property from its environment; create it with "
+                f"create={{{missing!r}: 0.0}}"
+                if missing
+                else ""
+            )
             raise AircraftError(
                 f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
-                aircraft=self.aircraft, missing=missing)
+                aircraft=self.aircraft,
+                missing=missing,
+            )
 
     def raise_ground(self, elevation: float) -> None:
         """Put the ground at an elevation in ft above mean sea level."""
@@ -296,8 +328,10 @@ class Airframe:
 
     def _catalogue(self) -> list[str]:
         if self._names is None:
-            self._names = sorted({line.partition(" (")[0] for line in
-                                  self.fdm.get_property_catalog()} - {""} | self._created)
+            self._names = sorted(
+                {line.partition(" (")[0] for line in self.fdm.get_property_catalog()} - {""}
+                | self._created
+            )
         return self._names
 
     def reader(self, name: str) -> Callable[[], float]:
@@ -327,17 +361,22 @@ class Airframe:
         for name in values:
             if name not in self._writers:
                 self._writers[name] = self.writer(name)
-        items = [(self._writers[name], number(f"{what}[{name!r}]", value))
-                 for name, value in values.items()]
+        items = [
+            (self._writers[name], number(f"{what}[{name!r}]", value))
+            for name, value in values.items()
+        ]
         for write, value in items:
             write(value)
         for name in filter(_TANK.search, values):
             # JSBSim limits the contents to the capacity without a message
             full = self.fdm[name]
             if full < values[name] - 1e-6:
-                raise ParameterError(f"{what}[{name!r}] is {values[name]!r}, but this tank of "
-                                     f"{self.aircraft!r} holds {full:.6g} lb",
-                                     parameter=what, value=values[name])
+                raise ParameterError(
+                    f"{what}[{name!r}] is {values[name]!r}, but this tank of "
+                    f"{self.aircraft!r} holds {full:.6g} lb",
+                    parameter=what,
+                    value=values[name],
+                )
         for name, value in values.items():
             # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)
@@ -351,11 +390,18 @@ class Airframe:
         node = self._find(name)
         why = _BREAKS_THE_FLIGHT.get(self._path(node), "") if way == "w" else ""
         if why or way not in _access(node):
-            close = [n for n in nearest(name.rpartition("/")[2], self._catalogue(), 9)
-                     if n not in _BREAKS_THE_FLIGHT and way in self.access(n)][:3]
+            close = [
+                n
+                for n in nearest(name.rpartition("/")[2], self._catalogue(), 9)
+                if n not in _BREAKS_THE_FLIGHT and way in self.access(n)
+            ][:3]
             raise PropertyError(
                 f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}{why}"
-                + did_you_mean(close), aircraft=self.aircraft, name=name, nearest=close)
+                + did_you_mean(close),
+                aircraft=self.aircraft,
+                name=name,
+                nearest=close,
+            )
         return node
 
     def _known(self, name: str) -> bool:
@@ -372,7 +418,10 @@ class Airframe:
             close = nearest(re.sub(r"[^\w/\[\]-]", "", str(name)), self._catalogue())
             raise PropertyError(
                 f"{name!r} is not a valid property name: {error}" + did_you_mean(close),
-                aircraft=self.aircraft, name=str(name), nearest=close) from None
+                aircraft=self.aircraft,
+                name=str(name),
+                nearest=close,
+            ) from None
 
     def _path(self, node: jsbsim.FGPropertyNode) -> str:
         return node.get_fully_qualified_name().removeprefix("/fdm/jsbsim/")
@@ -383,19 +432,25 @@ class Airframe:
             close = nearest(name, self._catalogue())
             raise PropertyError(
                 f"aircraft {self.aircraft!r} has no property {name!r}" + did_you_mean(close),
-                aircraft=self.aircraft, name=name, nearest=close)
+                aircraft=self.aircraft,
+                name=name,
+                nearest=close,
+            )
         node = self._properties.get_node(name)
         assert node is not None
         names, place = self._catalogue(), self._path(node)
         at_the_root = "/fdm/jsbsim/".startswith(f"{place.rstrip('/')}/")
         trunk = "" if at_the_root else f"{place}/"
         i, j = bisect_left(names, place), bisect_left(names, trunk)
-        below = [n for n in names[j:j + 3] if n.startswith(trunk)]
+        below = [n for n in names[j : j + 3] if n.startswith(trunk)]
         if below and (at_the_root or names[i] != place):
             raise PropertyError(
                 f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}, not a "
                 "property" + did_you_mean(below),
-                aircraft=self.aircraft, name=name, nearest=below)
+                aircraft=self.aircraft,
+                name=name,
+                nearest=below,
+            )
         return node
 
 
@@ -409,12 +464,14 @@ _BREAKS_THE_FLIGHT = {
 
 
 def _access(node: jsbsim.FGPropertyNode) -> str:
-    return (("r" if node.get_attribute(jsbsim.Attribute.READ) else "-")
-            + ("w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"))
+    return ("r" if node.get_attribute(jsbsim.Attribute.READ) else "-") + (
+        "w" if node.get_attribute(jsbsim.Attribute.WRITE) else "-"
+    )
 
 
 def _failure_of(action: Callable[[], bool]) -> str:
     """Why an action of JSBSim failed, in one line; empty if it did not."""
+
     def attempt() -> str:
         try:
             return "" if action() else "no"
@@ -435,8 +492,9 @@ def _stage_with_cg(model_file: Path, aircraft: str, x: float) -> str:
         location = _cg_location(model, aircraft)
         node = location.find("x")
         if node is None:
-            raise AircraftError(f"the empty-weight CG of aircraft {aircraft!r} has no x",
-                                aircraft=aircraft)
+            raise AircraftError(
+                f"the empty-weight CG of aircraft {aircraft!r} has no x", aircraft=aircraft
+            )
         node.text = repr(x / _inches(location, aircraft))
         (copy / model_file.name).chmod(0o644)
         ET.ElementTree(model).write(copy / model_file.name, encoding="utf-8", xml_declaration=True)

@@ -79,10 +79,20 @@ class FlightBlock(NamedPorts, SampledPlant):
     # trim keywords of the block, which a condition replaces, and the condition's names of them
     _trim_keywords: Mapping[str, str]
 
-    def __init__(self, T: float, substeps: int, *, condition: TrimCondition | None,
-                 setup: Mapping[str, float] | None, properties: Mapping[str, float] | None,
-                 root: str | None, create: Mapping[str, float] | None, record_inputs: bool,
-                 allow_network: bool, allow_files: bool):
+    def __init__(
+        self,
+        T: float,
+        substeps: int,
+        *,
+        condition: TrimCondition | None,
+        setup: Mapping[str, float] | None,
+        properties: Mapping[str, float] | None,
+        root: str | None,
+        create: Mapping[str, float] | None,
+        record_inputs: bool,
+        allow_network: bool,
+        allow_files: bool,
+    ):
         self.substeps = substeps
         self.condition = condition
         self.setup = setup
@@ -112,16 +122,21 @@ class FlightBlock(NamedPorts, SampledPlant):
         if self.condition is None:
             return TrimCondition(**{self._trim_keywords[n]: v for n, v in given.items()})
         if not isinstance(self.condition, TrimCondition):
-            raise ParameterError(f"condition must be a TrimCondition, not {self.condition!r}",
-                                 parameter="condition", value=self.condition)
+            raise ParameterError(
+                f"condition must be a TrimCondition, not {self.condition!r}",
+                parameter="condition",
+                value=self.condition,
+            )
         # a user's subclass may have other parameters
         block = next(c for c in type(self).__mro__ if "_trim_keywords" in vars(c))
         parameters = inspect.signature(block).parameters
         for name, value in given.items():
             if np.any(value != parameters[name].default):  # an array is refused here too
                 raise ParameterError(
-                    f"both condition and {name}={value!r} are given: put {name} into the "
-                    "condition", parameter=name, value=value)
+                    f"both condition and {name}={value!r} are given: put {name} into the condition",
+                    parameter=name,
+                    value=value,
+                )
         return self.condition
 
     def _connect(self) -> None:
@@ -139,12 +154,22 @@ class FlightBlock(NamedPorts, SampledPlant):
     def take_off(self) -> None:
         """Load, initialise and trim a fresh aircraft and show its state."""
         self._substeps = whole("substeps", self.substeps, low=1)
-        dt = number("T / substeps", positive("T", self.T) / self._substeps,
-                    low=SHORTEST_PERIOD, high=_LONGEST_STEP)
+        dt = number(
+            "T / substeps",
+            positive("T", self.T) / self._substeps,
+            low=SHORTEST_PERIOD,
+            high=_LONGEST_STEP,
+        )
         condition = self._condition()
         self.airframe = Airframe(
-            self._model(), dt, root=self.root, empty_cg_x=condition.empty_cg_x,
-            create=self.create, allow_network=self.allow_network, allow_files=self.allow_files)
+            self._model(),
+            dt,
+            root=self.root,
+            empty_cg_x=condition.empty_cg_x,
+            create=self.create,
+            allow_network=self.allow_network,
+            allow_files=self.allow_files,
+        )
         self.trim = trim(self.airframe, condition, self.setup)
         self._speed, self._height, self._nz = (self.airframe.reader(name) for name in _WATCHED)
         self._connect()
@@ -171,7 +196,10 @@ class FlightBlock(NamedPorts, SampledPlant):
             if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
                 raise PropertyError(
                     f"{type(self).__name__} has {self._n_inputs} inputs and {self._n_outputs} "
-                    f"outputs, no port {port}", aircraft=self.airframe.aircraft, name=str(port))
+                    f"outputs, no port {port}",
+                    aircraft=self.airframe.aircraft,
+                    name=str(port),
+                )
         return reference
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
@@ -183,7 +211,10 @@ class FlightBlock(NamedPorts, SampledPlant):
         raise CopyError(
             f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
             f"process. Build another {name} with the same parameters; to go on from here, save the "
-            "diagram with save_checkpoint and load it there", block=name, aircraft=aircraft)
+            "diagram with save_checkpoint and load it there",
+            block=name,
+            aircraft=aircraft,
+        )
 
     def reset(self) -> None:
         """Fly the same flight again: a fresh aircraft, loaded and trimmed as at first."""
@@ -195,12 +226,19 @@ class FlightBlock(NamedPorts, SampledPlant):
         if len(u) > self._n_inputs:
             raise ParameterError(
                 f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
-                f"{self._n_inputs} inputs", parameter="inputs", value=len(u))
+                f"{self._n_inputs} inputs",
+                parameter="inputs",
+                value=len(u),
+            )
         if not math.isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not math.isfinite(value):
-                    self._fail(f"input {port!r}", port, value,
-                               self.clock.start + self.samples * self.clock.period)
+                    self._fail(
+                        f"input {port!r}",
+                        port,
+                        value,
+                        self.clock.start + self.samples * self.clock.period,
+                    )
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:
@@ -223,8 +261,12 @@ class FlightBlock(NamedPorts, SampledPlant):
             raise FlightError(
                 f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
                 f"{index} periods of {clock.period:.9g} s: something else runs or holds it. "
-                "Fly on after a reset", aircraft=self.airframe.aircraft, time=t,
-                name="simulation/sim-time-sec", value=time)
+                "Fly on after a reset",
+                aircraft=self.airframe.aircraft,
+                time=t,
+                name="simulation/sim-time-sec",
+                value=time,
+            )
         y = self._observe(t)
         if self.record_inputs is True:
             before = (index - 1) * self._n_inputs
@@ -241,29 +283,44 @@ class FlightBlock(NamedPorts, SampledPlant):
         """The outputs; at ``t`` the flight ends if the aircraft cannot be flown on."""
         y = self._read()
         height, nz = self._height(), self._nz()
-        if not (math.isfinite(sum(y) + self._speed()) and height >= _UNDERGROUND
-                and -_CRASH < nz < _CRASH):
-            for name, value in [*zip(port_names(self.outputs), y, strict=False),
-                                *((name, self.airframe.fdm[name]) for name in _WATCHED)]:
+        if not (
+            math.isfinite(sum(y) + self._speed())
+            and height >= _UNDERGROUND
+            and -_CRASH < nz < _CRASH
+        ):
+            for name, value in [
+                *zip(port_names(self.outputs), y, strict=False),
+                *((name, self.airframe.fdm[name]) for name in _WATCHED),
+            ]:
                 if not math.isfinite(value):
                     self._fail(f"state {name!r}", name, value, t)
             if -_CRASH < nz < _CRASH:
-                self._fail(f"under the ground, height of the centre of gravity {_WATCHED[1]!r}",
-                           _WATCHED[1], height, t)
+                self._fail(
+                    f"under the ground, height of the centre of gravity {_WATCHED[1]!r}",
+                    _WATCHED[1],
+                    height,
+                    t,
+                )
             self._fail(f"crashed, load factor {_WATCHED[2]!r}", _WATCHED[2], nz, t)
         return y
 
     def _fail(self, what: str, name: str, value: float, t: float) -> None:
         raise FlightError(
             f"aircraft {self.airframe.aircraft!r}: {what} is {value} at t = {t:.9g} s",
-            aircraft=self.airframe.aircraft, time=t, name=name, value=value)
+            aircraft=self.airframe.aircraft,
+            time=t,
+            name=name,
+            value=value,
+        )
 
     def _flight(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
-        return (f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
-                f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
-                f"create={self.create}, root={self.root}, "
-                f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}")
+        return (
+            f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
+            f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
+            f"create={self.create}, root={self.root}, "
+            f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}"
+        )
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Save the flight as the inputs flown: JSBSim's state itself cannot be saved.
@@ -278,7 +335,9 @@ class FlightBlock(NamedPorts, SampledPlant):
             raise ParameterError(
                 f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
                 f"were recorded. Build the block with record_inputs=True",
-                parameter="record_inputs", value=self.record_inputs)
+                parameter="record_inputs",
+                value=self.record_inputs,
+            )
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         latched, u = self._latched
         json_data.update(flight=self._flying, samples=flown, latched=latched)
@@ -296,8 +355,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         """
         flight = json_data.get("flight")
         if flight != self._flight():
-            raise ParameterError(f"the checkpoint is of another flight: {flight}; this block flies "
-                                 f"{self._flight()}", parameter="checkpoint", value=flight)
+            raise ParameterError(
+                f"the checkpoint is of another flight: {flight}; this block flies {self._flight()}",
+                parameter="checkpoint",
+                value=flight,
+            )
         super().load_checkpoint(prefix, json_data, npz)
         start = time.perf_counter()
         saved = self.outputs.to_array()
@@ -314,6 +376,9 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not any(np.array_equal(y, saved) for y in results.values()):
             raise ParameterError(
                 "the recorded inputs lead to another state than the one saved: is it the same "
-                "version of jsbsim?", parameter="checkpoint", value=flight)
+                "version of jsbsim?",
+                parameter="checkpoint",
+                value=flight,
+            )
         show(self.outputs, saved)
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)

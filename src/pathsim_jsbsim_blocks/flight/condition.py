@@ -127,14 +127,21 @@ class TrimCondition:
         put("heading", number("heading", self.heading))
         put("bank", number("bank", self.bank, low=-89.0, high=89.0))
         put("load_factor", number("load_factor", self.load_factor))
-        for name, low, high in (("gear", 0.0, 1.0), ("flaps", 0.0, 1.0),
-                                ("alpha_min", -90.0, 90.0), ("alpha_max", -90.0, 90.0)):
+        for name, low, high in (
+            ("gear", 0.0, 1.0),
+            ("flaps", 0.0, 1.0),
+            ("alpha_min", -90.0, 90.0),
+            ("alpha_max", -90.0, 90.0),
+        ):
             if getattr(self, name) is not None:
                 put(name, number(name, getattr(self, name), low=low, high=high))
         if None not in (self.alpha_min, self.alpha_max) and self.alpha_min >= self.alpha_max:  # type: ignore[operator]
             raise ParameterError(
                 f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
-                f"{self.alpha_max:g} deg", parameter="alpha_min", value=self.alpha_min)
+                f"{self.alpha_max:g} deg",
+                parameter="alpha_min",
+                value=self.alpha_min,
+            )
         for name in ("wind_north", "wind_east"):
             put(name, number(name, getattr(self, name)))
         if self.empty_cg_x is not None:
@@ -143,12 +150,17 @@ class TrimCondition:
         put("fuel", _weights("fuel", self.fuel))
         put("setup", FixedMapping(mapping("setup", self.setup)))
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
-            raise ParameterError(f"a bank of {self.bank:g} deg needs mode='turn', not "
-                                 f"{self.mode!r}", parameter="bank", value=self.bank)
+            raise ParameterError(
+                f"a bank of {self.bank:g} deg needs mode='turn', not {self.mode!r}",
+                parameter="bank",
+                value=self.bank,
+            )
         if self.load_factor != 1.0 and self.mode != "pull-up":
-            raise ParameterError(f"a load factor of {self.load_factor:g} g needs mode='pull-up', "
-                                 f"not {self.mode!r}", parameter="load_factor",
-                                 value=self.load_factor)
+            raise ParameterError(
+                f"a load factor of {self.load_factor:g} g needs mode='pull-up', not {self.mode!r}",
+                parameter="load_factor",
+                value=self.load_factor,
+            )
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
         return self
@@ -174,8 +186,14 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
     if isinstance(value, (list, tuple)):
         value = dict(enumerate(value))
     if not isinstance(value, Mapping):
-        raise ParameterError(f"{parameter} must be a list or a dict of weights in lb, not "
-                             f"{value!r}", parameter=parameter, value=value)
-    return FixedMapping({
-        whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
-        for i, w in value.items()})
+        raise ParameterError(
+            f"{parameter} must be a list or a dict of weights in lb, not {value!r}",
+            parameter=parameter,
+            value=value,
+        )
+    return FixedMapping(
+        {
+            whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
+            for i, w in value.items()
+        }
+    )

@@ -21,12 +21,18 @@ def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
     if names is None:
         return []
     if isinstance(names, str) or not isinstance(names, Sequence):
-        raise ParameterError(f"{parameter} must be a list of property names, not {names!r}",
-                             parameter=parameter, value=names)
+        raise ParameterError(
+            f"{parameter} must be a list of property names, not {names!r}",
+            parameter=parameter,
+            value=names,
+        )
     for i, name in enumerate(names):
         if not isinstance(name, str):
-            raise ParameterError(f"{parameter}[{i}] must be a property's name, not {name!r}",
-                                 parameter=parameter, value=names)
+            raise ParameterError(
+                f"{parameter}[{i}] must be a property's name, not {name!r}",
+                parameter=parameter,
+                value=names,
+            )
     return list(names)
 
 
@@ -39,17 +45,24 @@ def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe
         if parameter == "input_properties" and property_ in _COMMANDS:
             raise PropertyError(
                 f"{name!r} cannot be an input: writing it trims the aircraft again at every sample",
-                aircraft=airframe.aircraft, name=name)
+                aircraft=airframe.aircraft,
+                name=name,
+            )
         if property_ in listed:
             other = listed[property_]
             raise ParameterError(
                 f"{parameter} lists {name!r} twice"
                 + (f", first as {other!r}" if other != name else ""),
-                parameter=parameter, value=names)
+                parameter=parameter,
+                value=names,
+            )
         listed[property_] = name
     if names != list(port_names(ports)):
-        raise ParameterError(f"{parameter} cannot change, they are the block's ports: build "
-                             "another block", parameter=parameter, value=names)
+        raise ParameterError(
+            f"{parameter} cannot change, they are the block's ports: build another block",
+            parameter=parameter,
+            value=names,
+        )
 
 
 @fill
@@ -119,8 +132,15 @@ class JSBSimFDM(FlightBlock):
     output_port_labels = None
 
     # pathsim-flight's names
-    _trim_keywords = {"trim_airspeed": "speed", "trim_altitude": "altitude", "trim_gamma": "gamma",
-            "trim_heading": "heading", "trim_mode": "mode", "gear": "gear", "flaps": "flaps"}
+    _trim_keywords = {
+        "trim_airspeed": "speed",
+        "trim_altitude": "altitude",
+        "trim_gamma": "gamma",
+        "trim_heading": "heading",
+        "trim_mode": "mode",
+        "gear": "gear",
+        "flaps": "flaps",
+    }
 
     def __init__(
         self,
@@ -145,9 +165,18 @@ class JSBSimFDM(FlightBlock):
         allow_network: bool = False,
         allow_files: bool = False,
     ) -> None:
-        super().__init__(T, substeps, condition=condition, setup=setup, properties=properties,
-                         root=JSBSim_path, create=create, record_inputs=record_inputs,
-                         allow_network=allow_network, allow_files=allow_files)
+        super().__init__(
+            T,
+            substeps,
+            condition=condition,
+            setup=setup,
+            properties=properties,
+            root=JSBSim_path,
+            create=create,
+            record_inputs=record_inputs,
+            allow_network=allow_network,
+            allow_files=allow_files,
+        )
         self.input_properties = _names("input_properties", input_properties)
         self.output_properties = _names("output_properties", output_properties)
         self.aircraft_model = aircraft_model
@@ -158,10 +187,12 @@ class JSBSimFDM(FlightBlock):
         self.trim_mode = trim_mode
         self.gear = gear
         self.flaps = flaps
-        self.inputs = Register(len(self.input_properties),
-                               {n: i for i, n in enumerate(self.input_properties)})
-        self.outputs = Register(len(self.output_properties),
-                                {n: i for i, n in enumerate(self.output_properties)})
+        self.inputs = Register(
+            len(self.input_properties), {n: i for i, n in enumerate(self.input_properties)}
+        )
+        self.outputs = Register(
+            len(self.output_properties), {n: i for i, n in enumerate(self.output_properties)}
+        )
         self.take_off()
 
     def _model(self) -> str:

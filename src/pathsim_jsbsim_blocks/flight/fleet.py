@@ -51,8 +51,7 @@ class LevelFlight:
     trim: TrimState
 
 
-def level_flight(aircraft: str, root: str | None = None,
-                 tries: int = len(TRIES)) -> LevelFlight:
+def level_flight(aircraft: str, root: str | None = None, tries: int = len(TRIES)) -> LevelFlight:
     """Find a sensible condition of straight and level flight for an aircraft.
 
     The speed follows from the weight and the wing area. Properties that the model expects from its
@@ -82,10 +81,10 @@ def level_flight(aircraft: str, root: str | None = None,
     frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
     weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
     first: TrimError | None = None
-    for altitude, lift_coefficient in TRIES[:whole("tries", tries, low=1)]:
+    for altitude, lift_coefficient in TRIES[: whole("tries", tries, low=1)]:
         condition = TrimCondition(
-            altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear,
-            setup=frozen)
+            altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear, setup=frozen
+        )
         try:
             # a failed search affects the next one, so each has its own airframe
             found = trim(Airframe(aircraft, root=root, create=create), condition)
@@ -96,8 +95,13 @@ def level_flight(aircraft: str, root: str | None = None,
     assert first is not None
     others = min(len(TRIES), int(tries)) - 1
     elsewhere = f" and at {others} other conditions" if others else ""
-    raise TrimError(f"no level flight: {first} (tried there{elsewhere})", aircraft=aircraft,
-                    condition=first.condition, reason=first.reason, residuals=first.residuals)
+    raise TrimError(
+        f"no level flight: {first} (tried there{elsewhere})",
+        aircraft=aircraft,
+        condition=first.condition,
+        reason=first.reason,
+        residuals=first.residuals,
+    )
 
 
 def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, float]]:
@@ -161,8 +165,9 @@ class FleetRow:
         return steady + (f" with {created} created" if created else "")
 
 
-def fleet_table(names: Iterable[str] | None = None, duration: float = 30.0,
-                tries: int = len(TRIES)) -> Iterator[FleetRow]:
+def fleet_table(
+    names: Iterable[str] | None = None, duration: float = 30.0, tries: int = len(TRIES)
+) -> Iterator[FleetRow]:
     """Trim every aircraft in level flight and fly it with controls held; one row at a time.
 
     Parameters
@@ -190,8 +195,12 @@ def _row(name: str, duration: float, tries: int) -> FleetRow:
 
 
 def _drift(flight: LevelFlight, duration: float) -> float:
-    fdm = JSBSimFDM(aircraft_model=flight.aircraft, condition=flight.condition,
-                    create=flight.create, output_properties=["position/h-sl-ft"])
+    fdm = JSBSimFDM(
+        aircraft_model=flight.aircraft,
+        condition=flight.condition,
+        create=flight.create,
+        output_properties=["position/h-sl-ft"],
+    )
     start = float(fdm.outputs[0])
     Simulation([fdm], dt=fdm.T, log=False).run(duration)
     return float(fdm.outputs[0]) - start
@@ -209,8 +218,13 @@ def format_row(row: FleetRow) -> str:
         numbers = [""] * 6
     else:
         condition, found = row.flight.condition, row.flight.trim
-        numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}",
-                   "up" if condition.gear == 0.0 else "as is", f"{found.alpha:.2f}",
-                   f"{found.throttle[0]:.3f}", f"{row.drift:+.1f}"]
+        numbers = [
+            f"{condition.altitude:.0f}",
+            f"{condition.speed:.0f}",
+            "up" if condition.gear == 0.0 else "as is",
+            f"{found.alpha:.2f}",
+            f"{found.throttle[0]:.3f}",
+            f"{row.drift:+.1f}",
+        ]
     engines = "" if row.engines is None else str(row.engines)
     return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict])} |"

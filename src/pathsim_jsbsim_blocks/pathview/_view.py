@@ -25,8 +25,13 @@ from .toolboxes import registry_for
 from .trusted_models import digest, remember, require_trust
 
 
-def view(target: str | Path | None = None, port: int | None = None, browser: bool = True,
-         trust: bool = False, trust_toolboxes: Sequence[str] = ()) -> None:
+def view(
+    target: str | Path | None = None,
+    port: int | None = None,
+    browser: bool = True,
+    trust: bool = False,
+    trust_toolboxes: Sequence[str] = (),
+) -> None:
     """Serve PathView on 127.0.0.1 until Ctrl-C, with a diagram open and its toolboxes registered.
 
     Parameters
@@ -85,21 +90,27 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
 @contextmanager
 def _temporary_files() -> Iterator[None]:
     """One temporary folder for PathView's workers, which are killed without cleanup."""
-    with (tempfile.TemporaryDirectory(prefix="pathsim-jsbsim-", ignore_cleanup_errors=True) as new,
-          patch.dict(os.environ, TMPDIR=new, TMP=new, TEMP=new)):
+    with (
+        tempfile.TemporaryDirectory(prefix="pathsim-jsbsim-", ignore_cleanup_errors=True) as new,
+        patch.dict(os.environ, TMPDIR=new, TMP=new, TEMP=new),
+    ):
         yield
 
 
 @contextmanager
 def _interrupts() -> Iterator[None]:
     """Closing the terminal or ``kill`` ends the server as Ctrl-C does."""
+
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt
 
     names = ("SIGINT", "SIGTERM", "SIGHUP")
     # only the main thread may handle signals
-    numbers = [getattr(signal, n) for n in names if hasattr(signal, n)
-               and threading.current_thread() is threading.main_thread()]
+    numbers = [
+        getattr(signal, n)
+        for n in names
+        if hasattr(signal, n) and threading.current_thread() is threading.main_thread()
+    ]
     before = {n: signal.signal(n, interrupt) for n in numbers}
     try:
         with suppress(KeyboardInterrupt):

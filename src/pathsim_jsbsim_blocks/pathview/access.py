@@ -61,8 +61,11 @@ class Access:
     def has_token(self, request: Any) -> bool:
         """Whether the address carries the token, sent by a program of this server's user."""
         given = request.args.get("token", "")
-        return (request.method in _SAFE and compare_digest(given.encode(), self.token.encode())
-                and not _of_another_user(request.environ))
+        return (
+            request.method in _SAFE
+            and compare_digest(given.encode(), self.token.encode())
+            and not _of_another_user(request.environ)
+        )
 
     def set_cookie(self, request: Any, response: Any) -> None:
         """Let the page's own requests in: browsers keep cookies by host, for all its ports."""
@@ -71,15 +74,19 @@ class Access:
     def _has_cookie(self, request: Any) -> bool:
         given = request.cookies.get(_cookie(request), "")
         # another port of this host is the same site: its pages send the cookie too
-        return (request.headers.get("Sec-Fetch-Site") in ("same-origin", "none")
-                and compare_digest(given.encode(), self._session.encode()))
+        return request.headers.get("Sec-Fetch-Site") in ("same-origin", "none") and compare_digest(
+            given.encode(), self._session.encode()
+        )
 
     def _bad_parameter(self, request: Any) -> str:
         """Error text for the first query parameter that is unknown or loads foreign content."""
         harmless = ("token", "theme", "tour", "new", "fancyloading")
         for name, value in request.args.items(multi=True):
-            if not (name in harmless or (name == "model" and self._served(value))
-                    or (name, value) in (("backend", "flask"), ("host", _origin(request)))):
+            if not (
+                name in harmless
+                or (name == "model" and self._served(value))
+                or (name, value) in (("backend", "flask"), ("host", _origin(request)))
+            ):
                 return f"not served here: {name}={value}"
         return ""
 
@@ -99,12 +106,18 @@ def _of_another_user(environ: dict[str, Any]) -> bool:
     """
     try:
         # an IPv6 socket may connect to IPv4
-        lines = [line.split() for table in ("tcp", "tcp6")
-                 for line in Path("/proc/net", table).read_text().splitlines()[1:]]
+        lines = [
+            line.split()
+            for table in ("tcp", "tcp6")
+            for line in Path("/proc/net", table).read_text().splitlines()[1:]
+        ]
         ours, theirs = (f":{int(environ[p]):04X}" for p in ("SERVER_PORT", "REMOTE_PORT"))
     except (OSError, KeyError, ValueError):
         return False
-    users = {int(fields[7]) for fields in lines
-             if fields[1].endswith(theirs) and fields[2].endswith(ours)}
+    users = {
+        int(fields[7])
+        for fields in lines
+        if fields[1].endswith(theirs) and fields[2].endswith(ours)
+    }
     # port forwarders of containers and of WSL run as root
     return bool(users - {os.getuid(), 0})

@@ -36,6 +36,7 @@ def complete(content: Json) -> Json:
     Types of old files are shortened as PathView does: "pathsim.sources.StepSource" becomes
     ``StepSource``.
     """
+
     def events(old: Json) -> list[Json]:
         return [{**e, "params": e.get("params") or {}} for e in old.get("events") or []]
 
@@ -47,12 +48,20 @@ def complete(content: Json) -> Json:
                 new["type"] = new["type"].rpartition(".")[2]
             inside = new.pop("graph", None)
             nodes.append({**new, "graph": graph(inside)} if inside else new)
-        return {**old, "nodes": nodes, "connections": old.get("connections") or [],
-                "events": events(old)}
+        return {
+            **old,
+            "nodes": nodes,
+            "connections": old.get("connections") or [],
+            "events": events(old),
+        }
 
-    return {**content, "graph": graph(content["graph"]), "events": events(content),
-            "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
-            "simulationSettings": content.get("simulationSettings") or {}}
+    return {
+        **content,
+        "graph": graph(content["graph"]),
+        "events": events(content),
+        "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
+        "simulationSettings": content.get("simulationSettings") or {},
+    }
 
 
 class Check:
@@ -106,34 +115,45 @@ class Check:
         for node in graph["nodes"]:
             for known in (own, below):
                 if node["id"] in known:
-                    self._refuse(f"blocks {known[node['id']]!r} and {node['name']!r} have the same "
-                                 f"id {node['id']!r}: a wire to it could mean either")
+                    self._refuse(
+                        f"blocks {known[node['id']]!r} and {node['name']!r} have the same "
+                        f"id {node['id']!r}: a wire to it could mean either"
+                    )
             own[node["id"]] = node["name"]
         return {**below, **own}
 
     def _graph(self, graph: Json, parent: Json | None) -> None:
         if parent is None and graph["events"]:
-            self._refuse(f"event {graph['events'][0]['name']!r} is in the graph; those of the top "
-                         "level belong beside it, into 'events'")
+            self._refuse(
+                f"event {graph['events'][0]['name']!r} is in the graph; those of the top "
+                "level belong beside it, into 'events'"
+            )
         interfaces = [n["name"] for n in graph["nodes"] if n["type"] == "Interface"]
         if parent is None and interfaces:
-            self._refuse(f"block {interfaces[0]!r} is an Interface outside a subsystem; PathView "
-                         "leaves it and its wires out")
+            self._refuse(
+                f"block {interfaces[0]!r} is an Interface outside a subsystem; PathView "
+                "leaves it and its wires out"
+            )
         if len(interfaces) > 1 and parent is not None:
-            self._refuse(f"subsystem {parent['name']!r} has {len(interfaces)} interfaces, "
-                         f"{' and '.join(map(repr, interfaces))}; it can have one")
+            self._refuse(
+                f"subsystem {parent['name']!r} has {len(interfaces)} interfaces, "
+                f"{' and '.join(map(repr, interfaces))}; it can have one"
+            )
         for node in graph["nodes"]:
             if node["type"] != "Subsystem" and node.get("graph"):
-                self._refuse(f"block {node['name']!r} has blocks inside but is not a Subsystem: "
-                             f"{node['type']!r}")
+                self._refuse(
+                    f"block {node['name']!r} has blocks inside but is not a Subsystem: "
+                    f"{node['type']!r}"
+                )
             if node["type"] in _EDITOR_BLOCKS:
                 if node.get("graph"):
                     self._graph(node["graph"], node)
                 continue
             entry = self.registry["blocks"].get(node["type"])
             if entry is None:
-                self._refuse(f"block {node['name']!r}: "
-                             + unknown_block(node["type"], self.registry))
+                self._refuse(
+                    f"block {node['name']!r}: " + unknown_block(node["type"], self.registry)
+                )
             self._parameters(f"block {node['name']!r}", node["params"], entry["params"])
         for event in graph["events"]:
             if parent is not None:
@@ -144,12 +164,13 @@ class Check:
             self._end(graph, parent, connection, "target", "input")
             end = connection["targetNodeId"], connection["targetPortIndex"]
             if end in ends:
-                self._refuse(f"connection {connection['id']!r}: input {end[1]} of its target has "
-                             "another wire already")
+                self._refuse(
+                    f"connection {connection['id']!r}: input {end[1]} of its target has "
+                    "another wire already"
+                )
             ends.add(end)
 
-    def _end(self, graph: Json, parent: Json | None, connection: Json, end: str,
-             side: str) -> None:
+    def _end(self, graph: Json, parent: Json | None, connection: Json, end: str, side: str) -> None:
         name, port = connection[f"{end}NodeId"], connection[f"{end}PortIndex"]
         node = next((n for n in graph["nodes"] if n["id"] == name), None)
         if node is None:
@@ -159,15 +180,18 @@ class Check:
             # the ports of an interface are those of its subsystem, seen from inside
             ports = parent["inputs" if side == "output" else "outputs"]
         if not isinstance(port, int) or not 0 <= port < len(ports):
-            self._refuse(f"connection {connection['id']!r}: {node['name']!r} has no {side} "
-                         f"{port!r}")
+            self._refuse(
+                f"connection {connection['id']!r}: {node['name']!r} has no {side} {port!r}"
+            )
 
     def _event(self, event: Json) -> None:
         name = event["type"].rpartition(".")[2]
         entry = self.registry["events"].get(name)
         if entry is None:
-            self._refuse(f"event {event['name']!r}: PathView does not know {event['type']!r}"
-                         + did_you_mean(nearest(name, self.registry["events"])))
+            self._refuse(
+                f"event {event['name']!r}: PathView does not know {event['type']!r}"
+                + did_you_mean(nearest(name, self.registry["events"]))
+            )
         self._parameters(f"event {event['name']!r}", event["params"], entry["params"])
 
     def _parameters(self, what: str, params: Json, known: Sequence[str]) -> None:
@@ -190,8 +214,9 @@ class Check:
             self._note_names(tree)
         except (SyntaxError, ValueError) as error:
             kind = "expression" if mode == "eval" else "code"
-            self._refuse(f"{what} is not a Python {kind}: {str(value)!r} "
-                         f"({getattr(error, 'msg', error)})")
+            self._refuse(
+                f"{what} is not a Python {kind}: {str(value)!r} ({getattr(error, 'msg', error)})"
+            )
         except (RecursionError, MemoryError):
             self._refuse(f"{what} is nested too deep for Python: {str(value)[:60]!r}...")
         return tree

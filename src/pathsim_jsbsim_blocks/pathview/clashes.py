@@ -20,8 +20,9 @@ _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
 _NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # have no variable of their own name
 
 
-def without_clashes(content: Json, assigned: Collection[str], called_later: Collection[str],
-                    path: Path) -> Json:
+def without_clashes(
+    content: Json, assigned: Collection[str], called_later: Collection[str], path: Path
+) -> Json:
     """A complete model with new names where a variable would be bound twice.
 
     The outer block or event keeps its name; within one level, the first does.
@@ -75,13 +76,19 @@ class _Clashes:
         name = _variable(part, prefix)
         if name in self.bound and name in self.called_later:
             self._refuse(f"{kind} {part['name']!r}", name)
-        if not plain(part["name"]) or name in self.bound or (
-                self._variables(part, prefix) & self.taken):
+        if (
+            not plain(part["name"])
+            or name in self.bound
+            or (self._variables(part, prefix) & self.taken)
+        ):
             wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
             names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
             used = {*self.bound, *self.taken, *wishes}
-            part = next(p for p in ({**part, "name": n} for n in names)
-                        if not self._variables(p, prefix) & used)
+            part = next(
+                p
+                for p in ({**part, "name": n} for n in names)
+                if not self._variables(p, prefix) & used
+            )
         self.taken |= self._variables(part, prefix)
         return part
 
@@ -92,8 +99,11 @@ class _Clashes:
         return {_variable(part, prefix), f"{_inner(part, prefix)}interface"}
 
     def _refuse(self, what: str, name: str) -> NoReturn:
-        raise DiagramError(f"{what}: the model's code uses the name {name!r} for something else; "
-                           "rename one of them", path=self.path)
+        raise DiagramError(
+            f"{what}: the model's code uses the name {name!r} for something else; "
+            "rename one of them",
+            path=self.path,
+        )
 
 
 def _variable(part: Json, prefix: str) -> str:

@@ -66,8 +66,11 @@ class Context:
     @property
     def names(self) -> set[str]:
         """The names that the code binds."""
-        return ({n for s in self._statements for n in bound([s])} & self._needed
-                | self._pins.keys() | self.values.made.keys())
+        return (
+            {n for s in self._statements for n in bound([s])} & self._needed
+            | self._pins.keys()
+            | self.values.made.keys()
+        )
 
     def nodes(self) -> list[ast.AST]:
         """All of the code."""
@@ -84,6 +87,7 @@ class Context:
         if isinstance(node, ast.FunctionDef):  # a block's: its decorator is the block class
             node = copy.copy(node)
             node.decorator_list = []
+
         def need() -> None:
             for name in sorted(used(node)):
                 self._need(name, node)
@@ -109,8 +113,15 @@ class Context:
     def _try(self, action: Callable[[], object]) -> DiagramError | Unwritable | None:
         """Run an action; undo it if it fails."""
         values = self.values
-        state: list[Any] = [self.parts, self._pins, self._needed, values.made, values.parts,
-                            values.imports, values.names]
+        state: list[Any] = [
+            self.parts,
+            self._pins,
+            self._needed,
+            values.made,
+            values.parts,
+            values.imports,
+            values.names,
+        ]
         before = [s.copy() for s in state]
         statements = list(self._statements)
         try:
@@ -128,9 +139,15 @@ class Context:
         statements = sorted(self._statements, key=lambda s: (s.lineno, s.col_offset))
         again = {n for s in statements for n in (bound([s]) | self._changed(s))}
         imports = [f"import {m}" for m in sorted(self.values.imports)]
-        pieces = [*extra, *imports, *(
-            f"{name} = {self.expression(node, renamed)}" for name, node in self._pins.items()
-            if not _names(node) - {"np"})]
+        pieces = [
+            *extra,
+            *imports,
+            *(
+                f"{name} = {self.expression(node, renamed)}"
+                for name, node in self._pins.items()
+                if not _names(node) - {"np"}
+            ),
+        ]
         end = 0
         for statement in statements:
             text = self._statement(statement, renamed)
@@ -143,8 +160,9 @@ class Context:
         late = {n: e for n, e in self._pins.items() if _names(e) - {"np"} or n in again}
         for name, node in {**self.values.made, **late}.items():
             if isinstance(node, ast.FunctionDef):
-                pieces.append("\n" + ast.unparse(ast.fix_missing_locations(
-                    _renamed(node, renamed))))
+                pieces.append(
+                    "\n" + ast.unparse(ast.fix_missing_locations(_renamed(node, renamed)))
+                )
             else:
                 pieces.append(f"{name} = {self.expression(node, renamed)}")
         return "\n".join(pieces).lstrip("\n")
@@ -211,13 +229,19 @@ class Context:
     def _include(self, statement: ast.stmt) -> None:
         script = self.script
         if any(isinstance(script.namespace.get(n), PARTS) for n in bound([statement])):
-            script.refuse("this statement builds a block and a value that the diagram needs; "
-                          "PathView needs one statement each", statement)
+            script.refuse(
+                "this statement builds a block and a value that the diagram needs; "
+                "PathView needs one statement each",
+                statement,
+            )
         if isinstance(statement, ast.ImportFrom) and statement.level:
             script.refuse("PathView cannot follow a relative import", statement)
         if isinstance(statement, (ast.Import, ast.ImportFrom)):
-            modules = ([statement.module or ""] if isinstance(statement, ast.ImportFrom)
-                       else [a.name for a in statement.names])
+            modules = (
+                [statement.module or ""]
+                if isinstance(statement, ast.ImportFrom)
+                else [a.name for a in statement.names]
+            )
             for module in modules:
                 if not _installed(module.partition(".")[0], script.path):
                     self._beside(module, statement)
@@ -226,8 +250,11 @@ class Context:
             self._need(name, statement)
 
     def _beside(self, module: str, where: ast.AST) -> NoReturn:
-        self.script.refuse(f"module {module!r} is not installed, it is a file beside the script; "
-                           "PathView cannot import it", where)
+        self.script.refuse(
+            f"module {module!r} is not installed, it is a file beside the script; "
+            "PathView cannot import it",
+            where,
+        )
 
     def _part_names(self) -> set[str]:
         return {n for n, v in self.script.namespace.items() if isinstance(v, PARTS)}
@@ -239,21 +266,26 @@ class Context:
         return {name for name, _ in self.script.changes(statement)} | passed(statement)
 
     def _star_imports(self, name: str) -> list[ast.stmt]:
-        return [s for s in self.script.statements
-                if isinstance(s, ast.ImportFrom) and s.names[0].name == "*"
-                and not name.startswith("_") and hasattr(sys.modules.get(s.module or ""), name)]
+        return [
+            s
+            for s in self.script.statements
+            if isinstance(s, ast.ImportFrom)
+            and s.names[0].name == "*"
+            and not name.startswith("_")
+            and hasattr(sys.modules.get(s.module or ""), name)
+        ]
 
     def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
         if isinstance(statement, (ast.Import, ast.ImportFrom)):
             return self._import(statement)
         text = _rewrite(self.script.source, statement, renamed)
         lines = self.script.source.split("\n")
-        before = lines[statement.lineno - 1].encode()[:statement.col_offset].decode()
-        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset:].decode()
+        before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
+        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
         if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
             return text
-        above = lines[self._first_line(statement) - 1:statement.lineno - 1]
-        return "".join(line[len(before):] + "\n" for line in above) + dedent(before + text) + after
+        above = lines[self._first_line(statement) - 1 : statement.lineno - 1]
+        return "".join(line[len(before) :] + "\n" for line in above) + dedent(before + text) + after
 
     def _first_line(self, statement: ast.stmt) -> int:
         """First line of a statement with its decorators and the comments right above it."""
@@ -266,8 +298,11 @@ class Context:
 
     def _import(self, statement: ast.Import | ast.ImportFrom) -> str:
         """The part of an import that is needed; numpy as np is there already."""
-        names = [a for a in statement.names
-                 if a.name == "*" or (a.asname or a.name).partition(".")[0] in self._needed]
+        names = [
+            a
+            for a in statement.names
+            if a.name == "*" or (a.asname or a.name).partition(".")[0] in self._needed
+        ]
         if isinstance(statement, ast.Import):
             names = [a for a in names if (a.name, a.asname) != ("numpy", "np")]
         return ast.unparse(type(statement)(**{**vars(statement), "names": names})) if names else ""
@@ -343,18 +378,25 @@ def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
         return (starts[n.lineno - 1] + n.col_offset, starts[n.end_lineno - 1] + n.end_col_offset)
 
     edits: dict[tuple[int, int], str] = {}
-    docstrings = {id(n.body[0].value) for n in ast.walk(node)
-                  if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
-                  and isinstance(n.body[0], ast.Expr)}
+    docstrings = {
+        id(n.body[0].value)
+        for n in ast.walk(node)
+        if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+        and isinstance(n.body[0], ast.Expr)
+    }
     # before Python 3.12 the parts of an f-string have no positions of their own
-    in_f_strings = {id(n) for f in ast.walk(node) if isinstance(f, ast.JoinedStr)
-                    for n in ast.walk(f) if n is not f}
+    in_f_strings = {
+        id(n)
+        for f in ast.walk(node)
+        if isinstance(f, ast.JoinedStr)
+        for n in ast.walk(f)
+        if n is not f
+    }
     for inner in ast.walk(node):
         if id(inner) in in_f_strings:
             continue
         if isinstance(inner, ast.JoinedStr):
-            if (inner.lineno != inner.end_lineno
-                    or any(n.id in renamed for n in references(inner))):
+            if inner.lineno != inner.end_lineno or any(n.id in renamed for n in references(inner)):
                 edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
         elif isinstance(inner, ast.Constant) and isinstance(inner.value, (str, bytes)):
             if inner.lineno != inner.end_lineno and id(inner) not in docstrings:

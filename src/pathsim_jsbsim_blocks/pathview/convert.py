@@ -12,8 +12,12 @@ from .pvm import read, write
 from .toolboxes import registry_for
 
 
-def convert_model(path: str | Path, out: str | Path | None = None,
-                  toolboxes: Sequence[str] = (), trust_toolboxes: Sequence[str] = ()) -> Path:
+def convert_model(
+    path: str | Path,
+    out: str | Path | None = None,
+    toolboxes: Sequence[str] = (),
+    trust_toolboxes: Sequence[str] = (),
+) -> Path:
     """Write a PathView model as a Python script.
 
     No code of the model is executed. Toolboxes are imported to find their blocks: those of
@@ -50,8 +54,10 @@ def convert_model(path: str | Path, out: str | Path | None = None,
     if out is None:
         out = path.with_suffix(".py")
         if out.exists():  # often the script from which the model was exported
-            raise DiagramError("exists and may be the model's original; name the script to write "
-                               "(-o FILE.py)", path=out)
+            raise DiagramError(
+                "exists and may be the model's original; name the script to write (-o FILE.py)",
+                path=out,
+            )
     out = as_path("out", out)
     code = to_python(content, registry_for(content, path, toolboxes, trust_toolboxes), path)
     write(out, code)

@@ -77,9 +77,12 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
         live = Script(script, lambda standing: _Export(standing).content(existing))
     if rest := live.left_out():
         assert live.run is not None
-        warnings.warn(f"{live.path}: the model is the diagram of the first run (line "
-                      f"{live.run.lines[-1]}); not in it: "
-                      + ", ".join(f"line {line}: {what}" for line, what in rest), stacklevel=3)
+        warnings.warn(
+            f"{live.path}: the model is the diagram of the first run (line "
+            f"{live.run.lines[-1]}); not in it: "
+            + ", ".join(f"line {line}: {what}" for line, what in rest),
+            stacklevel=3,
+        )
     content: Json = live.result
     return content
 
@@ -96,8 +99,12 @@ class _Export:
         self.functions = Functions(script.tree, str(script.path))
         self.choices = Choices()
         self.parameters: dict[int, dict[str, bool]] = {}
-        self._seeds = [n for n in ast.walk(script.tree) if isinstance(n, ast.Call)
-                       and getattr(n.func, "attr", getattr(n.func, "id", "")) == "seed"]
+        self._seeds = [
+            n
+            for n in ast.walk(script.tree)
+            if isinstance(n, ast.Call)
+            and getattr(n.func, "attr", getattr(n.func, "id", "")) == "seed"
+        ]
         self._numbers = self._numbers_there = _numbers()
 
     def content(self, existing: Json | None) -> Json:
@@ -117,8 +124,10 @@ class _Export:
             elif not self._avoid(error, diagram):
                 raise DiagramError(
                     f"PathView cannot evaluate {error.what} before the blocks exist: "
-                    f"{type(error.cause).__name__}: {error.cause}", path=diagram.path,
-                    line=error.line) from error.cause
+                    f"{type(error.cause).__name__}: {error.cause}",
+                    path=diagram.path,
+                    line=error.line,
+                ) from error.cause
 
     # what PathView evaluates --------------------------------------------------------------------
 
@@ -134,8 +143,12 @@ class _Export:
                 for name, value in node.params.items():
                     error = _executed(value, namespace, "eval")
                     if error is not None:
-                        return _Failure(f"parameter {name!r} of {node.name!r}", error, node.line,
-                                        parameter=(node.part, name))
+                        return _Failure(
+                            f"parameter {name!r} of {node.name!r}",
+                            error,
+                            node.line,
+                            parameter=(node.part, name),
+                        )
                 todo += node.graph.nodes if node.graph else []
             for name, value in diagram.settings.items():
                 if name == "solver" or not value:
@@ -145,9 +158,12 @@ class _Export:
                 if error is not None:
                     return _Failure(f"setting {name!r}", error, None, parameter=(None, name))
                 if repr(namespace[_VALUE]) != live:
-                    return _Failure(f"setting {name!r}", ValueError(
-                        f"{namespace[_VALUE]!r}, and {live} in the script"), None,
-                        parameter=(None, name))
+                    return _Failure(
+                        f"setting {name!r}",
+                        ValueError(f"{namespace[_VALUE]!r}, and {live} in the script"),
+                        None,
+                        parameter=(None, name),
+                    )
         return None
 
     def _avoid(self, error: _Failure, diagram: Diagram) -> bool:
@@ -174,8 +190,11 @@ class _Export:
             again = Comparison(there, another, theirs, its, functions, its_functions)
             by_chance = {(again.name(d.part), d.path) for d in again.differences}
             found.differences = [
-                d for d in found.differences if (found.name(d.part), d.path) not in by_chance
-                or (self._seeds and d.attribute in self.parameters.get(id(d.part), {}))]
+                d
+                for d in found.differences
+                if (found.name(d.part), d.path) not in by_chance
+                or (self._seeds and d.attribute in self.parameters.get(id(d.part), {}))
+            ]
         return found.differences, found.opaque
 
     def _replace(self, differences: list[Difference], diagram: Diagram) -> bool:
@@ -191,8 +210,9 @@ class _Export:
             chosen |= _added(self.choices.live, direct) or _added(self.choices.live, given)
         return chosen
 
-    def _rebuilt(self, content: Json,
-                 parts: Mapping[str, Any]) -> tuple[Simulation, dict[str, Any], Functions]:
+    def _rebuilt(
+        self, content: Json, parts: Mapping[str, Any]
+    ) -> tuple[Simulation, dict[str, Any], Functions]:
         path = self.script.path
         # the script has imported its toolboxes already
         imported = [f"{t.package}:{t.import_path}" for t in required_toolboxes(content, path)]
@@ -202,14 +222,19 @@ class _Export:
             error = _executed(code, namespace, "exec", "model")
             self._numbers_there = _numbers()
         if error is not None:
-            raise DiagramError(f"PathView cannot build this model: {type(error).__name__}: {error}",
-                               path=self.script.path) from error
+            raise DiagramError(
+                f"PathView cannot build this model: {type(error).__name__}: {error}",
+                path=self.script.path,
+            ) from error
         simulation = namespace["sim"]
         run = self.script.run
         if run is not None and run.arguments.get("reset"):
             simulation.reset()
-        return (simulation, {name: namespace[name] for name in parts},
-                Functions(ast.parse(code), "model"))
+        return (
+            simulation,
+            {name: namespace[name] for name in parts},
+            Functions(ast.parse(code), "model"),
+        )
 
     # what cannot be written ---------------------------------------------------------------------
 
@@ -219,21 +244,29 @@ class _Export:
         states = self.script.states
         if states and part is not self.script.simulation:
             method, line = states[-1]
-            raise DiagramError(f"{method}() before the run changes {what}: {difference}; PathView "
-                               "starts from the blocks' own initial values",
-                               path=self.script.path, line=line)
+            raise DiagramError(
+                f"{method}() before the run changes {what}: {difference}; PathView "
+                "starts from the blocks' own initial values",
+                path=self.script.path,
+                line=line,
+            )
         made = self.script.construction(part)
         place = self._touched(part)
-        self.script.refuse(f"{what} is changed after it is built: {difference}; PathView cannot "
-                           "represent that", place or (made and made.node) or self.script.run_call)
+        self.script.refuse(
+            f"{what} is changed after it is built: {difference}; PathView cannot represent that",
+            place or (made and made.node) or self.script.run_call,
+        )
 
     def _check_opaque(self, parts: list[Any]) -> None:
         """Refuse calls that may change what cannot be compared."""
         for part in parts:
             place = self._touched(part)
             if place is not None:
-                self.script.refuse(f"{self._called(part)} may be changed here after it is built; "
-                                   "PathView cannot represent that", place)
+                self.script.refuse(
+                    f"{self._called(part)} may be changed here after it is built; "
+                    "PathView cannot represent that",
+                    place,
+                )
 
     def _called(self, part: Any) -> str:
         names = [n for n, v in self.script.namespace.items() if v is part]
@@ -244,20 +277,29 @@ class _Export:
     def _touched(self, part: Any) -> ast.AST | None:
         """Where the script may change a part before the run, judging by its source."""
         made = self.script.construction(part)
-        names = {n for n, v in self.script.namespace.items() if v is part
-                 or (isinstance(v, dict) and any(x is part for x in v.values()))
-                 or (isinstance(v, (list, tuple)) and any(x is part for x in v))}
+        names = {
+            n
+            for n, v in self.script.namespace.items()
+            if v is part
+            or (isinstance(v, dict) and any(x is part for x in v.values()))
+            or (isinstance(v, (list, tuple)) and any(x is part for x in v))
+        }
         if made is not None and made.target:
             names.add(made.target)
         last = self.script.run.lines[-1] if self.script.run else math.inf
         for node in ast.walk(self.script.tree):
-            if not isinstance(node, ast.stmt) or node.lineno > last or (
-                    made is not None and node.lineno < made.node.lineno):
+            if (
+                not isinstance(node, ast.stmt)
+                or node.lineno > last
+                or (made is not None and node.lineno < made.node.lineno)
+            ):
                 continue
             for name, place in changes(node):
                 if name in names and not (
-                        isinstance(place, ast.Attribute) and isinstance(place.ctx, ast.Load)
-                        and (place.attr in HARMLESS or place.attr.startswith("run"))):
+                    isinstance(place, ast.Attribute)
+                    and isinstance(place.ctx, ast.Load)
+                    and (place.attr in HARMLESS or place.attr.startswith("run"))
+                ):
                     return place
             if not isinstance(node, (ast.FunctionDef, ast.ClassDef)) and passed(node) & names:
                 return node
@@ -267,17 +309,24 @@ class _Export:
         """Refuse functions that draw from a seeded global generator, whose state would differ."""
         code = [diagram.context, *(v for n in _nodes(diagram.graph) for v in n.params.values())]
         if self._seeds and self._numbers != self._numbers_there and any(map(_draws, code)):
-            self.script.refuse("functions of the diagram draw from the global random generator, "
-                               "whose state differs in the model; give them their own generator "
-                               "(np.random.default_rng)", self._seeds[-1])
+            self.script.refuse(
+                "functions of the diagram draw from the global random generator, "
+                "whose state differs in the model; give them their own generator "
+                "(np.random.default_rng)",
+                self._seeds[-1],
+            )
 
 
 def _draws(code: str) -> bool:
     """Whether functions in a piece of code draw from a global random generator."""
-    return any(isinstance(n, ast.Attribute) and ast.unparse(n.value) in ("np.random", "random")
-               and n.attr not in ("default_rng", "Generator", "RandomState", "Random", "seed")
-               for f in ast.walk(ast.parse(code))
-               if isinstance(f, (ast.FunctionDef, ast.Lambda)) for n in ast.walk(f))
+    return any(
+        isinstance(n, ast.Attribute)
+        and ast.unparse(n.value) in ("np.random", "random")
+        and n.attr not in ("default_rng", "Generator", "RandomState", "Random", "seed")
+        for f in ast.walk(ast.parse(code))
+        if isinstance(f, (ast.FunctionDef, ast.Lambda))
+        for n in ast.walk(f)
+    )
 
 
 def _numbers() -> tuple[str, str]:
@@ -312,8 +361,9 @@ class _Failure:
     parameter: tuple[int | None, str] | None = None
 
 
-def _executed(code: str, namespace: dict[str, Any], mode: str,
-              filename: str = "context") -> BaseException | None:
+def _executed(
+    code: str, namespace: dict[str, Any], mode: str, filename: str = "context"
+) -> BaseException | None:
     """Run code; returns what it raised. The value of an expression is in the namespace."""
     try:
         if mode == "eval":
@@ -330,7 +380,8 @@ def _code_line(error: BaseException) -> int | None:
     trace = error.__traceback__
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == "context" and (
-                trace.tb_frame.f_code.co_name == "<module>"):
+            trace.tb_frame.f_code.co_name == "<module>"
+        ):
             return trace.tb_lineno
         trace = trace.tb_next
     return None
@@ -339,8 +390,12 @@ def _code_line(error: BaseException) -> int | None:
 @contextmanager
 def _as_in_pathview() -> Iterator[None]:
     """Imitate PathView's process: other arguments, no output."""
-    with (quiet(), patch.object(sys, "argv", ["pathview", "serve", "--port", "5000"]),
-          redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO())):
+    with (
+        quiet(),
+        patch.object(sys, "argv", ["pathview", "serve", "--port", "5000"]),
+        redirect_stdout(io.StringIO()),
+        redirect_stderr(io.StringIO()),
+    ):
         yield
 
 

@@ -49,21 +49,34 @@ def _spliceable(content: Json) -> Json:
     PathView writes names into comments, where a line separator would end the comment, and
     parameters between commas, where a comment would hide what follows.
     """
+
     def part(old: Json) -> Json:
-        new = {**old, "name": printable(old["name"]),
-               "params": {k: v if k.startswith("_") else _argument(v)
-                          for k, v in old["params"].items()}}
+        new = {
+            **old,
+            "name": printable(old["name"]),
+            "params": {
+                k: v if k.startswith("_") else _argument(v) for k, v in old["params"].items()
+            },
+        }
         return {**new, "graph": graph(old["graph"])} if "graph" in old else new
 
     def graph(old: Json) -> Json:
-        return {**old, "nodes": [n if n["type"] in BUSES else part(n) for n in old["nodes"]],
-                "events": [part(e) for e in old["events"]]}
+        return {
+            **old,
+            "nodes": [n if n["type"] in BUSES else part(n) for n in old["nodes"]],
+            "events": [part(e) for e in old["events"]],
+        }
 
     settings = content["simulationSettings"]
-    return {**content, "graph": graph(content["graph"]),
-            "events": [part(e) for e in content["events"]],
-            "simulationSettings": {**settings, **{
-                name: _argument(settings[name]) for name in NUMBERS if name in settings}}}
+    return {
+        **content,
+        "graph": graph(content["graph"]),
+        "events": [part(e) for e in content["events"]],
+        "simulationSettings": {
+            **settings,
+            **{name: _argument(settings[name]) for name in NUMBERS if name in settings},
+        },
+    }
 
 
 def _argument(value: Any) -> Any:
@@ -76,7 +89,10 @@ def _argument(value: Any) -> Any:
             call = ast.parse(f"f(x={value}, y=0)", mode="eval").body
     except (SyntaxError, ValueError):
         call = None
-    if isinstance(call, ast.Call) and not call.args and [k.arg for k in call.keywords] == [
-            "x", "y"]:
+    if (
+        isinstance(call, ast.Call)
+        and not call.args
+        and [k.arg for k in call.keywords] == ["x", "y"]
+    ):
         return value
     return f"({value}\n)"

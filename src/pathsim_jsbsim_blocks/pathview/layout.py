@@ -31,8 +31,9 @@ class Layout:
 def size(node: Node, pinned: int = 0) -> tuple[int, int]:
     """Width and height in px at which PathView draws a node."""
     width = max(80, 6 * len(node.name) + 20, 5 * len(node.type) + 20, 160 if pinned else 0)
-    height = max(40 + (7 + 24 * pinned if pinned else 0),
-                 _PORT * max(len(node.inputs), len(node.outputs), 1))
+    height = max(
+        40 + (7 + 24 * pinned if pinned else 0), _PORT * max(len(node.inputs), len(node.outputs), 1)
+    )
     return _up(width), _up(height)
 
 
@@ -53,8 +54,9 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
             cut |= {(hub, i) for i in component} & edges
     turned = _feedback(nodes, edges, cut, loops)
 
-    layer = _layers([i for i in inner if i not in turned],
-                    {e for e in edges - cut if not turned & set(e)})
+    layer = _layers(
+        [i for i in inner if i not in turned], {e for e in edges - cut if not turned & set(e)}
+    )
     last = max(layer.values(), default=-1)
     for i in sinks:
         layer[i] = last + 1
@@ -120,8 +122,9 @@ def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: s
     return max(loop, key=rank)
 
 
-def _feedback(nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge],
-              loops: set[int]) -> set[int]:
+def _feedback(
+    nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge], loops: set[int]
+) -> set[int]:
     """Blocks on the way back: fed by one block, which is where a loop was opened or on that way."""
     before = defaultdict(set)
     for a, b in edges:
@@ -129,9 +132,13 @@ def _feedback(nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge],
     turned: set[int] = set()
     openers = {a for a, _ in cut}
     while True:
-        more = {i for i in loops - turned - openers
-                if len(nodes[i].inputs) <= 2 and len(before[i]) == 1
-                and all(a in turned or (a, i) in cut for a in before[i])}
+        more = {
+            i
+            for i in loops - turned - openers
+            if len(nodes[i].inputs) <= 2
+            and len(before[i]) == 1
+            and all(a in turned or (a, i) in cut for a in before[i])
+        }
         if not more:
             return turned
         turned |= more
@@ -156,8 +163,9 @@ def _layers(nodes: list[int], edges: Collection[Edge]) -> dict[int, int]:
     return layer
 
 
-def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
-          cut: Collection[Edge]) -> dict[int, float]:
+def _rows(
+    graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int], cut: Collection[Edge]
+) -> dict[int, float]:
     """Heights at which the wires between columns are as straight as they can be."""
     columns: dict[int, list[int]] = defaultdict(list)
     for i in sorted(layer):
@@ -165,13 +173,17 @@ def _rows(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int],
     y: dict[int, float] = {}
     for column in columns.values():
         y.update(_spread([(0.0, i) for i in column], sizes))
-    wires = [w for w in graph.wires
-             if w.source in layer and w.target in layer and (w.source, w.target) not in cut]
+    wires = [
+        w
+        for w in graph.wires
+        if w.source in layer and w.target in layer and (w.source, w.target) not in cut
+    ]
     pulls: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for w in wires:
         # where the target's centre is to be above the source's for a straight wire
-        shift = (_offset(w.output, len(graph.nodes[w.source].outputs))
-                 - _offset(w.input, len(graph.nodes[w.target].inputs)))
+        shift = _offset(w.output, len(graph.nodes[w.source].outputs)) - _offset(
+            w.input, len(graph.nodes[w.target].inputs)
+        )
         pulls[w.target].append((w.source, shift))
         pulls[w.source].append((w.target, -shift))
     for sweep in range(_SWEEPS + 1):
@@ -202,11 +214,17 @@ def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> di
             if start + shift <= group[2] / len(group[0]):
                 break
             groups.pop()
-            group = (blocks + group[0], offsets + [o + shift for o in group[1]],
-                     total + group[2] - shift * len(group[0]))
+            group = (
+                blocks + group[0],
+                offsets + [o + shift for o in group[1]],
+                total + group[2] - shift * len(group[0]),
+            )
         groups.append(group)
-    return {i: total / len(blocks) + offset for blocks, offsets, total in groups
-            for i, offset in zip(blocks, offsets, strict=True)}
+    return {
+        i: total / len(blocks) + offset
+        for blocks, offsets, total in groups
+        for i, offset in zip(blocks, offsets, strict=True)
+    }
 
 
 def _columns(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int]) -> dict[int, float]:
@@ -215,25 +233,38 @@ def _columns(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int]) 
     right = 0.0
     for number in sorted(set(layer.values())):
         half = max(sizes[i][0] for i in layer if layer[i] == number) / 2
-        turning = {(w.source, w.output) for w in graph.wires
-                   if layer.get(w.target) == number and w.source in layer}
+        turning = {
+            (w.source, w.output)
+            for w in graph.wires
+            if layer.get(w.target) == number and w.source in layer
+        }
         x[number] = right + half if not x else right + _GAP + GRID * min(len(turning), 10) + half
         right = x[number] + half
     return x
 
 
-def _place_turned(graph: Graph, sizes: list[tuple[int, int]], turned: set[int],
-                  cut: Collection[Edge], centres: dict[int, tuple[int, int]]) -> None:
+def _place_turned(
+    graph: Graph,
+    sizes: list[tuple[int, int]],
+    turned: set[int],
+    cut: Collection[Edge],
+    centres: dict[int, tuple[int, int]],
+) -> None:
     """Put the blocks on the way back below the others, from right to left."""
-    floor = max((y + sizes[i][1] / 2 for i, (_, y) in centres.items()
-                 if graph.nodes[i].outputs), default=0.0)
+    floor = max(
+        (y + sizes[i][1] / 2 for i, (_, y) in centres.items() if graph.nodes[i].outputs),
+        default=0.0,
+    )
     for start in sorted(turned):
         if start in centres:
             continue
         chain = _chain(graph, start, turned - centres.keys())
         source = next(w.source for w in graph.wires if w.target == chain[0])
-        goals = [centres[w.target][0] for w in graph.wires
-                 if w.source == chain[-1] and w.target in centres and graph.nodes[w.target].outputs]
+        goals = [
+            centres[w.target][0]
+            for w in graph.wires
+            if w.source == chain[-1] and w.target in centres and graph.nodes[w.target].outputs
+        ]
         from_x = centres[source][0]
         to_x = min(goals, default=from_x)
         needed = sum(sizes[i][0] + _GAP for i in chain)
@@ -255,18 +286,24 @@ def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:
     while (first := before.get(chain[0], start)) in turned and first not in chain:
         chain.insert(0, first)
     while True:
-        after = [w.target for w in graph.wires
-                 if w.source == chain[-1] and w.target in turned and w.target not in chain]
+        after = [
+            w.target
+            for w in graph.wires
+            if w.source == chain[-1] and w.target in turned and w.target not in chain
+        ]
         if not after:
             return chain
         chain.append(after[0])
 
 
-def touch(a: tuple[int, int], size_a: tuple[int, int], b: tuple[int, int],
-          size_b: tuple[int, int]) -> bool:
+def touch(
+    a: tuple[int, int], size_a: tuple[int, int], b: tuple[int, int], size_b: tuple[int, int]
+) -> bool:
     """Whether two blocks overlap or are too close for a wire between them."""
-    return (abs(a[0] - b[0]) < (size_a[0] + size_b[0]) / 2 + 2 * GRID
-            and abs(a[1] - b[1]) < (size_a[1] + size_b[1]) / 2 + _ROW / 2)
+    return (
+        abs(a[0] - b[0]) < (size_a[0] + size_b[0]) / 2 + 2 * GRID
+        and abs(a[1] - b[1]) < (size_a[1] + size_b[1]) / 2 + _ROW / 2
+    )
 
 
 def _offset(port: int, ports: int) -> float:

@@ -31,8 +31,9 @@ def refuse_markup(content: dict[str, Any], path: Path) -> None:
     for note in _graphs(content.get("graph"), "annotations"):
         for address in _LINK.findall(str(note.get("content", ""))):
             if not _ADDRESS.fullmatch(address):
-                raise DiagramError(f"an annotation's link is not a web address: {address!r}",
-                                   path=path)
+                raise DiagramError(
+                    f"an annotation's link is not a web address: {address!r}", path=path
+                )
 
 
 def _names(content: dict[str, Any]) -> Iterator[str]:

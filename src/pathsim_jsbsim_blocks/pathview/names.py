@@ -16,11 +16,18 @@ def references(node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[a
             yield node
     elif isinstance(node, _FUNCTIONS):
         args = node.args
-        every = [*args.posonlyargs, *args.args, *args.kwonlyargs,
-                 *filter(None, (args.vararg, args.kwarg))]
+        every = [
+            *args.posonlyargs,
+            *args.args,
+            *args.kwonlyargs,
+            *filter(None, (args.vararg, args.kwarg)),
+        ]
         body = node.body if isinstance(node.body, list) else [node.body]
-        outer = [*args.defaults, *filter(None, args.kw_defaults),
-                 *(a.annotation for a in every if a.annotation)]
+        outer = [
+            *args.defaults,
+            *filter(None, args.kw_defaults),
+            *(a.annotation for a in every if a.annotation),
+        ]
         if not isinstance(node, ast.Lambda):
             outer += [*node.decorator_list, *filter(None, (node.returns,))]
         yield from _all(outer, local)
@@ -50,8 +57,9 @@ def used(node: ast.AST) -> set[str]:
     """Names of the module that ``node`` reads, now or when a function in it is called."""
     # x += 1 and del x also need an x, although the syntax tree does not mark it as a Load
     augmented = {id(n.target) for n in ast.walk(node) if isinstance(n, ast.AugAssign)}
-    return {n.id for n in references(node)
-            if not isinstance(n.ctx, ast.Store) or id(n) in augmented}
+    return {
+        n.id for n in references(node) if not isinstance(n.ctx, ast.Store) or id(n) in augmented
+    }
 
 
 def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:

@@ -29,12 +29,21 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
 def policy(nonce: str = "") -> str:
     """Content-Security-Policy of all answers; ``nonce`` marks a page's own inline scripts."""
     own = f" 'nonce-{nonce}'" if nonce else ""
-    return "; ".join([
-        "default-src 'none'", f"script-src 'self'{own}", "worker-src 'self'",
-        "connect-src 'self'", "font-src 'self' data:", "img-src 'self' data: blob:",
-        # formulas, plots and blocks are placed by style attributes
-        "style-src 'self' 'unsafe-inline'",
-        "base-uri 'none'", "form-action 'none'", "frame-ancestors 'none'"])
+    return "; ".join(
+        [
+            "default-src 'none'",
+            f"script-src 'self'{own}",
+            "worker-src 'self'",
+            "connect-src 'self'",
+            "font-src 'self' data:",
+            "img-src 'self' data: blob:",
+            # formulas, plots and blocks are placed by style attributes
+            "style-src 'self' 'unsafe-inline'",
+            "base-uri 'none'",
+            "form-action 'none'",
+            "frame-ancestors 'none'",
+        ]
+    )
 
 
 def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
@@ -96,6 +105,7 @@ def _selection(toolbox: Toolbox) -> list[dict[str, Any]]:
     out = []
     for name, block in toolbox.blocks().items() if toolbox == OURS else ():
         category, shape = _CATEGORIES[block.__module__.split(".")[1]]
-        out.append({"className": name, "enabled": True,
-                    "override": {"category": category, "shape": shape}})
+        out.append(
+            {"className": name, "enabled": True, "override": {"category": category, "shape": shape}}
+        )
     return out

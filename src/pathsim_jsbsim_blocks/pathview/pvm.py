@@ -42,10 +42,17 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
         "graph": {**graph, "annotations": notes},
         "events": events,
         "codeContext": {"code": diagram.context},
-        "simulationSettings": {**diagram.settings, "adaptive": True, "ghostTraces": 0,
-                               "plotResults": True},
-        **({"requiredToolboxes": [t.requirement() for t in diagram.toolboxes]}
-           if diagram.toolboxes else {}),
+        "simulationSettings": {
+            **diagram.settings,
+            "adaptive": True,
+            "ghostTraces": 0,
+            "plotResults": True,
+        },
+        **(
+            {"requiredToolboxes": [t.requirement() for t in diagram.toolboxes]}
+            if diagram.toolboxes
+            else {}
+        ),
     }
 
 
@@ -72,15 +79,19 @@ def read(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise DiagramError("not a PathView model: no JSON object", path=path)
     if content.get("type") in ("block", "subsystem"):
-        raise DiagramError(f"a PathView {content['type']}, not a model; open it in PathView and "
-                           "save the model", path=path)
+        raise DiagramError(
+            f"a PathView {content['type']}, not a model; open it in PathView and save the model",
+            path=path,
+        )
     if not isinstance(content.get("graph"), dict) or not isinstance(
-            content["graph"].get("nodes"), list):
+        content["graph"].get("nodes"), list
+    ):
         raise DiagramError("not a PathView model: it has no graph", path=path)
     version = content.get("version")
     if not isinstance(version, str) or version.split(".")[0] != VERSION.split(".")[0]:
-        raise DiagramError(f"a model of version {version!r}; this package reads {VERSION}",
-                           path=path)
+        raise DiagramError(
+            f"a model of version {version!r}; this package reads {VERSION}", path=path
+        )
     check_shape(content, path)
     try:
         # the page cannot read what only Python's JSON has: NaN, half of a surrogate pair
@@ -144,44 +155,62 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
     # PathView routes feedback wires around the blocks, mostly above them
-    box.top -= GRID * len({(w.source, w.output) for w in graph.wires
-                           if centres[w.source][0] >= centres[w.target][0]})
+    box.top -= GRID * len(
+        {(w.source, w.output) for w in graph.wires if centres[w.source][0] >= centres[w.target][0]}
+    )
     connections = [
-        {"id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
-         "sourceNodeId": ids[w.source], "sourcePortIndex": w.output,
-         "targetNodeId": ids[w.target], "targetPortIndex": w.input} for w in graph.wires]
+        {
+            "id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
+            "sourceNodeId": ids[w.source],
+            "sourcePortIndex": w.output,
+            "targetNodeId": ids[w.target],
+            "targetPortIndex": w.input,
+        }
+        for w in graph.wires
+    ]
     return {"nodes": nodes, "connections": connections}, box
 
 
-def _kept_centres(auto: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]],
-                  olds: Sequence[Existing]) -> list[tuple[int, int]]:
+def _kept_centres(
+    auto: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]], olds: Sequence[Existing]
+) -> list[tuple[int, int]]:
     """Positions of an existing model; new blocks are placed relative to them as in the layout."""
-    known = {i: (o["position"]["x"], o["position"]["y"]) for i, o in enumerate(olds)
-             if isinstance(o.get("position"), dict)}
+    known = {
+        i: (o["position"]["x"], o["position"]["y"])
+        for i, o in enumerate(olds)
+        if isinstance(o.get("position"), dict)
+    }
     if not known:
         return list(auto)
-    dx, dy = (GRID * round(sum(known[i][k] - auto[i][k] for i in known) / len(known) / GRID)
-              for k in (0, 1))
+    dx, dy = (
+        GRID * round(sum(known[i][k] - auto[i][k] for i in known) / len(known) / GRID)
+        for k in (0, 1)
+    )
     centres = [known.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
     for i, (x, y) in enumerate(centres):
-        while i not in known and any(touch((x, y), sizes[i], centres[j], sizes[j])
-                                     for j in range(len(centres)) if j != i):
+        while i not in known and any(
+            touch((x, y), sizes[i], centres[j], sizes[j]) for j in range(len(centres)) if j != i
+        ):
             y += GRID
             centres[i] = (x, y)
     return centres
 
 
-def _node(node: Node, name: str, centre: tuple[int, int], rotation: int, pinned: list[str],
-          old: Existing) -> dict[str, Any]:
+def _node(
+    node: Node, name: str, centre: tuple[int, int], rotation: int, pinned: list[str], old: Existing
+) -> dict[str, Any]:
     params: dict[str, Any] = dict(node.params)
     if rotation:
         params["_rotation"] = rotation
     for side, ports in (("Input", node.inputs), ("Output", node.outputs)):
-        if node.type not in _RECORDERS and any(not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p)
-                                               for p in ports):
+        if node.type not in _RECORDERS and any(
+            not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p) for p in ports
+        ):
             params[f"_show{side}Labels"] = True
     out: dict[str, Any] = {
-        "id": name, "type": node.type, "name": node.name,
+        "id": name,
+        "type": node.type,
+        "name": node.name,
         "position": {"x": centre[0], "y": centre[1]},
         "inputs": _ports(name, "input", node.inputs),
         "outputs": _ports(name, "output", node.outputs),
@@ -192,16 +221,26 @@ def _node(node: Node, name: str, centre: tuple[int, int], rotation: int, pinned:
     if node.graph is not None:
         inside = old.get("graph") or {}
         graph, box = _graph(node.graph, f"{name}.", inside)
-        out["graph"] = {**graph, "annotations": [],
-                        "events": _events(node.graph.events, f"{name}.", box,
-                                          inside.get("events") or [])}
+        out["graph"] = {
+            **graph,
+            "annotations": [],
+            "events": _events(node.graph.events, f"{name}.", box, inside.get("events") or []),
+        }
     return out
 
 
 def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, Any]]:
-    return [{"id": f"{node}-{direction}-{i}", "nodeId": node, "name": name,
-             "direction": direction, "index": i, "color": "#969696"}
-            for i, name in enumerate(names)]
+    return [
+        {
+            "id": f"{node}-{direction}-{i}",
+            "nodeId": node,
+            "name": name,
+            "direction": direction,
+            "index": i,
+            "color": "#969696",
+        }
+        for i, name in enumerate(names)
+    ]
 
 
 def _pinned(node: Node) -> list[str]:
@@ -212,16 +251,23 @@ def _pinned(node: Node) -> list[str]:
     return short[:_PINNED]
 
 
-def _events(events: Sequence[Event], prefix: str, box: _Box,
-            old: Sequence[Existing]) -> list[dict[str, Any]]:
+def _events(
+    events: Sequence[Event], prefix: str, box: _Box, old: Sequence[Existing]
+) -> list[dict[str, Any]]:
     kept = {plain(str(e.get("name", ""))): e.get("position") for e in old}
     out = []
     for i, event in enumerate(events):
         x = GRID * round((box.left + (1.5 * i + 0.5) * _EVENT) / GRID)
         y = GRID * round((box.bottom + 1.5 * _EVENT) / GRID)
-        out.append({"id": prefix + plain(event.name), "type": event.type, "name": event.name,
-                    "position": kept.get(plain(event.name)) or {"x": x, "y": y},
-                    "params": dict(event.params)})
+        out.append(
+            {
+                "id": prefix + plain(event.name),
+                "type": event.type,
+                "name": event.name,
+                "position": kept.get(plain(event.name)) or {"x": x, "y": y},
+                "params": dict(event.params),
+            }
+        )
     return out
 
 
@@ -234,13 +280,26 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
     kept = next((a for a in old if a.get("id") == mine), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
-    height = GRID * math.ceil((_NOTE_TITLE + sum(
-        _NOTE_SPACE + _NOTE_LINE * math.ceil(len(p) * _NOTE_CHARACTER / (width - 20))
-        for p in content.split("\n\n")[1:])) / GRID)
-    note = {"id": mine,
-            "position": {"x": GRID * round(box.left / GRID),
-                         "y": GRID * round((box.top - height) / GRID) - 3 * GRID},
-            "content": content, "width": width, "height": height}
+    height = GRID * math.ceil(
+        (
+            _NOTE_TITLE
+            + sum(
+                _NOTE_SPACE + _NOTE_LINE * math.ceil(len(p) * _NOTE_CHARACTER / (width - 20))
+                for p in content.split("\n\n")[1:]
+            )
+        )
+        / GRID
+    )
+    note = {
+        "id": mine,
+        "position": {
+            "x": GRID * round(box.left / GRID),
+            "y": GRID * round((box.top - height) / GRID) - 3 * GRID,
+        },
+        "content": content,
+        "width": width,
+        "height": height,
+    }
     return [{**note, **{k: kept[k] for k in ("position", "width", "height") if k in kept}}, *others]
 
 
@@ -251,14 +310,18 @@ def _markdown(docstring: str) -> str:
     if not paragraphs:
         return ""
     head, colon, rest = paragraphs[0].lstrip("# ").rstrip(".").partition(": ")
-    return "\n\n".join([f"# {head}", *([f"{rest[0].upper()}{rest[1:]}."] if colon else []),
-                        *paragraphs[1:]])
+    return "\n\n".join(
+        [f"# {head}", *([f"{rest[0].upper()}{rest[1:]}."] if colon else []), *paragraphs[1:]]
+    )
 
 
 def _paragraph(text: str) -> str:
     """A paragraph of reST as Markdown: formulas, literals, lists, no lines under titles."""
-    lines = [line.strip() for line in text.splitlines()
-             if not re.fullmatch(r"[=~\-^\"]{3,}", line.strip())]
+    lines = [
+        line.strip()
+        for line in text.splitlines()
+        if not re.fullmatch(r"[=~\-^\"]{3,}", line.strip())
+    ]
     out = lines[0] if lines else ""
     for line in lines[1:]:
         out += ("\n" if re.match(r"[-*] ", line) else " ") + line

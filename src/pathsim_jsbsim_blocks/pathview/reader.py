@@ -31,8 +31,20 @@ from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .values import Unwritable
 from .variables import plain, prefix_inside
 
-_TAKEN = {"np", "plt", "blocks", "connections", "events", "sim", "json", "gc", "sys", "traceback",
-          "base64", *dir(builtins)}
+_TAKEN = {
+    "np",
+    "plt",
+    "blocks",
+    "connections",
+    "events",
+    "sim",
+    "json",
+    "gc",
+    "sys",
+    "traceback",
+    "base64",
+    *dir(builtins),
+}
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
@@ -92,8 +104,11 @@ class _Reader:
     def diagram(self) -> Diagram:
         sim = self.script.simulation
         if sim.time:
-            self.refuse(f"the simulation is at t = {sim.time:g} when its first run begins; "
-                        "PathView starts at 0", self._run_node())
+            self.refuse(
+                f"the simulation is at t = {sim.time:g} when its first run begins; "
+                "PathView starts at 0",
+                self._run_node(),
+            )
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
         for part in self.parts.values():
             self._settle(part)
@@ -112,13 +127,24 @@ class _Reader:
         values = setting_values(self.script)
         values.update({k: context.expression(e, renamed) for k, e in settings.items()})
         return Diagram(
-            path=self.script.path, docstring=ast.get_docstring(self.script.tree) or "",
-            graph=graph, context="\n\n".join([*filter(None, [context.text(renamed, imports)]),
-                                              *functions]),
-            settings=values, toolboxes=self._toolboxes(), code_names=code_names,
-            parts={p.variable: (p.value, {**dict.fromkeys(p.known, False), **{
-                k: not isinstance(e, ast.Constant) for k, e in p.arguments.items()}})
-                for p in self.parts.values()})
+            path=self.script.path,
+            docstring=ast.get_docstring(self.script.tree) or "",
+            graph=graph,
+            context="\n\n".join([*filter(None, [context.text(renamed, imports)]), *functions]),
+            settings=values,
+            toolboxes=self._toolboxes(),
+            code_names=code_names,
+            parts={
+                p.variable: (
+                    p.value,
+                    {
+                        **dict.fromkeys(p.known, False),
+                        **{k: not isinstance(e, ast.Constant) for k, e in p.arguments.items()},
+                    },
+                )
+                for p in self.parts.values()
+            },
+        )
 
     def _run_node(self) -> ast.AST | None:
         return self.script.run_call
@@ -133,8 +159,13 @@ class _Reader:
 
     # structure ----------------------------------------------------------------------------------
 
-    def _graph(self, blocks: Sequence[Block], connections: Sequence[Connection],
-               events: Sequence[Any], parent: _Part | None) -> Graph:
+    def _graph(
+        self,
+        blocks: Sequence[Block],
+        connections: Sequence[Connection],
+        events: Sequence[Any],
+        parent: _Part | None,
+    ) -> Graph:
         index = {id(b): i for i, b in enumerate(blocks)}
         wires = [w for c in connections for w in self._wires(c, index)]
         nodes = [self._block(block, i, wires, parent) for i, block in enumerate(blocks)]
@@ -145,16 +176,23 @@ class _Reader:
         for target in connection.targets:
             for end in (source, target):
                 if id(end.block) not in index:
-                    self.refuse(f"{self._called(end.block)} is wired but not in the list of blocks",
-                                self._node(end.block))
+                    self.refuse(
+                        f"{self._called(end.block)} is wired but not in the list of blocks",
+                        self._node(end.block),
+                    )
             for out, into in zip(source.ports, target.ports, strict=True):
-                yield Wire(index[id(source.block)], port_number(source.block.outputs, out),
-                           index[id(target.block)], port_number(target.block.inputs, into))
+                yield Wire(
+                    index[id(source.block)],
+                    port_number(source.block.outputs, out),
+                    index[id(target.block)],
+                    port_number(target.block.inputs, into),
+                )
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: _Part | None) -> Node:
         kind = _built_in(type(block))
-        node = Node("", kind.__name__, line=getattr(self._node(block), "lineno", None),
-                    part=id(block))
+        node = Node(
+            "", kind.__name__, line=getattr(self._node(block), "lineno", None), part=id(block)
+        )
         n_in = max((w.input + 1 for w in wires if w.target == i), default=0)
         n_out = max((w.output + 1 for w in wires if w.source == i), default=0)
         part = self._add(_Part(node, block, kind, parent=parent))
@@ -190,19 +228,26 @@ class _Reader:
             toolbox = toolbox_of(kind)
             parameters = list(kind.info()["parameters"]) if toolbox else None
         if parameters is None:
-            where = ("" if kind.__module__.startswith("pathsim.") else
-                     "; its class must be exported by an installed package")
+            where = (
+                ""
+                if kind.__module__.startswith("pathsim.")
+                else "; its class must be exported by an installed package"
+            )
             self.refuse(unknown_block(name, self.registry) + where, self._node(block))
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:
-            self.refuse(f"two blocks of the same class name {name!r} from different packages; "
-                        "PathView knows blocks by class name only", self._node(block))
+            self.refuse(
+                f"two blocks of the same class name {name!r} from different packages; "
+                "PathView knows blocks by class name only",
+                self._node(block),
+            )
         return parameters
 
     def _event(self, event: Any, parent: _Part | None) -> Event:
         name = type(event).__name__
         entry = self.registry["events"].get(name)
-        part = self._add(_Part(Event("", f"pathsim.events.{name}", {}), event, type(event),
-                               parent=parent))
+        part = self._add(
+            _Part(Event("", f"pathsim.events.{name}", {}), event, type(event), parent=parent)
+        )
         if entry is None or not type(event).__module__.startswith("pathsim."):
             self.refuse(f"PathView does not know the event {name!r}", self._node(event))
         self._construction(part, entry["params"])
@@ -210,16 +255,16 @@ class _Reader:
 
     def _add(self, part: _Part) -> _Part:
         if id(part.value) in self.parts:
-            self.refuse(f"{self._called(part.value)} is in the diagram twice",
-                        self._node(part.value))
+            self.refuse(
+                f"{self._called(part.value)} is in the diagram twice", self._node(part.value)
+            )
         self.parts[id(part.value)] = part
         return part
 
     # source -------------------------------------------------------------------------------------
 
     def _node(self, value: Any) -> ast.AST | None:
-        made = (self.script.construction(value)
-                or self.script.construction(self.script.simulation))
+        made = self.script.construction(value) or self.script.construction(self.script.simulation)
         return made.node if made else None
 
     def _called(self, value: Any) -> str:
@@ -234,8 +279,11 @@ class _Reader:
         part.known = () if part.kind is Subsystem else known
         made = part.made = self.script.construction(part.value)
         parameters = _parameters(part.kind)
-        names = [n for n, p in parameters.items()
-                 if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)][1:]
+        names = [
+            n
+            for n, p in parameters.items()
+            if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+        ][1:]
         if made is not None and made.direct and part.kind is type(part.value):
             if isinstance(made.node, ast.FunctionDef):
                 part.function = made.node
@@ -246,8 +294,10 @@ class _Reader:
                 made = None
             for name in part.arguments:
                 if name not in known or name.startswith("_"):
-                    self.refuse(f"PathView cannot represent parameter {name!r} of "
-                                f"{part.kind.__name__}", self._node(part.value))
+                    self.refuse(
+                        f"PathView cannot represent parameter {name!r} of {part.kind.__name__}",
+                        self._node(part.value),
+                    )
         else:
             made = None
         if part.kind is Subsystem:  # its contents are read from the live subsystem
@@ -297,8 +347,7 @@ class _Reader:
         return DiagramError(reason, path=self.script.path, line=getattr(node, "lineno", None))
 
     def _live(self, part: _Part, name: str, error: DiagramError | None) -> ast.expr:
-        """The live value of a parameter as an expression; ``error`` is why the source is refused.
-        """
+        """The live value of a parameter as an expression; ``error``: why the source is refused."""
         what = f"parameter {name!r} of {self._called(part.value)}"
         node = part.arguments.get(name)
         given = part.made.given if part.made else {}
@@ -311,9 +360,11 @@ class _Reader:
             return self.context.live(value)
         except Unwritable as unwritable:
             reason = error.reason if error else "it differs from the value in the source"
-            raise DiagramError(f"{what}: {reason}, and {unwritable}", path=self.script.path,
-                               line=error.line if error else getattr(where, "lineno", None)
-                               ) from unwritable
+            raise DiagramError(
+                f"{what}: {reason}, and {unwritable}",
+                path=self.script.path,
+                line=error.line if error else getattr(where, "lineno", None),
+            ) from unwritable
 
     # names --------------------------------------------------------------------------------------
 
@@ -345,21 +396,29 @@ class _Reader:
             elif id(value) in self.parts:
                 renamed[name] = self.parts[id(value)].variable
             else:
-                self.refuse(f"a function refers to {self._called(value)}, which is not in the "
-                            "simulation", self._node(value))
+                self.refuse(
+                    f"a function refers to {self._called(value)}, which is not in the simulation",
+                    self._node(value),
+                )
         return renamed
 
     def _locals(self, context: Context) -> set[str]:
         """Variables of the functions that refer to parts; they would shadow a part of that name."""
         names: set[str] = set()
-        nodes = [*context.nodes(), *(e for p in self.parts.values() for e in p.arguments.values()),
-                 *(p.function for p in self.parts.values() if p.function)]
+        nodes = [
+            *context.nodes(),
+            *(e for p in self.parts.values() for e in p.arguments.values()),
+            *(p.function for p in self.parts.values() if p.function),
+        ]
         parts = context.parts | context.values.parts.keys()
         for node in (n for top in nodes for n in ast.walk(top)):
             if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts:
                 names |= {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)}
-                names |= {n.id for n in ast.walk(node)
-                          if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+                names |= {
+                    n.id
+                    for n in ast.walk(node)
+                    if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+                }
         return names
 
     def _told(self, part: _Part) -> str:
@@ -370,8 +429,11 @@ class _Reader:
                     if item is part.value and isinstance(key, str):
                         return key
         made = part.made
-        return made.target if made and not isinstance(self.script.namespace.get(made.target),
-                                                      (list, tuple, dict)) else ""
+        return (
+            made.target
+            if made and not isinstance(self.script.namespace.get(made.target), (list, tuple, dict))
+            else ""
+        )
 
     def _write_parameters(self, context: Context, renamed: dict[str, str]) -> list[str]:
         functions = []
@@ -383,8 +445,9 @@ class _Reader:
                 functions.append(context.function(part.function, name, renamed))
                 part.target.params = dict.fromkeys(part.arguments, name)
             else:
-                part.target.params = {k: context.expression(e, renamed)
-                                      for k, e in part.arguments.items()}
+                part.target.params = {
+                    k: context.expression(e, renamed) for k, e in part.arguments.items()
+                }
         return functions
 
     def _event_imports(self, graph: Graph) -> list[str]:
@@ -404,16 +467,39 @@ class _Reader:
                 wins.update(dict.fromkeys(toolbox.blocks().keys() & owners.keys(), toolbox))
             if wins == owners:
                 return list(order)
-        self.refuse("blocks of the same class name in "
-                    f"{' and '.join(t.package for t in toolboxes)} hide each other; "
-                    "PathView knows blocks by class name only")
+        self.refuse(
+            "blocks of the same class name in "
+            f"{' and '.join(t.package for t in toolboxes)} hide each other; "
+            "PathView knows blocks by class name only"
+        )
 
 
 # Blocks of which PathView keeps as many outputs as inputs
 _SYNCHRONOUS = {
-    "Integrator", "Differentiator", "Delay", "Amplifier", "Sin", "Cos", "Tan", "Tanh", "Abs",
-    "Sqrt", "Exp", "Log", "Log10", "Mod", "Clip", "Pow", "Polynomial", "Rescale", "Alias",
-    "LogicNot", "SampleHold", "FirstOrderHold", "DiscreteIntegrator", "DiscreteDerivative",
+    "Integrator",
+    "Differentiator",
+    "Delay",
+    "Amplifier",
+    "Sin",
+    "Cos",
+    "Tan",
+    "Tanh",
+    "Abs",
+    "Sqrt",
+    "Exp",
+    "Log",
+    "Log10",
+    "Mod",
+    "Clip",
+    "Pow",
+    "Polynomial",
+    "Rescale",
+    "Alias",
+    "LogicNot",
+    "SampleHold",
+    "FirstOrderHold",
+    "DiscreteIntegrator",
+    "DiscreteDerivative",
 }
 
 
@@ -428,8 +514,10 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     else:
         n = max(len(register), wired)
     # PathView shows eight characters, so keep the last part of a path
-    names = {i: name.rpartition("/")[2] or name
-             for name, i in (port_names(register) or labels or {}).items()}
+    names = {
+        i: name.rpartition("/")[2] or name
+        for name, i in (port_names(register) or labels or {}).items()
+    }
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
         if kind.__name__ in ("Scope", "Spectrum", "Adder", "Divider"):
@@ -444,8 +532,13 @@ def _built_in(kind: type[Block]) -> type[Block]:
     while not kind.__module__.startswith("pathsim.") and len(kind.__bases__) == 1:
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
-        if (not issubclass(base, Block) or base is Block or any(hasattr(base, n) for n in own)
-                or own & _parameters(base).keys() or toolbox_of(kind)):
+        if (
+            not issubclass(base, Block)
+            or base is Block
+            or any(hasattr(base, n) for n in own)
+            or own & _parameters(base).keys()
+            or toolbox_of(kind)
+        ):
             break
         kind = base
     return kind
@@ -459,8 +552,11 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
 
 def _plain_call(call: ast.Call, names: Sequence[str]) -> bool:
     """Whether each argument corresponds to one parameter."""
-    return not (any(isinstance(a, ast.Starred) for a in call.args)
-                or any(k.arg is None for k in call.keywords) or len(call.args) > len(names))
+    return not (
+        any(isinstance(a, ast.Starred) for a in call.args)
+        or any(k.arg is None for k in call.keywords)
+        or len(call.args) > len(names)
+    )
 
 
 def _is_default(value: Any, default: Any) -> bool:
@@ -480,8 +576,7 @@ def _prefix(parent: _Part | None) -> str:
 
 
 def _is_free(variable: str, other: Collection[str]) -> bool:
-    return not (keyword.iskeyword(variable) or variable in other
-                or _GENERATED.fullmatch(variable))
+    return not (keyword.iskeyword(variable) or variable in other or _GENERATED.fullmatch(variable))
 
 
 def _display_names(variable: str, kind: str, other: Collection[str]) -> Iterator[str]:

@@ -77,23 +77,38 @@ class Functions:
         code = function.__code__
         if code.co_filename != self.filename:
             return None
-        found = [n for n in self._nodes if _first_line(n) == code.co_firstlineno
-                 and getattr(n, "name", "<lambda>") == code.co_name
-                 and _argument_names(n) == code.co_varnames[:_count(code)]]
+        found = [
+            n
+            for n in self._nodes
+            if _first_line(n) == code.co_firstlineno
+            and getattr(n, "name", "<lambda>") == code.co_name
+            and _argument_names(n) == code.co_varnames[: _count(code)]
+        ]
         if len(found) > 1 and hasattr(code, "co_positions"):
             places = [p for p in code.co_positions() if None not in p and p[3] > p[2]]
-            found = [n for n in found if all(
-                (_body(n)[0].lineno, _body(n)[0].col_offset) <= (first, column)
-                and (last, end) <= (_body(n)[-1].end_lineno, _body(n)[-1].end_col_offset)
-                for first, last, column, end in places)]
+            found = [
+                n
+                for n in found
+                if all(
+                    (_body(n)[0].lineno, _body(n)[0].col_offset) <= (first, column)
+                    and (last, end) <= (_body(n)[-1].end_lineno, _body(n)[-1].end_col_offset)
+                    for first, last, column, end in places
+                )
+            ]
         if len({ast.dump(n) for n in found}) != 1:
             return None
         return found[0]
 
     def attributes(self, nodes: Iterable[ast.AST]) -> set[str]:
         """Names of attributes that functions read, and the methods that they may call."""
-        todo = [*nodes, *(n for n in self._nodes if getattr(n, "name", "").startswith("__")
-                          and n.name != "__init__")]
+        todo = [
+            *nodes,
+            *(
+                n
+                for n in self._nodes
+                if getattr(n, "name", "").startswith("__") and n.name != "__init__"
+            ),
+        ]
         read: set[str] = set()
         while todo:
             new = {n.attr for n in ast.walk(todo.pop()) if isinstance(n, ast.Attribute)} - read
@@ -117,8 +132,12 @@ def _argument_names(node: Any) -> tuple[str, ...]:
 
 
 def _count(code: types.CodeType) -> int:
-    return (code.co_argcount + code.co_kwonlyargcount + bool(code.co_flags & 4)
-            + bool(code.co_flags & 8))
+    return (
+        code.co_argcount
+        + code.co_kwonlyargcount
+        + bool(code.co_flags & 4)
+        + bool(code.co_flags & 8)
+    )
 
 
 def outer_value(function: types.FunctionType, name: str) -> Any:
@@ -126,7 +145,8 @@ def outer_value(function: types.FunctionType, name: str) -> Any:
     if name in function.__code__.co_freevars:
         try:
             return function.__closure__[  # type: ignore[index]
-                function.__code__.co_freevars.index(name)].cell_contents
+                function.__code__.co_freevars.index(name)
+            ].cell_contents
         except ValueError:  # still empty
             return ...
     return function.__globals__.get(name, getattr(builtins, name, ...))
@@ -152,8 +172,15 @@ class Comparison:
         parts with values that cannot be compared
     """
 
-    def __init__(self, here: Simulation, there: Simulation, parts: Mapping[str, Any],
-                 parts_there: Mapping[str, Any], functions: Functions, functions_there: Functions):
+    def __init__(
+        self,
+        here: Simulation,
+        there: Simulation,
+        parts: Mapping[str, Any],
+        parts_there: Mapping[str, Any],
+        functions: Functions,
+        functions_there: Functions,
+    ):
         self.differences: list[Difference] = []
         self.opaque: list[Any] = []
         self._functions = functions, functions_there
@@ -169,8 +196,16 @@ class Comparison:
             self._at = (part, (), "")
             self._part(part, parts_there[name])
         self._at = (here, (), "")
-        for name in ("dt", "dt_min", "dt_max", "Solver", "tolerance_fpi", "iterations_max",
-                     "time", "_active"):
+        for name in (
+            "dt",
+            "dt_min",
+            "dt_max",
+            "Solver",
+            "tolerance_fpi",
+            "iterations_max",
+            "time",
+            "_active",
+        ):
             self._inside(f".{name}", getattr(here, name), getattr(there, name))
         if here.engine.is_adaptive != there.engine.is_adaptive:
             self._differ(here.engine, there.engine)
@@ -200,13 +235,30 @@ class Comparison:
             return
         if isinstance(here, Subsystem):
             self._structure(here, there)
-        self._attributes(here, there, {"blocks", "connections", "_events", "interface", "graph",
-                                       "_blocks_dyn", "_blocks_evt", "boosters", "_solver_args",
-                                       "_solver_parent", *_LABELS}
-                         if isinstance(here, Subsystem) else _LABELS, extra)
+        self._attributes(
+            here,
+            there,
+            {
+                "blocks",
+                "connections",
+                "_events",
+                "interface",
+                "graph",
+                "_blocks_dyn",
+                "_blocks_evt",
+                "boosters",
+                "_solver_args",
+                "_solver_parent",
+                *_LABELS,
+            }
+            if isinstance(here, Subsystem)
+            else _LABELS,
+            extra,
+        )
 
-    def _attributes(self, here: Any, there: Any, skip: Collection[str],
-                    extra: bool = False) -> None:
+    def _attributes(
+        self, here: Any, there: Any, skip: Collection[str], extra: bool = False
+    ) -> None:
         mine, theirs = _state(here), _state(there)
         for name in mine.keys() | theirs.keys():
             if name in skip or (extra and name not in theirs):
@@ -254,10 +306,16 @@ class Comparison:
             ((int, float, complex, np.number), self._number),
             ((str, bytes, range, enum.Enum), self._equal),
             (np.ndarray, self._array),
-            (np.random.Generator, lambda a, b: self._inside(
-                ".state", a.bit_generator.state, b.bit_generator.state)),
-            (np.random.RandomState, lambda a, b: self._inside(
-                ".state", a.get_state(legacy=False), b.get_state(legacy=False))),
+            (
+                np.random.Generator,
+                lambda a, b: self._inside(".state", a.bit_generator.state, b.bit_generator.state),
+            ),
+            (
+                np.random.RandomState,
+                lambda a, b: self._inside(
+                    ".state", a.get_state(legacy=False), b.get_state(legacy=False)
+                ),
+            ),
             (Register, self._register),
             (Mapping, self._mapping),
             ((list, tuple, deque), self._sequence),
@@ -265,8 +323,12 @@ class Comparison:
             (types.FunctionType, self._function),
             (types.MethodType, self._method),
             (types.BuiltinMethodType, self._builtin),
-            (functools.partial, lambda a, b: self._sequence(
-                [a.func, a.args, a.keywords], [b.func, b.args, b.keywords])),
+            (
+                functools.partial,
+                lambda a, b: self._sequence(
+                    [a.func, a.args, a.keywords], [b.func, b.args, b.keywords]
+                ),
+            ),
             (weakref.ref, lambda a, b: self._compare(a(), b())),
             (type, lambda a, b: None if self._same_class(a, b) else self._differ(a, b)),
         )
@@ -278,7 +340,8 @@ class Comparison:
     def _number(self, here: Any, there: Any) -> None:
         # 2 and 2.0 differ in overflow and division
         if isinstance(here, (int, np.integer)) != isinstance(there, (int, np.integer)) or not (
-                here == there or (here != here and there != there)):
+            here == there or (here != here and there != there)
+        ):
             self._differ(here, there)
 
     def _array(self, here: np.ndarray, there: np.ndarray) -> None:
@@ -315,8 +378,7 @@ class Comparison:
             for name in here.__code__.co_freevars:
                 self._inside(f".{name}", outer_value(here, name), outer_value(there, name))
             return
-        node, node_there = (f.node(g) for f, g in
-                            zip(self._functions, (here, there), strict=True))
+        node, node_there = (f.node(g) for f, g in zip(self._functions, (here, there), strict=True))
         if node is None or node_there is None:
             self._differ(here, there)
             return
@@ -358,8 +420,10 @@ class Comparison:
 
     def _same_class(self, here: type, there: type) -> bool:
         """Same class, or the model's version of a class of the script."""
-        return here is there or (here.__qualname__ == there.__qualname__
-                                 and there.__module__ in ("builtins", "__main__", "rebuilt"))
+        return here is there or (
+            here.__qualname__ == there.__qualname__
+            and there.__module__ in ("builtins", "__main__", "rebuilt")
+        )
 
 
 def _blocks(system: Any) -> list[Block]:
@@ -373,10 +437,18 @@ def _events(system: Any) -> list[Any]:
 
 def _wires(system: Any, names: Mapping[int, str]) -> set[tuple[str | None, int, str | None, int]]:
     """The wires of a system that are in use."""
-    return {(names.get(id(c.source.block)), port_number(c.source.block.outputs, out),
-             names.get(id(target.block)), port_number(target.block.inputs, into))
-            for c in system.connections if c for target in c.targets
-            for out, into in zip(c.source.ports, target.ports, strict=True)}
+    return {
+        (
+            names.get(id(c.source.block)),
+            port_number(c.source.block.outputs, out),
+            names.get(id(target.block)),
+            port_number(target.block.inputs, into),
+        )
+        for c in system.connections
+        if c
+        for target in c.targets
+        for out, into in zip(c.source.ports, target.ports, strict=True)
+    }
 
 
 def _state(value: Any) -> dict[str, Any]:

@@ -33,8 +33,17 @@ _FLY = "fly"
 _STEPS = ("timestep", "step")
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
 # methods that build or only inspect the diagram
-HARMLESS = {"add_block", "add_connection", "add_event", "register_port_map", "plot", "plot2D",
-            "plot3D", "read", "save"}
+HARMLESS = {
+    "add_block",
+    "add_connection",
+    "add_event",
+    "register_port_map",
+    "plot",
+    "plot2D",
+    "plot3D",
+    "read",
+    "save",
+}
 
 
 @dataclass
@@ -128,8 +137,9 @@ class Script:
         self.run: Run | None = None
         self._built: dict[int, Construction] = {}
         self._running: Simulation | None = None
-        self._parents = {child: node for node in ast.walk(self.tree)
-                         for child in ast.iter_child_nodes(node)}
+        self._parents = {
+            child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
+        }
         self._at_run = at_run or (lambda script: None)
         self._error: Exception | None = None
         self.result: Any = None
@@ -167,8 +177,9 @@ class Script:
             return
         for function in ast.walk(self.tree):
             if isinstance(function, ast.FunctionDef) and function.name == call.func.id:
-                local = bound(function.body) | {a.arg for a in ast.walk(function.args)
-                                                if isinstance(a, ast.arg)}
+                local = bound(function.body) | {
+                    a.arg for a in ast.walk(function.args) if isinstance(a, ast.arg)
+                }
                 for inner in function.body:
                     yield from ((n, place) for n, place in changes(inner) if n not in local)
                 for node in ast.walk(function):
@@ -195,16 +206,21 @@ class Script:
         except SystemExit as error:
             if error.code not in (None, 0):
                 lines = self._lines(error)
-                hint = ("; PathView passes no arguments to a script" if error.code == 2 else "")
+                hint = "; PathView passes no arguments to a script" if error.code == 2 else ""
                 raise DiagramError(
-                    f"the script fails: SystemExit: {error}{hint}", path=self.path,
-                    line=lines[-1] if lines else None) from error
+                    f"the script fails: SystemExit: {error}{hint}",
+                    path=self.path,
+                    line=lines[-1] if lines else None,
+                ) from error
             if self.run is None:
                 self._stand()
         except Exception as error:
             lines = self._lines(error)
-            raise DiagramError(f"the script fails: {type(error).__name__}: {error}", path=self.path,
-                               line=lines[-1] if lines else None) from error
+            raise DiagramError(
+                f"the script fails: {type(error).__name__}: {error}",
+                path=self.path,
+                line=lines[-1] if lines else None,
+            ) from error
 
     @contextmanager
     def _runs_held_back(self) -> Iterator[None]:
@@ -268,8 +284,12 @@ class Script:
                 if not any(isinstance(n, _ACTIVE) for n in ast.walk(part)):
                     try:
                         made.given[id(part)] = eval(
-                            compile(ast.Expression(part), str(self.path), "eval",
-                                    dont_inherit=True), frame.f_globals, frame.f_locals)
+                            compile(
+                                ast.Expression(part), str(self.path), "eval", dont_inherit=True
+                            ),
+                            frame.f_globals,
+                            frame.f_locals,
+                        )
                     except Exception:  # a name of a comprehension around it
                         continue
             made.direct = made.given.get(id(node.func)) is type(value)
@@ -282,8 +302,9 @@ class Script:
         for around in self.around(node):
             if isinstance(around, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
                 body = around.body if isinstance(around.body, list) else [around.body]
-                names |= bound(body) | {a.arg for a in ast.walk(around.args)
-                                        if isinstance(a, ast.arg)}
+                names |= bound(body) | {
+                    a.arg for a in ast.walk(around.args) if isinstance(a, ast.arg)
+                }
         return names
 
     def around(self, node: ast.AST) -> Iterator[ast.AST]:
@@ -340,8 +361,10 @@ class Script:
             return self._running
         found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
         if not found:
-            self.refuse("the script runs no Simulation, and has none at its top level; run it, or "
-                        "build it outside functions")
+            self.refuse(
+                "the script runs no Simulation, and has none at its top level; run it, or "
+                "build it outside functions"
+            )
         if len(found) == 1:
             return next(iter(found.values()))
         if isinstance(self.namespace.get("sim"), Simulation):
@@ -350,15 +373,33 @@ class Script:
 
     def _find_run(self) -> ast.Call | None:
         """The call of the first run; without one, the first that is written."""
-        calls = sorted((n for n in ast.walk(self.tree) if isinstance(n, ast.Call)
-                        and _called(n) in (*_RUNS, *_STEPS, _FLY)), key=lambda c: c.lineno)
+        calls = sorted(
+            (
+                n
+                for n in ast.walk(self.tree)
+                if isinstance(n, ast.Call) and _called(n) in (*_RUNS, *_STEPS, _FLY)
+            ),
+            key=lambda c: c.lineno,
+        )
         if self.run is None:
-            return next((n for n in calls if self._evaluated(
-                n.args[0] if _called(n) == _FLY and n.args else getattr(n.func, "value", n.func)
-            ) is self.simulation), None)
+            return next(
+                (
+                    n
+                    for n in calls
+                    if self._evaluated(
+                        n.args[0]
+                        if _called(n) == _FLY and n.args
+                        else getattr(n.func, "value", n.func)
+                    )
+                    is self.simulation
+                ),
+                None,
+            )
         line, method = self.run.lines[-1], self.run.method
-        return next((n for n in calls if n.lineno <= line <= (n.end_lineno or 0)
-                     and _called(n) == method), None)
+        return next(
+            (n for n in calls if n.lineno <= line <= (n.end_lineno or 0) and _called(n) == method),
+            None,
+        )
 
     def run_arguments(self) -> dict[str, ast.expr]:
         """The expressions given to the call that runs the simulation for a duration."""
@@ -391,51 +432,79 @@ class Script:
                 continue
             if isinstance(node, ast.Call) and node is not call:
                 name = _called(node)
-                owner = (self._evaluated(node.func.value)
-                         if isinstance(node.func, ast.Attribute) else None)
+                owner = (
+                    self._evaluated(node.func.value)
+                    if isinstance(node.func, ast.Attribute)
+                    else None
+                )
                 made = self.construction(self.simulation)
-                if (name == _FLY or (name in (*_RUNS, *_STATES)
-                        and isinstance(node.func, ast.Attribute)
-                        and (owner is None or isinstance(owner, Simulation))
-                        and (node.lineno, name) not in {(n, s) for s, n in self.states})):
+                if name == _FLY or (
+                    name in (*_RUNS, *_STATES)
+                    and isinstance(node.func, ast.Attribute)
+                    and (owner is None or isinstance(owner, Simulation))
+                    and (node.lineno, name) not in {(n, s) for s, n in self.states}
+                ):
                     found.setdefault(node.lineno, f"{ast.unparse(node.func)}()")
-                elif (isinstance(self._evaluated(node.func), type)
-                      and issubclass(self._evaluated(node.func), Simulation)
-                      and (made is None or made.node is not node)):
+                elif (
+                    isinstance(self._evaluated(node.func), type)
+                    and issubclass(self._evaluated(node.func), Simulation)
+                    and (made is None or made.node is not node)
+                ):
                     found.setdefault(node.lineno, "another simulation")
-            elif isinstance(node, ast.stmt) and node.lineno > self.run.lines[0] and not any(
-                    isinstance(a, (ast.FunctionDef, ast.Lambda)) for a in self.around(node)):
+            elif (
+                isinstance(node, ast.stmt)
+                and node.lineno > self.run.lines[0]
+                and not any(isinstance(a, (ast.FunctionDef, ast.Lambda)) for a in self.around(node))
+            ):
                 if isinstance(node, ast.FunctionDef):
                     continue
                 for name, place in self.changes(node):
                     if ast.unparse(place).startswith((f"{name}.ax.", f"{name}.fig.")):
                         continue  # of a figure
                     if isinstance(self.namespace.get(name), parts) and not (
-                            isinstance(place, ast.Attribute) and isinstance(place.ctx, ast.Load)
-                            and place.attr in {*HARMLESS, *_RUNS, *_STATES} - {
-                                "add_block", "add_connection", "add_event"}):
-                        found.setdefault(getattr(place, "lineno", node.lineno),
-                                         f"{name!r} is changed")
+                        isinstance(place, ast.Attribute)
+                        and isinstance(place.ctx, ast.Load)
+                        and place.attr
+                        in {*HARMLESS, *_RUNS, *_STATES}
+                        - {"add_block", "add_connection", "add_event"}
+                    ):
+                        found.setdefault(
+                            getattr(place, "lineno", node.lineno), f"{name!r} is changed"
+                        )
         if self.run.method in (*_RUNS, _FLY):
             for node in ast.walk(self.tree):
                 if isinstance(node, (ast.For, ast.While)) and any(
-                        n.lineno <= line <= (n.end_lineno or 0)
-                        for n in node.body for line in self.run.lines):
+                    n.lineno <= line <= (n.end_lineno or 0)
+                    for n in node.body
+                    for line in self.run.lines
+                ):
                     found.setdefault(node.lineno, "the loop runs the simulation again")
         if self.run.method in _STEPS:
             found[self.run.lines[-1]] = f"how long {self.run.method}() goes on"
         return sorted(found.items())
 
 
-_ACTIVE = (ast.Call, ast.Await, ast.Yield, ast.YieldFrom, ast.NamedExpr, ast.Lambda,
-           ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+_ACTIVE = (
+    ast.Call,
+    ast.Await,
+    ast.Yield,
+    ast.YieldFrom,
+    ast.NamedExpr,
+    ast.Lambda,
+    ast.ListComp,
+    ast.SetComp,
+    ast.DictComp,
+    ast.GeneratorExp,
+)
 
 
 def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
     """Arguments of a call by parameter name, up to the first *args, without **kwargs."""
     positional = itertools.takewhile(lambda a: not isinstance(a, ast.Starred), call.args)
-    return {**dict(zip(names, positional, strict=False)),
-            **{k.arg: k.value for k in call.keywords if k.arg}}
+    return {
+        **dict(zip(names, positional, strict=False)),
+        **{k.arg: k.value for k in call.keywords if k.arg},
+    }
 
 
 def _called(call: ast.Call) -> str:
@@ -445,7 +514,8 @@ def _called(call: ast.Call) -> str:
 
 def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
     return isinstance(statement, ast.If) and any(
-        isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test))
+        isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test)
+    )
 
 
 class _RunReached(BaseException):

@@ -78,8 +78,12 @@ class Server:
     def __enter__(self) -> Server:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.close()
 
     def _served(self, path: str) -> bool:
@@ -99,8 +103,11 @@ class Server:
 
         static = Path(pathview.__file__).parent / "static"
         # compared by name: file systems may ignore case and final dots, and limit lengths
-        self._files = {file.relative_to(static).as_posix(): file
-                       for file in static.rglob("*") if file.is_file()}
+        self._files = {
+            file.relative_to(static).as_posix(): file
+            for file in static.rglob("*")
+            if file.is_file()
+        }
         scripts = page.local_scripts(static)
         app = create_app(serve_static=True)
 
@@ -129,8 +136,9 @@ class Server:
 
         def editor(html: Path) -> Any:
             name = unquote(request.args.get("model", "").removeprefix("/model/"))
-            required = (required_toolboxes(self._models[name], Path(name))
-                        if name in self._models else [])
+            required = (
+                required_toolboxes(self._models[name], Path(name)) if name in self._models else []
+            )
             text, nonce = page.rendered(html.read_text(encoding="utf-8"), required)
             response = make_response(text)
             response.headers["Content-Security-Policy"] = page.policy(nonce)
@@ -149,8 +157,10 @@ class Server:
         def model(name: str) -> tuple[str, dict[str, str]]:
             if name not in self._models:
                 abort(404)
-            return pvm.text(self._models[name]), {"Content-Type": "application/json",
-                                                  "Cache-Control": "no-store"}
+            return pvm.text(self._models[name]), {
+                "Content-Type": "application/json",
+                "Cache-Control": "no-store",
+            }
 
         @app.get("/katex/<path:name>")
         def katex(name: str) -> Any:
@@ -165,13 +175,14 @@ def _bound(app: Any, port: int | None) -> Any:
     # silences its warnings about a full queue and about requests dropped at shutdown
     logging.getLogger("waitress").setLevel(logging.ERROR)
     if port is not None and whole("port", port, low=0) > 65535:
-        raise ParameterError(f"port must be at most 65535, not {port}", parameter="port",
-                             value=port)
+        raise ParameterError(
+            f"port must be at most 65535, not {port}", parameter="port", value=port
+        )
     try:
-        return create_server(app, map={}, host=HOST, threads=8,
-                             port=PORT if port is None else port)
+        return create_server(app, map={}, host=HOST, threads=8, port=PORT if port is None else port)
     except OSError as error:
         if port is None:
             return _bound(app, 0)
-        raise ParameterError(f"port {port} cannot be used ({error.strerror})", parameter="port",
-                             value=port) from error
+        raise ParameterError(
+            f"port {port} cannot be used ({error.strerror})", parameter="port", value=port
+        ) from error

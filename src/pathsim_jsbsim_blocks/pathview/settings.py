@@ -10,8 +10,14 @@ from pathsim import Simulation
 
 from .script import Script, named_arguments
 
-_SETTINGS = {"dt": "dt", "dt_min": "dt_min", "dt_max": "dt_max", "tolerance_lte_rel": "rtol",
-             "tolerance_lte_abs": "atol", "tolerance_fpi": "ftol"}
+_SETTINGS = {
+    "dt": "dt",
+    "dt_min": "dt_min",
+    "dt_max": "dt_max",
+    "tolerance_lte_rel": "rtol",
+    "tolerance_lte_abs": "atol",
+    "tolerance_fpi": "ftol",
+}
 
 
 def setting_expressions(script: Script) -> dict[str, ast.expr]:
@@ -20,17 +26,25 @@ def setting_expressions(script: Script) -> dict[str, ast.expr]:
     made = script.construction(script.simulation)
     if made and made.direct and isinstance(made.node, ast.Call):
         given = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
-        found = {ours: given[theirs] for theirs, ours in _SETTINGS.items()
-                 if theirs in given and not _is(given[theirs], None)}
+        found = {
+            ours: given[theirs]
+            for theirs, ours in _SETTINGS.items()
+            if theirs in given and not _is(given[theirs], None)
+        }
     given = script.run_arguments()
     if "duration" in given:
         found["duration"] = given["duration"]
     elif script.run_call is None and script.run is None and "DURATION" in script.namespace:
         found["duration"] = ast.Name("DURATION", ast.Load())
-    if script.run and script.simulation.engine.is_adaptive and (
-            script.run.arguments.get("adaptive") is False):
-        script.refuse("run(adaptive=False) with an adaptive solver; PathView always adapts the "
-                      "step", script.run_call)
+    if (
+        script.run
+        and script.simulation.engine.is_adaptive
+        and (script.run.arguments.get("adaptive") is False)
+    ):
+        script.refuse(
+            "run(adaptive=False) with an adaptive solver; PathView always adapts the step",
+            script.run_call,
+        )
     return found
 
 
@@ -48,13 +62,16 @@ def setting_values(script: Script) -> dict[str, str]:
     if getattr(pathsim.solvers, name, None) is not solver:
         script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
     defaults = solver()
-    duration = (script.run.arguments.get("duration") if script.run
-                else script.namespace.get("DURATION"))
+    duration = (
+        script.run.arguments.get("duration") if script.run else script.namespace.get("DURATION")
+    )
     if duration is None:
         duration = inspect.signature(sim.run).parameters["duration"].default
     live = {
         "duration": duration,
-        "dt": sim.dt, "dt_min": sim.dt_min, "dt_max": sim.dt_max,
+        "dt": sim.dt,
+        "dt_min": sim.dt_min,
+        "dt_max": sim.dt_max,
         "rtol": sim.solver_kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
         "atol": sim.solver_kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
         "ftol": sim.tolerance_fpi,

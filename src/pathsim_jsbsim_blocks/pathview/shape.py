@@ -14,19 +14,47 @@ Json = dict[str, Any]
 _POSITION = {"x": float, "y": float}
 _PORTS = [{"name?": str}]
 _EVENTS = [{"type": str, "name": str, "params?": dict, "position?": _POSITION}]
-_CONNECTIONS = [{"id": str, "label?": str, "sourceNodeId": str, "sourcePortIndex": int,
-                 "targetNodeId": str, "targetPortIndex": int}]
+_CONNECTIONS = [
+    {
+        "id": str,
+        "label?": str,
+        "sourceNodeId": str,
+        "sourcePortIndex": int,
+        "targetNodeId": str,
+        "targetPortIndex": int,
+    }
+]
 _NODE: dict[str, Any] = {
-    "id": str, "type": str, "name": str, "position?": _POSITION, "params?": dict,
-    "inputs": _PORTS, "outputs": _PORTS}
-_GRAPH = {"nodes?": [_NODE], "connections?": _CONNECTIONS, "events?": _EVENTS,
-          "annotations?": [{"id?": str, "position?": _POSITION}]}
+    "id": str,
+    "type": str,
+    "name": str,
+    "position?": _POSITION,
+    "params?": dict,
+    "inputs": _PORTS,
+    "outputs": _PORTS,
+}
+_GRAPH = {
+    "nodes?": [_NODE],
+    "connections?": _CONNECTIONS,
+    "events?": _EVENTS,
+    "annotations?": [{"id?": str, "position?": _POSITION}],
+}
 _NODE["graph?"] = _GRAPH
-_MODEL = {"graph": _GRAPH, "events?": _EVENTS, "codeContext?": {"code?": str},
-          "simulationSettings?": {"solver?": str}, "requiredToolboxes?": [dict]}
+_MODEL = {
+    "graph": _GRAPH,
+    "events?": _EVENTS,
+    "codeContext?": {"code?": str},
+    "simulationSettings?": {"solver?": str},
+    "requiredToolboxes?": [dict],
+}
 
-_KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list",
-          dict: "an object"}
+_KINDS = {
+    str: "text",
+    int: "a whole number",
+    float: "a coordinate",
+    list: "a list",
+    dict: "an object",
+}
 _FAR = 1e9  # px
 _DEEP = 100  # levels of lists and objects: 30 nested subsystems
 
@@ -48,8 +76,9 @@ def _check_depth(content: Any, path: Path) -> None:
     todo: list[tuple[Any, tuple[str, ...]]] = [(content, ())]
     for value, place in todo:
         if len(place) > _DEEP:
-            _refuse(f"{''.join(place).lstrip('.')[:60]}... is nested deeper than {_DEEP} levels",
-                    path)
+            _refuse(
+                f"{''.join(place).lstrip('.')[:60]}... is nested deeper than {_DEEP} levels", path
+            )
         if isinstance(value, dict):
             todo += [(v, (*place, f".{k}")) for k, v in value.items()]
         elif isinstance(value, list):

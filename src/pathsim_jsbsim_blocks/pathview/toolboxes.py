@@ -42,9 +42,13 @@ class Toolbox:
         package, _, import_path = text.partition(":")
         toolbox = cls(package, import_path or package.replace("-", "_"))
         if not _PYPI_NAME.fullmatch(package) or not all(
-                map(str.isidentifier, toolbox.import_path.split("."))):
-            raise ParameterError(f"a toolbox is PACKAGE or PACKAGE:IMPORT.PATH, not {text!r}",
-                                 parameter="toolbox", value=text)
+            map(str.isidentifier, toolbox.import_path.split("."))
+        ):
+            raise ParameterError(
+                f"a toolbox is PACKAGE or PACKAGE:IMPORT.PATH, not {text!r}",
+                parameter="toolbox",
+                value=text,
+            )
         return toolbox
 
     @property
@@ -74,17 +78,25 @@ class Toolbox:
             module = importlib.import_module(self.import_path)
         except ImportError as error:
             raise ParameterError(
-                f"toolbox {self.package!r} is not installed ({error}); "
-                f"pip install {self.package}", parameter="toolbox", value=self.package) from error
+                f"toolbox {self.package!r} is not installed ({error}); pip install {self.package}",
+                parameter="toolbox",
+                value=self.package,
+            ) from error
         except (Exception, SystemExit) as error:
             raise ParameterError(
                 f"toolbox {self.package!r} cannot be imported: {type(error).__name__}: {error}",
-                parameter="toolbox", value=self.package) from error
+                parameter="toolbox",
+                value=self.package,
+            ) from error
         found = {}
         for name in dir(module):
             value = getattr(module, name)
-            if (not name.startswith("_") and isinstance(value, type) and issubclass(value, Block)
-                    and f"{value.__module__}.".startswith(f"{module.__name__}.")):
+            if (
+                not name.startswith("_")
+                and isinstance(value, type)
+                and issubclass(value, Block)
+                and f"{value.__module__}.".startswith(f"{module.__name__}.")
+            ):
                 found[value.__name__] = value
         return found
 
@@ -93,16 +105,25 @@ class Toolbox:
 
         The installed version is left out, so that the same script always gives the same file.
         """
-        return {"id": self.id, "displayName": self.package,
-                "source": {"type": "pypi", "pkg": self.package}, "importPath": self.import_path}
+        return {
+            "id": self.id,
+            "displayName": self.package,
+            "source": {"type": "pypi", "pkg": self.package},
+            "importPath": self.import_path,
+        }
 
 
 OURS = Toolbox("pathsim-jsbsim-blocks", "pathsim_jsbsim_blocks")
 FLIGHT = Toolbox("pathsim-flight", "pathsim_flight")
 
 # the toolboxes of PathSim's own project, as PathView's catalogue lists them
-_KNOWN = [OURS, *(Toolbox.parse(f"pathsim-{name}") for name in (
-    "batt", "chem", "flight", "fmi", "rf", "vehicle"))]
+_KNOWN = [
+    OURS,
+    *(
+        Toolbox.parse(f"pathsim-{name}")
+        for name in ("batt", "chem", "flight", "fmi", "rf", "vehicle")
+    ),
+]
 
 
 def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
@@ -122,13 +143,17 @@ def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
         return ""
     asked = f"asks for the toolbox {toolbox.package!r} (module {toolbox.import_path})"
     if toolbox.id not in {t.id for t in (*_KNOWN, *trusted)}:
-        return (f"{asked}, which is not a known PathSim toolbox, and importing it runs its code; "
-                f"if you trust it: --trust-toolbox {toolbox.package}")
+        return (
+            f"{asked}, which is not a known PathSim toolbox, and importing it runs its code; "
+            f"if you trust it: --trust-toolbox {toolbox.package}"
+        )
     if any(part.startswith("_") for part in toolbox.import_path.split(".")):
         return f"{asked}, which is a private module"
     if not toolbox.belongs and not toolbox.missing:
-        return (f"{asked}, but that module does not belong to that package; if you trust it: "
-                f"--trust-toolbox {toolbox.package}:{toolbox.import_path}")
+        return (
+            f"{asked}, but that module does not belong to that package; if you trust it: "
+            f"--trust-toolbox {toolbox.package}:{toolbox.import_path}"
+        )
     return ""
 
 
@@ -153,7 +178,7 @@ def _distributions(module: str) -> tuple[str, ...]:
         return tuple(names)
     try:
         # an editable install does not list its modules
-        return importlib.metadata.distribution(module.replace("_", "-")).metadata["Name"],
+        return (importlib.metadata.distribution(module.replace("_", "-")).metadata["Name"],)
     except importlib.metadata.PackageNotFoundError:
         return ()
 
@@ -168,19 +193,24 @@ def core_registry() -> dict[str, dict[str, Any]]:
     return load_registry(Path(pathview.__file__).parent / "data" / "registry.json")
 
 
-def with_toolboxes(registry: dict[str, dict[str, Any]],
-                   toolboxes: list[Toolbox]) -> dict[str, dict[str, Any]]:
+def with_toolboxes(
+    registry: dict[str, dict[str, Any]], toolboxes: list[Toolbox]
+) -> dict[str, dict[str, Any]]:
     """``registry`` with the blocks of toolboxes; as in PathView, the last class of a name wins."""
     blocks = dict(registry["blocks"])
     for toolbox in toolboxes:
         for name, block in toolbox.blocks().items():
-            blocks[name] = {"blockClass": name, "importPath": toolbox.import_path,
-                            "params": list(block.info()["parameters"])}
+            blocks[name] = {
+                "blockClass": name,
+                "importPath": toolbox.import_path,
+                "params": list(block.info()["parameters"]),
+            }
     return {**registry, "blocks": blocks}
 
 
-def registry_for(content: Json, path: Path, toolboxes: Sequence[str] = (),
-                 trust_toolboxes: Sequence[str] = ()) -> Json:
+def registry_for(
+    content: Json, path: Path, toolboxes: Sequence[str] = (), trust_toolboxes: Sequence[str] = ()
+) -> Json:
     """The blocks that a model may use; the last of its own toolboxes to define a name wins."""
     required = required_toolboxes(content, path)
     named = [Toolbox.parse(t) for t in toolboxes]
@@ -202,14 +232,17 @@ def _required(entry: Any, path: Path) -> Toolbox:
     if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
         raise DiagramError(f"requires a toolbox that is not a package: {entry!r}", path=path)
     try:
-        return Toolbox.parse(f"{source.get('pkg') or entry.get('displayName') or ''}:"
-                             f"{entry.get('importPath') or ''}")
+        return Toolbox.parse(
+            f"{source.get('pkg') or entry.get('displayName') or ''}:{entry.get('importPath') or ''}"
+        )
     except ParameterError as error:
-        raise DiagramError(f"requires a toolbox that is not a package: {error}",
-                           path=path) from error
+        raise DiagramError(
+            f"requires a toolbox that is not a package: {error}", path=path
+        ) from error
 
 
 def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:
     """Error text for an unknown block type."""
-    return (f"PathView does not know the block {name!r}"
-            + did_you_mean(nearest(name, registry["blocks"])))
+    return f"PathView does not know the block {name!r}" + did_you_mean(
+        nearest(name, registry["blocks"])
+    )

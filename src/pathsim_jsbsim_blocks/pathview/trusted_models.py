@@ -26,10 +26,14 @@ def digest(content: Json) -> str:
 
     The omitted parts are the times of saving and the positions of blocks.
     """
+
     def lasting(value: Any) -> Any:
         if isinstance(value, dict):
-            return {k: v if k == "params" else lasting(v) for k, v in value.items()
-                    if not (k == "position" and _coordinates(v))}
+            return {
+                k: v if k == "params" else lasting(v)
+                for k, v in value.items()
+                if not (k == "position" and _coordinates(v))
+            }
         return [lasting(v) for v in value] if isinstance(value, list) else value
 
     metadata = content.get("metadata")

@@ -52,8 +52,12 @@ class Values:
         the names of functions and of variables around them, by ``id``
     """
 
-    def __init__(self, namespace: Mapping[str, Any], functions: Functions,
-                 need: Callable[[str, ast.AST], None]):
+    def __init__(
+        self,
+        namespace: Mapping[str, Any],
+        functions: Functions,
+        need: Callable[[str, ast.AST], None],
+    ):
         self.namespace, self.functions, self.need = namespace, functions, need
         self.made: dict[str, ast.expr | ast.FunctionDef] = {}
         self.parts: dict[str, Any] = {}
@@ -70,8 +74,12 @@ class Values:
         """
         node = self._literal(value)
         if node is None and not isinstance(value, PARTS):
-            node = (self._named(value, name) or self._collection(value) or self._object(value)
-                    or self._function(value, name))
+            node = (
+                self._named(value, name)
+                or self._collection(value)
+                or self._object(value)
+                or self._function(value, name)
+            )
         if node is None:
             raise Unwritable(f"{short(value)} cannot be written as an expression")
         return node
@@ -87,8 +95,11 @@ class Values:
                 text = f"complex({self.text(value.real)}, {self.text(value.imag)})"
             return _parsed(text)
         if isinstance(value, np.ndarray) and value.dtype.kind in "biufcU":
-            dtype = ("" if value.size and np.array(value.tolist()).dtype == value.dtype
-                     else f", dtype={str(value.dtype)!r}")
+            dtype = (
+                ""
+                if value.size and np.array(value.tolist()).dtype == value.dtype
+                else f", dtype={str(value.dtype)!r}"
+            )
             shape = f".reshape({value.shape})" if not value.size else ""
             inner = ast.unparse(self.expression(value.tolist()))
             return _parsed(f"np.array({inner}{dtype}){shape}")
@@ -100,8 +111,12 @@ class Values:
     def _named(self, value: Any, but: str) -> ast.expr | None:
         """A name of the script, or of an installed module."""
         for name, found in self.namespace.items():
-            if found is value and name != but and not name.startswith("__") and not isinstance(
-                    value, (list, dict, set, tuple, np.ndarray)):
+            if (
+                found is value
+                and name != but
+                and not name.startswith("__")
+                and not isinstance(value, (list, dict, set, tuple, np.ndarray))
+            ):
                 node = ast.Name(name, ast.Load())
                 self.need(name, node)
                 return node
@@ -112,7 +127,8 @@ class Values:
             return _parsed(value.__name__)
         module, path = getattr(value, "__module__", None), getattr(value, "__qualname__", "")
         if isinstance(value, (type, types.FunctionType, types.BuiltinFunctionType)) and (
-                module and module != "__main__" and path.replace(".", "").isidentifier()):
+            module and module != "__main__" and path.replace(".", "").isidentifier()
+        ):
             if module == "builtins":
                 return _parsed(path)
             try:
@@ -134,8 +150,9 @@ class Values:
                 return ast.Tuple(items, ast.Load())
             return ast.Set(items) if items else _parsed("set()")
         if type(value) is dict:
-            return ast.Dict([self.expression(k) for k in value],
-                            [self.expression(v) for v in value.values()])
+            return ast.Dict(
+                [self.expression(k) for k in value], [self.expression(v) for v in value.values()]
+            )
         return None
 
     def _object(self, value: Any) -> ast.expr | None:
@@ -155,8 +172,11 @@ class Values:
         return None
 
     def _call(self, function: Any, args: Iterable[Any], keywords: Mapping[str, Any]) -> ast.expr:
-        return ast.Call(self.expression(function), [self.expression(a) for a in args],
-                        [ast.keyword(k, self.expression(v)) for k, v in keywords.items()])
+        return ast.Call(
+            self.expression(function),
+            [self.expression(a) for a in args],
+            [ast.keyword(k, self.expression(v)) for k, v in keywords.items()],
+        )
 
     # functions ----------------------------------------------------------------------------------
 
@@ -199,7 +219,8 @@ class Values:
             self.need(name.id, name)
             return name.id
         cell = function.__closure__[  # type: ignore[index]
-            function.__code__.co_freevars.index(name.id)]
+            function.__code__.co_freevars.index(name.id)
+        ]
         value = outer_value(function, name.id)
         if value is ...:
             raise Unwritable(f"{name.id!r} has no value yet")
@@ -220,13 +241,21 @@ class Values:
     def _defaults(self, function: types.FunctionType, node: Any) -> ast.arguments:
         """The arguments of a function with its defaults."""
         old = node.args
-        defaults = [self._default(d, v) for d, v in
-                    zip(old.defaults, function.__defaults__ or (), strict=True)]
+        defaults = [
+            self._default(d, v)
+            for d, v in zip(old.defaults, function.__defaults__ or (), strict=True)
+        ]
         kw = function.__kwdefaults__ or {}
-        kw_defaults = [d and self._default(d, kw[a.arg])
-                       for a, d in zip(old.kwonlyargs, old.kw_defaults, strict=True)]
-        if all(a is b for a, b in zip([*defaults, *kw_defaults],
-                                      [*old.defaults, *old.kw_defaults], strict=True)):
+        kw_defaults = [
+            d and self._default(d, kw[a.arg])
+            for a, d in zip(old.kwonlyargs, old.kw_defaults, strict=True)
+        ]
+        if all(
+            a is b
+            for a, b in zip(
+                [*defaults, *kw_defaults], [*old.defaults, *old.kw_defaults], strict=True
+            )
+        ):
             return old
         new = copy.copy(old)
         new.defaults, new.kw_defaults = defaults, kw_defaults

@@ -26,9 +26,15 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int = 0,
-              jobs: int = -1, resume: str | Path | None = None,
-              progress: bool = True) -> pd.DataFrame:
+def run_batch(
+    build: Callable[..., Mapping[str, Any]],
+    cases: Any,
+    *,
+    seed: int = 0,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Build, run and measure a diagram for every case.
 
     Each case is computed on its own, from its own seed, so that the table does not depend on the
@@ -76,20 +82,27 @@ def run_batch(build: Callable[..., Mapping[str, Any]], cases: Any, *, seed: int 
     takes_seed = _check(build, rows)
     name = f"{getattr(build, '__module__', '')}.{getattr(build, '__qualname__', build)}"
     found = run_parts(
-        partial(_run_cases, build, takes_seed), [[row] for row in rows],
+        partial(_run_cases, build, takes_seed),
+        [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
         title=f"run_batch {name.rpartition('.')[2]}, {len(rows)} cases",
         job=lambda: {"build": name, "cases": rows, "jsbsim": jsbsim.__version__},
-        jobs=jobs, resume=resume, progress=progress)
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
     return pd.DataFrame([{**row, **result} for row, result in zip(rows, found, strict=True)])
 
 
 def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
-    drawn = [int(child.generate_state(1)[0])
-             for child in np.random.SeedSequence(seed).spawn(len(rows))]
-    given = [whole(f"cases point {i}: seed", row.get("seed", drawn[i]), low=0)
-             for i, row in enumerate(rows)]
+    drawn = [
+        int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(len(rows))
+    ]
+    given = [
+        whole(f"cases point {i}: seed", row.get("seed", drawn[i]), low=0)
+        for i, row in enumerate(rows)
+    ]
     return [{**row, "seed": given[i]} for i, row in enumerate(rows)]
 
 
@@ -98,42 +111,55 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     import joblib
 
     if not callable(build):
-        raise ParameterError(f"build must be a function, not {build!r}", parameter="build",
-                             value=build)
+        raise ParameterError(
+            f"build must be a function, not {build!r}", parameter="build", value=build
+        )
     try:
         parameters = inspect.signature(build).parameters
     except ValueError:  # many built-in functions
-        raise ParameterError(f"build must be a function with known parameters, not {build!r}",
-                             parameter="build", value=build) from None
+        raise ParameterError(
+            f"build must be a function with known parameters, not {build!r}",
+            parameter="build",
+            value=build,
+        ) from None
     free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     takes_seed = free or "seed" in parameters
     for i, row in enumerate(rows):
         for key in row:
             if key not in parameters and key != "seed" and not free:
-                raise ParameterError(f"case {i} has {key!r}, which build does not take"
-                                     + did_you_mean(nearest(key, parameters)),
-                                     parameter=key, value=row[key])
+                raise ParameterError(
+                    f"case {i} has {key!r}, which build does not take"
+                    + did_you_mean(nearest(key, parameters)),
+                    parameter=key,
+                    value=row[key],
+                )
         for key, p in parameters.items():
             needed = p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
             if needed and key not in row:
-                raise ParameterError(f"case {i} has no {key!r}, which build needs",
-                                     parameter=key, value=None)
+                raise ParameterError(
+                    f"case {i} has no {key!r}, which build needs", parameter=key, value=None
+                )
     try:
         pickle.dumps(joblib.wrap_non_picklable_objects(build))
     except Exception as error:
         raise ParameterError(
             f"build cannot be sent to other processes: {error}; create everything it needs inside "
-            "it", parameter="build", value=build) from error
+            "it",
+            parameter="build",
+            value=build,
+        ) from error
     return takes_seed
 
 
-def _run_cases(build: Callable[..., Mapping[str, Any]], takes_seed: bool,
-               cases: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _run_cases(
+    build: Callable[..., Mapping[str, Any]], takes_seed: bool, cases: list[dict[str, Any]]
+) -> list[dict[str, Any]]:
     return [_run_case(build, takes_seed, case) for case in cases]
 
 
-def _run_case(build: Callable[..., Mapping[str, Any]], takes_seed: bool,
-              case: dict[str, Any]) -> dict[str, Any]:
+def _run_case(
+    build: Callable[..., Mapping[str, Any]], takes_seed: bool, case: dict[str, Any]
+) -> dict[str, Any]:
     arguments = case if takes_seed else {k: v for k, v in case.items() if k != "seed"}
     # for blocks that draw from the global generators, PathSim's among them
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
@@ -151,12 +177,18 @@ def _run_case(build: Callable[..., Mapping[str, Any]], takes_seed: bool,
 
 def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(result, Mapping):
-        raise ParameterError(f"build must return a dict of what it measured, not {result!r}",
-                             parameter="build", value=result)
+        raise ParameterError(
+            f"build must return a dict of what it measured, not {result!r}",
+            parameter="build",
+            value=result,
+        )
     for key in result:
         if key in (*case, "completed", "reason"):
-            raise ParameterError(f"build returned {key!r}, which is a column of the cases",
-                                 parameter="build", value=key)
+            raise ParameterError(
+                f"build returned {key!r}, which is a column of the cases",
+                parameter="build",
+                value=key,
+            )
     return {str(key): _value(str(key), value) for key, value in result.items()}
 
 

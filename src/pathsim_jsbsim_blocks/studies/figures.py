@@ -25,17 +25,26 @@ def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
     known = [str(name) for name in getattr(table, "columns", ())]
     if not known:
-        raise ParameterError(f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}",
-                             parameter="table", value=table)
+        raise ParameterError(
+            f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}",
+            parameter="table",
+            value=table,
+        )
     for name in ("trimmed", *columns):
         if name not in known:
             raise ParameterError(
                 f"{chart} draws a table of {study}; this one has no column {name!r}"
-                + did_you_mean(nearest(name, known)), parameter="table", value=known)
+                + did_you_mean(nearest(name, known)),
+                parameter="table",
+                value=known,
+            )
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
-        raise ParameterError(f"{chart} has nothing to draw: no point of the table trims",
-                             parameter="table", value=known)
+        raise ParameterError(
+            f"{chart} has nothing to draw: no point of the table trims",
+            parameter="table",
+            value=known,
+        )
     return rows
 
 
@@ -56,41 +65,60 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    trimmed = _trimmed(table, "alpha_elevator_chart", "aoa_vs_cas, aoa_vs_cas_loading or a "
-                       "trim_sweep over speed", "requested_altitude_ft", "speed_kcas", "alpha_deg",
-                       "elevator_rad", "elevator_norm", "weight_lb", "cg_x_in")
+    trimmed = _trimmed(
+        table,
+        "alpha_elevator_chart",
+        "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed",
+        "requested_altitude_ft",
+        "speed_kcas",
+        "alpha_deg",
+        "elevator_rad",
+        "elevator_norm",
+        "weight_lb",
+        "cg_x_in",
+    )
     figure, axes = subplots(3, 1, sharex=True, figsize=(9.5, 9.5), layout="constrained")
     for label, style, rows in _lines(trimmed):
-        for ax, y in zip(axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm),
-                         strict=True):
+        for ax, y in zip(
+            axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm), strict=True
+        ):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
-    for ax, name in zip(axes, ("angle of attack [deg]", "elevator deflection [deg]",
-                               "elevator deflection [-]"), strict=True):
+    for ax, name in zip(
+        axes,
+        ("angle of attack [deg]", "elevator deflection [deg]", "elevator deflection [-]"),
+        strict=True,
+    ):
         ax.set_ylabel(name)
         ax.grid(alpha=0.4)
     axes[-1].set_xlabel("calibrated airspeed [kt]")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2,
-                  fontsize="small")
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small"
+    )
     figure.suptitle(title or "Trim: angle of attack, and elevator (trailing edge down positive)")
     return figure
 
 
 def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFrame]]:
     """Label, style and rows of each line: colour by weight, marker by CG, dashes by altitude."""
-    keys = [key for key in ("weight_case", "cg_shift_percent", "requested_altitude_ft")
-            if key in table]
+    keys = [
+        key for key in ("weight_case", "cg_shift_percent", "requested_altitude_ft") if key in table
+    ]
     values = [list(table[key].unique()) for key in keys]
     for group, rows in table.groupby(keys, sort=False):
         at = dict(zip(keys, group, strict=True))
         index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
-        said = [f"{at['weight_case']}" if "weight_case" in at else "",
-                _cg_travel(rows) if "cg_shift_percent" in at else "",
-                f"{at['requested_altitude_ft']:,.0f} ft",
-                f"{rows.weight_lb.iloc[0]:,.0f} lb",
-                f"CG {rows.cg_x_in.iloc[0]:.1f} in"]
-        style = {"color": f"C{index.get('weight_case', 0)}",
-                 "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
-                 "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4]}
+        said = [
+            f"{at['weight_case']}" if "weight_case" in at else "",
+            _cg_travel(rows) if "cg_shift_percent" in at else "",
+            f"{at['requested_altitude_ft']:,.0f} ft",
+            f"{rows.weight_lb.iloc[0]:,.0f} lb",
+            f"CG {rows.cg_x_in.iloc[0]:.1f} in",
+        ]
+        style = {
+            "color": f"C{index.get('weight_case', 0)}",
+            "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
+            "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4],
+        }
         yield ", ".join(filter(None, said)), style, rows
 
 
@@ -121,26 +149,47 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
     """
     from matplotlib.ticker import MaxNLocator
 
-    trimmed = _trimmed(table, "envelope_map", "trim_envelope or a trim_sweep over speed and gamma",
-                       "requested_speed_kcas", "requested_gamma_deg", "reason", "thrust_lb",
-                       "throttle_norm", "alpha_deg")
+    trimmed = _trimmed(
+        table,
+        "envelope_map",
+        "trim_envelope or a trim_sweep over speed and gamma",
+        "requested_speed_kcas",
+        "requested_gamma_deg",
+        "reason",
+        "thrust_lb",
+        "throttle_norm",
+        "alpha_deg",
+    )
     figure, axes = subplots(1, 3, sharey=True, figsize=(14, 4.8), layout="constrained")
-    for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
-                              (axes[1], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
-                              (axes[2], trimmed.alpha_deg, "angle of attack [deg]")):
-        points = ax.scatter(trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values,
-                            marker="s", s=24)
+    for ax, values, label in (
+        (axes[0], trimmed.throttle_norm, "throttle command [-]"),
+        (axes[1], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
+        (axes[2], trimmed.alpha_deg, "angle of attack [deg]"),
+    ):
+        points = ax.scatter(
+            trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values, marker="s", s=24
+        )
         figure.colorbar(points, ax=ax, label=label)
         for reason, rows in table[~table.trimmed].groupby("reason"):
-            ax.scatter(rows.requested_speed_kcas, rows.requested_gamma_deg, s=12, color="0.55",
-                       linewidths=0.8, marker=_REASONS.get(str(reason), "."),
-                       label=f"no trim: {reason}")
+            ax.scatter(
+                rows.requested_speed_kcas,
+                rows.requested_gamma_deg,
+                s=12,
+                color="0.55",
+                linewidths=0.8,
+                marker=_REASONS.get(str(reason), "."),
+                label=f"no trim: {reason}",
+            )
         ax.set_xlabel("calibrated airspeed [kt]")
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes[0].set_ylabel("flight path angle [deg]")
     if not table.trimmed.all():
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5,
-                      fontsize="small")
+        figure.legend(
+            *axes[0].get_legend_handles_labels(),
+            loc="outside lower center",
+            ncols=5,
+            fontsize="small",
+        )
     figure.suptitle(title or f"Trim envelope: {len(trimmed)} of {len(table)} points trim")
     return figure
 
@@ -163,16 +212,29 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", "case", "thrust_angle_deg",
-                       "thrust_lb", "alpha_deg")
+    trimmed = _trimmed(
+        table,
+        "thrust_chart",
+        "thrust_vectoring",
+        "case",
+        "thrust_angle_deg",
+        "thrust_lb",
+        "alpha_deg",
+    )
     cases = list(trimmed.groupby("case", sort=False))
-    figure, axes = subplots(1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5),
-                                layout="constrained")
+    figure, axes = subplots(
+        1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5), layout="constrained"
+    )
     for ax, (case, rows) in zip(axes[0], cases, strict=True):
         best = rows.loc[rows.thrust_lb.idxmin()]
         ax.plot(rows.thrust_angle_deg, rows.thrust_lb, color="C0")
-        ax.plot(best.thrust_angle_deg, best.thrust_lb, "o", color="C3",
-                label=f"least: {best.thrust_lb:,.0f} lbf at about {best.thrust_angle_deg:.0f} deg")
+        ax.plot(
+            best.thrust_angle_deg,
+            best.thrust_lb,
+            "o",
+            color="C3",
+            label=f"least: {best.thrust_lb:,.0f} lbf at about {best.thrust_angle_deg:.0f} deg",
+        )
         ax.set_title(case)
         ax.set_xlabel("thrust angle, up positive [deg]")
         ax.set_ylabel("thrust [lbf]", color="C0")
@@ -203,18 +265,29 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """
     from matplotlib.ticker import MaxNLocator
 
-    trimmed = _trimmed(table, "climb_chart", "climb_schedule or a trim_sweep over altitude",
-                       "requested_altitude_ft", "requested_speed_kcas", "requested_gamma_deg",
-                       "throttle_norm", "pitch_trim_norm")
+    trimmed = _trimmed(
+        table,
+        "climb_chart",
+        "climb_schedule or a trim_sweep over altitude",
+        "requested_altitude_ft",
+        "requested_speed_kcas",
+        "requested_gamma_deg",
+        "throttle_norm",
+        "pitch_trim_norm",
+    )
     figure, axes = subplots(1, 2, figsize=(10, 4.2), layout="constrained")
-    for ax, values, label in ((axes[0], trimmed.throttle_norm, "throttle command [-]"),
-                              (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]")):
+    for ax, values, label in (
+        (axes[0], trimmed.throttle_norm, "throttle command [-]"),
+        (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]"),
+    ):
         ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)
         ax.xaxis.set_major_locator(MaxNLocator(5))
         ax.set_xlabel("altitude [ft]")
         ax.set_ylabel(label)
         ax.grid(alpha=0.4)
     first = table.iloc[0]
-    figure.suptitle(title or f"Steady climb at {first.requested_speed_kcas:g} KCAS, "
-                             f"{first.requested_gamma_deg:g} deg")
+    figure.suptitle(
+        title
+        or f"Steady climb at {first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
+    )
     return figure

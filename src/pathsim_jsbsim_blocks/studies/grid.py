@@ -18,8 +18,14 @@ from ..flight.condition import TrimCondition
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "setup"]
 
 # a unit as the suffix of a column's name, if it is not the unit itself
-_TAILS = {"KCAS": "kcas", "ft/s": "fps", "ft/s2": "fps2", "rad/s2": "radps2", "lbf": "lb",
-          "cmd norm": "cmd_norm"}
+_TAILS = {
+    "KCAS": "kcas",
+    "ft/s": "fps",
+    "ft/s2": "fps2",
+    "rad/s2": "radps2",
+    "lbf": "lb",
+    "cmd norm": "cmd_norm",
+}
 
 
 def column(name: str) -> str:
@@ -40,22 +46,36 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
         grid = grid.to_dict("records")
     if isinstance(grid, Mapping):
         axes = {key: _axis(name, key, values) for key, values in grid.items()}
-        rows = [dict(zip(axes, values, strict=True)) for values in
-                itertools.product(*axes.values())] if axes else []
-    elif (isinstance(grid, Iterable) and not isinstance(grid, (str, bytes))
-          and getattr(grid, "ndim", 1) > 0):
+        rows = (
+            [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
+            if axes
+            else []
+        )
+    elif (
+        isinstance(grid, Iterable)
+        and not isinstance(grid, (str, bytes))
+        and getattr(grid, "ndim", 1) > 0
+    ):
         rows = list(grid)
         for row in rows:
             if not isinstance(row, Mapping):
-                raise ParameterError(f"{name} must hold one dict for each point, not {row!r}",
-                                     parameter=name, value=grid)
+                raise ParameterError(
+                    f"{name} must hold one dict for each point, not {row!r}",
+                    parameter=name,
+                    value=grid,
+                )
     else:
-        raise ParameterError(f"{name} must be a dict of axes, a table or a list of dicts, not "
-                             f"{grid!r}", parameter=name, value=grid)
+        raise ParameterError(
+            f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}",
+            parameter=name,
+            value=grid,
+        )
     if not rows:
         raise ParameterError(f"{name} is empty", parameter=name, value=grid)
-    return [{str(key): plain(f"{name} point {i}: {key}", value) for key, value in row.items()}
-            for i, row in enumerate(rows)]
+    return [
+        {str(key): plain(f"{name} point {i}: {key}", value) for key, value in row.items()}
+        for i, row in enumerate(rows)
+    ]
 
 
 def _axis(name: str, key: str, values: Any) -> list[Any]:
@@ -64,11 +84,15 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
     try:
         values = list(values)
     except TypeError:
-        raise ParameterError(f"{name}: {key} must be a value or a list of values, not {values!r}",
-                             parameter=str(key), value=values) from None
+        raise ParameterError(
+            f"{name}: {key} must be a value or a list of values, not {values!r}",
+            parameter=str(key),
+            value=values,
+        ) from None
     if not values:
-        raise ParameterError(f"{name} is empty: {key} has no values", parameter=str(key),
-                             value=values)
+        raise ParameterError(
+            f"{name} is empty: {key} has no values", parameter=str(key), value=values
+        )
     return values
 
 
@@ -92,8 +116,11 @@ def plain(name: str, value: Any) -> Any:
         return {key: plain(f"{name}[{key!r}]", item) for key, item in value.items()}
     if isinstance(value, Sequence):
         return [plain(f"{name}[{i}]", item) for i, item in enumerate(value)]
-    raise ParameterError(f"{name} must be a number, text, a list or a dict, not {value!r}",
-                         parameter=name, value=value)
+    raise ParameterError(
+        f"{name} must be a number, text, a list or a dict, not {value!r}",
+        parameter=name,
+        value=value,
+    )
 
 
 def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:
@@ -115,17 +142,22 @@ def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
                 f"the grid has a column {key!r} that no trim condition has"
                 + did_you_mean(nearest(key, _COLUMNS))
                 + f" (columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path)",
-                parameter=key, value=point[key])
+                parameter=key,
+                value=point[key],
+            )
     try:
         if fields.get("mach") is not None and fields.get("speed") is not None:
-            raise ParameterError("both mach and speed are given", parameter="mach",
-                                 value=fields["mach"])
+            raise ParameterError(
+                "both mach and speed are given", parameter="mach", value=fields["mach"]
+            )
         return TrimCondition(
             **{key: value for key, value in fields.items() if value is not None},
-            setup={key: number(key, value) for key, value in point.items() if "/" in key})
+            setup={key: number(key, value) for key, value in point.items() if "/" in key},
+        )
     except ParameterError as error:
-        raise ParameterError(f"grid point {i}: {error}", parameter=error.parameter,
-                             value=error.value) from None
+        raise ParameterError(
+            f"grid point {i}: {error}", parameter=error.parameter, value=error.value
+        ) from None
 
 
 def structure(condition: TrimCondition) -> tuple[Any, ...]:
@@ -134,9 +166,20 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
     Two conditions with the same structure can follow one another on one aircraft, because the
     second overwrites all that the first has set.
     """
-    return (condition.mode, *(value is None for value in (
-        condition.mach, condition.gear, condition.flaps, condition.alpha_min, condition.alpha_max)),
-        *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "setup")))
+    return (
+        condition.mode,
+        *(
+            value is None
+            for value in (
+                condition.mach,
+                condition.gear,
+                condition.flaps,
+                condition.alpha_min,
+                condition.alpha_max,
+            )
+        ),
+        *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "setup")),
+    )
 
 
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
@@ -145,8 +188,10 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
     shown = [name for name in _COLUMNS if name in given or name in ("altitude", "speed", "gamma")]
     columns: dict[str, list] = {}
     for name in shown:
-        values: list[Any] = [None if name == "speed" and condition.mach is not None
-                             else getattr(condition, name) for condition in conditions]
+        values: list[Any] = [
+            None if name == "speed" and condition.mach is not None else getattr(condition, name)
+            for condition in conditions
+        ]
         title = f"requested_{column(name)}"
         if name in ("payload", "fuel"):
             for index in sorted({index for value in values for index in value}):
@@ -154,6 +199,7 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
         else:
             columns[title] = [math.nan if value is None else value for value in values]
     for name in dict.fromkeys(key for point in points for key in point if "/" in key):
-        columns[f"requested_{name}"] = [condition.setup.get(name, math.nan)
-                                        for condition in conditions]
+        columns[f"requested_{name}"] = [
+            condition.setup.get(name, math.nan) for condition in conditions
+        ]
     return columns

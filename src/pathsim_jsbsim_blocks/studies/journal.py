@@ -50,14 +50,16 @@ class Journal:
         header = _line({"format": _FORMAT, "version": _VERSION, "study": title, "key": digest})
         self.finished: dict[int, list] = {}
         if self.path.exists() and not self.path.is_file():
-            raise ParameterError(f"cannot write {str(path)!r}: it is not a file",
-                                 parameter="resume", value=str(path))
+            raise ParameterError(
+                f"cannot write {str(path)!r}: it is not a file", parameter="resume", value=str(path)
+            )
         try:
             # unbuffered, so that finished lines survive a kill of this process
             self._file = self.path.open("a+b", buffering=0)
         except OSError as error:
-            raise ParameterError(f"cannot write {str(path)!r}: {error.strerror}",
-                                 parameter="resume", value=str(path)) from None
+            raise ParameterError(
+                f"cannot write {str(path)!r}: {error.strerror}", parameter="resume", value=str(path)
+            ) from None
         try:
             self._lock()
             self._file.seek(0)
@@ -75,8 +77,10 @@ class Journal:
         with contextlib.suppress(OSError):  # a file system without locks
             free = lock_descriptor(self._file.fileno(), blocking=False)
         if not free:
-            raise self._refused(f"{str(self.path)!r} is in use: another process runs this study. "
-                                "Wait for it or name another file")
+            raise self._refused(
+                f"{str(self.path)!r} is in use: another process runs this study. "
+                "Wait for it or name another file"
+            )
 
     def _refused(self, message: str) -> ParameterError:
         return ParameterError(message, parameter="resume", value=str(self.path))
@@ -89,8 +93,10 @@ class Journal:
         # text after the last newline was cut off by a kill
         first, *lines = content.split(b"\n")[:-1] or [content]
         if first + b"\n" != header:
-            raise self._refused(f"{str(self.path)!r} holds {_holds(first)}, not this one "
-                                f"({title}); name another file or delete it")
+            raise self._refused(
+                f"{str(self.path)!r} holds {_holds(first)}, not this one "
+                f"({title}); name another file or delete it"
+            )
         for number, line in enumerate(lines, 2):
             try:
                 part = _checked(line)
@@ -98,7 +104,8 @@ class Journal:
             except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
                 raise self._refused(
                     f"line {number} of {str(self.path)!r} is damaged: delete the line and it is "
-                    "computed again") from None
+                    "computed again"
+                ) from None
         self._file.truncate(content.rindex(b"\n") + 1)
 
     def add(self, part: int, rows: list) -> None:
@@ -113,10 +120,11 @@ class Journal:
         try:
             # a full disk may accept part of the line before it refuses the rest
             while line:
-                line = line[self._file.write(line):]
+                line = line[self._file.write(line) :]
         except OSError as error:
-            raise FileError("write", self.path, error,
-                            "; the parts finished before are kept in it") from None
+            raise FileError(
+                "write", self.path, error, "; the parts finished before are kept in it"
+            ) from None
 
 
 def _line(data: dict[str, Any]) -> bytes:

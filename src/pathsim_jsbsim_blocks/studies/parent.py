@@ -27,6 +27,7 @@ def _watch(parent: int) -> None:
 
 
 if sys.platform == "win32":
+
     def _wait_for_end(parent: int) -> None:
         import _winapi
 
@@ -36,6 +37,7 @@ if sys.platform == "win32":
             return
         connection.wait([handle])
 else:
+
     def _wait_for_end(parent: int) -> None:
         # an orphaned process gets another parent
         while os.getppid() == parent:

@@ -24,17 +24,26 @@ _FULL_TANK = 8097.63  # lb, each of the global5000's three tanks
 _FULL_PAYLOAD = 15172.0  # lb
 
 # weight case: payload in lb, fuel in each tank in lb
-_WEIGHTS = {"light": (1500.0, 1000.0), "mid": (_FULL_PAYLOAD / 2, _FULL_TANK / 2),
-            "heavy": (_FULL_PAYLOAD, _FULL_TANK)}
+_WEIGHTS = {
+    "light": (1500.0, 1000.0),
+    "mid": (_FULL_PAYLOAD / 2, _FULL_TANK / 2),
+    "heavy": (_FULL_PAYLOAD, _FULL_TANK),
+}
 
 _SPEEDS = range(90, 550, 10)  # KCAS
 
 _ALPHA_LIMITS = {"alpha_min": -4.0, "alpha_max": 12.0}  # deg, of the published loops
 
 
-def aoa_vs_cas(*, aircraft: str = "global5000", altitude: float = 15000.0,
-               speeds: Iterable[float] = _SPEEDS, jobs: int = -1,
-               resume: str | Path | None = None, progress: bool = True) -> pd.DataFrame:
+def aoa_vs_cas(
+    *,
+    aircraft: str = "global5000",
+    altitude: float = 15000.0,
+    speeds: Iterable[float] = _SPEEDS,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Angle of attack and elevator of a business jet in level flight, against airspeed.
 
     A Global 5000 with half payload and half fuel at 15,000 ft, 90 to 540 KCAS.
@@ -58,12 +67,18 @@ def aoa_vs_cas(*, aircraft: str = "global5000", altitude: float = 15000.0,
     """
     payload, fuel = _WEIGHTS["mid"]
     loading = {"payload": [[payload]], "fuel": [[fuel] * 3]} if aircraft == "global5000" else {}
-    return trim_sweep(aircraft, {"altitude": altitude, **loading, "speed": speeds},
-                      jobs=jobs, resume=resume, progress=progress)
+    return trim_sweep(
+        aircraft,
+        {"altitude": altitude, **loading, "speed": speeds},
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
 
 
-def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path | None = None,
-                       progress: bool = True) -> pd.DataFrame:
+def aoa_vs_cas_loading(
+    *, wide: bool = False, jobs: int = -1, resume: str | Path | None = None, progress: bool = True
+) -> pd.DataFrame:
     """Angle of attack and elevator against airspeed for three weights and two CG positions.
 
     A Global 5000 in level flight with its empty-weight CG actually moved by 39.5 in: 5 % of its
@@ -89,20 +104,37 @@ def aoa_vs_cas_loading(*, wide: bool = False, jobs: int = -1, resume: str | Path
         the empty-weight CG and aft positive, and ``weight_case``
     """
     cg_x = empty_weight_cg("global5000")[0]
-    cases = [(shift, weight, altitude) for shift, published_altitude in ((-5, 8000), (5, 30000))
-             for weight in _WEIGHTS for altitude in (8000, 30000)
-             if wide or altitude == published_altitude]
-    grid = [{"altitude": altitude, "speed": speed, "empty_cg_x": (1 + shift / 100) * cg_x,
-             "payload": [_WEIGHTS[weight][0]], "fuel": [_WEIGHTS[weight][1]] * 3}
-            for shift, weight, altitude in cases for speed in _SPEEDS]
+    cases = [
+        (shift, weight, altitude)
+        for shift, published_altitude in ((-5, 8000), (5, 30000))
+        for weight in _WEIGHTS
+        for altitude in (8000, 30000)
+        if wide or altitude == published_altitude
+    ]
+    grid = [
+        {
+            "altitude": altitude,
+            "speed": speed,
+            "empty_cg_x": (1 + shift / 100) * cg_x,
+            "payload": [_WEIGHTS[weight][0]],
+            "fuel": [_WEIGHTS[weight][1]] * 3,
+        }
+        for shift, weight, altitude in cases
+        for speed in _SPEEDS
+    ]
     table = trim_sweep("global5000", grid, jobs=jobs, resume=resume, progress=progress)
     table.insert(0, "cg_shift_percent", [shift for shift, _, _ in cases for _ in _SPEEDS])
     table.insert(1, "weight_case", [weight for _, weight, _ in cases for _ in _SPEEDS])
     return table
 
 
-def thrust_vectoring(*, aircraft: str = "737", jobs: int = -1, resume: str | Path | None = None,
-                     progress: bool = True) -> pd.DataFrame:
+def thrust_vectoring(
+    *,
+    aircraft: str = "737",
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Thrust of an airliner against the pitch angle of its engines: where is the least?
 
     A 737 in cruise (30,000 ft, Mach 0.8) and in climb (15,000 ft, 300 KCAS, 3 deg), 100 angles
@@ -125,23 +157,39 @@ def thrust_vectoring(*, aircraft: str = "737", jobs: int = -1, resume: str | Pat
     G. B. Gilyard, A. Bolonkin, "Optimal Pitch Thrust-Vector Angle and Benefits for all Flight
     Regimes", NASA/TM-2000-209021, 2000
     """
-    cases = {"cruise": {"altitude": 30000.0, "mach": 0.8},
-             "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0}}
+    cases = {
+        "cruise": {"altitude": 30000.0, "mach": 0.8},
+        "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0},
+    }
     angles = np.linspace(0.0, 10.0, 100).tolist()
     engines = Airframe(aircraft).engines
-    grid = [{**condition, **{f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(angle)
-                             for i in range(engines)}}
-            for condition in cases.values() for angle in angles]
+    grid = [
+        {
+            **condition,
+            **{
+                f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(angle)
+                for i in range(engines)
+            },
+        }
+        for condition in cases.values()
+        for angle in angles
+    ]
     table = trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
     table.insert(0, "case", [case for case in cases for _ in angles])
     table.insert(1, "thrust_angle_deg", angles * len(cases))
     return table
 
 
-def trim_envelope(*, aircraft: str = "737", altitude: float = 15000.0,
-                  speeds: Iterable[float] = range(120, 460, 10), wide: bool = False,
-                  jobs: int = -1, resume: str | Path | None = None,
-                  progress: bool = True) -> pd.DataFrame:
+def trim_envelope(
+    *,
+    aircraft: str = "737",
+    altitude: float = 15000.0,
+    speeds: Iterable[float] = range(120, 460, 10),
+    wide: bool = False,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Envelope of steady flight of an airliner: airspeed against flight path angle.
 
     A 737 at 15,000 ft, 120 to 450 KCAS, -10 to 9 deg.
@@ -167,14 +215,23 @@ def trim_envelope(*, aircraft: str = "737", altitude: float = 15000.0,
     """
     settings = {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0} if wide else _ALPHA_LIMITS
     return trim_sweep(
-        aircraft, {"altitude": altitude, **settings, "speed": speeds,
-                   "gamma": range(-10, 10)},
-        jobs=jobs, resume=resume, progress=progress)
+        aircraft,
+        {"altitude": altitude, **settings, "speed": speeds, "gamma": range(-10, 10)},
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
 
 
-def climb_schedule(*, aircraft: str = "A4", speed: float = 300.0, gamma: float = 5.0,
-                   jobs: int = -1, resume: str | Path | None = None,
-                   progress: bool = True) -> pd.DataFrame:
+def climb_schedule(
+    *,
+    aircraft: str = "A4",
+    speed: float = 300.0,
+    gamma: float = 5.0,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Throttle and pitch trim of a jet in a steady climb, against altitude.
 
     An A-4 at 300 KCAS and 5 deg, 1000 to 20,000 ft: the tables that the diagram ``scheduled_climb``
@@ -197,9 +254,12 @@ def climb_schedule(*, aircraft: str = "A4", speed: float = 300.0, gamma: float =
         that of `trim_sweep`
     """
     return trim_sweep(
-        aircraft, {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS,
-                   "altitude": range(1000, 21000, 1000)},
-        jobs=jobs, resume=resume, progress=progress)
+        aircraft,
+        {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS, "altitude": range(1000, 21000, 1000)},
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
 
 
 class Study(NamedTuple):

@@ -26,9 +26,17 @@ if TYPE_CHECKING:
 _FOUND = [name for name in UNITS if name in {f.name for f in dataclasses.fields(TrimState)}]
 
 
-def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: str | None = None,
-               chunk: int = 40, jobs: int = -1, resume: str | Path | None = None,
-               progress: bool = True) -> pd.DataFrame:
+def trim_sweep(
+    aircraft: str,
+    grid: Any,
+    *,
+    outputs: Sequence[str] = (),
+    root: str | None = None,
+    chunk: int = 40,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Trim an aircraft at every point of a grid.
 
     The table does not depend on the number of workers, bit for bit: a loaded aircraft is reused
@@ -88,27 +96,43 @@ def trim_sweep(aircraft: str, grid: Any, *, outputs: Sequence[str] = (), root: s
     chunk = whole("chunk", chunk, low=1)
     _try_out(aircraft, root, conditions, outputs)
     rows = run_parts(
-        partial(_trim_points, aircraft, root, tuple(outputs)), _chunks(conditions, chunk),
+        partial(_trim_points, aircraft, root, tuple(outputs)),
+        _chunks(conditions, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
         title=f"trim_sweep {aircraft}, {len(points)} points",
-        job=lambda: {"aircraft": aircraft, "root": root and str(root), "outputs": outputs,
-                     "chunk": chunk, "conditions": [dataclasses.asdict(c) for c in conditions],
-                     "jsbsim": jsbsim.__version__},
-        jobs=jobs, resume=resume, progress=progress)
+        job=lambda: {
+            "aircraft": aircraft,
+            "root": root and str(root),
+            "outputs": outputs,
+            "chunk": chunk,
+            "conditions": [dataclasses.asdict(c) for c in conditions],
+            "jsbsim": jsbsim.__version__,
+        },
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
     found = [column(name) for name in _FOUND] + outputs
-    return pd.concat([
-        pd.DataFrame(requested(conditions, points)),
-        pd.DataFrame(rows, columns=["trimmed", "reason"]),
-        pd.DataFrame([[row.get(name) for name in found] for row in rows], columns=found,
-                     dtype=float),
-    ], axis=1)
+    return pd.concat(
+        [
+            pd.DataFrame(requested(conditions, points)),
+            pd.DataFrame(rows, columns=["trimmed", "reason"]),
+            pd.DataFrame(
+                [[row.get(name) for name in found] for row in rows], columns=found, dtype=float
+            ),
+        ],
+        axis=1,
+    )
 
 
 def _names(outputs: Sequence[str]) -> list[str]:
     if isinstance(outputs, str) or not isinstance(outputs, Sequence):
-        raise ParameterError(f"outputs must be a list of property names, not {outputs!r}",
-                             parameter="outputs", value=outputs)
+        raise ParameterError(
+            f"outputs must be a list of property names, not {outputs!r}",
+            parameter="outputs",
+            value=outputs,
+        )
     return list(dict.fromkeys(outputs))
 
 
@@ -125,8 +149,9 @@ def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimConditi
     return chunks
 
 
-def _try_out(aircraft: str, root: str | None, conditions: list[TrimCondition],
-             outputs: list[str]) -> None:
+def _try_out(
+    aircraft: str, root: str | None, conditions: list[TrimCondition], outputs: list[str]
+) -> None:
     """Trim one point of each structure, so that bad input fails before the work begins."""
     for condition in {structure(condition): condition for condition in conditions}.values():
         airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
@@ -136,8 +161,9 @@ def _try_out(aircraft: str, root: str | None, conditions: list[TrimCondition],
             trim(airframe, condition)
 
 
-def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
-                 conditions: list[TrimCondition]) -> list[dict[str, Any]]:
+def _trim_points(
+    aircraft: str, root: str | None, outputs: tuple[str, ...], conditions: list[TrimCondition]
+) -> list[dict[str, Any]]:
     airframe = Airframe(aircraft, root=root, empty_cg_x=conditions[0].empty_cg_x)
     rows: list[dict[str, Any]] = []
     for condition in conditions:
@@ -146,8 +172,14 @@ def _trim_points(aircraft: str, root: str | None, outputs: tuple[str, ...],
         except TrimError as error:
             rows.append({"trimmed": False, "reason": error.reason})
         else:
-            rows.append({"trimmed": True, "reason": "", **_found(state),
-                         **{name: airframe.fdm[name] for name in outputs}})
+            rows.append(
+                {
+                    "trimmed": True,
+                    "reason": "",
+                    **_found(state),
+                    **{name: airframe.fdm[name] for name in outputs},
+                }
+            )
     return rows
 
 

@@ -28,9 +28,18 @@ WORKER_DIED = "worker died"
 _DIED = object()
 
 
-def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[Any], str],
-              title: str, job: Callable[[], Any], jobs: int, resume: str | Path | None,
-              progress: bool) -> list[Row]:
+def run_parts(
+    work: Work,
+    parts: list[Part],
+    *,
+    died: Row,
+    describe: Callable[[Any], str],
+    title: str,
+    job: Callable[[], Any],
+    jobs: int,
+    resume: str | Path | None,
+    progress: bool,
+) -> list[Row]:
     """Rows of all points, in the order of the points.
 
     Parameters
@@ -59,8 +68,15 @@ def run_parts(work: Work, parts: list[Part], *, died: Row, describe: Callable[[A
         require("filelock")
     journal = Journal(resume, title, job()) if resume is not None else None
     try:
-        return _run(work, parts, died, describe, journal, jobs,
-                    _bar(title, parts, journal.finished if journal else {}, progress))
+        return _run(
+            work,
+            parts,
+            died,
+            describe,
+            journal,
+            jobs,
+            _bar(title, parts, journal.finished if journal else {}, progress),
+        )
     finally:
         if journal:
             journal.close()
@@ -86,12 +102,24 @@ def _count(jobs: int) -> int:
 def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress: bool) -> Any:
     from tqdm import tqdm
 
-    return tqdm(total=sum(map(len, parts)), initial=sum(map(len, finished.values())),
-                desc=title, unit=" points", disable=not progress)
+    return tqdm(
+        total=sum(map(len, parts)),
+        initial=sum(map(len, finished.values())),
+        desc=title,
+        unit=" points",
+        disable=not progress,
+    )
 
 
-def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str],
-         journal: Journal | None, jobs: int, bar: Any) -> list[Row]:
+def _run(
+    work: Work,
+    parts: list[Part],
+    died: Row,
+    describe: Callable[[Any], str],
+    journal: Journal | None,
+    jobs: int,
+    bar: Any,
+) -> list[Row]:
     rows: dict[int, list[Row]] = dict(journal.finished) if journal else {}
 
     def keep(index: int, result: list[Row]) -> None:
@@ -115,7 +143,9 @@ def _run(work: Work, parts: list[Part], died: Row, describe: Callable[[Any], str
                     "a worker process died while these points were under way: "
                     + "; ".join(_span(parts[i], describe) for i in suspects)
                     + ". They are computed again, one part at a time",
-                    RuntimeWarning, stacklevel=4)
+                    RuntimeWarning,
+                    stacklevel=4,
+                )
             for index in suspects:
                 keep(index, _alone(work, parts[index], died, describe))
     return [row for index in range(len(parts)) for row in rows[index]]
@@ -137,8 +167,9 @@ def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) ->
     return [row for point in part for row in _alone(work, [point], died, describe)]
 
 
-def _results(work: Work, parts: list[Part], pending: list[int],
-             jobs: int) -> Iterator[tuple[int, Any]]:
+def _results(
+    work: Work, parts: list[Part], pending: list[int], jobs: int
+) -> Iterator[tuple[int, Any]]:
     """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -159,8 +190,13 @@ def _results(work: Work, parts: list[Part], pending: list[int],
             under_way.append(index)
             yield joblib.delayed(indexed)(index, parts[index])
 
-    parallel = joblib.Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered",
-                               initializer=end_with, initargs=(os.getpid(),))
+    parallel = joblib.Parallel(
+        n_jobs=jobs,
+        batch_size=1,
+        return_as="generator_unordered",
+        initializer=end_with,
+        initargs=(os.getpid(),),
+    )
     try:
         for index, rows in parallel(tasks()):
             under_way.remove(index)
@@ -169,8 +205,9 @@ def _results(work: Work, parts: list[Part], pending: list[int],
         yield from ((index, _DIED) for index in under_way)
 
 
-def _on_dask(client: Any, work: Work, parts: list[Part],
-             pending: list[int]) -> Iterator[tuple[int, Any]]:
+def _on_dask(
+    client: Any, work: Work, parts: list[Part], pending: list[int]
+) -> Iterator[tuple[int, Any]]:
     from distributed import KilledWorker, as_completed
 
     futures = {client.submit(work, parts[index], pure=False): index for index in pending}

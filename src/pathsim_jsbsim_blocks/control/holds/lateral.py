@@ -79,7 +79,7 @@ class RollHold(Controller):
         self.configure()
 
     def build(self) -> None:
-        gains, = loop_gains(self.gains, "roll")
+        (gains,) = loop_gains(self.gains, "roll")
         self._phi_ref = optional("phi_ref", self.phi_ref)
         self._roll = roll_loop(self.clock.period, gains, limits("authority", self.authority))
 
@@ -89,7 +89,8 @@ class RollHold(Controller):
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         phi, p, phi_ref, off, ail_sat = u[:5]
         aileron, phi_cmd, state = self._roll.sample(
-            state, phi, p, self._phi_ref, phi_ref, ail_sat, off != 0.0)
+            state, phi, p, self._phi_ref, phi_ref, ail_sat, off != 0.0
+        )
         return [aileron, phi_cmd], state
 
 
@@ -228,7 +229,7 @@ class YawDamper(Controller):
         self.configure()
 
     def build(self) -> None:
-        gains, = loop_gains(self.gains, "yaw")
+        (gains,) = loop_gains(self.gains, "yaw")
         self._yaw = WashoutLoop(self.clock.period, gains, limits("authority", self.authority))
 
     def initial_state(self) -> State:

@@ -80,7 +80,7 @@ class PitchHold(Controller):
         self.configure()
 
     def build(self) -> None:
-        gains, = loop_gains(self.gains, "pitch")
+        (gains,) = loop_gains(self.gains, "pitch")
         self._theta_ref = optional("theta_ref", self.theta_ref)
         self._pitch = pitch_loop(self.clock.period, gains, limits("authority", self.authority))
 
@@ -90,7 +90,8 @@ class PitchHold(Controller):
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         theta, q, theta_ref, off, elev_sat = u[:5]
         elevator, theta_cmd, state = self._pitch.sample(
-            state, theta, q, self._theta_ref, theta_ref, elev_sat, off != 0.0)
+            state, theta, q, self._theta_ref, theta_ref, elev_sat, off != 0.0
+        )
         return [elevator, theta_cmd], state
 
 
@@ -152,8 +153,7 @@ class AltitudeHold(Controller):
     """
 
     measured = ("h", "hdot", "theta", "q")
-    input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5,
-                         "elev_sat": 6}
+    input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5, "elev_sat": 6}
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
 
     def __init__(
@@ -178,8 +178,9 @@ class AltitudeHold(Controller):
     def build(self) -> None:
         altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
         self._h_ref = optional("h_ref", self.h_ref)
-        self._altitude = AltitudeLoop(self.clock.period, altitude, self.hdot_max, self.theta_min,
-                                      self.theta_max)
+        self._altitude = AltitudeLoop(
+            self.clock.period, altitude, self.hdot_max, self.theta_min, self.theta_max
+        )
         self._pitch = pitch_loop(self.clock.period, pitch, limits("authority", self.authority))
 
     def initial_state(self) -> State:
@@ -193,9 +194,11 @@ class AltitudeHold(Controller):
             altitude = AltitudeLoop.START
         else:
             target, hdot_cmd, altitude = self._altitude.sample(
-                altitude, h, hdot, self._h_ref, h_ref, ReferenceLoop.reference(pitch, theta))
+                altitude, h, hdot, self._h_ref, h_ref, ReferenceLoop.reference(pitch, theta)
+            )
         elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, target, 0.0, elev_sat, off != 0.0)
+            pitch, theta, q, target, 0.0, elev_sat, off != 0.0
+        )
         return [elevator, theta_cmd, hdot_cmd], (altitude, pitch)
 
 
@@ -263,7 +266,7 @@ class AirspeedHold(Controller):
         self.configure()
 
     def build(self) -> None:
-        gains, = loop_gains(self.gains, "speed")
+        (gains,) = loop_gains(self.gains, "speed")
         self._vc_ref = optional("vc_ref", self.vc_ref)
         self._speed = SpeedLoop(self.clock.period, gains, limits("authority", self.authority))
 
@@ -273,5 +276,6 @@ class AirspeedHold(Controller):
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         vc, hdot, vc_ref, off, thr_sat = u[:5]
         throttle, vc_cmd, state = self._speed.sample(
-            state, vc, hdot, self._vc_ref, vc_ref, thr_sat, off != 0.0)
+            state, vc, hdot, self._vc_ref, vc_ref, thr_sat, off != 0.0
+        )
         return [throttle, vc_cmd], state
