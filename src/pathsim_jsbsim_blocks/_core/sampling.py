@@ -1,30 +1,30 @@
 """The one mechanism by which blocks sample at a period T.
 
-PathSim evaluates a diagram several times per step: at every solver stage, at the end of the
-step, and again after every event. It evaluates it between runs too, when somebody looks at it, and
-it takes a step anew that was rejected, or that an exception or Ctrl-C has ended. A sampled block
-must act on its sample instants ``t_k = start + k T`` only, and exactly once on each. Two kinds
-exist:
+PathSim evaluates a diagram several times per step: at every solver stage, at the end of the step,
+and again after every event. It also evaluates it between runs (`to_statespace`, plots), and repeats
+a step that was rejected, or that an exception or Ctrl-C has ended. A sampled block must act at its
+sample instants ``t_k = start + k T`` only, and exactly once at each. Two kinds exist:
 
 - `SampledPlant` reads its inputs at t_k, holds them over [t_k, t_k+1) and shows its new outputs
   at t_k+1 (no direct feed-through): the aircraft.
 - `SampledLaw` computes its outputs at t_k from its inputs at t_k and holds them (direct
   feed-through at the sample instants): controllers.
 
-Instants are counted by an integer, never by adding T. What a block has computed is kept under the
-number of its instant, and an evaluation shows what belongs to its time: going back to the start of
-a step shows the values from before it. An instant is over when a step starts at it or after it;
+Instants are counted by an integer, never by adding T. What a block has computed is stored under the
+number of its instant, and an evaluation shows the values of its own time: going back to the start
+of a step shows the values from before it. An instant is over when a step starts at it or after it;
 the clock then goes on to the next one by a single assignment, which no interrupt can split.
 
-A plant acts once and for good. A law may be evaluated several times at one instant, always from
-the state before that instant; the last result counts, so the order of blocks and events does not
-matter.
+A plant acts exactly once per instant. A law may be evaluated several times at one instant, always
+from the state before that instant; the last result counts, so the order of blocks and events does
+not matter.
 
-Blocks act in the resolution of an event, which is always right: it happens in a step only, never
-in a look. But every event costs one more pass through the graph, a fourth of a step. In a fixed
-step without solver stages the first evaluation is the one at the step's end; blocks that are not in
-a subsystem show their outputs there, and need no event. `SampledBlock.one_pass` is the switch.
-A plant may then not act in the evaluation, which could be a look; it acts when the step starts.
+Blocks act when an event is resolved, which is always correct: events are resolved in steps only,
+never by a look at the diagram. But every event costs one more pass through the graph, a quarter of
+a step. In a fixed step without solver stages the first evaluation is the one at the step's end;
+blocks that are not in a subsystem show their outputs there, and need no event.
+`SampledBlock.one_pass` is the switch. A plant may then not act in the evaluation, which could be a
+look; it acts when the step starts.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from ._pathsim import (
 )
 from .checks import number, positive
 
-# s; more samples than these nobody waits for
+# s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
 
 # PathSim resolves the events of a step in the order of their place in it
@@ -232,7 +232,7 @@ class SampledBlock(Block):
         next_ = clock.next
         if t < next_.due_from:
             if t == clock.step_start:
-                # the step is taken anew: its end was not reached, whatever was recorded there
+                # the step is repeated: its end was not reached, whatever was recorded there
                 self._sampled = next_.k - 1
         elif self._sampled < next_.k:
             self._sampled = self._latest(t)

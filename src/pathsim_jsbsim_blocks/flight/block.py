@@ -28,13 +28,13 @@ from .console import capture_console, log
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
 
-# whatever is not finite in the state reaches these within a step
+# any NaN or inf in the state shows up here within one step
 _WATCHED = ("velocities/vt-fps", "position/h-agl-ft", "accelerations/Nz")
 
-# g; no aircraft flies that, but JSBSim's springs throw a crashed one about with some hundreds
+# g; beyond any flyable load factor; ground springs of a crashed model give hundreds
 _CRASH = 50.0
 
-# ft; a centre of gravity lower than this is under the ground, where nothing of JSBSim's stops it
+# ft above the terrain; JSBSim lets a centre of gravity sink below this
 _UNDERGROUND = -1.0
 
 # what the manual pages of the aircraft blocks share
@@ -53,7 +53,7 @@ fill = filler(
     """,
     surroundings="""
     create : dict, optional
-        properties that the model expects from its surroundings (FlightGear), with their values
+        properties that the model expects from its environment (FlightGear), with their values
     record_inputs : bool
         keep the inputs flown (8 bytes per input and sample), which checkpoints need
     allow_network : bool
