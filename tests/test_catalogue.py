@@ -266,6 +266,8 @@ def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # ignored where the tests themselves run in the background
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
@@ -422,7 +424,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
         (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
-        (["run", str(diagram_folder() / "pitch_hold.pvm")], "no Python script"),
+        (["run", str(diagram_folder() / "pitch_hold.pvm")], "is not a Python script"),
         (["trim", "c172"], "did you mean 'c172p'"),
         (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
         (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),

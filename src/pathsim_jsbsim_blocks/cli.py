@@ -7,6 +7,7 @@ import ast
 import contextlib
 import csv
 import dataclasses
+import importlib.util
 import inspect
 import io
 import math
@@ -14,7 +15,7 @@ import os
 import runpy
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -250,14 +251,21 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _list(args: argparse.Namespace) -> None:
+def _studies() -> Mapping[str, Any]:
+    """The studies by name; none where jsbsim is not installed."""
+    if importlib.util.find_spec("jsbsim") is None:
+        return {}
     from .studies import STUDIES
 
+    return STUDIES
+
+
+def _list(args: argparse.Namespace) -> None:
     summaries = {}
     for name in diagram_names():
         text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
         summaries[name] = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
-    for name, study in STUDIES.items():
+    for name, study in _studies().items():
         summaries[name] = "Study: " + (inspect.getdoc(study.table) or "").partition("\n")[0]
     width = max(map(len, summaries))
     for name, summary in summaries.items():
@@ -265,13 +273,11 @@ def _list(args: argparse.Namespace) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from .studies import STUDIES
-
-    if args.name in STUDIES:
+    if args.name in _studies():
         _run_study(args.name, args.save, args.csv)
         return 0
     # a script may change the directory
-    script, csv_file = find_diagram(args.name, STUDIES).absolute(), args.csv
+    script, csv_file = find_diagram(args.name, _studies()).absolute(), args.csv
     if csv_file is not None:
         csv_file = writable("csv", csv_file).absolute()
     status = 0

@@ -61,7 +61,7 @@ def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
         over = threading.Event()
 
         def interrupt(over=over):
-            time.sleep(draw.uniform(0.001, 0.02))
+            time.sleep(draw.uniform(0.001, 0.015))
             if not over.is_set():
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(
                     ctypes.c_ulong(me), ctypes.py_object(KeyboardInterrupt)
@@ -70,7 +70,7 @@ def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
         thread = threading.Thread(target=interrupt)
         try:
             thread.start()
-            sim.run(3.0)
+            sim.run(6.0)
             over.set()
             thread.join()
             sum(range(1000))

@@ -133,6 +133,13 @@ def _names(outputs: Sequence[str]) -> list[str]:
             parameter="outputs",
             value=outputs,
         )
+    for i, name in enumerate(outputs):
+        if not isinstance(name, str):
+            raise ParameterError(
+                f"outputs[{i}] must be a property's name, not {name!r}",
+                parameter="outputs",
+                value=outputs,
+            )
     return list(dict.fromkeys(outputs))
 
 
