@@ -44,13 +44,14 @@ def figure():
 
     drawing = time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
     # the trimmed state, from which the hold departs
-    for ax, value in zip(
+    for ax, value, place in zip(
         drawing.axes[:3],
         (aircraft.trim.theta, aircraft.trim.altitude, aircraft.trim.speed),
+        ((0.35, 0.58), "upper left", "center right"),
         strict=True,
     ):
         ax.axhline(value, color="0.4", linestyle=":", linewidth=1.2, label="trim")
-        ax.legend(loc=(0.35, 0.58), ncols=4, fontsize="small")
+        ax.legend(loc=place, ncols=4, fontsize="small")
     return drawing
 
 
