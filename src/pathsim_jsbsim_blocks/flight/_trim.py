@@ -189,7 +189,8 @@ def trim(
     Raises
     ------
     TrimError
-        if JSBSim finds no trim. The airframe stays usable: the next trim starts from a fresh
+        if JSBSim finds no trim, or not within 10 s of computing with constant-speed propellers
+        (no limit on Windows). The airframe stays usable: the next trim starts from a fresh
         executive (`Airframe.renew`), as does a trim on the ground after any other. This discards
         fuel burnt in between and direct writes to ``airframe.fdm``
     AircraftError
@@ -256,7 +257,7 @@ def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
             f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the atmosphere ends",
         )
     mach = fdm[_STATE["mach"]]
-    if mach >= 1.0 and _propellers(airframe):
+    if mach >= 1.0 and _propellers(airframe, "propeller-rpm"):
         raise _failure(
             airframe,
             condition,
@@ -273,10 +274,10 @@ def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
         )
 
 
-def _propellers(airframe: Airframe) -> int:
-    return sum(
-        airframe.has(f"propulsion/engine[{i}]/propeller-rpm") for i in range(airframe.engines)
-    )
+def _propellers(airframe: Airframe, quantity: str) -> list[float]:
+    """A quantity of each propeller; empty without propellers."""
+    names = (f"propulsion/engine[{i}]/{quantity}" for i in range(airframe.engines))
+    return [airframe.fdm[name] for name in names if airframe.has(name)]
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
@@ -372,10 +373,10 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
-    # with wheels near the ground JSBSim's search may read invalid memory; with several propellers
-    # it may wait minutes for engines that never settle
+    # with wheels near the ground JSBSim's search may read invalid memory; with constant-speed
+    # propellers it may wait minutes for engines that never settle
     near_ground = condition.mode == "ground" or airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
-    if near_ground or _propellers(airframe) > 1:
+    if near_ground or any(_propellers(airframe, "constant-speed-mode")):
         outcome = rehearse(find, _LONGEST_SEARCH)
         if outcome is not Outcome.ENDS:
             raise _failure(
