@@ -38,6 +38,9 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     ParameterError
         if there is neither; the message names the nearest
     """
+    if not isinstance(also, Iterable) or not all(isinstance(n, str) for n in also):
+        raise ParameterError(f"also must be names, not {also!r}", parameter="also", value=also)
+    also = list(also)
     script = as_path("name", name)
     if script.suffix == ".py" and script.is_file():
         return script
@@ -46,7 +49,6 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         raise ParameterError(f"{name!r} is not a Python script (.py)", parameter="name", value=name)
     if name in names:
         return diagram_folder() / f"{name}.py"
-    also = list(also)
     raise ParameterError(
         f"no diagram {'or study ' if also else ''}{name!r}"
         + did_you_mean(nearest(name, names + also)),

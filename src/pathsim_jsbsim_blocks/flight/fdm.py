@@ -210,8 +210,8 @@ class JSBSimFDM(FlightBlock):
     def _connect(self) -> None:
         _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
         _check_ports("output_properties", self.output_properties, self.outputs, self.airframe)
-        self._writers = [self.airframe.writer(name) for name in self.input_properties]
-        self._readers = [self.airframe.reader(name) for name in self.output_properties]
+        self._writers = [self.airframe.writer(name) for name in port_names(self.inputs)]
+        self._readers = [self.airframe.reader(name) for name in port_names(self.outputs)]
 
     def _write(self, u: list[float]) -> None:
         for write, value in zip(self._writers, u, strict=True):
