@@ -7,11 +7,12 @@ quote the ratios, which are medians over repetitions.
 
 import air_data
 import autopilot
+import batches
 import fdm_block
 import import_time
 import trim_sweep
 from report import HEADER
 
 print(HEADER)
-for benchmark in (fdm_block, autopilot, air_data, trim_sweep, import_time):
+for benchmark in (fdm_block, autopilot, air_data, trim_sweep, batches, import_time):
     benchmark.rows()

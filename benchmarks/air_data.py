@@ -49,7 +49,7 @@ def compare(what, peer, functions, unit="us", calls=2000, per_call=1, faster=Non
             for _ in range(calls):
                 function()
             times.append((time.perf_counter() - start) / (calls * per_call))
-    row(what, peer, *samples, unit, faster and 1 / faster)
+    row(what, peer, *samples, unit, faster and 1 / faster, peer.partition(",")[0])
 
 
 def rows():

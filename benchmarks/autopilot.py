@@ -2,6 +2,9 @@
 
     python benchmarks/autopilot.py
 
+Then the cost of a step under `fly`: of a c172p with `PitchHold` against a hand-written JSBSim loop
+with the same control law, and of the diagram autopilot_mission against `sim.run`.
+
 One process flies the same c172p in turn under both: altitude hold over rate of climb and pitch
 angle, heading hold over roll angle, autothrottle, yaw damper, 120 Hz, one Scope. The core blocks
 are Adder, Amplifier, Clip, RateLimiter, AntiWindupPID, Function and a Butterworth high-pass; they
@@ -9,6 +12,7 @@ have neither set-point weights nor switches nor bumpless transfer. Both climb 10
 20 deg, which is checked.
 """
 
+import math
 import time
 
 from pathsim import Connection, Simulation
@@ -25,10 +29,12 @@ from pathsim.blocks import (
 )
 from report import HEADER, row
 
-from pathsim_jsbsim_blocks import Aircraft, Autopilot
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, PitchHold, fly
+from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.control.gains import GAINS
 
 T = 1 / 120
+DEG = 180.0 / math.pi
 SECONDS = 60.0
 REPETITIONS = 5
 CLIMB, TURN = 100.0, 20.0  # ft, deg
@@ -138,19 +144,81 @@ def time_flight(build):
     return cost
 
 
+def time_pitch_hold():
+    """Seconds per step of a diagram that holds the pitch angle at 3 deg, and where it ends."""
+    plane, hold, scope = cruise(), PitchHold("c172p", theta_ref=3.0), Scope()
+    sim = Simulation(
+        [plane, hold, scope],
+        [
+            Connection(plane["theta", "q", "elev_sat"], hold["theta", "q", "elev_sat"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(plane["theta", "alpha", "h", "vc"], scope[:4]),
+        ],
+        dt=T,
+        log=False,
+    )
+    start = time.perf_counter()
+    fly(sim, SECONDS)
+    cost = (time.perf_counter() - start) / (SECONDS / T)
+    return cost, float(plane.outputs["theta"])
+
+
+def time_hand_written_loop():
+    """Seconds per step of the same flight without PathSim and without our blocks."""
+    trimmed, gains, count = cruise(), GAINS["c172p"].pitch, round(SECONDS / T)
+    fdm = trimmed.fdm
+    nodes = fdm.get_property_manager()
+
+    def reader(name):
+        return nodes.get_node(name).get_double_value
+
+    theta, q = reader("attitude/theta-deg"), reader("velocities/q-rad_sec")
+    alpha, h = reader("aero/alpha-deg"), reader("position/h-sl-ft")
+    vc = reader("velocities/vc-kts")
+    elevator = nodes.get_node("fcs/elevator-cmd-norm").set_double_value
+    trim, run, rows = trimmed.trim.elevator, fdm.run, []
+    step, ki = gains.ramp * T, gains.Ki * T
+    unwind = T / max(gains.Kp / gains.Ki, 2 * T)
+    reference, damping = theta(), gains.Kr * DEG * q()
+    integral, passing, fade = gains.Kp * (1 - gains.b) * reference, damping, math.exp(-T / 0.3)
+    start = time.perf_counter()
+    for k in range(count):
+        y = theta()
+        rows.append((k * T, y, alpha(), h(), vc()))
+        if k:
+            reference += min(max(3.0 - reference, -step), step)
+        v = gains.Kp * (gains.b * reference - y) + integral + passing - gains.Kr * DEG * q()
+        u = min(max(v, -1.0), 1.0)
+        integral += ki * (reference - y) + unwind * (u - v)
+        passing *= fade
+        elevator(min(max(trim - u, -1.0), 1.0))
+        run()
+    return (time.perf_counter() - start) / count, theta()
+
+
+def time_mission(run):
+    """Seconds per step of the diagram autopilot_mission."""
+    sim = load_diagram("autopilot_mission").sim
+    start = time.perf_counter()
+    run(sim, SECONDS)
+    return (time.perf_counter() - start) / (SECONDS / sim.dt)
+
+
 def rows():
-    ours, core = [], []
+    ours, core, held, hand, flown, ran = [], [], [], [], [], []
     for _ in range(REPETITIONS):
         ours.append(time_flight(one_block))
         core.append(time_flight(core_blocks))
-    row(
-        "Autopilot: a step on autopilot",
-        f"{len(core_blocks()[0].blocks) - 2} core blocks",
-        ours,
-        core,
-        "us",
-        0.25,
-    )
+        (diagram, theta), (loop, same) = time_pitch_hold(), time_hand_written_loop()
+        assert abs(theta - same) < 1e-6
+        held.append(diagram)
+        hand.append(loop)
+        flown.append(time_mission(fly))
+        ran.append(time_mission(Simulation.run))
+    peer = f"{len(core_blocks()[0].blocks) - 2} core blocks"
+    row("Autopilot: a step on autopilot", peer, ours, core, "us", 0.25, "pathsim")
+    row("Aircraft + PitchHold: a step, fly", "hand-written loop", held, hand, "us", 4.0, "jsbsim")
+    row("autopilot mission of the 737: a step, fly", "sim.run", flown, ran, "us", None, "pathsim")
 
 
 if __name__ == "__main__":

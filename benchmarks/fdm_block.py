@@ -6,7 +6,8 @@ One process flies the same diagram in turn with `JSBSimFDM`, with pathsim-flight
 with a block that does nothing ("empty") and with one that does the least an aircraft can ("bare":
 write, run, read), and beside it a plain JSBSim loop without PathSim. The diagram: 4 inputs, 12
 outputs, a proportional pitch law, one Scope, 120 Hz. Each figure is the median over the repetitions
-of the time per JSBSim step; the ratios are formed within a repetition.
+of the time per JSBSim step; the ratios are formed within a repetition. The rows under `fly` say so;
+the others are under `sim.run`.
 
 The bare block shows what the target against "empty diagram + plain loop" can be: JSBSim and PathSim
 evict each other from the processor's caches, so the two together take longer than the sum of both
@@ -23,7 +24,7 @@ from pathsim.utils.register import Register
 from pathsim_flight.jsbsim import JSBSimWrapper
 from report import HEADER, row
 
-from pathsim_jsbsim_blocks import JSBSimFDM
+from pathsim_jsbsim_blocks import JSBSimFDM, fly
 
 T = 1 / 120
 STEPS = 12_000
@@ -110,11 +111,11 @@ def diagram(block, T=T, **options):
     )
 
 
-def time_diagram(block, steps=STEPS, **options):
+def time_diagram(block, steps=STEPS, run=Simulation.run, **options):
     """Seconds per step."""
     sim = diagram(block, **options)
     start = time.perf_counter()
-    sim.run(steps * sim.dt)
+    run(sim, steps * sim.dt)
     return (time.perf_counter() - start) / steps
 
 
@@ -138,26 +139,41 @@ def time_plain_loop(steps=STEPS, dt=T):
 
 def rows():
     jsbsim.FGJSBBase().debug_lvl = 0
-    ours, wrapper, bare, separate, plain, slow = [], [], [], [], [], []
+    ours, wrapper, bare, separate, plain = [], [], [], [], []
+    flown, bare_flown, slow = [], [], []
     for _ in range(REPETITIONS):
         ours.append(time_diagram(JSBSimFDM))
         wrapper.append(time_diagram(JSBSimWrapper))
         bare.append(time_diagram(Bare))
         plain.append(time_plain_loop())
         separate.append(time_diagram(Empty) + plain[-1])
-        slow.append(time_diagram(JSBSimFDM, STEPS // 4, T=4 * T, substeps=4) / 4)
-    row("FDM block: a step of the pitch loop", "JSBSimWrapper", ours, wrapper, "us", 0.65)
-    row("FDM block: a step of the pitch loop", "bare block", ours, bare, "us")
+        flown.append(time_diagram(JSBSimFDM, run=fly))
+        bare_flown.append(time_diagram(Bare, run=fly))
+        slow.append(time_diagram(JSBSimFDM, STEPS // 4, run=fly, T=4 * T, substeps=4) / 4)
+    step = "FDM block: a step of the pitch loop"
+    row(step, "JSBSimWrapper", ours, wrapper, "us", 0.65, "pathsim-flight")
+    row(step, "bare block", ours, bare, "us", package="pathsim")
+    row(step, "empty diagram + plain loop", ours, separate, "us", 1.15, "pathsim")
     row(
-        "FDM block: a step of the pitch loop",
+        "bare block: the same step",
         "empty diagram + plain loop",
-        ours,
+        bare,
         separate,
         "us",
-        1.15,
+        None,
+        "pathsim",
     )
-    row("bare block: the same step", "empty diagram + plain loop", bare, separate, "us")
-    row("FDM block: 30 Hz, 4 substeps, per JSBSim step", "plain loop", slow, plain, "us", 2.2)
+    row(f"{step}, fly", "bare block, fly", flown, bare_flown, "us", 1.05, "pathsim")
+    row(f"{step}, fly", "plain loop", flown, plain, "us", package="jsbsim")
+    row(
+        "FDM block: 30 Hz, 4 substeps, per JSBSim step, fly",
+        "plain loop",
+        slow,
+        plain,
+        "us",
+        1.5,
+        "jsbsim",
+    )
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ def rows():
             | {"two cores, cold": seconds(sweep, 2), "two cores, warm": seconds(sweep, 2)}
         )
     loop, one, cold, warm = ([t[name] for t in times] for name in times[0])
-    row("680-point trim map on one core", "published loop", one, loop, "s", 1.0)
+    row("680-point trim map on one core", "published loop", one, loop, "s", 1.0, "jsbsim")
     row("680-point trim map on two cores", "one core", warm, one, "s", 1 / 1.8)
     row("the same with the workers' start", "one core", cold, one, "s")
 

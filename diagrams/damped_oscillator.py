@@ -14,7 +14,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Amplifier, Integrator, Scope
 from pathsim.solvers import RK4
 
-DURATION = 15.0  # s
+DURATION = 20.0  # s
 
 wn = 2.0  # rad/s
 zeta = 0.25

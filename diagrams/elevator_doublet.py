@@ -57,7 +57,10 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     _, alpha = signal(scope, "angle of attack")
-    print(f"weight {aircraft.trim.weight:,.0f} lb, CG at x = {aircraft.trim.cg_x:.1f} in")
+    print(
+        f"weight {aircraft.trim.weight:,.0f} lb, empty "
+        f"{aircraft.fdm['inertia/empty-weight-lbs']:,.0f} lb, CG at x = {aircraft.trim.cg_x:.1f} in"
+    )
     print(
         f"trimmed: alpha {aircraft.trim.alpha:.4f} deg, "
         f"elevator {aircraft.trim.elevator_rad * 180 / math.pi:.4f} deg "

@@ -47,11 +47,16 @@ def figure():
 
 
 if __name__ == "__main__":
+    from importlib.metadata import version
+
     from pathsim_jsbsim_blocks.plots import show
 
+    print(f"JSBSim {version('jsbsim')}, PathSim {version('pathsim')}, {aircraft.T:.6f} s a step")
     print(f"throttle    {100 * aircraft.trim.throttle[0]:8.3f} %")
     print(f"pitch trim  {100 * aircraft.trim.pitch_trim:8.4f} %")
     print(f"alpha       {aircraft.trim.alpha:8.2f} deg")
+    print(f"roll angle  {aircraft.outputs['phi']:8.2f} deg")
+    print(f"airspeed    {aircraft.outputs['vt'] * 3600 * 0.3048 / 1852:8.2f} KTAS")
     sim.run(DURATION)
     print(
         f"after {sim.time:.3g} s: altitude {aircraft.outputs['h']:.4f} ft, "

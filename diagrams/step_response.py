@@ -16,7 +16,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Amplifier, Integrator, Scope, Source, StepSource
 from pathsim.solvers import RK4
 
-DURATION = 10.0  # s
+DURATION = 15.0  # s
 
 tau = 2.0  # s
 

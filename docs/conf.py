@@ -7,14 +7,14 @@ copyright = "pathsim-jsbsim-blocks contributors"
 version = release = installed_version(project)
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx_copybutton",
     "sphinx_design",
 ]
-exclude_patterns = ["generate.py", "screenshots.py"]
+nb_execution_mode = "off"  # docs/notebooks.py executes them
 
 html_theme = "furo"
 html_title = f"{project} {version}"

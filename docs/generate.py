@@ -1,4 +1,4 @@
-"""Make what is generated in the documentation: the gallery, its figures, the table of the fleet.
+"""Make what is generated in the documentation: the gallery, its figures, the tables.
 
 python docs/generate.py
 """
@@ -6,18 +6,29 @@ python docs/generate.py
 import ast
 import contextlib
 import io
+import json
 import os
+import re
 import runpy
 import tempfile
+import warnings
 from importlib.metadata import version
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("agg")
 
-from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import Aircraft, BlocksError, DoubletSource, LinearisationError, fly
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram, load_diagram
+from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
+from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
 from pathsim_jsbsim_blocks.flight.fleet import HEADER, fleet_table, format_row
+from pathsim_jsbsim_blocks.plots import against
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
@@ -51,6 +62,22 @@ def study_pictures():
             shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
 
 
+def climbs():
+    """Both climbs of the catalogue in one figure."""
+    flights = {"first trim held": "fixed_trim_climb", "by schedule": "scheduled_climb"}
+    diagrams = {flight: load_diagram(name) for flight, name in flights.items()}
+    for diagram in diagrams.values():
+        diagram.sim.run(diagram.DURATION)
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder, "climbs.png")
+        against(
+            "altitude",
+            {flight: diagram.flight for flight, diagram in diagrams.items()},
+            title="A-4: climb from a trim at 300 KCAS and 5 deg",
+        ).savefig(drawn, dpi=110)
+        shrink(drawn, DOCS / "pictures" / drawn.name)
+
+
 def shrink(source, target, width=800):
     """Write a picture small enough for a README."""
     from PIL import Image
@@ -65,7 +92,7 @@ def shrink(source, target, width=800):
 def gallery():
     """One section for each diagram: what it shows, its figure, its model, its script."""
     parts = [GALLERY_INTRODUCTION]
-    for name in diagram_names():
+    for name in gallery_names():
         summary, _, rest = ast.get_docstring(
             ast.parse(find_diagram(name).read_text(encoding="utf-8"))
         ).partition("\n")
@@ -77,7 +104,7 @@ def gallery():
 {rest.strip().replace("``", "`")}
 
 ![Time histories of {name}](pictures/{name}.png)
-{track(name)}
+{track(name)}{family(name)}
 :::{{dropdown}} The diagram in PathView
 [![The diagram {name} in PathView](pictures/{name}_pathview.png)](pictures/{name}_pathview.png)
 :::
@@ -91,6 +118,21 @@ def gallery():
     return "\n".join(parts)
 
 
+def gallery_names():
+    """The diagrams with a section of their own: the check cases share that of the first."""
+    return [n for n in diagram_names() if not n.startswith("check_case_") or n.endswith("_01")]
+
+
+def family(name):
+    """Where the diagrams are that share a section."""
+    if not name.startswith("check_case_"):
+        return ""
+    return (
+        "\nThe other nine are `check_case_02` to `check_case_10`; "
+        "[how far to trust it](accuracy.md) shows them all.\n"
+    )
+
+
 def track(name):
     """The ground track of a diagram that draws one."""
     file = f"pictures/{name}_track.png"
@@ -98,28 +140,251 @@ def track(name):
 
 
 def fleet_page():
-    """How every aircraft that jsbsim brings does in level flight."""
+    """How every aircraft that jsbsim brings does in level flight or a glide."""
     rows = list(fleet_table())
-    trims = sum(row.error is None for row in rows)
+    trims = sum(row.verdict.startswith("trims") for row in rows)
+    glides = sum(row.verdict.startswith("glides") for row in rows)
     departs = sum("departs" in row.verdict for row in rows)
     return (
         f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
-        f"{trims} of them trim in level flight, {departs} of these do not stay there.\n"
+        f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "
+        f"{departs} of these leave their path by more than 20 ft.\n"
         "Each is trimmed by JSBSim where `level_flight` of "
-        "`pathsim_jsbsim_blocks.flight.fleet` finds it a condition\n"
-        "(gear up where it retracts, fuel frozen) and flown for 30 s with its "
-        "controls held; the drift is its\nchange of altitude. `pathsim-jsbsim aircraft "
-        f"--table` reprints the table.\n\n{HEADER}"
-        + "".join(f"{format_row(row)}\n" for row in rows)
+        "`pathsim_jsbsim_blocks.flight` finds it a condition\n"
+        "(gear up where it retracts, fuel frozen), or else by the Newton search, and flown for "
+        "30 s with its\ncontrols held; the drift is its height above the path then. A glide ends "
+        "in denser air, so it drifts too.\n`pathsim-jsbsim aircraft --table` reprints the table."
+        f"\n\n{HEADER}" + "".join(f"{format_row(row)}\n" for row in rows)
     )
 
 
+# what the tables of the check cases put together
+GROUPS = {
+    "altitude": ("ft", ["altitude"]),
+    "latitude, longitude": ("deg", ["latitude", "longitude"]),
+    "true airspeed": ("kt", ["true airspeed"]),
+    "attitude": ("deg", ["roll angle", "pitch angle", "heading"]),
+    "rates": ("deg/s", ["roll rate", "pitch rate", "yaw rate"]),
+}
+
+
+def check_cases(integrators="precise"):
+    """The deviations of each check case, by quantity."""
+    return {
+        case: {d.quantity: d for d in compare(case, *fly_case(case, integrators=integrators))}
+        for case in CASES
+    }
+
+
+def worst(deviations, quantities):
+    """Largest distance from simulator 05, with two digits; 0 for rounding."""
+    largest = max(deviations[q].from_05 for q in quantities)
+    return f"{largest:.2g}" if largest > 1e-12 else "0"
+
+
+def trust_table(precise):
+    """One row for each kind of quantity: the worst of all cases."""
+    rows = ["| quantity | worst distance | limit | in NASA's band |", "|---|---|---|---|"]
+    for name, (unit, quantities) in GROUPS.items():
+        found = [found[q] for found in precise.values() for q in quantities]
+        distance = max(d.from_05 for d in found)
+        inside = sum(d.passes for d in found)
+        rows.append(
+            f"| {name} | {distance:.2g} {unit} | {found[0].limit_05:g} {unit} "
+            f"| {inside} of {len(found)} |"
+        )
+    return "\n".join(rows)
+
+
+def cases_table(found):
+    """One row for each check case: distances from simulator 05, and how much passes."""
+    head = " | ".join(f"{name} [{unit}]" for name, (unit, _) in GROUPS.items())
+    rows = [f"| | check case | {head} | pass |", "|---" * (len(GROUPS) + 3) + "|"]
+    for case, deviations in found.items():
+        cells = " | ".join(worst(deviations, quantities) for _, quantities in GROUPS.values())
+        inside = sum(d.passes for d in deviations.values())
+        rows.append(f"| {case} | {CASES[case]} | {cells} | {inside} of {len(deviations)} |")
+    return "\n".join(rows)
+
+
+def doublet(hz, integrators):
+    """Angle of attack and pitch angle of a c172p in an elevator doublet, at 30 Hz."""
+    plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
+    source, scope = DoubletSource(amplitude=0.1, start=1.0), Scope()
+    wires = [
+        Connection(source, plane["elevator"]),
+        Connection(plane["alpha"], scope[0]),
+        Connection(plane["theta"], scope[1]),
+    ]
+    sim = Simulation([source, plane, scope], wires, dt=1 / hz, log=False)
+    fly(sim, 12.0)
+    return scope.read()[1][:, :: hz // 30]
+
+
+def doublet_table():
+    """Errors of both presets in a doublet, against 1920 Hz."""
+    exact = doublet(1920, "precise")
+    rows = [
+        "| rate | alpha, default | alpha, precise | theta, default | theta, precise |",
+        "|---|---|---|---|---|",
+    ]
+    for hz in (30, 60, 120, 480):
+        default, precise = (
+            np.abs(doublet(hz, preset) - exact).max(axis=1) for preset in ("default", "precise")
+        )
+        cells = [default[0], precise[0], default[1], precise[1]]
+        rows.append(f"| {hz} Hz | " + " | ".join(f"{x:.3f} deg" for x in cells) + " |")
+    return "\n".join(rows)
+
+
+def put(page, name, text):
+    """Put a generated text in its place on a page."""
+    place = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", re.DOTALL)
+    before = page.read_text(encoding="utf-8")
+    assert len(place.findall(before)) == 1, f"{page} has no place for {name}"
+    page.write_text(place.sub(lambda m: m[1] + text + m[2], before), encoding="utf-8")
+
+
+def accuracy():
+    """The tables of the check cases and of the integrators."""
+    precise = check_cases()
+    page = DOCS / "accuracy.md"
+    put(DOCS.parent / "README.md", "check cases", trust_table(precise))
+    put(page, "check cases", cases_table(precise))
+    put(page, "check cases by default", cases_table(check_cases("default")))
+    put(page, "doublet", doublet_table())
+
+
+CORES = (2, 64, 1000)
+
+
+def scale_table():
+    """What batches cost: `benchmarks/batches.json`, and what follows from it."""
+    measured = json.loads((DOCS.parent / "benchmarks" / "batches.json").read_text(encoding="utf-8"))
+    largest = measured["batches"][-1]
+    of_one_core = largest["processor_s"] / largest["runs"]
+    busy = largest["processor_s"] < 0.8 * largest["wall_s"] * measured["workers"]
+    kB = 1e3 * largest["journal_MB"] / largest["runs"]
+    table = [
+        f"Measured on {measured['date']} with {measured['workers']} workers (joblib "
+        f"{measured['joblib']}) on {measured['processor']},\nPython {measured['python']}, jsbsim "
+        f"{measured['jsbsim']}, PathSim {measured['pathsim']}: {1 / of_one_core:.1f} flights per "
+        f"second and core. A worker takes {measured['start_s']:.1f} s\nto start, and "
+        f"{measured['worker_MB']} MB of memory.\n\n"
+        f"| flights | {' | '.join(f'{cores} cores' for cores in CORES)} | journal |\n"
+        f"|--:|{'--:|' * len(CORES)}--:|\n"
+    ]
+    for batch in measured["batches"]:
+        cells = {cores: "" for cores in CORES} | {measured["workers"]: duration(batch["wall_s"])}
+        table.append(f"| {batch['runs']:,} | {' | '.join(cells.values())} | ")
+        table.append(f"{batch['journal_MB']:.2g} MB |\n")
+    for runs in (10**5, 10**7):
+        times = [duration(measured["start_s"] + runs * of_one_core / cores) for cores in CORES]
+        table.append(f"| *{runs:,}* | *{'* | *'.join(times)}* | *{runs * kB / 1e3:,.0f} MB* |\n")
+    table.append(
+        "\nRows in italics are not measured: they follow from the processor time of the largest "
+        "batch, with as many\nflights on each core."
+        + " The machine was busy with other work: the measured times are too long."
+        * busy
+    )
+    return "".join(table)
+
+
+def duration(seconds):
+    for unit, size in (("days", 86400), ("h", 3600), ("min", 60)):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.{1 if seconds < 10 * size else 0}f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+MODES_HEADER = """\
+| aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | remark |
+|---|---|---|---|--:|--:|--:|---|
+"""
+
+
+def modes_page():
+    """The natural modes of every aircraft that trims in level flight."""
+    lines = []
+    for name in aircraft_names():
+        try:
+            flight = level_flight(name)
+        except BlocksError:
+            continue
+        lines.append(modes_row(name, flight))
+    return (
+        "# The fleet's modes\n\nLinear models (`Aircraft.linear_model`, flown) of "
+        "aircraft that trim in level flight where\n[the fleet's table](fleet.md) says, with jsbsim "
+        f"{version('jsbsim')}. Oscillations are given as natural frequency in rad/s / damping "
+        "ratio,\nreal poles in 1/s. The doublet error is the largest of theta and q (elevator), "
+        "phi and p (aileron), beta and r\n(rudder) after a doublet of 0.01 of travel, 1 s and "
+        "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
+        f"An error above 5 % means that the aircraft is not linear in that range.\n\n{MODES_HEADER}"
+        + "".join(lines)
+    )
+
+
+def modes_row(name, flight):
+    def plane():
+        return Aircraft(name, condition=flight.condition, create=flight.create)
+
+    try:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            model = plane().linear_model()
+    except LinearisationError as error:
+        reason = str(error).partition(": ")[2].replace("|", "/")
+        return f"| {name} | | | | | | | {reason} |\n"
+    modes = model.modes()
+
+    def cell(name):
+        found = [m for m in modes if m.name == name]
+        return ", ".join(
+            f"{m.frequency:.3g} / {m.damping:.2f}" if m.oscillatory else f"{m.pole.real:.3g}"
+            for m in found
+        )
+
+    worst, where = doublet_error(plane, model)
+    remark = "; ".join(
+        str(w.message).partition(": ")[2].partition(". ")[0]
+        for w in said
+        if "not linear" in str(w.message)
+    )
+    cells = [cell(x) for x in ("short period", "phugoid", "Dutch roll", "roll", "spiral")]
+    return f"| {name} | {' | '.join(cells)} | {worst:.1%} ({where}) | {remark} |\n"
+
+
+def doublet_error(plane, model):
+    """The largest relative rms error after a doublet on each surface, and where it is."""
+    still, errors = flown(plane, np.zeros((1200, 4))), {}
+    for port, outputs in enumerate((("theta", "q"), ("phi", "p"), ("beta", "r"))):
+        u = np.zeros((1200, 4))
+        u[3:123, port], u[123:243, port] = 0.01, -0.01
+        response, predicted = flown(plane, u) - still, model.simulate(u) - model.y0
+        for output in outputs:
+            i = model.outputs.index(output)
+            missed = ((response - predicted)[:, i] ** 2).mean()
+            errors[output] = (missed / (response[:, i] ** 2).mean()) ** 0.5
+    where = max(errors, key=errors.get)
+    return errors[where], where
+
+
+def flown(plane, u):
+    block = plane()
+    y = [block.outputs.to_array()]
+    return np.array(y + [block.advance(k, row) for k, row in enumerate(u.tolist(), 1)])
+
+
 def main():
+    (DOCS / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
+    accuracy()
+    put(DOCS / "scale.md", "batches", scale_table())
     (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
     for name in diagram_names():
         picture(name)
     study_pictures()
+    climbs()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Take the gallery's screenshots: every diagram as PathView shows it. Needs Chromium.
+"""Take the screenshots: every diagram as PathView shows it, and a flight report. Needs Chromium.
 
 python docs/screenshots.py [NAME ...]
 """
@@ -9,10 +9,11 @@ import tempfile
 import threading
 from pathlib import Path
 
-from generate import DOCS, shrink
+from generate import DOCS, gallery_names, shrink
 from playwright.sync_api import sync_playwright
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks import cli
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
 from pathsim_jsbsim_blocks.pathview import pvm
 from pathsim_jsbsim_blocks.pathview.server import Server
 
@@ -20,6 +21,8 @@ LEFT, TOP, MARGIN = 60, 40, 40  # px: PathView's side bar and top bar, room roun
 SMALLEST = 1100, 700  # px
 WIDEST = 2400  # px
 ZOOM = 1.6  # at which port labels are easy to read; less where the diagram would get too wide
+
+REPORT = "autopilot_mission"  # the diagram whose flight report is shown
 
 # PathView's own "fit" considers blocks only, so wires around them would be cut off
 BOUNDS = """() => {
@@ -66,6 +69,23 @@ def take(page, target):
         shrink(shot, target, width=size[0])
 
 
+def take_report(browser):
+    """A flight report, halfway into the flight's turn."""
+    with tempfile.TemporaryDirectory() as folder:
+        file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
+        cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
+        page = browser.new_page(viewport={"width": 1280, "height": 760})
+        page.goto(file.as_uri())
+        page.wait_for_selector("body[data-ready]", timeout=60_000)
+        page.evaluate(
+            "t => { const s = document.getElementById('time'); s.value = t; s.oninput() }", 80
+        )
+        page.wait_for_timeout(2000)
+        page.screenshot(path=shot)
+        page.close()
+        shrink(shot, DOCS / "pictures" / "flight_report.png", width=1280)
+
+
 def main(names):
     models = {f"{n}.pvm": pvm.read(diagram_folder() / f"{n}.pvm") for n in names}
     with Server(models, 0) as server, sync_playwright() as playwright:
@@ -84,8 +104,10 @@ def main(names):
             page.wait_for_timeout(1000)
             take(page, DOCS / "pictures" / f"{name}_pathview.png")
             page.close()
+        if REPORT in names:
+            take_report(browser)
         browser.close()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or diagram_names())
+    main(sys.argv[1:] or gallery_names())

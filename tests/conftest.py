@@ -9,6 +9,12 @@ settings.register_profile("thorough", max_examples=500, deadline=None, derandomi
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "quick"))
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--screenshots", metavar="FOLDER", help="take the pictures of docs/drawing.md there"
+    )
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _state_of_the_tests(tmp_path_factory):
     """``export`` remembers what it wrote: not in the folder of the user who runs the tests."""

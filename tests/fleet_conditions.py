@@ -77,6 +77,22 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "ZLT-NT": "no convergence",
 }
 
+# trimmed by the Newton search only: the mode, KCAS
+BY_NEWTON = {
+    "B17": ("glide", 166),
+    "C130": ("glide", 163),
+    "dr1": ("full", 48),
+    "fokker50": ("glide", 144),
+    "L410": ("glide", 143),
+    "p51d": ("glide", 160),
+    "pc7": ("full", 136),
+    "SGS": ("glide", 50),
+    "sgs126": ("glide", 45),
+    "sgs233": ("glide", 57),
+    "Shuttle": ("glide", 350),
+    "X15": ("glide", 232),
+}
+
 
 def setup(aircraft):
     """Properties as a plain JSBSim loop writes them between loading and run_ic.

@@ -14,6 +14,16 @@ def first(cases, count=1):
     ]
 
 
+def families_once(names):
+    """Diagram names for an expensive test: of the check cases, which are built alike, the first."""
+    return [
+        pytest.param(n, marks=pytest.mark.long)
+        if n.startswith("check_case_") and n != "check_case_01"
+        else n
+        for n in names
+    ]
+
+
 def bounded(usual, full):
     """The usual number, or the full one where ``PATHSIM_JSBSIM_LONG`` is ``full``."""
     return full if os.environ.get("PATHSIM_JSBSIM_LONG") == "full" else usual

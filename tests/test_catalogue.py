@@ -429,6 +429,9 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
         (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),
         (["trim", "737", "--speed", "100"], "alpha ran to the end"),
+        (["modes", "c172p", "--method", "flow"], "did you mean 'flown'"),
+        (["modes", "c172p", "--mode", "ground"], "it is not in steady flight"),
+        (["modes", "c172p", "--method", "algebraic", "--category", "D"], "must be one of 'A'"),
         (["properties", "c172p", "theta-dg"], "theta-deg"),
     ],
 )
@@ -507,3 +510,14 @@ def test_aircraft_lists_all_bundled_models(capsys):
 def test_find_diagram_names_the_nearest():
     with pytest.raises(ParameterError, match="van_der_pol"):
         find_diagram("vanderpol")
+
+
+def test_modes_are_printed_with_their_levels(tmp_path, capsys):
+    arguments = ["c172p", "--speed", "90", "--method", "algebraic", "--class", "I"]
+    saved, figure = tmp_path / "model.json", tmp_path / "poles.png"
+    assert main(["modes", *arguments, "--json", str(saved), "--save", str(figure)]) == 0
+    out = capsys.readouterr().out
+    for text in ("short period", "phugoid", "Dutch roll", "roll", "spiral", "level 1 (3.2.2.1.2)"):
+        assert text in out
+    assert saved.stat().st_size > 1000
+    assert figure.stat().st_size > 10_000

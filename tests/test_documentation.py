@@ -10,9 +10,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks.catalogue import find_diagram
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
 
@@ -32,11 +33,11 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
     plt.close("all")
 
 
-# test_workers has a cluster and a batch in each run of the tests
+# test_workers has sweeps, a cluster and a batch in each run of the tests
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(p, id=p.name, marks=pytest.mark.long if p.name == "studies.md" else ())
+        pytest.param(p, id=p.name, marks=pytest.mark.long if "stud" in p.name else ())
         for p in PAGES
         if blocks(p, "python")
     ],
@@ -89,12 +90,12 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
     load = importlib.import_module("pathsim_jsbsim_blocks.pathview._view")._load
     monkeypatch.setattr(
         "pathsim_jsbsim_blocks.pathview.view",
-        lambda target, port, browser, **trust: shown.append(load(target, **trust)),
+        lambda target, port, browser, **trust: shown.append(target and load(target, **trust)),
     )
     monkeypatch.syspath_prepend(tmp_path / "site")
     for number, words in enumerate(map(shlex.split, session), 1):
-        _, command, target, *options = words
-        target = tmp_path / target
+        _, command, *options = words
+        target = tmp_path / options[0] if options else tmp_path
         if target.suffix and not target.exists():
             target.write_bytes(
                 find_diagram("step_response").with_suffix(target.suffix).read_bytes()
@@ -107,7 +108,7 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
         assert main(words[1:]) == 0
         new = set(tmp_path.iterdir()) - before
         assert len(new) == (command != "view"), f"command {number} writes {new}"
-    assert len(shown) == sum(" view " in command for command in session)
+    assert len(shown) == sum(command.split()[1] == "view" for command in session)
 
 
 def test_the_first_two_commands_set_up_an_environment_of_their_own():
@@ -129,6 +130,31 @@ def test_links_and_pictures_are_there(page):
             assert (page.parent / path).exists(), path
 
 
+def test_the_readme_names_every_block():
+    text = PAGES[0].read_text(encoding="utf-8")
+    conversions = r"(CAS|EAS|TAS|Mach)to(CAS|EAS|TAS|Mach)"  # "all twelve"
+    missing = [
+        n
+        for n in package.__all__
+        if isinstance(o := getattr(package, n), type) and issubclass(o, Block)
+        if not re.fullmatch(conversions, n) and f"`{n}`" not in text
+    ]
+    assert missing == []
+
+
+def test_every_published_diagram_is_mapped_to_its_notebook():
+    follow = [
+        n
+        for n in diagram_names()
+        if "published JSBSim/PathSim notebook" in find_diagram(n).read_text(encoding="utf-8")
+    ]
+    page = (ROOT / "docs" / "published-examples.md").read_text(encoding="utf-8")
+    table = page.partition("\n## ")[0]
+    assert [n for n in diagram_names() if f"`{n}`" in table] == follow
+    readme = PAGES[0].read_text(encoding="utf-8")
+    assert f"\n{len(follow)} of the {len(diagram_names())} diagrams follow" in readme
+
+
 MODULES = [
     m.name
     for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
@@ -145,12 +171,22 @@ def test_the_block_reference_has_every_public_name():
     text = "".join(p.read_text(encoding="utf-8") for p in (ROOT / "docs" / "reference").glob("*"))
     public = [
         n
-        for n, o in vars(package).items()
-        if isinstance(o, type)
-        and o.__module__.startswith(package.__name__)
-        and not issubclass(o, Exception)
+        for n in package.__all__
+        if isinstance(o := getattr(package, n), type) and not issubclass(o, Exception)
     ]
     assert [n for n in public if f"autoclass:: {n}\n" not in text] == []
+
+
+def test_the_block_reference_finds_its_names():
+    # automodule also sets the module that bare names are looked up in
+    for page in sorted((ROOT / "docs" / "reference").glob("*.rst")):
+        module = ""
+        for directive, name in re.findall(r"^\.\. (\w+):: (\S+)$", page.read_text("utf-8"), re.M):
+            if directive in ("currentmodule", "module", "automodule"):
+                module = name
+            elif directive.startswith("auto"):
+                path = name if name.startswith(f"{package.__name__}.") else f"{module}.{name}"
+                pkgutil.resolve_name(path)
 
 
 def test_there_are_docstring_examples():
@@ -164,3 +200,4 @@ def test_generated_pages_are_current(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     generate = importlib.import_module("generate")
     assert generate.gallery() == (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    assert generate.scale_table() in (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")

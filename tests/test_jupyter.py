@@ -2,7 +2,7 @@
 
 import pytest
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
@@ -41,3 +41,9 @@ def test_a_notebook_draws_each_figure_once_and_writes_no_file(tmp_path):
     ]
     assert drawn == [figures for _, figures in CELLS]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_diagrams_take_their_figures_from_plots():
+    # a figure of pyplot's own would be drawn once more at the end of its cell
+    own = [n for n in diagram_names() if "pyplot" in find_diagram(n).read_text(encoding="utf-8")]
+    assert own == []

@@ -8,6 +8,7 @@ from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.plots import (
+    against,
     exact_curves,
     ground_track,
     phase_portrait,
@@ -82,6 +83,45 @@ def test_ground_track_is_in_longitude_and_latitude_with_its_ends_marked():
     # at 60 deg north a degree of longitude is half as long as one of latitude
     assert figure.axes[0].get_aspect() == pytest.approx(2.0)
     assert np.array_equal(track.get_array(), time[:-1])
+
+
+@pytest.mark.parametrize(("north", "east"), [(0.0, 0.02), (0.02, 0.0), (0.02, 0.02)])
+def test_a_ground_track_fills_its_picture(north, east):
+    share = np.linspace(0.0, 1.0, 5)
+    figure = ground_track(share, north * share, east * share)
+    figure.canvas.draw()
+    box, size = figure.axes[0].get_window_extent(), figure.bbox
+    # what is left is for labels and the colour bar
+    assert size.height - box.height < 2.4 * figure.dpi
+    assert box.height > 1.5 * figure.dpi
+
+
+def test_flights_against_one_of_their_signals(scope):
+    other = Scope(labels=["pitch [deg]", "height [ft]", "plain", "heading [deg]"])
+    source = Source(lambda t: 7.0 + t)
+    sim = Simulation(
+        [source, other],
+        [Connection(source, *(other[i] for i in range(4)))],
+        dt=0.5,
+        log=False,
+    )
+    sim.run(1.0)
+    figure = against("height", {"first": scope, "second": other})
+    assert [ax.get_xlabel() for ax in figure.axes] == ["height [ft]"] * 3
+    assert [ax.get_ylabel() for ax in figure.axes] == ["pitch [deg]", "heading [deg]", "plain"]
+    _, (height, pitch, _, _) = scope.read()
+    first, second = figure.axes[0].get_lines()
+    assert [line.get_label() for line in (first, second)] == ["first", "second"]
+    assert np.array_equal(first.get_xydata(), np.column_stack([height, pitch]))
+    # found by its label in the scope with another order
+    assert np.array_equal(second.get_xdata(), other.read()[1][1])
+    with pytest.raises(ParameterError, match="no scope"):
+        against("height", {})
+    with pytest.raises(ParameterError, match="height"):
+        against("heights", {"first": scope})
+    other.labels[0] = "bank [deg]"
+    with pytest.raises(ParameterError, match="no signal 'pitch'"):
+        against("height", {"first": scope, "second": other})
 
 
 def test_phase_portrait_shows_one_over_the_other():

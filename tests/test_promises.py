@@ -15,9 +15,8 @@ import pathsim_jsbsim_blocks as package
 PROMISES = json.loads((Path(__file__).parent / "data" / "promises.json").read_text())
 PUBLIC = {
     name: thing
-    for name, thing in vars(package).items()
-    if inspect.isclass(thing)
-    and thing.__module__.startswith(package.__name__)
+    for name in package.__all__
+    if inspect.isclass(thing := getattr(package, name))
     and (issubclass(thing, Block) or name == "TrimCondition")
 }
 # a default is compared by its text, which tells 0 from 0.0 and from False

@@ -20,13 +20,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import __version__
-from ._core.checks import number, one_of, writable
-from .catalogue import diagram_folder, diagram_names, find_diagram
 from .errors import BlocksError, FileError, ParameterError, UntrustedModelError
 
 if TYPE_CHECKING:
     from .flight.airframe import Airframe
     from .flight.condition import TrimCondition
+
+_FAST_FOR_GEAR = 200.0  # KCAS
 
 _GONE = "the working directory no longer exists: change to another one"
 
@@ -98,7 +98,13 @@ def _parser() -> argparse.ArgumentParser:
             "of PathSim's (repeatable)",
         )
 
+    def models(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "--root", metavar="DIR", help="JSBSim root directory with models of your own"
+        )
+
     def trim_condition(sub: argparse.ArgumentParser) -> None:
+        models(sub)
         sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
         speed = sub.add_mutually_exclusive_group()
         speed.add_argument(
@@ -113,8 +119,17 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
         sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
         sub.add_argument(
-            "--mode", default="full", help="full, longitudinal, ground, pull-up, turn or none"
+            "--mode",
+            default="full",
+            help="full, longitudinal, ground, pull-up, turn, glide or none",
         )
+        sub.add_argument("--beta", type=float, default=0.0, help="sideslip angle, deg")
+        sub.add_argument("--throttle", type=float, help="0 to 1; the path angle is then free")
+        sub.add_argument("--thrust", type=float, help="lbf, instead of --throttle")
+        sub.add_argument("--free", help="gamma or speed, with --throttle, --thrust or a glide")
+        sub.add_argument("--latitude", type=float, help="deg, north positive")
+        sub.add_argument("--longitude", type=float, help="deg, east positive")
+        sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
         sub.add_argument("--gear", type=float, help="0 up to 1 down")
         sub.add_argument("--flaps", type=float, help="0 to 1")
         sub.add_argument(
@@ -143,9 +158,24 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         help="write all recorded signals, including those of a run that crashes or is interrupted",
     )
+    sub.add_argument(
+        "--track",
+        metavar="FILE",
+        type=Path,
+        help="write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
+        "(Tacview), .czml (Cesium), .csv or .parquet",
+    )
+    sub.add_argument(
+        "--flightgear",
+        metavar="HOST:PORT",
+        nargs="?",
+        const="",
+        help="fly in real time and send to FlightGear (default 127.0.0.1:5550)",
+    )
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
     sub.add_argument("name", nargs="?", help="one model only")
+    models(sub)
     sub.add_argument(
         "--points",
         metavar="FIG",
@@ -155,7 +185,7 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--table",
         action="store_true",
-        help="trim each in level flight and fly it for 30 s, controls held",
+        help="trim each in level flight or a glide and fly it for 30 s, controls held",
     )
 
     sub = command(
@@ -183,6 +213,32 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("aircraft")
     trim_condition(sub)
 
+    sub = command(
+        "modes",
+        _modes,
+        "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C",
+    )
+    sub.add_argument("aircraft")
+    sub.add_argument(
+        "--method",
+        default="flown",
+        help="flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)",
+    )
+    sub.add_argument(
+        "--class",
+        dest="aircraft_class",
+        default="II-L",
+        help="I, II-L, II-C, III or IV (default %(default)s: medium, land-based)",
+    )
+    sub.add_argument(
+        "--category",
+        default="B",
+        help="flight phases: A, B or C (default %(default)s: climb, cruise)",
+    )
+    sub.add_argument("--save", metavar="FIG", type=Path, help="draw the poles into this file")
+    sub.add_argument("--json", metavar="FILE", type=Path, help="write the linear model")
+    trim_condition(sub)
+
     sub = command("study", _study, "run a trim study: its table, its figure")
     sub.add_argument(
         "name",
@@ -204,6 +260,20 @@ def _parser() -> argparse.ArgumentParser:
     own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
     own.add_argument("--speed", metavar="KCAS", type=float, help="one airspeed")
     own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
+
+    sub = command("check", _check, "fly NASA's check cases and compare with NASA's simulators")
+    sub.add_argument("case", nargs="*", type=int, help="1 to 10 (default all)")
+    sub.add_argument(
+        "--rate", metavar="HZ", type=int, default=100, help="steps per second (default %(default)s)"
+    )
+    sub.add_argument(
+        "--integrators",
+        default="precise",
+        help="default, which is JSBSim's own, or precise (default %(default)s)",
+    )
+    sub.add_argument(
+        "--save", metavar="FIG", type=Path, help="write the figures: FIG, FIG with _2, ..."
+    )
 
     sub = command("view", _view, "open a diagram in PathView")
     sub.add_argument(
@@ -261,6 +331,8 @@ def _studies() -> Mapping[str, Any]:
 
 
 def _list(args: argparse.Namespace) -> None:
+    from .catalogue import diagram_folder, diagram_names
+
     summaries = {}
     for name in diagram_names():
         text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
@@ -273,7 +345,19 @@ def _list(args: argparse.Namespace) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    from ._core._pathsim import keep_warnings_visible
+    from ._core.checks import writable
+    from .catalogue import find_diagram
+
+    keep_warnings_visible()  # those of a script without a block of ours too
     if args.name in _studies():
+        for option in ("track", "flightgear"):
+            if getattr(args, option) is not None:
+                raise ParameterError(
+                    f"the study {args.name} flies no aircraft: it takes no --{option}",
+                    parameter=option,
+                    value=str(getattr(args, option)),
+                )
         _run_study(args.name, args.save, args.csv)
         return 0
     # a script may change the directory
@@ -282,7 +366,12 @@ def _run(args: argparse.Namespace) -> int:
         csv_file = writable("csv", csv_file).absolute()
     status = 0
     try:
-        with _saving(args.save), _as_main(script):
+        with (
+            _saving(args.save),
+            _as_main(script),
+            _tracking(args.track),
+            _to_flightgear(args.flightgear),
+        ):
             try:
                 objects = runpy.run_path(str(script), run_name="__main__").values()
             except SystemExit as error:  # a script may end normally with sys.exit
@@ -296,6 +385,53 @@ def _run(args: argparse.Namespace) -> int:
         if not status:
             raise
     return status
+
+
+@contextlib.contextmanager
+def _tracking(path: Path | None) -> Iterator[None]:
+    """Write the flights within this context to a file, also those before a failure."""
+    if path is None:
+        yield
+        return
+    from .flight.recording import recorded_flights, tracks
+    from .tracks.files import save_tracks, track_file
+
+    path = track_file("track", path).absolute()
+    ended = False
+    with recorded_flights() as recordings:
+        try:
+            yield
+            ended = True
+        finally:
+            try:
+                flown = tracks(recordings)
+                if flown:
+                    save_tracks(path, flown)
+                    print(f"track saved: {path}")
+                elif ended:
+                    raise ParameterError(
+                        "the script flies no aircraft", parameter="track", value=str(path)
+                    )
+            except BlocksError as failure:
+                if ended:
+                    raise
+                print(f"pathsim-jsbsim: {failure}", file=sys.stderr)
+
+
+@contextlib.contextmanager
+def _to_flightgear(address: str | None) -> Iterator[None]:
+    """Fly in real time and send all aircraft to FlightGear; report the pace kept."""
+    if address is None:
+        yield
+        return
+    from ._core.realtime import in_real_time
+    from .flight.flightgear import sending_to
+
+    with in_real_time() as pace, sending_to(address):
+        try:
+            yield
+        finally:
+            print(pace)
 
 
 def _save(
@@ -407,17 +543,18 @@ def _recording_scopes(objects: Iterable[Any]) -> list[Any]:
 
 
 def _write_csv(scopes: Sequence[Any], path: Path) -> None:
+    from ._core.scopes import recording, signal_label
+
     if not scopes:
         raise ParameterError(
             "the script has no simulation that a Scope recorded", parameter="csv", value=str(path)
         )
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
-        time, data = scope.read()
+        time, data = recording(scope)
         for i, values in enumerate(data):
-            label = scope.labels[i] if i < len(scope.labels) else f"port {i}"
-            # an interrupt may come between a sample's time and its values
-            columns.append((label, dict(zip(time.tolist(), values.tolist(), strict=False))))
+            column = dict(zip(time.tolist(), values.tolist(), strict=True))
+            columns.append((signal_label(scope, i), column))
     times = sorted({t for _, column in columns for t in column})
     try:
         with path.open("w", newline="", encoding="utf-8") as file:
@@ -433,6 +570,12 @@ def _aircraft(args: argparse.Namespace) -> None:
     from .flight.airframe import Airframe, aircraft_names
 
     if args.table:
+        if args.root is not None:
+            raise ParameterError(
+                "--table covers the models that jsbsim brings; it takes no --root",
+                parameter="root",
+                value=args.root,
+            )
         from .flight.fleet import HEADER, fleet_table, format_row
 
         print(HEADER, end="")
@@ -440,11 +583,11 @@ def _aircraft(args: argparse.Namespace) -> None:
             print(format_row(row), flush=True)
         return
     if args.points is not None:
-        _draw_points(args.name, args.points)
+        _draw_points(args.name, args.root, args.points)
         return
-    for name in aircraft_names() if args.name is None else [args.name]:
+    for name in aircraft_names(args.root) if args.name is None else [args.name]:
         try:
-            airframe = Airframe(name)
+            airframe = Airframe(name, root=args.root)
             airframe.run_ic()
             n = airframe.engines
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
@@ -454,7 +597,7 @@ def _aircraft(args: argparse.Namespace) -> None:
             print(f"{name:<14} {error}")
 
 
-def _draw_points(name: str | None, path: Path) -> None:
+def _draw_points(name: str | None, root: str | None, path: Path) -> None:
     from .flight.airframe import Airframe
     from .flight.points import aircraft_points
     from .plots import aircraft_points as draw
@@ -464,7 +607,7 @@ def _draw_points(name: str | None, path: Path) -> None:
         raise ParameterError(
             "--points needs the name of an aircraft", parameter="points", value=str(path)
         )
-    airframe = Airframe(name)
+    airframe = Airframe(name, root=root)
     airframe.run_ic()
     points = aircraft_points(airframe)
     for kind, found in points.items():
@@ -490,6 +633,8 @@ def _in_state(args: argparse.Namespace) -> Airframe:
     """The aircraft, initialised, trimmed or flown for some time as the arguments require."""
     from pathsim import Simulation
 
+    from ._core.checks import number
+    from ._core.running import fly
     from .flight.aircraft import Aircraft
     from .flight.airframe import Airframe
     from .flight.condition import TrimCondition
@@ -498,52 +643,90 @@ def _in_state(args: argparse.Namespace) -> Airframe:
     setup, create = _values("set", args.set), _values("create", args.create)
     condition = _condition(args)
     if not (args.trim or setup or args.after is not None or condition != TrimCondition()):
-        airframe = Airframe(args.aircraft, create=create)
+        airframe = Airframe(args.aircraft, root=args.root, create=create)
         airframe.run_ic()
         return airframe
-    plane = Aircraft(args.aircraft, condition=condition, setup=setup, create=create)
+    plane = Aircraft(args.aircraft, condition=condition, setup=setup, root=args.root, create=create)
     if after:
-        Simulation([plane], dt=plane.T, log=False).run(after)
+        fly(Simulation([plane], dt=plane.T, log=False), after)
     return plane.airframe
 
 
 def _condition(args: argparse.Namespace) -> TrimCondition:
     from .flight.condition import TrimCondition
 
-    return TrimCondition(
-        altitude=args.altitude,
-        speed=args.speed,
-        mach=args.mach,
-        gamma=args.gamma,
-        heading=args.heading,
-        bank=args.bank,
-        load_factor=args.load_factor,
-        mode=args.mode,
-        gear=args.gear,
-        flaps=args.flaps,
-    )
+    # each option of a condition has the name of its field
+    fields = {field.name for field in dataclasses.fields(TrimCondition)}
+    return TrimCondition(**{name: value for name, value in vars(args).items() if name in fields})
 
 
 def _trim(args: argparse.Namespace) -> None:
     from .flight._trim import UNITS, trim
-    from .flight.airframe import Airframe
+    from .flight.airframe import Airframe, has_retractable_gear
 
     setup, create = _values("set", args.set), _values("create", args.create)
     condition = _condition(args)
-    state = trim(Airframe(args.aircraft, create=create), condition, setup)
+    state = trim(Airframe(args.aircraft, root=args.root, create=create), condition, setup)
     print(f"{args.aircraft}: {condition}")
-    for field in dataclasses.fields(state):
-        value = getattr(state, field.name)
-        if isinstance(value, tuple):
-            print(
-                f"  {field.name:<13}"
-                + "".join(f"{x:14.6f}" for x in value)
-                + f" {UNITS[field.name]}"
-            )
-        elif isinstance(value, float):
-            unit = UNITS[field.name]
-            degrees = f" ({math.degrees(value):.4f} deg)" if unit == "rad" else ""
-            print(f"  {field.name:<13}{value:14.6f} {unit}{degrees}".rstrip())
+    rows: dict[str, Any] = {f.name: getattr(state, f.name) for f in dataclasses.fields(state)}
+    free = rows.pop("free")
+    if math.isfinite(state.turn_radius):
+        rows |= {"turn_rate": state.turn_rate, "turn_radius": state.turn_radius}
+    units = {**UNITS, "turn_rate": "deg/s", "turn_radius": "ft"}
+    for name, value in rows.items():
+        values = value if isinstance(value, tuple) else (value,)
+        if values and isinstance(values[0], float):
+            # adding 0 turns -0.0 into 0.0
+            numbers = "".join(f"{round(x, 6) + 0.0:14.6f}" for x in values)
+            degrees = f" ({math.degrees(values[0]):.4f} deg)" if units[name] == "rad" else ""
+            print(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
+    if free:
+        print(f"  {'free':<13} {', '.join(free)}")
+    if (
+        args.gear is None
+        and state.gear > 0.0
+        and state.speed > _FAST_FOR_GEAR
+        and has_retractable_gear(args.aircraft)
+    ):
+        print("  The landing gear is down, as the model has it: --gear 0 retracts it.")
+
+
+def _modes(args: argparse.Namespace) -> None:
+    from .flight.linear import linear_model
+    from .linear import flying_qualities
+
+    condition = _condition(args)
+    model = linear_model(
+        args.aircraft,
+        condition,
+        args.method,
+        setup=_values("set", args.set),
+        create=_values("create", args.create),
+    )
+    qualities = flying_qualities(model, args.category, args.aircraft_class)
+    print(f"{args.aircraft}: {condition}")
+    print(
+        f"  {'mode':<18} {'rad/s':>8} {'damping':>8} {'period s':>9} {'half s':>8} {'double s':>8}"
+    )
+    for mode in model.modes():
+        numbers = (mode.period, mode.time_to_half, mode.time_to_double)
+        cells = " ".join(f"{'' if math.isnan(x) else f'{x:.2f}':>8}" for x in numbers)
+        damping = f"{mode.damping:8.3f}" if mode.oscillatory else " " * 8
+        states = ", ".join(name for name, share in mode.participation.items() if share > 0.1)
+        print(f"  {mode.name:<18} {mode.frequency:8.4f} {damping}  {cells}  {states}")
+    print(f"  MIL-F-8785C, class {args.aircraft_class}, category {args.category}")
+    for quality in qualities:
+        level = f"level {quality.level}" if quality.level < 4 else "worse than level 3"
+        value = "stable" if math.isinf(quality.value) else f"{quality.value:.3f} {quality.unit}"
+        print(f"  {quality.name:<35} {value:<20} {level} ({quality.paragraph})")
+    if args.json is not None:
+        model.save(args.json)
+        print(f"model saved: {args.json}")
+    if args.save is not None:
+        from .plots import pole_map, show
+
+        with _saving(args.save):
+            show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 
 
 def _values(option: str, items: Iterable[str]) -> dict[str, float]:
@@ -580,6 +763,7 @@ def _study(args: argparse.Namespace) -> None:
 
 def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
     """Compute a study, print its result and show its figure; options that are None are left out."""
+    from ._core.checks import one_of, writable
     from .plots import show
     from .studies import STUDIES
 
@@ -610,6 +794,23 @@ def _run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opt
         if "aircraft" in options:
             figure.suptitle(f"{options['aircraft']}: {figure.get_suptitle()}")
         show(figure, name)
+
+
+def _check(args: argparse.Namespace) -> int:
+    from .check_cases import CASES, compare, comparison_figure, comparison_table, fly_case
+    from .plots import show
+
+    cases, passed = args.case or [*CASES], 0
+    with _saving(args.save):
+        for case in cases:
+            scopes = fly_case(case, args.rate, args.integrators)
+            deviations = compare(case, *scopes)
+            passed += all(d.passes for d in deviations)
+            print(comparison_table(case, deviations), flush=True)
+            if args.save is not None:
+                show(comparison_figure(case, *scopes), "")
+    print(f"{passed} of {len(cases)} cases pass: at {args.rate} Hz, {args.integrators} integrators")
+    return int(passed < len(cases))
 
 
 def _range(option: str, text: str) -> list[float]:
@@ -666,6 +867,7 @@ def _says_yes(error: UntrustedModelError) -> bool:
 
 
 def _export(args: argparse.Namespace) -> None:
+    from .catalogue import diagram_folder, find_diagram
     from .pathview import export_script
     from .pathview.pvm import read
     from .pathview.trusted_models import digest, remember

@@ -80,7 +80,7 @@ class PropertyError(BlocksError, ValueError):
 
 
 class TrimError(BlocksError, RuntimeError):
-    """JSBSim found no trim at a condition.
+    """No trim was found at a condition.
 
     Attributes
     ----------
@@ -90,9 +90,12 @@ class TrimError(BlocksError, RuntimeError):
         the requested condition
     reason : str
         what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
-        "bank" or "sideslip", on the ground "height", "pitch angle" or "bank"; or "no convergence"
+        "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle" or
+        "bank"; "ground" in flight that touches it; or "no convergence"
     residuals : dict[str, float]
-        values at which JSBSim stopped: accelerations in ft/s2 and rad/s2, commands, alpha in deg
+        accelerations in ft/s2 and rad/s2: without trim, or the best that the Newton search reached
+    nearest : TrimCondition or None
+        the same at the nearest speed that trims, if one was looked for and found
     """
 
     def __init__(
@@ -103,12 +106,35 @@ class TrimError(BlocksError, RuntimeError):
         condition: Any,
         reason: str,
         residuals: Mapping[str, float],
+        nearest: Any = None,
     ):
         super().__init__(message)
         self.aircraft = aircraft
         self.condition = condition
         self.reason = reason
         self.residuals = dict(residuals)
+        self.nearest = nearest
+
+
+class LinearisationError(BlocksError, RuntimeError):
+    """There is no linear model: no steady trim, a response that is nothing or noise.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name, empty for a block without one
+    reason : str
+        "no trim", "no response", "limit" (an input at the end of its range, or a step of the
+        control system) or "no fit"
+    name : str
+        input or output that is concerned, empty if all are
+    """
+
+    def __init__(self, message: str, *, aircraft: str = "", reason: str, name: str = ""):
+        super().__init__(message)
+        self.aircraft = aircraft
+        self.reason = reason
+        self.name = name
 
 
 class FlightError(BlocksError, RuntimeError):

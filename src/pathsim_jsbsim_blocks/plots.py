@@ -18,6 +18,7 @@ import matplotlib
 import numpy as np
 
 from ._core.checks import did_you_mean, nearest, one_of, writable
+from ._core.scopes import name_and_unit, recording, signal_label
 from .errors import FileError, ParameterError
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
     """
     panels: list[tuple[str, list]] = []
     for scope in scopes:
-        time, data = _recording(scope)
+        time, data = recording(scope)
         first = True
         for i, y in enumerate(data):
             label, unit = _label(scope, i)
@@ -135,16 +136,9 @@ def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
     ParameterError
         if the scope has no such label; the message names the nearest
     """
-    time, data = _recording(scope)
+    time, data = recording(scope)
     names = [_label(scope, i)[0] for i in range(len(data))]
-    wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
-    if wanted not in names:
-        raise ParameterError(
-            f"the scope has no signal {label!r}" + did_you_mean(nearest(label, names)),
-            parameter="label",
-            value=label,
-        )
-    return time, data[names.index(wanted)]
+    return time, data[_index(names, label)]
 
 
 def aircraft_points(
@@ -204,21 +198,28 @@ def ground_track(
 
     time, latitude, longitude = map(np.asarray, (time, latitude, longitude))
     points = np.column_stack([longitude, latitude])
-    figure, ax = subplots(figsize=(6.5, 5.5), layout="constrained")
     track = LineCollection(
         list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1], linewidths=2.5
     )
-    ax.add_collection(track)
-    ax.plot(*points[0], "ko", label="start")
-    ax.plot(*points[-1], "rs", label="end")
     # a straight track must not become a sliver: keep the picture at least a third as high as wide
     shrink = math.cos(math.radians(latitude[0]))  # of a degree of longitude
     size = max(np.ptp(longitude) * shrink, np.ptp(latitude), 1e-8)
-    for values, scale, limit in ((longitude, shrink, ax.set_xlim), (latitude, 1.0, ax.set_ylim)):
-        half = 0.55 * max(np.ptp(values), size / 3 / scale)
+    half = [
+        0.55 * max(np.ptp(values), size / 3 / scale)
+        for values, scale in ((longitude, shrink), (latitude, 1.0))
+    ]
+    # as high as the track asks for, and room for labels and colour bar
+    height = 5.3 * min(half[1] / (half[0] * shrink), 1.0)
+    figure, ax = subplots(figsize=(6.5, height + 1.8), layout="constrained")
+    for values, extent, limit in zip(
+        (longitude, latitude), half, (ax.set_xlim, ax.set_ylim), strict=True
+    ):
         centre = (values.min() + values.max()) / 2
-        limit(centre - half, centre + half)
+        limit(centre - extent, centre + extent)
     ax.set_aspect(1 / shrink)
+    ax.add_collection(track)
+    ax.plot(*points[0], "ko", label="start")
+    ax.plot(*points[-1], "rs", label="end")
     ax.ticklabel_format(useOffset=False, style="plain")
     ax.xaxis.set_major_locator(MaxNLocator(5))
     ax.set_xlabel("longitude [deg]")
@@ -227,6 +228,53 @@ def ground_track(
     ax.legend(loc="best")
     ax.set_title(title)
     figure.colorbar(track, label="time [s]", location="bottom", shrink=0.6)
+    return figure
+
+
+@exact_curves()
+def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure:
+    """Signals against one of them, such as the altitude, with several flights in one figure.
+
+    Parameters
+    ----------
+    label : str
+        label of the signal on the abscissa, with or without its unit; every scope has it
+    flights : dict
+        name of each flight, as the legend shows it, and its scope with recorded data. The other
+        signals of the first scope have a panel each; the other scopes have them too
+    title : str
+        headline of the figure
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        if there is no flight, or a scope lacks one of the signals; the message names the nearest
+    """
+    if not flights:
+        raise ParameterError("flights holds no scope", parameter="flights", value=flights)
+    first = next(iter(flights.values()))
+    signals = [_label(first, i) for i in range(len(recording(first)[1]))]
+    along = signals[_index([name for name, _ in signals], label)]
+    panels = [shown for shown in signals if shown != along]
+    figure, axes = subplots(
+        1, len(panels), squeeze=False, layout="constrained", figsize=(1 + 4.5 * len(panels), 4.2)
+    )
+    for ax, (name, unit) in zip(axes[0], panels, strict=True):
+        for (flight, scope), dashes in zip(
+            flights.items(), itertools.cycle(["-", "--", "-.", ":"]), strict=False
+        ):
+            x, y = signal(scope, along[0])[1], signal(scope, name)[1]
+            ax.plot(x, y, dashes, label=flight, linewidth=1.5)
+        ax.set_xlabel(_axis(*along))
+        ax.set_ylabel(_axis(name, unit))
+        ax.grid(alpha=0.4)
+    axes[0, 0].legend(loc="best", fontsize="small")
+    if title:
+        figure.suptitle(title)
     return figure
 
 
@@ -293,6 +341,92 @@ def show(figure: Figure, name: str) -> None:
     print(f"figure saved: {target}")
 
 
+def pole_map(*models: Any, title: str = "") -> Figure:
+    """Poles of linear models, one colour each, with lines of constant damping ratio.
+
+    Two panels: all poles, and those near the origin, where the slow modes are. The modes of the
+    first model are named.
+
+    Parameters
+    ----------
+    *models : LinearModel
+        of one aircraft over a sweep, or of several
+    title : str
+        headline
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, axes = subplots(1, 2, figsize=(11, 5), layout="constrained")
+    found = [model.modes() for model in models]
+    poles = [mode.pole for modes in found for mode in modes]
+    fast = max(max(abs(pole) for pole in poles), 1e-3)
+    slow = max((abs(pole) for pole in poles if abs(pole) < 0.1 * fast), default=0.1 * fast)
+    for ax, size in zip(axes, (fast, slow), strict=True):
+        for ratio in (0.1, 0.2, 0.4, 0.6, 0.8):
+            end = 1.6 * size * np.array([-ratio, math.sqrt(1 - ratio**2)])
+            ax.plot([0, end[0]], [0, end[1]], ":", color="0.6", linewidth=0.9)
+            ax.annotate(f"{ratio:g}", 0.66 * end, color="0.4", fontsize="x-small", ha="center")
+        for i, modes in enumerate(found):
+            points = np.array([mode.pole for mode in modes])
+            ax.plot(points.real, points.imag, "x", color=f"C{i % 10}", clip_on=True)
+            for mode in modes if not i else ():
+                if 0.1 * size < abs(mode.pole) <= size:
+                    ax.annotate(
+                        mode.name,
+                        (mode.pole.real, mode.pole.imag),
+                        xytext=(5, 5),
+                        textcoords="offset points",
+                        fontsize="small",
+                    )
+        ax.axvline(0.0, color="0.3", linewidth=0.8)
+        ax.set(xlim=(-1.1 * size, 0.4 * size), ylim=(-0.05 * size, 1.1 * size))
+        ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
+        ax.grid(alpha=0.4)
+    axes[0].set_title("all modes")
+    axes[1].set_title("the slow ones")
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def bode(model: Any, output: str, input: str, title: str = "") -> Figure:
+    """Gain and phase from one input of a linear model to one output, its latency included.
+
+    Parameters
+    ----------
+    model : LinearModel
+    output, input : str
+        names
+    title : str
+        headline; default is what it shows
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        for a name that the model does not have, naming the nearest
+    """
+    part = model.select([input], [output])
+    rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
+    omega = np.geomspace(0.1 * min(rates, default=1e-2), 10 * max(rates, default=1e2), 600)
+    response = part.frequency_response(omega)[:, 0, 0]
+    figure, (gain, phase) = subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
+    gain.loglog(omega, np.abs(response))
+    unit = "/".join(filter(None, (part.units[output], part.units[input].replace("norm", "1"))))
+    gain.set_ylabel(f"gain [{unit}]")
+    phase.semilogx(omega, np.degrees(np.unwrap(np.angle(response))))
+    phase.set(ylabel="phase [deg]", xlabel="frequency [rad/s]")
+    for ax in (gain, phase):
+        ax.grid(alpha=0.4, which="both")
+    figure.suptitle(title or f"{model.aircraft}: {output} to {input}")
+    return figure
+
+
 @contextlib.contextmanager
 def saving_to(path: str | Path) -> Iterator[None]:
     """Within this context `show` writes to ``path``, with or without a display.
@@ -331,22 +465,25 @@ def _numbered(path: Path) -> Iterator[Path]:
         yield path.with_stem(f"{path.stem}_{n}")
 
 
-def _recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
-    time, data = scope.read()
-    if time is None:
-        raise ParameterError(
-            "the scope holds no recording: run the simulation first", parameter="scope", value=scope
-        )
-    # an interrupt may come between a sample's time and its values
-    n = min(len(time), data.shape[1])
-    return time[:n], data[:, :n]
-
-
 def _label(scope: Scope, i: int) -> tuple[str, str]:
-    """Label and unit of a scope's signal; ``port i`` if it has none."""
-    text = scope.labels[i] if i < len(scope.labels) else f"port {i}"
-    found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
-    return (found[1], found[2]) if found else (text, "")
+    """Name and unit of a scope's signal."""
+    return name_and_unit(signal_label(scope, i))
+
+
+def _index(names: list[str], label: str) -> int:
+    """Number of a scope's signal, by its label with or without the unit."""
+    wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
+    if wanted not in names:
+        raise ParameterError(
+            f"the scope has no signal {label!r}" + did_you_mean(nearest(label, names)),
+            parameter="label",
+            value=label,
+        )
+    return names.index(wanted)
+
+
+def _axis(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
 
 
 def _unwound(y: np.ndarray) -> np.ndarray:

@@ -42,6 +42,10 @@ class _EdgeSource(NamedPorts):
         """Number of edges passed."""
         return len(self.edges)
 
+    def _put(self, values: dict[str, Any]) -> None:
+        super()._put(values)
+        self._edges_apart()
+
     def _edge_times(self) -> list[float]:
         raise NotImplementedError
 
@@ -118,13 +122,7 @@ class DoubletSource(_StepsSource):
         super().__init__()
 
     def _pulses(self) -> list[tuple[float, float]]:
-        if self.polarity not in (1, -1):
-            raise ParameterError(
-                f"polarity must be 1 or -1, not {self.polarity!r}",
-                parameter="polarity",
-                value=self.polarity,
-            )
-        level = self.polarity * number("amplitude", self.amplitude)
+        level = _sign(self.polarity) * number("amplitude", self.amplitude)
         width, gap = positive("width", self.width), number("gap", self.gap, low=0.0)
         return [(width, level), *([(gap, 0.0)] if gap else []), (width, -level)]
 
@@ -233,6 +231,14 @@ class RampSource(_EdgeSource):
         else:
             y = self.final if self.passed == 2 else 0.0
         self.outputs[0] = y
+
+
+def _sign(polarity: Any) -> Any:
+    if polarity not in (1, -1):
+        raise ParameterError(
+            f"polarity must be 1 or -1, not {polarity!r}", parameter="polarity", value=polarity
+        )
+    return polarity
 
 
 def _list(name: str, value: Any) -> list:

@@ -57,7 +57,12 @@ def assert_same(streamed, expected):
 
 
 # an aircraft under a hold, and plain blocks; subsystems and events are in test_scripts
-NAMES = sorted(diagram_names(), key=lambda name: name not in ("pitch_hold", "wind_to_body"))
+FIRST = ("pitch_hold", "wind_to_body")
+# the check cases differ in numbers only
+NAMES = sorted(
+    (n for n in diagram_names() if n == "check_case_01" or not n.startswith("check_case")),
+    key=lambda name: name not in FIRST,
+)
 
 
 @pytest.mark.parametrize("name", first(NAMES, 2))
@@ -88,7 +93,8 @@ def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
             {tuple(own[node].labels): traces for node, traces in expected.result().items()},
         )
 
-        if end > script.DURATION * (1 - 1e-6):  # did not end itself
+        # a flight that did not end itself; the check case's sphere would fall into the ground
+        if end > script.DURATION * (1 - 1e-6) and name != "check_case_01":
             longer = meanwhile.submit(recorded, script.sim, script.DURATION, own)
             assert editor.run("Continue") == "Simulation continued successfully"
             assert_same(joined(editor.runs[1], editor.runs[2]), longer.result())

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Amplifier, Integrator, Scope, Source
+from pathsim.blocks import Amplifier, Block, Integrator, Scope, Source
 from pathsim.events import Event, ZeroCrossing
 from pathsim.solvers import EUB, EUF, RK4, SSPRK22
 from pathsim.utils.logger import LoggerManager
@@ -25,7 +25,8 @@ pytestmark = pytest.mark.matrix
 SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
 PRIVATE = re.compile(
     r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
-    r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent)\b"
+    r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent"
+    r"|graph_dirty|sample|get_input_indices|get_output_indices)\b"
 )
 
 
@@ -141,6 +142,54 @@ def test_the_loop_of_run_yields_after_every_step():
     assert seam.is_running(sim)
     sim.stop()
     assert not seam.is_running(sim), "Simulation._active no longer says whether a run goes on"
+    seam.activate(sim)
+    assert seam.is_running(sim)
+
+
+class Calls(Block):
+    """Notes the calls of a step, and raises an event in some of them."""
+
+    def __init__(self, name, calls, period=None):
+        super().__init__()
+        self.name, self.calls = name, calls
+        event = Event()
+        event.buffer = lambda t: calls.append((name, "buffer", t))
+        event.detect = lambda t: (calls.append((name, "detect", t)) or self.due(t), True, 0.5)
+        event.resolve = lambda t: calls.append((name, "resolve", t))
+        self.period, self.events = period, [event]
+
+    def due(self, t):
+        return self.period is not None and abs(t / self.period - round(t / self.period)) < 1e-9
+
+    def update(self, t):
+        self.calls.append((self.name, "update", t, self.inputs.to_array().tolist()))
+        self.outputs.update_from_array([t, 2.0 * t + self.inputs[0], 3.0])
+
+    def sample(self, t, dt):
+        self.calls.append((self.name, "sample", t, dt, self.inputs.to_array().tolist()))
+
+
+def test_a_step_makes_the_calls_of_timestep():
+    def steps(step_of):
+        calls = []
+        a, b, c = (Calls(n, calls, p) for n, p in (("a", 0.3), ("b", None), ("c", 0.2)))
+        sim = Simulation(
+            [a, b, c],
+            [Connection(a[0], b[0], c[1]), Connection(b[0, 1, 2], c[2, 0, 4])],
+            dt=0.1,
+            log=False,
+        )
+        sim.engine.buffer = lambda dt: calls.append(("engine", dt))
+        step = step_of(sim)
+        for _ in range(12):
+            step()
+        assert sim.time == pytest.approx(1.2)
+        return calls
+
+    expected = steps(lambda sim: lambda: sim.timestep(sim.dt, adaptive=False))
+    found = steps(lambda sim: seam.fixed_step(sim, sim.dt))
+    assert any(call[1] == "resolve" for call in found)
+    assert found == expected, "Simulation.timestep has changed: _pathsim.fixed_step must follow it"
 
 
 def test_pathsim_redirects_warnings_in_one_method():

@@ -2,14 +2,30 @@
 
 import io
 import logging
+import subprocess
+import sys
 from contextlib import redirect_stderr
 
 import numpy as np
 import pytest
-from pathsim import Connection, Simulation, StopSimulation
-from pathsim.blocks import Function, Integrator, Scope, SinusoidalSource
-from pathsim.events import Condition, Schedule
+from pathsim import Connection, Interface, Simulation, StopSimulation, Subsystem
+from pathsim.blocks import (
+    Adder,
+    Amplifier,
+    Constant,
+    Function,
+    Integrator,
+    SampleHold,
+    Scope,
+    SinusoidalSource,
+    Source,
+    StepSource,
+    Switch,
+    WhiteNoise,
+)
+from pathsim.events import Condition, Schedule, ZeroCrossing
 from pathsim.solvers import RKCK54, RKDP54, SSPRK22
+from pathsim.utils.diagnostics import Diagnostics
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, fly
 
@@ -71,6 +87,231 @@ def test_the_flight_is_that_of_run(continuous, options):
     assert np.array_equal(recorded(scope), recorded(expected))
 
 
+class Parts:
+    """Some blocks in a chain, which a change during the run acts on."""
+
+    def __init__(self, **options):
+        self.wave, self.noise = SinusoidalSource(frequency=0.7), WhiteNoise(seed=3)
+        self.step, self.gain = StepSource(tau=0.3), Amplifier(2.0)
+        self.sum, self.hold, self.scope = Adder(), SampleHold(T=0.2), Scope()
+        self.pair = Function(lambda a, b: (a + b, a * b))
+        self.spare = Constant(5.0)
+        self.side = Connection(self.wave, self.scope[0])
+        self.sim = Simulation(
+            [
+                self.wave,
+                self.noise,
+                self.step,
+                self.gain,
+                self.sum,
+                self.hold,
+                self.pair,
+                self.scope,
+            ],
+            [
+                self.side,
+                Connection(self.step, self.gain, self.scope[1]),
+                Connection(self.gain, self.sum[0]),
+                Connection(self.noise, self.sum[1]),
+                Connection(self.sum, self.pair[1], self.scope[2]),
+                # port 5 is for what is added during the run
+                Connection(self.wave, self.pair[0], self.scope[6]),
+                Connection(self.pair[0, 1], self.scope[4, 3]),
+                Connection(self.wave, self.hold),
+                Connection(self.hold, self.scope[7]),
+            ],
+            **{"dt": 0.05, "log": False, **options},
+        )
+
+
+def nothing(parts):
+    pass
+
+
+def block_off(parts):
+    parts.gain.off()
+
+
+def connection_off(parts):
+    parts.side.off()
+
+
+def parameter_set(parts):
+    parts.gain.gain = -3.0
+    # PathSim builds these again, with new registers and events
+    parts.wave.set(frequency=0.9, amplitude=2.0)
+    parts.hold.set(T=0.15)
+
+
+def block_added(parts):
+    parts.sim.add_block(parts.spare)
+    parts.sim.add_connection(Connection(parts.spare, parts.scope[5]))
+
+
+def state_added(parts):
+    integral = Integrator()
+    parts.sim.add_block(integral)
+    parts.sim.add_connection(Connection(parts.sum, integral))
+    parts.sim.add_connection(Connection(integral, parts.scope[5]))
+
+
+def connection_removed(parts):
+    parts.sim.remove_connection(parts.side)
+
+
+def loop_closed(parts):
+    back = Amplifier(0.1)
+    parts.sim.add_block(back)
+    parts.sim.add_connection(Connection(parts.pair[0], back))
+    parts.sim.add_connection(Connection(back, parts.sum[2]))
+
+
+def event_added(parts):
+    parts.sim.add_event(
+        ZeroCrossing(lambda t: parts.wave.outputs[0], lambda t: setattr(parts.gain, "gain", t))
+    )
+
+
+def switched(parts):
+    switch = Switch(switch_state=0)
+    parts.sim.add_block(switch)
+    parts.sim.add_connection(Connection(parts.wave, switch[0]))
+    parts.sim.add_connection(Connection(parts.noise, switch[1]))
+    parts.sim.add_connection(Connection(switch, parts.scope[5]))
+    parts.sim.add_event(Schedule(t_start=1.5, t_period=0.3, func_act=lambda t: switch.select(1)))
+
+
+def subsystem_added(parts):
+    inside, gain = Interface(), Amplifier(3.0)
+    system = Subsystem([inside, gain], [Connection(inside, gain), Connection(gain, inside)])
+    parts.sim.add_block(system)
+    parts.sim.add_connection(Connection(parts.wave, system))
+    parts.sim.add_connection(Connection(system, parts.scope[5]))
+
+
+@pytest.mark.parametrize("options", [{}, {"diagnostics": True}], ids=str)
+@pytest.mark.parametrize(
+    "change",
+    [
+        nothing,
+        block_off,
+        connection_off,
+        parameter_set,
+        block_added,
+        state_added,
+        connection_removed,
+        loop_closed,
+        event_added,
+        switched,
+        subsystem_added,
+    ],
+)
+def test_a_diagram_that_changes_during_the_run_goes_on_as_with_run(change, options):
+    scopes = []
+    for run in (Simulation.run, fly):
+        parts = Parts(**options)
+        parts.sim.add_event(
+            Schedule(
+                t_start=0.72,
+                t_period=100.0,
+                func_act=lambda t, parts=parts: change(parts),
+            )
+        )
+        assert run(parts.sim, 1.0)["total_steps"] == 20
+        assert run(parts.sim, 1.0)["total_steps"] == 20
+        scopes.append(parts.scope)
+    (time, expected), (flown_time, flown) = (scope.read() for scope in scopes)
+    assert np.array_equal(flown_time, time)
+    assert len(time) == 41
+    for a, b in zip(flown, expected, strict=True):
+        assert np.array_equal(a, b)
+
+
+def test_the_function_of_an_event_may_change_the_diagram():
+    recordings = []
+    for run in (Simulation.run, fly):
+        parts = Parts()
+        evaluations = []
+
+        def function(t, parts=parts, evaluations=evaluations):
+            evaluations.append(t)
+            # as a step begins; the time is that of the last evaluation
+            if len(evaluations) == 13:
+                block_added(parts)
+            return 1.0
+
+        parts.sim.add_event(ZeroCrossing(function))
+        run(parts.sim, 1.0)
+        assert evaluations[12] == evaluations[11]
+        recordings.append([list(row) for row in parts.scope.recording_data])
+    assert recordings[0] == recordings[1]
+
+
+def test_a_step_set_while_it_runs_is_that_of_the_next_run():
+    for t in (0.0, 0.05, 0.5):
+        times = []
+        for run in (Simulation.run, fly):
+            parts = Parts()
+            parts.sim.add_event(
+                Schedule(
+                    t_start=t,
+                    t_period=100.0,
+                    func_act=lambda t, sim=parts.sim: setattr(sim, "dt", 0.025),
+                )
+            )
+            assert run(parts.sim, 1.0)["total_steps"] == 20
+            assert run(parts.sim, 1.0)["total_steps"] == 40
+            times.append(parts.scope.recording_time)
+        assert times[0] == times[1]
+
+
+def test_diagnostics_switched_on_during_the_run_are_kept():
+    parts = Parts()
+    parts.sim.add_event(
+        Schedule(
+            t_start=0.5,
+            t_period=100.0,
+            func_act=lambda t: setattr(parts.sim, "diagnostics", Diagnostics()),
+        )
+    )
+    fly(parts.sim, 1.0)
+    assert parts.sim.diagnostics.time == parts.sim.time
+
+
+def test_the_steps_of_a_plain_diagram_are_not_those_of_timestep(monkeypatch):
+    timestep, taken = Simulation.timestep, []
+
+    def counted(self, *args, **options):
+        taken.append(self.time)
+        return timestep(self, *args, **options)
+
+    monkeypatch.setattr(Simulation, "timestep", counted)
+    parts = Parts()
+    fly(parts.sim, 2.0)
+    # the first is a part of PathSim's start
+    assert len(taken) == 1
+    state_added(parts)
+    fly(parts.sim, 2.0)
+    assert len(taken) == 41
+
+
+class Watched(Simulation):
+    """A subclass that takes its own steps."""
+
+    steps = 0
+
+    def timestep(self, *args, **options):
+        self.steps += 1
+        return super().timestep(*args, **options)
+
+
+def test_a_subclass_takes_its_own_steps():
+    source, scope = Source(lambda t: t), Scope()
+    sim = Watched([source, scope], [Connection(source, scope)], dt=0.1, log=False)
+    fly(sim, 1.0)
+    assert sim.steps == 10
+
+
 def test_steps_are_counted():
     # run adds its steps up to a duration and overshoots by one
     source, scope = SinusoidalSource(), Scope()
@@ -116,9 +357,14 @@ def test_stop_conditions_end_it_as_they_end_run(condition):
         assert np.array_equal(recorded(scope), recorded(expected))
 
 
-def test_it_logs_what_run_logs(caplog):
+@pytest.mark.parametrize("stopped_at", [None, 1.0, 2.0])
+def test_it_logs_what_run_logs(caplog, stopped_at):
     def lines(run):
         sim, _ = pitch_hold(log=True)
+        if stopped_at is not None:
+            sim.add_event(
+                Schedule(t_start=stopped_at, t_period=100.0, func_act=lambda t: sim.stop())
+            )
         caplog.clear()
         sim.logger.addHandler(caplog.handler)
         try:
@@ -173,6 +419,27 @@ def test_the_bar_shows_simulated_time_and_its_ratio_to_real_time():
         fly(sim, 2.0)  # not a terminal
         fly(sim, 2.0, progress=False)
         assert stderr.getvalue() == ""
+
+
+def test_without_a_console_it_flies_without_a_bar(monkeypatch):
+    sim = Parts().sim
+    monkeypatch.setattr("sys.stderr", None)
+    assert fly(sim, 1.0, progress=True)["total_steps"] == 20
+
+
+BAR = """
+import threading
+from pathsim import Simulation
+from pathsim.blocks import Constant
+from pathsim_jsbsim_blocks import fly
+fly(Simulation([Constant()], dt=0.1, log=False), 1.0, progress=True)
+print(threading.active_count())
+"""
+
+
+def test_its_bar_starts_no_thread_that_an_interrupt_could_block():
+    done = subprocess.run([sys.executable, "-c", BAR], capture_output=True, text=True, check=True)
+    assert done.stdout == "1\n"
 
 
 @pytest.mark.parametrize("duration", [0, -1.0, float("nan"), float("inf"), "10", None])

@@ -72,6 +72,20 @@ def test_elevator_doublet():
     assert np.abs(alpha - alpha[0])[time > 17.0].max() < 0.1
 
 
+def test_doublet_linear_nonlinear():
+    module = flown("doublet_linear_nonlinear")
+    expected = table("04_elevator_doublet.csv")
+    time, linear = signal(module.attack, "linear")
+    # the published flight, whose doublet begins at 10 s instead of 1 s
+    t = expected["t_s"]
+    t, alpha = t[t > 9.0], expected["aero/alpha-deg"][t > 9.0]
+    seen = t - 9.0 < module.DURATION
+    apart = at(time, linear, t[seen] - 9.0) - alpha[seen]
+    assert np.abs(apart).max() < 0.09
+    _, difference = signal(module.missed, "difference in angle of attack")
+    assert 0.05 < np.abs(difference).max() < 0.09
+
+
 def test_trimmed_flight():
     module = flown("trimmed_flight")
     expected = table("02_trimmed_flight.csv")

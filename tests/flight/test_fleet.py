@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fleet_conditions import FEW, FLYING, NOT_FLYING, setup
+from fleet_conditions import BY_NEWTON, FEW, FLYING, NOT_FLYING, setup
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
@@ -30,9 +30,26 @@ OUTPUTS = [
 ]
 
 
-def test_every_model_is_listed_and_thirty_trim():
+def test_every_model_is_listed_and_forty_trim():
     assert sorted([*FLYING, *NOT_FLYING]) == sorted(aircraft_names())
-    assert len(FLYING) >= 30
+    assert set(BY_NEWTON) <= set(NOT_FLYING)
+    assert len(FLYING) + len(BY_NEWTON) >= 40
+
+
+@pytest.mark.parametrize(
+    "aircraft", first(sorted(BY_NEWTON, key=lambda name: name not in ("SGS", "dr1", "X15")), 3)
+)
+def test_the_newton_search_finds_what_jsbsim_does_not(aircraft):
+    (row,) = fleet_table([aircraft], duration=10.0, tries=3)
+    assert row.flight is not None
+    assert (row.flight.condition.mode, row.flight.condition.speed) == BY_NEWTON[aircraft]
+    for axis in "uvw":
+        assert abs(getattr(row.flight.trim, f"{axis}dot")) <= 1e-4  # ft/s2
+    for axis in "pqr":
+        assert abs(getattr(row.flight.trim, f"{axis}dot")) <= 1e-5  # rad/s2
+    if aircraft in ("SGS", "dr1", "sgs126", "sgs233"):
+        assert row.verdict.startswith(("trims", "glides"))
+        assert abs(row.drift) < 1.0
 
 
 @pytest.mark.parametrize("aircraft", first([*FEW, *sorted(set(FLYING) - set(FEW))], len(FEW)))
@@ -104,9 +121,12 @@ def test_an_aircraft_that_does_not_stay_level_is_no_success():
 
 
 def test_rows_of_the_table():
-    flies, created, refused, broken = fleet_table(["c172p", "L17", "SGS", "blank"], duration=2.0)
+    flies, created, glides, refused, broken = fleet_table(
+        ["c172p", "L17", "SGS", "ball", "blank"], duration=2.0
+    )
     assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")
     assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
+    assert glides.verdict == "glides at -2.2 deg"
     assert refused.verdict == "no trim: thrust"
     assert math.isnan(refused.drift)
     assert broken.verdict == "does not load"
@@ -133,5 +153,9 @@ def test_the_page_is_up_to_date():
         if name in FLYING:
             assert (float(altitude), float(speed)) == FLYING[name][:2]
             assert verdict.startswith("trims")
+        elif name in BY_NEWTON:
+            mode, knots = BY_NEWTON[name]
+            assert float(speed) == knots
+            assert verdict.startswith("glides" if mode == "glide" else "trims")
         else:
             assert verdict in (f"no trim: {NOT_FLYING[name]}", "does not load")

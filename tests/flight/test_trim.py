@@ -421,6 +421,35 @@ def test_alpha_limits_count():
     with pytest.raises(TrimError) as error:
         found("737", altitude=15000, speed=200, alpha_min=-4, alpha_max=3)
     assert "[-4, 3] deg" in str(error.value)
+    # JSBSim's own where a model has none (FGTrimAxis.cpp)
+    with pytest.raises(TrimError) as error:
+        found("A4", altitude=5000, speed=60)
+    assert "[-5, 20] deg" in str(error.value)
+
+
+def test_a_trim_far_from_the_ground_needs_no_rehearsal(monkeypatch):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.rehearse", None)
+    assert found("c172p", altitude=5000, speed=90).alpha > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("altitude", -2000, 1e6),
+        ("gamma", -90, 90),
+        ("bank", -89, 89),
+        ("gear", 0, 1),
+        ("flaps", 0, 1),
+        ("alpha_min", -90, 90),
+        ("alpha_max", -90, 90),
+    ],
+)
+def test_the_range_of_a_condition(name, low, high):
+    for limit, beyond in ((low, low - 0.5), (high, high + 0.5)):
+        assert getattr(TrimCondition(mode="turn", **{name: limit}), name) == limit
+        with pytest.raises(ParameterError) as error:
+            TrimCondition(mode="turn", **{name: beyond})
+        assert error.value.parameter == name
 
 
 @pytest.mark.parametrize(
@@ -499,4 +528,15 @@ def test_the_setup_of_a_block_is_written_after_that_of_its_condition():
 
 def test_every_quantity_has_a_unit():
     names = {f.name for kind in (TrimCondition, TrimState) for f in dataclasses.fields(kind)}
-    assert set(UNITS) == names - {"aircraft", "condition", "setup"}
+    assert set(UNITS) == names - {"aircraft", "condition", "setup", "free", "solver"}
+
+
+def test_a_state_as_a_dict_and_as_a_table():
+    found = trim(Airframe("737"), TrimCondition(altitude=15000, speed=280))
+    numbers = found.to_dict()
+    assert numbers["alpha"] == found.alpha
+    assert [numbers["throttle[0]"], numbers["throttle[1]"]] == list(found.throttle)
+    table = found.to_frame()
+    assert table.loc["alpha", "unit"] == "deg"
+    assert table.loc["throttle[1]", "unit"] == "norm"
+    assert table["value"].to_dict() == numbers

@@ -48,6 +48,12 @@ def condition(name):
         said["bank"] = rng.uniform(-80.0, 80.0)
     if mode == "pull-up":
         said["load_factor"] = rng.uniform(-2.0, 5.0)
+    if mode == "glide" or (mode not in ("ground", "none") and rng.random() < 0.5):
+        said["solver"] = "newton"
+        if mode in ("full", "glide") and rng.random() < 0.3:
+            said["beta"] = rng.uniform(-30.0, 30.0)
+        if mode != "glide" and rng.random() < 0.3:
+            said |= {"throttle": rng.random(), "free": rng.choice(["gamma", "speed"])}
     if rng.random() < 0.3:
         said |= {"wind_north": rng.uniform(-100.0, 100.0), "wind_east": rng.uniform(-100.0, 100.0)}
     if rng.random() < 0.3:
@@ -56,7 +62,7 @@ def condition(name):
         said |= {"alpha_min": rng.uniform(-20.0, 0.0), "alpha_max": rng.uniform(0.1, 40.0)}
     return said
 
-counts = {"trims": 0, "found": 0, "TrimError": 0, "AircraftError": 0, "slowest": 0.0}
+counts = {"trims": 0, "found": 0, "by Newton": 0, "TrimError": 0, "AircraftError": 0, "slowest": 0.0}
 with open(log, "w", buffering=1) as log:
     for sequence in range(int(sequences)):
         name = rng.choice(names)
@@ -73,6 +79,10 @@ with open(log, "w", buffering=1) as log:
             try:
                 state = trim(airframe, TrimCondition(**said))
                 assert _not_finite(state) == [], (name, said)
+                if "solver" in said:  # what `trim` promises, in ft/s2 and rad/s2
+                    counts["by Newton"] += 1
+                    assert max(abs(state.udot), abs(state.vdot), abs(state.wdot)) <= 1e-4
+                    assert max(abs(state.pdot), abs(state.qdot), abs(state.rdot)) <= 1e-5
                 counts["found"] += 1
             except (TrimError, AircraftError) as error:
                 counts[type(error).__name__] += 1
@@ -104,10 +114,13 @@ def batch(folder, seed, sequences, modes):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("modes", ["full,longitudinal,ground,pull-up,turn,none", "ground,none"])
+@pytest.mark.parametrize(
+    "modes", ["full,longitudinal,ground,pull-up,turn,glide,none", "ground,none"]
+)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_sequence_of_trims_ends_the_process(tmp_path, seed, modes):
     counts = batch(tmp_path, seed, SEQUENCES, modes)
     print(f"seed {seed}, {modes}: {counts}")
     assert counts["trims"] > SEQUENCES
     assert counts["found"] > 0
+    assert counts["by Newton"] > 0 or "glide" not in modes

@@ -476,6 +476,15 @@ REFUSED = {
         11,
         "does not know the block 'Mine'.*installed package",
     ),
+    "JSBSim in a function": (
+        script(
+            "import jsbsim\nfdm = jsbsim.FGFDMExec(None)\n"
+            "a = DynamicalFunction(lambda u, t: fdm.run())",
+            names="a",
+        ),
+        10,
+        "runs ahead of the clock in a function: use Aircraft or JSBSimFDM",
+    ),
     "core block that PathView lacks": (
         script("a = Comparator()"),
         8,
@@ -629,6 +638,33 @@ def test_running_a_script_leaves_the_process_as_it_was(export, tmp_path):
     export(OSCILLATOR, "left_over")
     assert (list(sys.path), list(sys.argv)) == before[:2]
     assert not [m for m in set(sys.modules) - before[2] if "left_over" in m]
+
+
+@pytest.mark.parametrize(("code", "hint"), [(2, True), (3, False)])
+def test_a_script_that_wants_arguments_hears_that_there_are_none(code, hint, export):
+    with pytest.raises(DiagramError, match="SystemExit") as error:
+        export(f"raise SystemExit({code})")
+    assert ("PathView passes no arguments" in str(error.value)) == hint
+
+
+def test_live_values_keep_their_type_and_shape(export):
+    model = export(
+        script(
+            """
+a = Amplifier(gain=(k := 3.0))
+b = Amplifier(1.0)
+b.gain = np.zeros((0, 3))
+c = Amplifier(1.0)
+c.gain = np.ones((1, 2))
+""",
+            names="a, b, c",
+        )
+    )
+    assert [node(model, name)["params"]["gain"] for name in "abc"] == [
+        "3.0",
+        "np.array([], dtype='float64').reshape((0, 3))",
+        "np.array([[1.0, 1.0]])",
+    ]
 
 
 def test_no_script_at_all_is_refused():

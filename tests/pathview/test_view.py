@@ -9,17 +9,18 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from pathlib import Path
 
 import pytest
 from served_pathview import Served, page_headers
 
 from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
 from pathsim_jsbsim_blocks.pathview import view
-from pathsim_jsbsim_blocks.pathview.page import registration
+from pathsim_jsbsim_blocks.pathview.page import local_scripts, registration
 from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
 
-pytest.importorskip("pathview")
+pathview = pytest.importorskip("pathview")
 
 
 def get(url, **headers):
@@ -152,3 +153,17 @@ def test_a_model_with_an_unknown_block_is_not_served(tmp_path):
     )
     with pytest.raises(BlocksError, match="does not know the block 'Nothing'"):
         view(path, browser=False)
+
+
+def test_scripts_that_load_the_style_sheet_are_redirected_here():
+    static = Path(pathview.__file__).parent / "static"
+    cdn = re.compile(r"https://[^\s\"'`]*/katex@")
+    loading = {
+        f"/{file.relative_to(static).as_posix()}"
+        for file in static.rglob("*.js")
+        if cdn.search(file.read_text(encoding="utf-8"))
+    }
+    found = local_scripts(static)
+    assert loading
+    assert found.keys() == loading
+    assert not any(map(cdn.search, found.values()))

@@ -82,6 +82,18 @@ def positive(parameter: str, value: Any) -> float:
     return number(parameter, value, above=0.0)
 
 
+def limits(low: Any, high: Any) -> tuple[float, float]:
+    """``low`` and ``high`` as floats, which may be infinite, the lower not above the upper."""
+    least, most = number("low", low, infinite=True), number("high", high, infinite=True)
+    if least > most:
+        raise ParameterError(
+            f"the lower limit {low!r} must not be above the upper, {high!r}",
+            parameter="low",
+            value=low,
+        )
+    return least, most
+
+
 def whole(parameter: str, value: Any, *, low: int) -> int:
     """``value`` as an int of at least ``low``; 4.0 passes, 4.5 does not."""
     x = number(parameter, value, low=low)
@@ -89,7 +101,8 @@ def whole(parameter: str, value: Any, *, low: int) -> int:
         raise ParameterError(
             f"{parameter} must be a whole number, not {x:g}", parameter=parameter, value=value
         )
-    return int(x)
+    # not of x, which has 53 bits
+    return int(value)
 
 
 def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:

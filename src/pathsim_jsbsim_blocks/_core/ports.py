@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import reprlib
 from typing import Any
 
 from pathsim.blocks import Block
@@ -13,6 +15,15 @@ from .checks import did_you_mean, nearest
 
 class NamedPorts(Block):
     """Base of all blocks here: ``block["name"]`` and ``block.set(name=...)`` check the name."""
+
+    def __repr__(self) -> str:
+        said = []
+        for name, parameter in inspect.signature(type(self)).parameters.items():
+            value = getattr(self, name, parameter.default)
+            # by its text, because arrays do not compare to one value
+            if repr(value) != repr(parameter.default):
+                said.append(f"{name}={reprlib.repr(value)}")
+        return f"{type(self).__name__}({', '.join(said)})"
 
     def __getitem__(self, key: Any) -> Any:
         names = [*port_names(self.inputs), *port_names(self.outputs)]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import sys
 from typing import TYPE_CHECKING, Any
 
 from pathsim import Simulation, StopSimulation
 
 from . import _pathsim
 from .checks import number, positive
+from .realtime import is_real_time
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -24,9 +27,10 @@ def fly(
 ) -> dict[str, Any]:
     """Run a diagram as ``sim.run(duration, reset)`` does, in less time.
 
-    Every step is PathSim's own ``timestep``, so the trajectory is the same, bit for bit. Fixed
-    steps are counted: 3600 s at 120 Hz are 432,000 steps, and rounding makes ``run`` take one more.
-    With an adaptive solver this is PathSim's own loop.
+    The trajectory is the same, bit for bit. Fixed steps are counted: 3600 s at 120 Hz are 432,000
+    steps, and rounding makes ``run`` take one more. Most is saved in a diagram without continuous
+    states and algebraic loops, where the order of blocks and connections is worked out once and not
+    at every step. With an adaptive solver this is PathSim's own loop.
 
     Parameters
     ----------
@@ -50,31 +54,46 @@ def fly(
     ParameterError
         if the duration is not positive and finite
     """
-    from tqdm import tqdm
-
     duration = number("duration", positive("duration", duration))
+    if is_real_time():
+        return sim.run(duration, reset)
     start = 0.0 if reset else sim.time
     tracker = _pathsim.tracker(sim, duration)
     with (
         tracker,
-        tqdm(
+        _bar_class()(
             total=duration,
             unit=" s",
             bar_format=_BAR,
             leave=False,
             delay=0.0 if progress else _SECONDS_BEFORE_BAR,
-            disable=None if progress is None else not progress,
+            # without a console (pythonw) there is no stderr
+            disable=sys.stderr is None or (None if progress is None else not progress),
         ) as bar,
     ):
         adaptive = sim.engine.is_adaptive
         loop = _pathsim.run_loop(sim, duration, reset, adaptive, tracker)
-        for _ in loop:
+        for made in loop:
             bar.update(sim.time - start - bar.n)
             if not adaptive:
-                # PathSim's loop has made the start and the first step
+                # PathSim's loop has made the start and the first step, with the step of the run:
+                # sim.dt may be another one since
+                dt = made["dt"]
                 loop.close()
-                _steps(sim, _whole(duration / sim.dt) - 1, start, duration, tracker, bar)
+                _steps(sim, dt, _whole(duration / dt) - 1, start, duration, tracker, bar)
     return tracker.stats
+
+
+@functools.cache
+def _bar_class() -> type[tqdm]:
+    from tqdm import tqdm
+
+    class Bar(tqdm):
+        # tqdm starts a thread that watches its bars. If Ctrl-C leaves tqdm's lock held, that thread
+        # blocks, and the process cannot end
+        monitor_interval = 0
+
+    return Bar
 
 
 def _whole(steps: float) -> int:
@@ -83,20 +102,27 @@ def _whole(steps: float) -> int:
 
 
 def _steps(
-    sim: Simulation, count: int, start: float, duration: float, tracker: Any, bar: tqdm
+    sim: Simulation, dt: float, count: int, start: float, duration: float, tracker: Any, bar: tqdm
 ) -> None:
-    dt, shown = sim.dt, not bar.disable
+    step, shown = _pathsim.fixed_step(sim, dt), not bar.disable
+    update = tracker.update if sim.log else functools.partial(_count, tracker.stats)
     try:
         for _ in range(count):
             if not _pathsim.is_running(sim):
-                tracker.interrupt()
-                return
-            success, *_ = sim.timestep(dt, adaptive=False)
+                break
+            success = step()
             passed = sim.time - start
-            tracker.update(passed / duration, success)
+            update(passed / duration, success)
             if shown:
                 bar.update(passed - bar.n)
     except StopSimulation as stop:
         sim.logger.info(f"STOP (StopSimulation: '{stop}')")
         sim.stop()
+    if not _pathsim.is_running(sim):
         tracker.interrupt()
+
+
+def _count(stats: dict[str, Any], progress: float, success: bool) -> None:
+    """What remains of the tracker's update where nothing is logged."""
+    stats["total_steps"] += 1
+    stats["successful_steps"] += success

@@ -25,6 +25,10 @@ a step. In a fixed step without solver stages the first evaluation is the one at
 blocks that are not in a subsystem show their outputs there, and need no event.
 `SampledBlock.one_pass` is the switch. A plant may then not act in the evaluation, which could be a
 look; it acts when the step starts.
+
+Most steps of most diagrams lead from one instant to the next in one pass. Five methods see each of
+them: `buffer`, `update`, `detect`, `sample` and the plant's `advance`. They deal with that case in
+line and leave all others to a second method, because a call costs as much as the arithmetic.
 """
 
 from __future__ import annotations
@@ -35,6 +39,7 @@ from typing import Any, NamedTuple
 
 from pathsim.blocks import Block
 from pathsim.events import Event
+from pathsim.exceptions import LinearizationError
 
 from ..errors import ParameterError
 from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
@@ -47,6 +52,7 @@ from ._pathsim import (
     without_stages,
 )
 from .checks import number, positive
+from .continuous import Matrices, continuous_equivalent
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -62,7 +68,7 @@ def _period(T: Any) -> float:
 
 
 class Instant(NamedTuple):
-    """The instant that a block waits for, and when those before it and it are reached."""
+    """The instant that a block waits for, and when it and the one before it are reached."""
 
     k: int
     time: float
@@ -86,7 +92,8 @@ class SampleClock(ClockEvent):
     def __init__(self, block: SampledBlock, first: int):
         self._block = block
         self._first = first
-        self.next: Instant
+        # the fields of an `Instant`; as a plain tuple it is made and read in a third of the time
+        self.instant: tuple[int, float, float, float, float, float]
         super().__init__()
         self.reset()
 
@@ -103,9 +110,14 @@ class SampleClock(ClockEvent):
         self.begin_at(0.0, self._first)
 
     @property
+    def next(self) -> Instant:
+        """The instant that the block waits for."""
+        return Instant(*self.instant)
+
+    @property
     def index(self) -> int:
         """Index of the instant that the block waits for."""
-        return self.next.k
+        return self.instant[0]
 
     def begin_at(self, t: float, index: int) -> None:
         """Let the sample before ``index`` be at ``t`` (the first, if there is none before)."""
@@ -118,19 +130,14 @@ class SampleClock(ClockEvent):
         slack = self._slack(time)
         latest = self.start + max(index - 1, 0) * self.period
         before = self._slack(latest)
-        self.next = Instant(
-            index, time, time - slack, time + slack, latest - before, latest + before
-        )
+        self.instant = index, time, time - slack, time + slack, latest - before, latest + before
 
     def go_on(self) -> None:
         """Wait for the sample after that waited for until now."""
-        k, _, due_from, due_until, _, _ = self.next
+        k, _, due_from, due_until, _, _ = self.instant
         time = self.start + (k + 1) * self.period
         slack = self._slack(time)
-        # Instant(...), which takes three times as long
-        self.next = tuple.__new__(
-            Instant, (k + 1, time, time - slack, time + slack, due_from, due_until)
-        )
+        self.instant = k + 1, time, time - slack, time + slack, due_from, due_until
 
     def _slack(self, time: float) -> float:
         """How far the diagram's accumulated clock may be from an instant."""
@@ -139,14 +146,25 @@ class SampleClock(ClockEvent):
 
     def due(self, t: float) -> int:
         """Number of instants up to ``t`` that are not over yet."""
-        due_from = self.next.due_from
+        due_from = self.instant[2]
         if t < due_from:
             return 0
         return 1 + int((t - due_from) / self.period)
 
     def buffer(self, t: float) -> None:
-        self._block.step_starts(t)
+        """All blocks hold their final values at ``t``, where the next step starts."""
+        block = self._block
+        k, _, _, due_until, _, _ = self.instant
+        if block._acted_at == t <= due_until and block._sampled == k:
+            # the last step showed instant k in one pass: what holds for it holds for this one
+            self.go_on()
+            block._results.pop(k - 1, None)
+            block._acted_at = None
+        else:
+            block.start_step(t)
+        self.step_start = t
         self.in_step = True
+        block.step_started(t)
 
     def estimate(self, t: float) -> float:
         return self.start + self._block.awaited * self.period - t
@@ -158,16 +176,16 @@ class SampleClock(ClockEvent):
             self.settling = True
             return NOT_DETECTED
         self.in_step = self.settling = False
-        next_ = self.next
-        if t < next_.due_from:
+        _, time, due_from, due_until, _, _ = self.instant
+        if t < due_from:
             return NOT_DETECTED
         self.settling = True
-        if self._block.has_acted(t):
+        if self._block._acted_at == t <= due_until or self._block.has_acted(t):
             return NOT_DETECTED
         self.reached = t
-        if t <= next_.due_until:
+        if t <= due_until:
             return True, True, BEFORE_OTHER_EVENTS
-        return True, False, (next_.time - self.step_start) / (t - self.step_start)
+        return True, False, (time - self.step_start) / (t - self.step_start)
 
     def resolve(self, t: float) -> None:
         self._block.act(self.reached)
@@ -205,11 +223,19 @@ class SampledBlock(Block):
     @property
     def awaited(self) -> int:
         """Index of the first instant that was not reached yet."""
-        return max(self.clock.next.k, self._sampled + 1)
+        return max(self.clock.index, self._sampled + 1)
+
+    def linearize(self, t: float) -> Any:
+        """Refused: a sampled block goes on sampling. `to_statespace` gives its linear model."""
+        raise LinearizationError(
+            f"{type(self).__name__} samples, and has no linear stand-in to run in its place: "
+            "to_statespace gives the linear model of the diagram"
+        )
 
     def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
         """PathSim calls this when the block comes into a simulation, with that one's engine."""
         self._finish()
+        self._acted_at = None
         self._engine = parent
         self.clock.nested = False
 
@@ -220,37 +246,37 @@ class SampledBlock(Block):
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
         self._dt, self._resolved = dt, False
-        next_ = self.clock.next
-        if t >= next_.due_from:
-            self._sampled = (
-                next_.k if t <= next_.due_until and next_.k in self._results else self._latest(t)
-            )
+        k, _, due_from, due_until, _, _ = self.clock.instant
+        if t >= due_from:
+            self._sampled = k if t <= due_until and k in self._results else self._latest(t)
 
-    def step_starts(self, t: float) -> None:
-        """All blocks hold their final values at ``t``, where the next step starts."""
+    def start_step(self, t: float) -> None:
+        """Start a step of any kind at ``t``."""
         clock = self.clock
-        next_ = clock.next
-        if t < next_.due_from:
+        k, _, due_from, _, _, _ = clock.instant
+        if t < due_from:
             if t == clock.step_start:
                 # the step is repeated: its end was not reached, whatever was recorded there
-                self._sampled = next_.k - 1
-        elif self._sampled < next_.k:
+                self._sampled = k - 1
+        elif self._sampled < k:
             self._sampled = self._latest(t)
-        if self._sampled >= next_.k:
+        if self._sampled >= k:
             self._finish()
-            next_ = clock.next
         self._resolved, self._acted_at = False, None
-        clock.step_start = t
-        if t > next_.due_until or t < next_.latest_from:
+        k, _, _, due_until, latest_from, _ = clock.instant
+        if t > due_until or t < latest_from:
             # switched off for a while, another time, another simulation: go on from here
-            clock.begin_at(t, next_.k)
+            clock.begin_at(t, k)
         engine = self._engine
         self.one_pass = not (self._stages or clock.nested or engine.is_adaptive)
         step_begins(engine)
 
+    def step_started(self, t: float) -> None:
+        """The block waits for the instant that this step may reach."""
+
     def _latest(self, t: float) -> int:
         """Index of the latest instant up to ``t`` of which there is a result."""
-        k, results = self.clock.next.k, self._results
+        k, results = self.clock.index, self._results
         latest = k - 1 + self.clock.due(t)
         return (
             latest
@@ -261,7 +287,7 @@ class SampledBlock(Block):
     def _finish(self) -> None:
         """Let the instants that were reached be over."""
         clock, sampled = self.clock, self._sampled
-        k = clock.next.k
+        k = clock.index
         if sampled == k:
             clock.go_on()
         elif sampled > k:
@@ -271,15 +297,14 @@ class SampledBlock(Block):
 
     def _shown(self, t: float) -> int:
         """Index of the instant whose outputs belong to ``t``."""
-        clock = self.clock
-        next_ = clock.next
-        if t < next_.due_from:
-            return next_.k - 1
-        if self._sampled < next_.k and not self._resolved:
+        k, _, due_from, due_until, _, _ = self.clock.instant
+        if t < due_from:
+            return k - 1
+        if self._sampled < k and not self._resolved:
             if not (self.one_pass and without_stages(self._engine)):
-                return next_.k - 1
+                return k - 1
             self._acted_at = t
-        return next_.k if t <= next_.due_until else next_.k - 1 + clock.due(t)
+        return k if t <= due_until else k - 1 + self.clock.due(t)
 
     def has_acted(self, t: float) -> bool:
         """Whether the outputs at ``t``, the end of a step, are shown already."""
@@ -364,28 +389,46 @@ class SampledPlant(SampledBlock):
         show(self.outputs, y)
 
     def sample(self, t: float, dt: float) -> None:
+        k, _, due_from, due_until, latest_from, latest_until = self.clock.instant
+        if due_from <= t <= due_until and k in self._results:
+            self._dt, self._resolved = dt, False
+            self._sampled = k
+            self._latched = k + 1, self.latch()
+            return
         super().sample(t, dt)
-        next_, reached = self.clock.next, self._sampled
-        if reached >= next_.k:
-            self._latched = reached + 1, self.latch()
-        elif next_.latest_from <= t <= next_.latest_until and next_.k not in self._results:
+        if self._sampled >= k:
+            self._latched = self._sampled + 1, self.latch()
+        elif latest_from <= t <= latest_until and k not in self._results:
             # a run begins at an instant: values may have been edited since the last one
-            self._latched = next_.k, self.latch()
+            self._latched = k, self.latch()
 
-    def step_starts(self, t: float) -> None:
-        super().step_starts(t)
-        next_ = self.clock.next
-        k = next_.k
-        if k not in self._results:
-            if self._latched[0] != k:
-                self._latched = k, self.latch()
-            if self.one_pass and t + self._dt >= next_.due_from:
+    def step_started(self, t: float) -> None:
+        k, _, due_from, _, _, _ = self.clock.instant
+        results = self._results
+        if k not in results:
+            latched, u = self._latched
+            if latched != k:
+                u = self.latch()
+                self._latched = k, u
+            if self.one_pass and t + self._dt >= due_from:
                 # an interrupt before the result is kept leaves it to be done
-                self._results[k] = self.advance(k, self._latched[1])
+                results[k] = self.advance(k, u)
 
     def update(self, t: float) -> None:
+        k, _, due_from, due_until, _, _ = self.clock.instant
         results = self._results
-        if self.clock.next.k in results:
+        if k not in results:
+            return
+        if (
+            self.one_pass
+            and due_from <= t <= due_until
+            and self._sampled < k
+            and not self._resolved
+            and without_stages(self._engine)
+        ):
+            self._acted_at = t
+            show(self.outputs, results[k])
+        else:
             shown = self._shown(t)
             if shown not in results:
                 shown, self._acted_at = max(results), None
@@ -434,19 +477,51 @@ class SampledLaw(SampledBlock):
         raise NotImplementedError
 
     def update(self, t: float) -> None:
-        index = self.clock.next.k
+        k, _, due_from, due_until, _, _ = self.clock.instant
+        if (
+            self.one_pass
+            and due_from <= t <= due_until
+            and self._sampled < k
+            and not self._resolved
+            and without_stages(self._engine)
+        ):
+            self._acted_at = t
+            before = self._results[k - 1]
+            y, state = self.law(values(self.inputs), before[1])
+            self._results = {k - 1: before, k: (y, state)}
+            show(self.outputs, y)
+        else:
+            self._show_anywhere(t)
+
+    def _show_anywhere(self, t: float) -> None:
+        k, results = self.clock.index, self._results
         shown = max(self._shown(t), 0)  # the first instant is the first evaluation of the graph
-        if shown >= index > self._sampled:
-            state = self._results[index - 1][1]
-            u = values(self.inputs)
-            for _ in range(index, shown + 1):
+        if shown >= k > self._sampled:
+            before = results[k - 1]
+            u, state = values(self.inputs), before[1]
+            for _ in range(k, shown + 1):
                 y, state = self.law(u, state)
-            self._results = {index - 1: self._results[index - 1], shown: (y, state)}
-            self.outputs.update_from_array(y)
-        elif len(self._results) > 1:
-            y, _ = self._results[max(i for i in self._results if i <= max(shown, index - 1))]
+            self._results = {k - 1: before, shown: (y, state)}
+            show(self.outputs, y)
+        elif len(results) > 1:
+            y, _ = results[max(i for i in results if i <= max(shown, k - 1))]
             if y is not None:
-                self.outputs.update_from_array(y)
+                show(self.outputs, y)
+
+    def to_statespace(self, t: float) -> Matrices:
+        """A, B, C, D of the continuous equivalent about the present state, without the hold.
+
+        Raises
+        ------
+        LinearizationError
+            if there is none
+        """
+        u = values(self.inputs)
+        _, state = self._results[max(self._results)]
+        if max(self._results) < 0:
+            # bumpless: the first sample engages the law where it is
+            _, state = self.law(u, state)
+        return continuous_equivalent(self.law, u, state, self.clock.period, type(self).__name__)
 
     def has_acted(self, t: float) -> bool:
         acted = super().has_acted(t)

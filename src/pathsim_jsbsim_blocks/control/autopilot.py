@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .controller import Authority, Controller, fill
+from .._core.tunable import TunableLaw
+from .controller import Authority, fill
 from .gains import Gains, loop_gains
 from .loops import (
     AltitudeLoop,
@@ -19,7 +20,7 @@ from .loops import (
 
 
 @fill
-class Autopilot(Controller):
+class Autopilot(TunableLaw):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,

@@ -1,16 +1,8 @@
-"""Base of the controller blocks: parameters that may be changed while the diagram runs."""
+"""What the controller blocks share: the form of an authority, and sections of their pages."""
 
 from __future__ import annotations
 
-import inspect
-import warnings
-from typing import Any
-
-from .._core._pathsim import port_names
-from .._core.checks import positive
 from .._core.docs import filler
-from .._core.ports import NamedPorts
-from .._core.sampling import SampledLaw
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -28,77 +20,3 @@ fill = filler(
         for an unknown gain table or gain, naming the nearest, and for invalid numbers
     """,
 )
-
-
-class _Parameter:
-    """Attribute for a parameter of ``__init__``; setting it rebuilds the control laws."""
-
-    def __init__(self, name: str):
-        self.name = name
-
-    def __get__(self, block: Any, owner: type) -> Any:
-        if block is None:
-            return self
-        try:
-            return block.__dict__[self.name]
-        except KeyError:
-            raise AttributeError(self.name) from None
-
-    def __set__(self, block: Controller, value: Any) -> None:
-        if block.configured:
-            block.set(**{self.name: value})
-        else:
-            block.__dict__[self.name] = value
-
-
-class Controller(NamedPorts, SampledLaw):
-    """Base of sampled controllers whose parameters take effect at the next sample.
-
-    A subclass implements `build`, which makes the plain laws from the parameters, and ends its
-    ``__init__`` with ``self.configure()``. A parameter set later is checked in the same way; a
-    refused value leaves the block unchanged.
-    """
-
-    configured = False
-    # inputs that must be connected
-    measured: tuple[str, ...] = ()
-    _wires_seen = False
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
-        for name in list(inspect.signature(cls.__init__).parameters)[1:]:
-            setattr(cls, name, _Parameter(name))
-
-    def build(self) -> None:
-        """Build the laws from the parameters, for the period ``self.clock.period``."""
-        raise NotImplementedError
-
-    def configure(self) -> None:
-        # a new T takes effect at the next reset, for the clock and the laws
-        positive("T", self.T)
-        self.build()
-        self.configured = True
-
-    def sample(self, t: float, dt: float) -> None:
-        super().sample(t, dt)
-        if not self._wires_seen:
-            self._wires_seen = True
-            self._warn_of_missing_wires()
-
-    def _warn_of_missing_wires(self) -> None:
-        ports = port_names(self.inputs)
-        missing = [name for name in self.measured if ports[name] not in self.inputs.wired]
-        if missing:
-            warnings.warn(
-                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}",
-                RuntimeWarning,
-                stacklevel=2,
-            )
-
-    def _put(self, values: dict[str, Any]) -> None:
-        self.__dict__.update(values)
-        self.configure()
-
-    def reset(self) -> None:
-        super().reset()
-        self.configure()

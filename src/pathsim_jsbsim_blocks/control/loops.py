@@ -76,9 +76,13 @@ class ReferenceLoop:
         else:
             if target is not None:
                 found = y
-            goal = (found if target is None else target) + increment
-            reference += min(max(goal - reference, -self._step), self._step)
-        u, law = self.pid.sample(law, reference, y, rate, self.sign * sat, off, feed=feed)
+            step, most = (found if target is None else target) + increment - reference, self._step
+            if step < -most:
+                step = -most
+            if step > most:
+                step = most
+            reference += step
+        u, law = self.pid.sample(law, reference, y, rate, self.sign * sat, off, 0.0, feed)
         return self.sign * u, reference, (found, reference, law)
 
 

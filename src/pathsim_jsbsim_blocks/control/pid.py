@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from .._core.checks import number, positive
-from ..errors import ParameterError
-from .controller import Controller
+from .._core.checks import limits, number, positive
+from .._core.tunable import TunableLaw
 
 State = tuple[float, float, float, float, float, float]
 
@@ -93,14 +92,7 @@ class PID:
             Tt = number("Tt", Tt, low=self.T)
         elif self.Ki:
             Tt = max(self.Kp / self.Ki, 2 * self.T)
-        self.low = number("low", low, infinite=True)
-        self.high = number("high", high, infinite=True)
-        if self.low > self.high:
-            raise ParameterError(
-                f"the lower limit {low!r} must not be above the upper, {high!r}",
-                parameter="low",
-                value=low,
-            )
+        self.low, self.high = limits(low, high)
         self._KiT = self.Ki * self.T
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         self._fade = math.exp(-self.T / positive("Te", Te))
@@ -158,13 +150,16 @@ class PID:
         elif phase <= 0.0:
             # without integral action, let the held offset decay
             integral, offset = 0.0, u - direct + damping
-        v = direct + integral + (offset - damping)
-        u = min(max(v, self.low), self.high)
+        u = v = direct + integral + (offset - damping)
+        if u < self.low:
+            u = self.low
+        if u > self.high:
+            u = self.high
         integral += self._KiT * (r - y) + self._unwind * (u - v - sat)
         return u, (1.0, integral, u, self._fade * offset, y, slope)
 
 
-class DiscretePID(Controller):
+class DiscretePID(TunableLaw):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
     .. math::

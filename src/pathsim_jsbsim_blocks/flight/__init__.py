@@ -1,11 +1,35 @@
 """JSBSim aircraft: models, trims, and the blocks that fly them. Needs jsbsim."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from ._trim import TrimState, trim
-from .aircraft import Aircraft
 from .airframe import Airframe, aircraft_names, empty_weight_cg, has_retractable_gear
 from .condition import TrimCondition
-from .fdm import JSBSimFDM
-from .fleet import LevelFlight, level_flight
+
+if TYPE_CHECKING:
+    from .aircraft import Aircraft
+    from .fdm import JSBSimFDM
+    from .fleet import LevelFlight, level_flight
+    from .linear import linear_model
+else:
+    # loaded at first use: without PathSim a worker that trims starts in a fifth of the time
+    _WITH_PATHSIM = {
+        "Aircraft": "aircraft",
+        "JSBSimFDM": "fdm",
+        "LevelFlight": "fleet",
+        "level_flight": "fleet",
+        "linear_model": "linear",
+    }
+
+    def __getattr__(name: str) -> Any:
+        if name in _WITH_PATHSIM:
+            return getattr(import_module(f".{_WITH_PATHSIM[name]}", __name__), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__() -> list[str]:
+        return sorted(__all__)
+
 
 __all__ = [
     "Aircraft",
@@ -18,5 +42,6 @@ __all__ = [
     "empty_weight_cg",
     "has_retractable_gear",
     "level_flight",
+    "linear_model",
     "trim",
 ]

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import jsbsim
 
 from .._core.checks import mapping
-from ..errors import ParameterError, TrimError
+from .._core.extras import required
+from ..errors import AircraftError, ParameterError, TrimError
+from ._newton import Search, alpha_range
 from .airframe import Airframe
 from .condition import MODES, TrimCondition
 from .console import messages
 from .rehearsal import Outcome, rehearse
 
+if TYPE_CHECKING:
+    import pandas
+
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 
 _ROUNDING = 1e-9  # deg
+
+# an altitude is above the place that is set
+_PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
 
 _NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
 
@@ -26,9 +38,6 @@ _NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
 _LONGEST_SEARCH = 10
 
 _TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: upper limit of the US Standard Atmosphere, 1976
-
-# deg, JSBSim's range for models that give no limits of their own (FGTrimAxis)
-_ALPHA_RANGE_OF_MODELS_WITHOUT = (-5.0, 20.0)
 
 # the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
 _LIMITS = {
@@ -43,6 +52,17 @@ _LIMITS_OF_MODES = {
     "turn": {**_LIMITS, "vdot": "sideslip"},
     "pull-up": {**_LIMITS, "nlf": "alpha limit", "hmgt": "sideslip"},
     "ground": {"wdot": "height", "qdot": "pitch angle", "pdot": "bank"},
+}
+
+# the same by what the Newton search moves
+_REASONS = {
+    "throttle": "thrust",
+    "alpha": "alpha limit",
+    "pitch_trim": "elevator",
+    "elevator": "elevator",
+    "phi": "bank",
+    "beta": "sideslip",
+    "gamma": "path angle",
 }
 
 # units of the fields of a condition and of a state, in the column order of study tables
@@ -70,12 +90,15 @@ UNITS = {
     **dict.fromkeys(("wind_north", "wind_east"), "ft/s"),
     "payload": "lb",
     "fuel": "lb",
+    **dict.fromkeys(("latitude", "longitude"), "deg"),
+    **dict.fromkeys(("p", "q", "r"), "deg/s"),
+    "nz": "g",
 }
 
 
 @dataclass(frozen=True)
 class TrimState:
-    """The trimmed state found by JSBSim, with its residuals.
+    """The trimmed state found, with its residuals.
 
     Attributes
     ----------
@@ -92,7 +115,8 @@ class TrimState:
     thrust : float
         lbf, sum of the engines
     pitch_trim, elevator, aileron, rudder : float
-        commands, -1 to 1; the trim uses the pitch trim for pitch, elevator stays 0
+        commands, -1 to 1; the trim uses the pitch trim for pitch, elevator stays 0 (but the Newton
+        search uses it where a model has no pitch trim)
     elevator_rad, elevator_norm : float
         position of the elevator in rad and as a fraction of its travel (0 if the model has none)
     udot, vdot, wdot : float
@@ -103,6 +127,14 @@ class TrimState:
         lb
     cg_x, cg_y, cg_z : float
         centre of gravity in inches, structural axes
+    p, q, r : float
+        body rates in deg/s
+    nz : float
+        load factor in g, +1 in level flight
+    gear, flaps : float
+        positions, 0 (up) to 1 (down)
+    free : tuple[str, ...]
+        the quantities that the search has moved; the others were given
     """
 
     aircraft: str
@@ -135,6 +167,49 @@ class TrimState:
     cg_x: float
     cg_y: float
     cg_z: float
+    p: float
+    q: float
+    r: float
+    nz: float
+    gear: float
+    flaps: float
+    free: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, float]:
+        """The state's numbers by name; those of each engine as ``throttle[0]``."""
+        found: dict[str, float] = {}
+        for name in (n for n in UNITS if n in vars(self)):
+            value = getattr(self, name)
+            if isinstance(value, tuple):
+                found |= {f"{name}[{i}]": x for i, x in enumerate(value)}
+            else:
+                found[name] = value
+        return found
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The state as a pandas table: value and unit by name.
+
+        Raises
+        ------
+        MissingExtraError
+            without pandas
+        """
+        pandas = required("pandas", "tracks")
+        numbers = self.to_dict()
+        units = [UNITS[name.partition("[")[0]] for name in numbers]
+        return pandas.DataFrame({"value": numbers.values(), "unit": units}, index=list(numbers))
+
+    @property
+    def turn_rate(self) -> float:
+        """Rate of change of the heading in deg/s, right positive."""
+        phi, theta = math.radians(self.phi), math.radians(self.theta)
+        return (self.q * math.sin(phi) + self.r * math.cos(phi)) / math.cos(theta)
+
+    @property
+    def turn_radius(self) -> float:
+        """Radius of the turn through the air in ft; infinite in straight flight."""
+        rate = abs(math.radians(self.turn_rate))
+        return self.tas * math.cos(math.radians(self.gamma)) / rate if rate > 1e-6 else math.inf
 
 
 _STATE = {
@@ -164,13 +239,38 @@ _STATE = {
     "cg_x": "inertia/cg-x-in",
     "cg_y": "inertia/cg-y-in",
     "cg_z": "inertia/cg-z-in",
+    "nz": "accelerations/Nz",
+    "gear": "gear/gear-pos-norm",
+    "flaps": "fcs/flap-pos-norm",
+}
+_RATES = {axis: f"velocities/{axis}-rad_sec" for axis in "pqr"}
+
+# what JSBSim's search moves in each mode (FGTrim::SetMode)
+_LONGITUDINAL = ("alpha", "throttle", "pitch_trim")
+_MOVED = {
+    "longitudinal": _LONGITUDINAL,
+    "full": (*_LONGITUDINAL, "phi", "aileron", "rudder"),
+    "ground": ("altitude", "theta", "phi"),
+    "pull-up": (*_LONGITUDINAL, "beta", "phi", "aileron", "rudder"),
+    "turn": (*_LONGITUDINAL, "beta", "aileron", "rudder"),
 }
 
 
 def trim(
-    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None = None
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None = None,
+    *,
+    hint: bool = True,
 ) -> TrimState:
     """Initialise an airframe at a condition and trim it.
+
+    JSBSim's own search takes one control after the other, to residuals of up to 0.01 ft/s2 and
+    0.001 rad/s2. The Newton search (``solver="newton"``) moves all together within their limits
+    until udot, vdot, wdot are below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually
+    1e-9), with propellers and flight control system settled. It also trims glides, steady sideslips
+    and flights at a given throttle or thrust; its turns are steady in wind, its pull-ups in all
+    accelerations.
 
     Parameters
     ----------
@@ -180,6 +280,8 @@ def trim(
         what to trim for
     setup : dict, optional
         further properties, written before the model is initialised and after the condition's
+    hint : bool
+        after a failure look for the nearest speed that trims, which the error then names
 
     Returns
     -------
@@ -189,14 +291,17 @@ def trim(
     Raises
     ------
     TrimError
-        if JSBSim finds no trim, or not within 10 s of computing with constant-speed propellers
-        (no limit on Windows). The airframe stays usable: the next trim starts from a fresh
-        executive (`Airframe.renew`), as does a trim on the ground after any other. This discards
-        fuel burnt in between and direct writes to ``airframe.fdm``
+        if no trim is found, or with JSBSim's search and constant-speed propellers not within
+        10 s of computing (no limit on Windows). The airframe stays usable: after a failure of
+        JSBSim's search the next trim starts from a fresh executive (`Airframe.renew`), as does a
+        trim on the ground after any other. This discards fuel burnt in between and direct writes to
+        ``airframe.fdm``
     AircraftError
         if the model cannot be initialised
     PropertyError
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
+    ParameterError
+        for initial conditions in ``setup`` that the trim would overwrite
     """
     if not isinstance(condition, TrimCondition):
         raise ParameterError(
@@ -204,21 +309,143 @@ def trim(
             parameter="condition",
             value=condition,
         )
+    try:
+        return _trim(airframe, condition, setup)
+    except TrimError as error:
+        nearest = None
+        if hint:
+            # at another speed a model may be impossible to initialise
+            with contextlib.suppress(AircraftError):
+                nearest = _nearest(airframe, condition, setup, error.reason)
+        if nearest is None:
+            raise
+        raise TrimError(
+            f"{error}. It trims at {nearest.speed:.0f} KCAS there",
+            aircraft=error.aircraft,
+            condition=condition,
+            reason=error.reason,
+            residuals=error.residuals,
+            nearest=nearest,
+        ) from None
+
+
+# factors of the speed at which a condition that fails is tried, and what a search for it may cost
+# in steps of JSBSim (about 0.5 s)
+_FASTER = (1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.65, 1.9, 2.3)
+_SLOWER = (0.97, 0.93, 0.87, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+_EFFORT = 60_000
+
+
+def _nearest(
+    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None, reason: str
+) -> TrimCondition | None:
+    """The condition at the nearest speed that trims; None if there is none or it cannot help."""
+    helps = reason in ("thrust", "alpha limit", "elevator", "no convergence")
+    powered = airframe.engines or condition.balance != "throttle"
+    if not helps or not powered or condition.mode == "ground" or condition.balance == "speed":
+        return None
+    airframe.renew()
+    airframe.spent = True  # whatever follows, the next trim starts afresh
+    airframe.write(_properties(airframe, condition, setup), "setup")
+    _initialise(airframe, condition, condition.heading)
+    speed, effort = airframe.fdm[_STATE["speed"]], 0
+
+    def trims(knots: float) -> TrimCondition | None:
+        nonlocal effort
+        if knots <= 0.0:
+            return None
+        other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
+        _initialise(airframe, other, other.heading)
+        if not math.isfinite(airframe.fdm[_STATE["tas"]]):
+            return None
+        search = Search(airframe, other)
+        found = search.find()
+        effort += search.steps
+        touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
+        return other if found.converged and not touches else None
+
+    for faster, slower in zip(_FASTER, _SLOWER, strict=True):
+        for factor in (faster, slower):
+            if effort > _EFFORT:
+                return None
+            if nearest := trims(float(round(speed * factor))):
+                low, high = speed, nearest.speed
+                while abs(high - low) > 1.0 and effort < _EFFORT:
+                    middle = float(round(0.5 * (low + high)))
+                    if middle in (low, high):
+                        break
+                    if closer := trims(middle):
+                        nearest, high = closer, middle
+                    else:
+                        low = middle
+                return dataclasses.replace(nearest, solver=condition.solver)
+    return None
+
+
+# initial conditions that a trim overwrites -> the field of a condition that sets them
+_OVERWRITTEN = {
+    r"ic/h-(sl|agl)-ft": "altitude",
+    r"ic/v[cegt]-kts|ic/v[gt]-fps": "speed",
+    r"ic/mach": "mach",
+    r"ic/([uvw]|v[ned])-fps": "speed, gamma and heading",
+    r"ic/(gamma|theta|alpha)-(deg|rad)|ic/roc-fp[ms]": "gamma",
+    r"ic/phi-(deg|rad)": "bank",
+    r"ic/psi-true-(deg|rad)": "heading",
+    r"ic/beta-(deg|rad)": "beta",
+    r"ic/vw-.*": "wind_north and wind_east",
+    r"ic/[pqr]-rad_sec": "mode",
+}
+
+
+def _refuse_overwritten(airframe: Airframe, condition: TrimCondition, names: Iterable[str]) -> None:
+    """Raise ParameterError for properties in ``setup`` that would have no effect."""
+    for name in names:
+        for pattern, parameter in _OVERWRITTEN.items():
+            if condition.mode != "none" and re.fullmatch(pattern, airframe.canonical(name)):
+                raise ParameterError(
+                    f"setup[{name!r}] would be overwritten by the trim: set {parameter} of the "
+                    'condition, or start without a trim (mode="none")',
+                    parameter="setup",
+                    value=name,
+                )
+
+
+def _properties(
+    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
+) -> dict[str, float]:
+    """The properties of a condition, those of ``setup`` after them."""
+    last = mapping("setup", setup)
+    _refuse_overwritten(airframe, condition, {**condition.setup, **last})
+    first = {**_loading(condition), **condition.setup}
+    return {**{n: v for n, v in first.items() if n not in last}, **last}
+
+
+def _trim(
+    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
+) -> TrimState:
     if airframe.spent or (airframe.used and condition.mode == "ground"):
         airframe.renew()
     used = airframe.used
     airframe.lower_ground()
-    last = mapping("setup", setup)
-    first = {**_loading(condition), **condition.setup}
-    airframe.write({**{n: v for n, v in first.items() if n not in last}, **last}, "setup")
+    written = _properties(airframe, condition, setup)
+    # without a search nothing needs the condition's own speed and attitude
+    initial = (
+        {n: v for n, v in written.items() if _is_initial(airframe.canonical(n))}
+        if condition.mode == "none"
+        else {}
+    )
+    airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
     # spent is cleared below on success: a search that ends early leaves the executive unusable
     airframe.used = airframe.spent = True
-    _initialise(airframe, condition, condition.heading)
+    _initialise(airframe, condition, condition.heading, initial)
     if used and _not_finite(state(airframe, condition)):
         # the previous flight left NaN or inf in the executive; this call renews it
-        return trim(airframe, condition, setup)
+        return _trim(airframe, condition, setup)
     if condition.mode != "none":
         _refuse_hopeless(airframe, condition)
+    if condition.searched_by == "newton":
+        return _by_newton(airframe, condition)
+    if condition.mode != "none":
         _find(airframe, condition)
     if condition.mode == "turn":
         # JSBSim keeps the track and turns the nose, so start with the opposite offset
@@ -233,6 +460,34 @@ def trim(
         )
     airframe.spent = False
     return found
+
+
+def _by_newton(airframe: Airframe, condition: TrimCondition) -> TrimState:
+    """Trim an initialised airframe with the Newton search."""
+    if not airframe.engines and condition.balance == "throttle":
+        airframe.spent = False
+        raise _failure(airframe, condition, "thrust")
+    search = Search(airframe, condition)
+    found = search.find()
+    touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
+    if found.converged and not touches:
+        changes: dict[str, Any] = {"free": tuple(found.free), **found.residuals}
+        reached = dataclasses.replace(state(airframe, condition), **changes)
+        if not _not_finite(reached):
+            airframe.spent = False
+            return reached
+    for name in ("pitch-trim", "elevator", "aileron", "rudder"):
+        airframe.fdm[f"fcs/{name}-cmd-norm"] = 0.0
+    for i in range(airframe.engines):
+        airframe.fdm[f"fcs/throttle-cmd-norm[{i}]"] = 0.0
+    _initialise(airframe, condition, condition.heading)
+    airframe.spent = bool(_not_finite(state(airframe, condition)))
+    if touches:
+        raise _failure(
+            airframe, condition, "ground", "a wheel or another contact point touches the ground"
+        )
+    reason = _REASONS.get(found.binding, found.binding) or "no convergence"
+    raise _failure(airframe, condition, reason, residuals=found.residuals)
 
 
 def _not_finite(found: TrimState) -> list[str]:
@@ -284,6 +539,7 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     """Current state of an initialised airframe."""
     fdm = airframe.fdm
     found = {name: fdm[source] for name, source in _STATE.items()}
+    found |= {name: math.degrees(fdm[source]) for name, source in _RATES.items()}
     if 360.0 - found["psi"] < _ROUNDING:
         # keeps a heading of north from alternating between 360 and 0
         found["psi"] = 0.0
@@ -294,6 +550,7 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
         throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
         # fsum refuses infinities of both signs
         thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
+        free=_MOVED.get(condition.mode, ()),
         **found,
     )
 
@@ -312,6 +569,10 @@ def _loading(condition: TrimCondition) -> dict[str, float]:
         written |= {"gear/gear-cmd-norm": condition.gear, "gear/gear-pos-norm": condition.gear}
     if condition.flaps is not None:
         written |= {"fcs/flap-cmd-norm": condition.flaps, "fcs/flap-pos-norm": condition.flaps}
+    if condition.latitude is not None:
+        written["ic/lat-geod-deg"] = condition.latitude
+    if condition.longitude is not None:
+        written["ic/long-gc-deg"] = condition.longitude
     if condition.alpha_min is not None:
         written["aero/alpha-min-rad"] = math.radians(condition.alpha_min)
     if condition.alpha_max is not None:
@@ -319,7 +580,18 @@ def _loading(condition: TrimCondition) -> dict[str, float]:
     return written
 
 
-def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) -> None:
+def _is_initial(name: str) -> bool:
+    """Whether a property is an initial condition, other than the place, which comes first."""
+    return name.startswith("ic/") and not name.startswith(_PLACE)
+
+
+def _initialise(
+    airframe: Airframe,
+    condition: TrimCondition,
+    heading: float,
+    initial: Mapping[str, float] = MappingProxyType({}),
+) -> None:
+    """Write a condition as initial conditions, ``initial`` last, and initialise the model."""
     fdm = airframe.fdm
     on_ground = condition.mode == "ground"
 
@@ -361,6 +633,7 @@ def _initialise(airframe: Airframe, condition: TrimCondition, heading: float) ->
     put("ic/phi-deg", condition.bank)
     if condition.mode == "pull-up":
         fdm["ic/targetNlf"] = condition.load_factor
+    airframe.write(initial, "setup")
     airframe.run_ic()
     _start_engines(airframe)
 
@@ -400,23 +673,29 @@ def _find(airframe: Airframe, condition: TrimCondition) -> None:
         )
 
 
-def _failure(airframe: Airframe, condition: TrimCondition, reason: str, why: str = "") -> TrimError:
+def _failure(
+    airframe: Airframe,
+    condition: TrimCondition,
+    reason: str,
+    why: str = "",
+    residuals: Mapping[str, float] | None = None,
+) -> TrimError:
     fdm = airframe.fdm
-    residuals = {name: fdm[_STATE[name]] for name in _LIMITS}
-    alpha_min, alpha_max = (math.degrees(fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
-    if alpha_max <= alpha_min:
-        alpha_min, alpha_max = _ALPHA_RANGE_OF_MODELS_WITHOUT
+    reached = "without trim" if residuals is None else "at best"
+    if residuals is None:
+        residuals = {name: fdm[_STATE[name]] for name in _LIMITS}
+    alpha_min, alpha_max = alpha_range(airframe)
     limits = {
         "thrust": "the throttle ran to the end of its range"
         if airframe.engines
-        else "it has no engine to hold the speed with",
+        else "it has no engine to hold the speed with (mode='glide' frees the path angle)",
         "alpha limit": f"alpha ran to the end of [{alpha_min:.3g}, {alpha_max:.3g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",
     }
     return TrimError(
         f"aircraft {airframe.aircraft!r} does not trim at {condition}: "
-        f"{why or limits.get(reason, f'the {reason} ran to the end of its range')}; without trim "
+        f"{why or limits.get(reason, f'the {reason} ran to the end of its range')}; {reached} "
         + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
         + " (ft/s2, rad/s2)",
         aircraft=airframe.aircraft,

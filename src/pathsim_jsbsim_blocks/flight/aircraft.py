@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from functools import partial
 
-from .block import FlightBlock, fill
+from .block import FlightBlock, Read, Write, fill
+from .channels import DEG, Channel, unit_of
 from .condition import TrimCondition
 
-_DEG = 180.0 / math.pi
+_EXCESS = (None, 1.0)
 
 # port: (property, or None for a command's excess over its limit; factor to the port's unit).
 # Models store the port numbers, so new ports are appended
@@ -17,9 +16,9 @@ _OUTPUTS: dict[str, tuple[str | None, float]] = {
     "theta": ("attitude/theta-deg", 1.0),
     "phi": ("attitude/phi-deg", 1.0),
     "psi": ("attitude/psi-deg", 1.0),
-    "p": ("velocities/p-rad_sec", _DEG),
-    "q": ("velocities/q-rad_sec", _DEG),
-    "r": ("velocities/r-rad_sec", _DEG),
+    "p": ("velocities/p-rad_sec", DEG),
+    "q": ("velocities/q-rad_sec", DEG),
+    "r": ("velocities/r-rad_sec", DEG),
     "alpha": ("aero/alpha-deg", 1.0),
     "beta": ("aero/beta-deg", 1.0),
     "gamma": ("flight-path/gamma-deg", 1.0),
@@ -32,10 +31,18 @@ _OUTPUTS: dict[str, tuple[str | None, float]] = {
     "nz": ("accelerations/Nz", 1.0),
     "lat": ("position/lat-geod-deg", 1.0),
     "lon": ("position/long-gc-deg", 1.0),
-    "elev_sat": (None, 1.0),
-    "ail_sat": (None, 1.0),
-    "rud_sat": (None, 1.0),
-    "thr_sat": (None, 1.0),
+    "elev_sat": _EXCESS,
+    "ail_sat": _EXCESS,
+    "rud_sat": _EXCESS,
+    "thr_sat": _EXCESS,
+}
+
+
+# port: property
+_INPUTS = {
+    "elevator": "fcs/elevator-cmd-norm",
+    "aileron": "fcs/aileron-cmd-norm",
+    "rudder": "fcs/rudder-cmd-norm",
 }
 
 
@@ -50,18 +57,7 @@ class Aircraft(FlightBlock):
 
     Parameters
     ----------
-    aircraft : str
-        name of the JSBSim model
-    altitude : float
-        ft above mean sea level
-    speed : float
-        KCAS; not used if ``mach`` is given
-    mach : float, optional
-        Mach number instead of ``speed``
-    gamma : float
-        flight path angle in deg
-    heading : float
-        true heading in deg
+    %(start)s
     bank : float
         bank angle in deg, right positive, with ``mode="turn"``
     mode : str
@@ -89,29 +85,13 @@ class Aircraft(FlightBlock):
         increment of the rudder command; positive yaws the nose left on most models
     throttle
         increment of the throttle command of every engine, 1 is the full range
+    wind_north, wind_east, wind_down
+        velocity of the air in ft/s, the direction it moves to, added to the condition's wind
+        (JSBSim's ``atmosphere/gust-north-fps``, ...); 0 adds none
 
     Outputs
     -------
-    theta, phi, psi
-        pitch, roll and heading angle, deg
-    p, q, r
-        body rates, deg/s
-    alpha, beta, gamma
-        angle of attack, sideslip angle, flight path angle, deg
-    h
-        altitude above mean sea level, ft
-    hdot
-        rate of climb, ft/s
-    vc
-        calibrated airspeed, kt
-    vt
-        true airspeed, ft/s
-    mach
-        Mach number
-    nx, nz
-        load factors, g; nz is +1 in level flight
-    lat, lon
-        geodetic latitude and longitude, deg
+    %(motion)s
     elev_sat, ail_sat, rud_sat, thr_sat
         increment demanded minus increment applied in the last
         period: not 0 while a command is at the end of its range (feedback against wind-up)
@@ -125,7 +105,15 @@ class Aircraft(FlightBlock):
     1.29
     """
 
-    input_port_labels = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
+    input_port_labels = {
+        "elevator": 0,
+        "aileron": 1,
+        "rudder": 2,
+        "throttle": 3,
+        "wind_north": 4,
+        "wind_east": 5,
+        "wind_down": 6,
+    }
     output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
 
     _trim_keywords = {
@@ -165,6 +153,10 @@ class Aircraft(FlightBlock):
         record_inputs: bool = False,
         allow_network: bool = False,
         allow_files: bool = False,
+        integrators: str | Mapping[str, str] = "default",
+        planet: str | Mapping[str, float] | None = None,
+        gravity: str | None = None,
+        flightgear: str | None = None,
     ) -> None:
         super().__init__(
             T,
@@ -177,6 +169,10 @@ class Aircraft(FlightBlock):
             record_inputs=record_inputs,
             allow_network=allow_network,
             allow_files=allow_files,
+            integrators=integrators,
+            planet=planet,
+            gravity=gravity,
+            flightgear=flightgear,
         )
         self.aircraft = aircraft
         self.altitude = altitude
@@ -193,48 +189,70 @@ class Aircraft(FlightBlock):
     def _model(self) -> str:
         return self.aircraft
 
-    def _connect(self) -> None:
-        state = self.trim
-        self._surfaces = [  # port, writer, trimmed command, lowest and highest command
-            (
-                "elev_sat",
-                self.airframe.writer("fcs/elevator-cmd-norm"),
-                state.elevator,
-                # JSBSim limits the sum of command and pitch trim
-                *_range(state.pitch_trim),
-            ),
-            ("ail_sat", self.airframe.writer("fcs/aileron-cmd-norm"), state.aileron, -1.0, 1.0),
-            ("rud_sat", self.airframe.writer("fcs/rudder-cmd-norm"), state.rudder, -1.0, 1.0),
+    def channels(self) -> tuple[list[Channel], list[Channel]]:
+        throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.airframe.engines))
+        inputs = [Channel(port, (name,), 1.0, "norm") for port, name in _INPUTS.items()]
+        return [*inputs, Channel("throttle", throttles, 1.0, "norm")], [
+            Channel(port, (), 1.0, "norm")
+            if name is None
+            else Channel(port, (name,), factor, {DEG: "deg/s"}.get(factor) or unit_of(name))
+            for port, (name, factor) in _OUTPUTS.items()
         ]
-        self._throttles = [
-            (self.airframe.writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
+
+    def trimmed_inputs(self) -> list[float]:
+        return [0.0] * len(self.channels()[0])
+
+    def _connect(self) -> tuple[Write, Read]:
+        state, writer = self.trim, self.airframe.writer
+        surfaces = [  # writer, trimmed command, lowest and highest command
+            # JSBSim limits the sum of command and pitch trim
+            (writer(_INPUTS["elevator"]), state.elevator, *_range(state.pitch_trim)),
+            (writer(_INPUTS["aileron"]), state.aileron, -1.0, 1.0),
+            (writer(_INPUTS["rudder"]), state.rudder, -1.0, 1.0),
+        ]
+        throttles = [
+            (writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
             for i, throttle in enumerate(state.throttle)
         ]
-        self._saturation = {port: 0.0 for port, (name, _) in _OUTPUTS.items() if name is None}
-        self._readers = [
-            partial(self._saturation.__getitem__, port)
-            if name is None
-            else self.airframe.reader(name)
-            for port, (name, _) in _OUTPUTS.items()
-        ]
-        self._factors = [factor for _, factor in _OUTPUTS.values()]
+        gusts = [writer(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
+        north = east = down = 0.0
+        ports = list(_OUTPUTS.values())
+        readers = [self.airframe.reader(name) for name, _ in ports if name is not None]
+        first_excess = ports.index(_EXCESS)
+        scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
+        # of elevator, aileron, rudder and throttle over their limits
+        excess = [0.0] * ports.count(_EXCESS)
 
-    def _write(self, u: list[float]) -> None:
-        for increment, (port, write, trimmed, low, high) in zip(u, self._surfaces, strict=False):
-            command = trimmed + increment
-            limited = min(max(command, low), high)
-            write(limited)
-            self._saturation[port] = command - limited
-        excess = 0.0
-        for write, trimmed in self._throttles:
-            command = trimmed + u[3]
-            limited = min(max(command, 0.0), 1.0)
-            write(limited)
-            excess = command - limited
-        self._saturation["thr_sat"] = excess
+        def write(u: list[float]) -> None:
+            nonlocal north, east, down
+            for i, (put, trimmed, low, high) in enumerate(surfaces):
+                command = limited = trimmed + u[i]
+                if limited < low:
+                    limited = low
+                if limited > high:
+                    limited = high
+                put(limited)
+                excess[i] = command - limited
+            for put, trimmed in throttles:
+                command = trimmed + u[3]
+                limited = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
+                put(limited)
+                excess[3] = command - limited
+            # a gust among the block's properties stays where no wire comes in
+            if u[4] != north or u[5] != east or u[6] != down:
+                for put, speed, before in zip(gusts, u[4:], (north, east, down), strict=True):
+                    if speed != before:
+                        put(speed)
+                north, east, down = u[4:]
 
-    def _read(self) -> list[float]:
-        return [factor * read() for read, factor in zip(self._readers, self._factors, strict=True)]
+        def read() -> list[float]:
+            y = [get() for get in readers]
+            y[first_excess:first_excess] = excess
+            for i, factor in scaled:
+                y[i] *= factor
+            return y
+
+        return write, read
 
 
 def _range(trim: float) -> tuple[float, float]:

@@ -23,6 +23,9 @@ import jsbsim
 from .._core.checks import as_path, did_you_mean, flag, mapping, nearest, number, positive
 from ..errors import AircraftError, FileError, ParameterError, PropertyError
 from .console import SEALED_PATH, capture_console, messages
+from .flightgear import address, directive
+from .integrators import integrator_properties
+from .planet import gravity_properties, planet_xml
 
 
 def aircraft_folder(root: str | None = None) -> Path:
@@ -138,6 +141,8 @@ def _model_file(aircraft: str, root: str | None) -> Path:
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 _GROUND = "ic/terrain-elevation-ft"
+# how JSBSim names an output that goes to a socket
+_SOCKET = re.compile(r":\d+/(TCP|UDP)$")
 
 
 class Airframe:
@@ -162,6 +167,14 @@ class Airframe:
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
         let the model write the output files that its XML asks for (CSV)
+    integrators : str or dict
+        as in the aircraft blocks: "default", "precise", or methods by state
+    planet : str or dict, optional
+        as in the aircraft blocks; default is the model's own, or WGS-84
+    gravity : str, optional
+        as in the aircraft blocks: "J2" or "point mass"
+    flightgear : str, optional
+        ``"HOST:PORT"`` where FlightGear listens
 
     Attributes
     ----------
@@ -175,6 +188,8 @@ class Airframe:
     ------
     AircraftError
         if the model is unknown or JSBSim cannot load it
+    ParameterError
+        for integrators, a planet or a gravity that JSBSim does not have
     """
 
     def __init__(
@@ -187,6 +202,10 @@ class Airframe:
         create: Mapping[str, float] | None = None,
         allow_network: bool = False,
         allow_files: bool = False,
+        integrators: str | Mapping[str, str] = "default",
+        planet: str | Mapping[str, float] | None = None,
+        gravity: str | None = None,
+        flightgear: str | None = None,
     ):
         self.dt = positive("dt", dt)
         self.root = root
@@ -194,8 +213,13 @@ class Airframe:
         self._model_file = _model_file(aircraft, root)
         self._network = flag("allow_network", allow_network)
         self._files = flag("allow_files", allow_files)
+        self._flightgear = None if flightgear is None else address("flightgear", flightgear)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
         self._given = dict(mapping("create", create))
+        self._planet = None if planet is None else planet_xml(planet)
+        self._equations = integrator_properties(integrators)
+        if gravity is not None:
+            self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
         self._open()
 
@@ -228,13 +252,13 @@ class Airframe:
         finally:
             if staged is not None:
                 shutil.rmtree(staged, ignore_errors=True)
-        if not self._files:
-            # set_output_filename returns False after the last output
-            outputs = itertools.count()
-            while self.fdm.set_output_filename(next(outputs), os.devnull):
-                pass
-            self.fdm.disable_output()
+        # in this order: a model brings its planet, and a planet resets the integrators
+        if self._planet is not None:
+            self._load_planet(self._planet)
+        for name, value in self._equations.items():
+            self.fdm[name] = value
         self._properties = self.fdm.get_property_manager()
+        self._choose_outputs()
         self._names: list[str] | None = None
         # a trim map writes the same few properties at every point
         self._writers: dict[str, Callable[[float], Any]] = {}
@@ -242,11 +266,43 @@ class Airframe:
         self._ground_before: float | None = None
         self._create()
 
+    def _choose_outputs(self) -> None:
+        """Switch off the outputs of the model that are not allowed; send to FlightGear."""
+        fdm, allowed = self.fdm, self._flightgear is not None
+        for i in itertools.count():
+            switch = f"simulation/output[{i}]/enabled"
+            if not self._properties.hasNode(switch):
+                break
+            if self._network if _SOCKET.search(fdm.get_output_filename(i)) else self._files:
+                allowed = True
+            else:
+                fdm[switch] = 0.0
+                fdm.set_output_filename(i, os.devnull)
+        if self._flightgear is not None:
+            failure = _failure_with_file(directive(*self._flightgear), fdm.set_output_directive)
+            if failure:
+                raise AircraftError(
+                    f"JSBSim cannot send aircraft {self.aircraft!r} to FlightGear: {failure}",
+                    aircraft=self.aircraft,
+                )
+        if allowed:
+            fdm.enable_output()
+        else:
+            fdm.disable_output()
+
     def _load(self) -> None:
         failure = _failure_of(lambda: self.fdm.load_model(self.aircraft))
         if failure:
             raise AircraftError(
                 f"JSBSim cannot load aircraft {self.aircraft!r}: {failure}", aircraft=self.aircraft
+            )
+
+    def _load_planet(self, xml: str) -> None:
+        failure = _failure_with_file(xml, lambda file: self.fdm.load_planet(file, False))
+        if failure:
+            raise AircraftError(
+                f"JSBSim cannot put aircraft {self.aircraft!r} on this planet: {failure}",
+                aircraft=self.aircraft,
             )
 
     def _create(self) -> None:
@@ -302,6 +358,9 @@ class Airframe:
     def has(self, name: str) -> bool:
         """Whether a property exists."""
         try:
+            # first, because the error of an unknown name searches for similar ones
+            if not self._known(name):
+                return False
             self._find(name)
         except PropertyError:
             return False
@@ -480,6 +539,14 @@ def _failure_of(action: Callable[[], bool]) -> str:
 
     failure, said = messages(attempt)
     return (" ".join(said) or failure)[:1000] if failure else ""
+
+
+def _failure_with_file(xml: str, read: Callable[[str], bool]) -> str:
+    """Why JSBSim could not read an XML text, which it takes from files only."""
+    with tempfile.TemporaryDirectory(prefix="jsbsim-") as folder:
+        file = Path(folder, "given.xml")
+        file.write_text(xml, encoding="utf-8")
+        return _failure_of(lambda: read(str(file)))
 
 
 def _stage_with_cg(model_file: Path, aircraft: str, x: float) -> str:

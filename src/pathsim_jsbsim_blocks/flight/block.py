@@ -6,24 +6,38 @@ import inspect
 import math
 import time
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from threading import get_ident
 from typing import Any
 
 import jsbsim
 import numpy as np
+from pathsim.exceptions import LinearizationError
 from pathsim.utils.portreference import PortReference
 
 from .._core._pathsim import port_names, show, values
-from .._core.checks import flag, number, positive, whole
+from .._core.checks import flag, number, one_of, positive, whole
+from .._core.continuous import Matrices
 from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
-from ..errors import CopyError, FlightError, ParameterError, PropertyError
+from ..errors import (
+    BlocksError,
+    CopyError,
+    FlightError,
+    LinearisationError,
+    ParameterError,
+    PropertyError,
+)
+from ..linear.model import LinearModel
 from ._trim import TrimState, trim
 from .airframe import Airframe
+from .algebraic import algebraic_model
+from .channels import Channel
 from .condition import TrimCondition
 from .console import capture_console, log
+from .flightgear import next_address
+from .flown import flown_model
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
@@ -37,8 +51,25 @@ _CRASH = 50.0
 # ft above the terrain; JSBSim lets a centre of gravity sink below this
 _UNDERGROUND = -1.0
 
+Write = Callable[[list[float]], None]
+Read = Callable[[], list[float]]
+
 # what the manual pages of the aircraft blocks share
 fill = filler(
+    start="""
+    aircraft : str
+        name of the JSBSim model
+    altitude : float
+        ft above mean sea level
+    speed : float
+        KCAS; not used if ``mach`` is given
+    mach : float, optional
+        Mach number instead of ``speed``
+    gamma : float
+        flight path angle in deg
+    heading : float
+        true heading in deg
+    """,
     configuration="""
     gear : float, optional
         0 (up) to 1 (down); default is the model's own setting
@@ -57,9 +88,48 @@ fill = filler(
     record_inputs : bool
         keep the inputs flown (8 bytes per input and sample), which checkpoints need
     allow_network : bool
-        let the model open the sockets that its XML asks for
+        let the model open the sockets that its XML asks for, and send and listen there
     allow_files : bool
         let the model write the files that its XML asks for
+    integrators : str or dict
+        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
+        the same T; less stable on the ground below 120 Hz), or methods by state:
+        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
+        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
+        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
+        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
+        "local linearization"
+    planet : str or dict, optional
+        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
+        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
+    gravity : str, optional
+        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
+    flightgear : str, optional
+        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
+        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
+    """,
+    motion="""
+    theta, phi, psi
+        pitch, roll and heading angle, deg
+    p, q, r
+        body rates, deg/s
+    alpha, beta, gamma
+        angle of attack, sideslip angle, flight path angle, deg
+    h
+        altitude above mean sea level, ft
+    hdot
+        rate of climb, ft/s
+    vc
+        calibrated airspeed, kt
+    vt
+        true airspeed, ft/s
+    mach
+        Mach number
+    nx, nz
+        load factors, g; nz is +1 in level flight
+    lat, lon
+        geodetic latitude and longitude, deg
     """,
     raises="""
     Raises
@@ -71,6 +141,10 @@ fill = filler(
         the ground, or something else runs or holds it
     """,
 )
+
+
+# called with each block that has taken off: when it is built, and again after a reset
+at_take_off: list[Callable[[FlightBlock], None]] = []
 
 
 class FlightBlock(NamedPorts, SampledPlant):
@@ -92,6 +166,10 @@ class FlightBlock(NamedPorts, SampledPlant):
         record_inputs: bool,
         allow_network: bool,
         allow_files: bool,
+        integrators: str | Mapping[str, str],
+        planet: str | Mapping[str, float] | None,
+        gravity: str | None,
+        flightgear: str | None,
     ):
         self.substeps = substeps
         self.condition = condition
@@ -102,9 +180,15 @@ class FlightBlock(NamedPorts, SampledPlant):
         self.record_inputs = flag("record_inputs", record_inputs)
         self.allow_network = allow_network
         self.allow_files = allow_files
+        self.integrators = integrators
+        self.planet = planet
+        self.gravity = gravity
+        self.flightgear = next_address() if flightgear is None else flightgear
         super().__init__(T)
         self.airframe: Airframe
         self.trim: TrimState
+        # the flight that was linearised, and its model
+        self._linear: tuple[str, LinearModel] | None = None
 
     def _model(self) -> str:
         """Name of the model that the block's parameters ask for."""
@@ -127,9 +211,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                 parameter="condition",
                 value=self.condition,
             )
-        # a user's subclass may have other parameters
-        block = next(c for c in type(self).__mro__ if "_trim_keywords" in vars(c))
-        parameters = inspect.signature(block).parameters
+        parameters = inspect.signature(self._class()).parameters
         for name, value in given.items():
             if np.any(value != parameters[name].default):  # an array is refused here too
                 raise ParameterError(
@@ -139,16 +221,93 @@ class FlightBlock(NamedPorts, SampledPlant):
                 )
         return self.condition
 
-    def _connect(self) -> None:
-        """Find the properties behind the ports in a fresh, trimmed airframe."""
+    def _class(self) -> type[FlightBlock]:
+        """The aircraft block itself: a user's subclass may have other parameters."""
+        return next(c for c in type(self).__mro__ if "_trim_keywords" in vars(c))
+
+    def channels(self) -> tuple[list[Channel], list[Channel]]:
+        """Inputs and outputs as properties."""
         raise NotImplementedError
 
-    def _write(self, u: list[float]) -> None:
-        """Write the inputs of one sample period to the aircraft."""
+    def trimmed_inputs(self) -> list[float]:
+        """Values at the trim of the inputs in `channels`, the block's first."""
         raise NotImplementedError
 
-    def _read(self) -> list[float]:
-        """Read the outputs."""
+    def linear_model(
+        self,
+        method: str = "flown",
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+        amplitude: Mapping[str, float] | None = None,
+    ) -> LinearModel:
+        """Linear model of the aircraft about its trim, with the block's ports.
+
+        It is made with aircraft of its own: this flight is not touched, at any time, and what has
+        been flown has no influence. The model is that of the trim, in mid-run too.
+
+        Parameters
+        ----------
+        method : str
+            "flown": identified from small opposite pulses on each input, 8 s each, so that the
+            control system, actuators and engines are in it. "algebraic": central differences of
+            JSBSim's accelerations, the rigid aircraft with its engines at their steady state,
+            in some 20 ms
+        inputs, outputs : list of str, optional
+            names of ports; default all
+        amplitude : dict, optional
+            height of the pulse on an input, by its name, in its unit; default 0.005 for
+            surfaces, 0.001 for the throttle of a turbine and 0.01 for that of a piston engine
+
+        Raises
+        ------
+        LinearisationError
+            without a steady trim in flight (modes "none", "ground" and "pull-up"), for an input
+            at the end of its range or without response, and where no linear model fits
+        ParameterError
+            for an unknown method or port, naming the nearest
+        """
+        one_of("method", method, ["flown", "algebraic"])
+        mode = self.trim.condition.mode
+        if mode in ("none", "ground", "pull-up"):
+            raise LinearisationError(
+                f"no linear model of {self.airframe.aircraft!r}: it is not in steady flight "
+                f"(mode={mode!r})",
+                aircraft=self.airframe.aircraft,
+                reason="no trim",
+            )
+        make = flown_model if method == "flown" else algebraic_model
+        return make(self._another, inputs, outputs, amplitude)
+
+    def to_statespace(self, t: float) -> Matrices:
+        """A, B, C, D of the flown model about the trim, at any time of the flight.
+
+        The delay of sampling, latency and half a period of hold, is a first-order lag on each
+        input. The model is kept until a parameter changes. Inputs that it leaves out, the wind of
+        an `Aircraft`, have no effect in it.
+
+        Raises
+        ------
+        LinearizationError
+            PathSim's: where there is no linear model
+        """
+        flight = self._flight()
+        if self._linear is None or self._linear[0] != flight:
+            try:
+                self._linear = flight, self.linear_model()
+            except BlocksError as error:
+                raise LinearizationError(str(error)) from error
+        model = self._linear[1]
+        A, B, C, D = model.with_lags(model.delay)
+        beyond = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))
+        return A, np.pad(B, beyond), C, np.pad(D, beyond)
+
+    def _another(self) -> FlightBlock:
+        """A block with the same parameters and a fresh aircraft."""
+        block = self._class()
+        return block(**{name: getattr(self, name) for name in inspect.signature(block).parameters})
+
+    def _connect(self) -> tuple[Write, Read]:
+        """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""
         raise NotImplementedError
 
     def take_off(self) -> None:
@@ -169,26 +328,50 @@ class FlightBlock(NamedPorts, SampledPlant):
             create=self.create,
             allow_network=self.allow_network,
             allow_files=self.allow_files,
+            integrators=self.integrators,
+            planet=self.planet,
+            gravity=self.gravity,
+            flightgear=self.flightgear,
         )
         self.trim = trim(self.airframe, condition, self.setup)
-        self._speed, self._height, self._nz = (self.airframe.reader(name) for name in _WATCHED)
-        self._connect()
+        fdm = self.airframe.fdm
+        speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
+        write, read = self._connect()
         self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
         self._n_inputs = len(port_names(self.inputs))
         self._n_outputs = len(port_names(self.outputs))
-        self._step, self._period = dt, dt * self._substeps
-        self._time_zero = self.airframe.fdm.get_sim_time()
+        self._step, self._time_zero = dt, fdm.get_sim_time()
+        # what `advance` uses, in one look-up
+        calls = fdm.run, fdm.get_sim_time, write, read, speed, height, nz
+        self._bound = *calls, self._time_zero, dt * self._substeps, 0.5 * dt
         # index of the instant to which the aircraft is or was on its way
         self._begun = 0
         self._flown = array("d")
         self._flying = self._flight()
-        self.start_from(self._observe(0.0))
+        y = read()
+        self._check(y, 0.0)
+        self.start_from(y)
+        for observe in at_take_off:
+            observe(self)
 
     @property
     def fdm(self) -> jsbsim.FGFDMExec:
         """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` replaces it."""
         return self.airframe.fdm
+
+    def __repr__(self) -> str:
+        if not hasattr(self, "trim"):
+            return f"{type(self).__name__}(not built)"
+        condition = self.trim.condition
+        place = f"{condition.altitude:g} ft"
+        if condition.mode == "ground":
+            place = f"on the ground at {place}"
+        elif condition.mach is not None:
+            place += f", Mach {condition.mach:g}"
+        else:
+            place += f", {condition.speed:g} KCAS"
+        return f"{type(self).__name__}({self.airframe.aircraft!r}, {place})"
 
     def __getitem__(self, key: Any) -> PortReference:
         reference = super().__getitem__(key)
@@ -242,32 +425,26 @@ class FlightBlock(NamedPorts, SampledPlant):
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:
-        if (thread := get_ident()) != self._thread:
+        # in line, because a call or a look-up takes as long as reading an output
+        run, sim_time, write, read, speed, height, nz, time_zero, period, half_step = self._bound
+        if get_ident() != self._thread:
             # a diagram may go on in another thread, where JSBSim's console is another one
-            self._thread = thread
+            self._thread = get_ident()
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
         done = self._steps_since(index - 1) if self._begun == index else 0
         if not done:
             self._begun = index
-            self._write(u)
-        run = self.airframe.fdm.run
+            write(u)
         for _ in range(self._substeps - done):
             run()
-        clock = self.clock
-        t = clock.start + index * clock.period
-        time = self.airframe.fdm.get_sim_time() - self._time_zero
-        if abs(time - index * self._period) > 0.5 * self._step:
-            raise FlightError(
-                f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
-                f"{index} periods of {clock.period:.9g} s: something else runs or holds it. "
-                "Fly on after a reset",
-                aircraft=self.airframe.aircraft,
-                time=t,
-                name="simulation/sim-time-sec",
-                value=time,
-            )
-        y = self._observe(t)
+        if not -half_step <= sim_time() - time_zero - index * period <= half_step:
+            self._fail_time(index)
+        y = read()
+        if not (
+            math.isfinite(sum(y) + speed()) and height() >= _UNDERGROUND and -_CRASH < nz() < _CRASH
+        ):
+            self._check(y, self.clock.start + index * self.clock.period)
         if self.record_inputs is True:
             before = (index - 1) * self._n_inputs
             if len(self._flown) >= before:
@@ -276,33 +453,37 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _steps_since(self, index: int) -> int:
         """JSBSim's own count of its steps since an instant."""
-        time = self.airframe.fdm.get_sim_time() - self._time_zero
+        time = self.fdm.get_sim_time() - self._time_zero
         return round(time / self._step) - index * self._substeps
 
-    def _observe(self, t: float) -> list[float]:
-        """The outputs; at ``t`` the flight ends if the aircraft cannot be flown on."""
-        y = self._read()
-        height, nz = self._height(), self._nz()
-        if not (
-            math.isfinite(sum(y) + self._speed())
-            and height >= _UNDERGROUND
-            and -_CRASH < nz < _CRASH
-        ):
-            for name, value in [
-                *zip(port_names(self.outputs), y, strict=False),
-                *((name, self.airframe.fdm[name]) for name in _WATCHED),
-            ]:
-                if not math.isfinite(value):
-                    self._fail(f"state {name!r}", name, value, t)
-            if -_CRASH < nz < _CRASH:
-                self._fail(
-                    f"under the ground, height of the centre of gravity {_WATCHED[1]!r}",
-                    _WATCHED[1],
-                    height,
-                    t,
-                )
-            self._fail(f"crashed, load factor {_WATCHED[2]!r}", _WATCHED[2], nz, t)
-        return y
+    def _fail_time(self, index: int) -> None:
+        clock, time = self.clock, self.fdm.get_sim_time() - self._time_zero
+        raise FlightError(
+            f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
+            f"{index} periods of {clock.period:.9g} s: something else runs or holds it. "
+            "Fly on after a reset",
+            aircraft=self.airframe.aircraft,
+            time=clock.start + index * clock.period,
+            name="simulation/sim-time-sec",
+            value=time,
+        )
+
+    def _check(self, y: list[float], t: float) -> None:
+        """End the flight at ``t`` if the aircraft cannot be flown on."""
+        watched = {name: self.airframe.fdm[name] for name in _WATCHED}
+        for name, value in [*zip(port_names(self.outputs), y, strict=False), *watched.items()]:
+            if not math.isfinite(value):
+                self._fail(f"state {name!r}", name, value, t)
+        _, height, nz = _WATCHED
+        if not -_CRASH < watched[nz] < _CRASH:
+            self._fail(f"crashed, load factor {nz!r}", nz, watched[nz], t)
+        if watched[height] < _UNDERGROUND:
+            self._fail(
+                f"under the ground, height of the centre of gravity {height!r}",
+                height,
+                watched[height],
+                t,
+            )
 
     def _fail(self, what: str, name: str, value: float, t: float) -> None:
         raise FlightError(
@@ -320,6 +501,12 @@ class FlightBlock(NamedPorts, SampledPlant):
             f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
             f"create={self.create}, root={self.root}, "
             f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}"
+            # checkpoints saved before these existed do not name them
+            + "".join(
+                f", {name}={getattr(self, name)!r}"
+                for name, usual in (("integrators", "default"), ("planet", None), ("gravity", None))
+                if getattr(self, name) != usual
+            )
         )
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:

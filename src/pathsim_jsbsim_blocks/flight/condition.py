@@ -13,6 +13,11 @@ from ..errors import ParameterError
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
+SOLVERS = ("jsbsim", "newton")
+
+# what can balance the forces along the flight path
+FREE = ("throttle", "gamma", "speed")
+
 
 class FixedMapping(Mapping):
     """An immutable, hashable dict, which `dataclasses.asdict` turns into a plain one."""
@@ -64,11 +69,13 @@ class TrimCondition:
         the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
     mode : str
         "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
-        is the ground's), "pull-up", "turn", or "none" (initialise only). On the ground ``speed``,
+        is the ground's), "pull-up", "turn", "glide" (throttle closed or no engine, ``gamma`` free
+        and its value only the first guess), or "none" (initialise only). On the ground ``speed``,
         ``mach`` and ``gamma`` do not apply, and udot is not part of the trim: engines idle and
         brakes are off, so it may creep (c172p: 5.6 ft/s2)
     gear : float, optional
-        landing gear, 0 up to 1 down; default is the model's own setting (often down)
+        landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
+        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
     alpha_min, alpha_max : float, optional
@@ -85,7 +92,24 @@ class TrimCondition:
         x of the empty-weight CG in inches aft, structural axes; default is the model's own
     setup : dict, optional
         further properties to write before the model is initialised; a block's own ``setup`` is
-        written after these
+        written after these. In mode "none" initial conditions given here (``ic/vd-fps``,
+        ``ic/p-rad_sec``) replace those of the fields above
+    beta : float
+        sideslip angle in deg of a steady-heading sideslip, positive with the wind from the right
+        (modes "full", "longitudinal" and "glide")
+    throttle : float, optional
+        command of every engine, 0 to 1, instead of the one that holds speed and path
+    thrust : float, optional
+        sum of the engines in lbf, likewise
+    free : str, optional
+        what the search moves to balance the forces along the path: "throttle", "gamma" or
+        "speed". Default is the throttle, or ``gamma`` if the throttle or the thrust is given. The
+        condition's own value is then the first guess
+    latitude, longitude : float, optional
+        geodetic position in deg, north and east positive; default is the model's own (0, 0)
+    solver : str, optional
+        "jsbsim" (JSBSim's own search) or "newton" (`pathsim_jsbsim_blocks.flight.trim` describes
+        it); default is JSBSim's where it can do what is asked for
 
     Raises
     ------
@@ -111,10 +135,17 @@ class TrimCondition:
     fuel: Mapping[int, float] | list[float] | None = None
     empty_cg_x: float | None = None
     setup: Mapping[str, float] = field(default_factory=dict)
+    beta: float = 0.0
+    throttle: float | None = None
+    thrust: float | None = None
+    free: str | None = None
+    latitude: float | None = None
+    longitude: float | None = None
+    solver: str | None = None
 
     def __post_init__(self) -> None:
         put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
-        one_of("mode", self.mode, [*MODES, "none"])
+        one_of("mode", self.mode, [*MODES, "glide", "none"])
         put("altitude", number("altitude", self.altitude, low=-2000.0, high=1e6))
         on_ground = self.mode in ("ground", "none")
         if self.mach is not None:
@@ -132,6 +163,9 @@ class TrimCondition:
             ("flaps", 0.0, 1.0),
             ("alpha_min", -90.0, 90.0),
             ("alpha_max", -90.0, 90.0),
+            ("throttle", 0.0, 1.0),
+            ("latitude", -90.0, 90.0),
+            ("longitude", -180.0, 360.0),
         ):
             if getattr(self, name) is not None:
                 put(name, number(name, getattr(self, name), low=low, high=high))
@@ -161,6 +195,51 @@ class TrimCondition:
                 parameter="load_factor",
                 value=self.load_factor,
             )
+
+        self._check_balance(put)
+
+    def _check_balance(self, put: Any) -> None:
+        """Check what the search may move, and which search can move it."""
+        put("beta", number("beta", self.beta, low=-30.0, high=30.0))
+        if self.thrust is not None:
+            put("thrust", number("thrust", self.thrust))
+        for name, known in (("free", FREE), ("solver", SOLVERS)):
+            if getattr(self, name) is not None:
+                one_of(name, getattr(self, name), known)
+
+        def refuse(name: str, why: str) -> None:
+            value = getattr(self, name)
+            raise ParameterError(f"{name}={value!r} {why}", parameter=name, value=value)
+
+        if self.beta != 0.0 and self.mode not in ("full", "longitudinal", "glide"):
+            refuse("beta", f"needs mode 'full', 'longitudinal' or 'glide', not {self.mode!r}")
+        given = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
+        if given and (self.mode in ("ground", "glide", "none") or len(given) == 2):
+            refuse(given[0], f"does not go with {'thrust' if given[1:] else f'mode={self.mode!r}'}")
+        powered = self.mode != "glide" and not given
+        if self.free is not None and (self.free == "throttle") != powered:
+            refuse(
+                "free",
+                "needs a throttle or thrust to hold, or mode='glide'"
+                if powered
+                else "does not go with a throttle or thrust that is given: free gamma or speed",
+            )
+        if self.solver == "newton" and self.mode in ("ground", "none"):
+            refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
+        if self.solver == "jsbsim" and (self.beta or not powered):
+            refuse("solver", "cannot trim a glide, a sideslip or a given throttle: use 'newton'")
+
+    @property
+    def balance(self) -> str:
+        """What balances the forces along the flight path: "throttle", "gamma" or "speed"."""
+        fixed = self.mode == "glide" or self.throttle is not None or self.thrust is not None
+        return self.free or ("gamma" if fixed else "throttle")
+
+    @property
+    def searched_by(self) -> str:
+        """The solver that trims this: the one asked for, or else JSBSim's if it can."""
+        special = self.balance != "throttle" or self.beta != 0.0
+        return self.solver or ("newton" if special else "jsbsim")
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
         return self

@@ -10,7 +10,8 @@ from pathsim.utils.register import Register
 from .._core._pathsim import port_names
 from ..errors import ParameterError, PropertyError
 from .airframe import Airframe
-from .block import FlightBlock, fill
+from .block import FlightBlock, Read, Write, fill
+from .channels import Channel, unit_of
 from .condition import TrimCondition
 
 # writing these starts JSBSim's trim search, which ends the process if it finds none
@@ -164,6 +165,10 @@ class JSBSimFDM(FlightBlock):
         record_inputs: bool = False,
         allow_network: bool = False,
         allow_files: bool = False,
+        integrators: str | Mapping[str, str] = "default",
+        planet: str | Mapping[str, float] | None = None,
+        gravity: str | None = None,
+        flightgear: str | None = None,
     ) -> None:
         super().__init__(
             T,
@@ -176,6 +181,10 @@ class JSBSimFDM(FlightBlock):
             record_inputs=record_inputs,
             allow_network=allow_network,
             allow_files=allow_files,
+            integrators=integrators,
+            planet=planet,
+            gravity=gravity,
+            flightgear=flightgear,
         )
         self.input_properties = _names("input_properties", input_properties)
         self.output_properties = _names("output_properties", output_properties)
@@ -207,15 +216,31 @@ class JSBSimFDM(FlightBlock):
     def JSBSim_path(self, path: str | None) -> None:
         self.root = path
 
-    def _connect(self) -> None:
+    def channels(self) -> tuple[list[Channel], list[Channel]]:
+        inputs, outputs = (
+            [Channel(name, (name,), 1.0, unit_of(name)) for name in port_names(register)]
+            for register in (self.inputs, self.outputs)
+        )
+        return inputs, outputs
+
+    def trimmed_inputs(self) -> list[float]:
+        return self._trimmed
+
+    def _connect(self) -> tuple[Write, Read]:
         _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
         _check_ports("output_properties", self.output_properties, self.outputs, self.airframe)
-        self._writers = [self.airframe.writer(name) for name in port_names(self.inputs)]
-        self._readers = [self.airframe.reader(name) for name in port_names(self.outputs)]
+        writers = [self.airframe.writer(name) for name in port_names(self.inputs)]
+        readers = [self.airframe.reader(name) for name in port_names(self.outputs)]
+        self._trimmed = [
+            self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
+            for name in port_names(self.inputs)
+        ]
 
-    def _write(self, u: list[float]) -> None:
-        for write, value in zip(self._writers, u, strict=True):
-            write(value)
+        def write(u: list[float]) -> None:
+            for put, value in zip(writers, u, strict=True):
+                put(value)
 
-    def _read(self) -> list[float]:
-        return [read() for read in self._readers]
+        def read() -> list[float]:
+            return [get() for get in readers]
+
+        return write, read

@@ -1,10 +1,12 @@
-"""Level flight for any aircraft model: find a condition, trim, fly and report the result."""
+"""Steady flight for any aircraft model: find a condition, trim, fly and report the result."""
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pathsim import Simulation
 
@@ -18,6 +20,9 @@ from .fdm import JSBSimFDM
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
+
+# the same for a glide: the last for bodies with little lift (Shuttle)
+GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2))
 
 # KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
 _SPEEDS = (20.0, 350.0)
@@ -76,27 +81,39 @@ def level_flight(aircraft: str, root: str | None = None, tries: int = len(TRIES)
     TrimError
         if it trims at none of these; the residuals are those of the first
     """
+    return _first(aircraft, root, TRIES[: whole("tries", tries, low=1)], mode="full")
+
+
+def _first(
+    aircraft: str, root: str | None, tries: Sequence[tuple[float, float]], **said: Any
+) -> LevelFlight:
+    """The first of the tries that trims, with further fields of the condition."""
     airframe, create = _initialised(aircraft, root)
     gear = 0.0 if has_retractable_gear(aircraft, root) else None
     frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
     weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
     first: TrimError | None = None
-    for altitude, lift_coefficient in TRIES[: whole("tries", tries, low=1)]:
+    for altitude, lift_coefficient in tries:
         condition = TrimCondition(
-            altitude=altitude, speed=_speed(weight, area, lift_coefficient), gear=gear, setup=frozen
+            altitude=altitude,
+            speed=_speed(weight, area, lift_coefficient),
+            gear=gear,
+            setup=frozen,
+            **said,
         )
         try:
             # a failed search affects the next one, so each has its own airframe
-            found = trim(Airframe(aircraft, root=root, create=create), condition)
+            found = trim(Airframe(aircraft, root=root, create=create), condition, hint=False)
         except TrimError as error:
             first = first or error
         else:
             return LevelFlight(aircraft, condition, create, found)
     assert first is not None
-    others = min(len(TRIES), int(tries)) - 1
+    others = len(tries) - 1
     elsewhere = f" and at {others} other conditions" if others else ""
+    sought = "glide" if said["mode"] == "glide" else "level flight"
     raise TrimError(
-        f"no level flight: {first} (tried there{elsewhere})",
+        f"no {sought}: {first} (tried there{elsewhere})",
         aircraft=aircraft,
         condition=first.condition,
         reason=first.reason,
@@ -140,7 +157,8 @@ class FleetRow:
     flight : LevelFlight or None
         where it trims; None if it does not
     drift : float
-        change of altitude in ft with the trimmed controls held; NaN if it does not fly
+        distance in ft above the trimmed path after the flight with controls held; NaN if it does
+        not fly
     error : BlocksError or None
         why it does not load, trim or fly
     """
@@ -161,14 +179,20 @@ class FleetRow:
         if self.error is not None:
             return f"no flight: {type(self.error).__name__}"
         created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
-        steady = "trims" if abs(self.drift) < _STEADY else "trims, then departs"
+        steady = "trims"
+        if self.flight is not None and self.flight.condition.mode == "glide":
+            steady = f"glides at {self.flight.trim.gamma:.1f} deg"
+        if not abs(self.drift) < _STEADY:
+            steady += ", then departs"
         return steady + (f" with {created} created" if created else "")
 
 
 def fleet_table(
     names: Iterable[str] | None = None, duration: float = 30.0, tries: int = len(TRIES)
 ) -> Iterator[FleetRow]:
-    """Trim every aircraft in level flight and fly it with controls held; one row at a time.
+    """Trim every aircraft and fly it with controls held; one row at a time.
+
+    Level flight by JSBSim's search, then by the Newton search, then a glide with closed throttle.
 
     Parameters
     ----------
@@ -188,10 +212,21 @@ def _row(name: str, duration: float, tries: int) -> FleetRow:
     flight: LevelFlight | None = None
     try:
         engines = Airframe(name).engines
-        flight = level_flight(name, tries=tries)
+        flight = _level_or_glide(name, tries)
         return FleetRow(name, engines, flight, _drift(flight, duration), None)
     except BlocksError as error:
         return FleetRow(name, engines, flight, math.nan, error)
+
+
+def _level_or_glide(aircraft: str, tries: int) -> LevelFlight:
+    """Level flight by JSBSim's search, by the Newton search, or a glide."""
+    try:
+        return level_flight(aircraft, tries=tries)
+    except TrimError as error:
+        for mode, further in (("full", TRIES[:tries]), ("glide", GLIDES)):
+            with contextlib.suppress(TrimError):
+                return _first(aircraft, None, further, mode=mode, solver="newton")
+        raise error
 
 
 def _drift(flight: LevelFlight, duration: float) -> float:
@@ -199,11 +234,13 @@ def _drift(flight: LevelFlight, duration: float) -> float:
         aircraft_model=flight.aircraft,
         condition=flight.condition,
         create=flight.create,
-        output_properties=["position/h-sl-ft"],
+        output_properties=["position/h-sl-ft", "velocities/h-dot-fps"],
     )
-    start = float(fdm.outputs[0])
+    start, climb = map(float, fdm.outputs.to_array())
+    # a level trim of JSBSim climbs a little; that counts
+    expected = climb * duration if flight.condition.mode == "glide" else 0.0
     Simulation([fdm], dt=fdm.T, log=False).run(duration)
-    return float(fdm.outputs[0]) - start
+    return float(fdm.outputs[0]) - start - expected
 
 
 HEADER = """\
@@ -223,7 +260,7 @@ def format_row(row: FleetRow) -> str:
             f"{condition.speed:.0f}",
             "up" if condition.gear == 0.0 else "as is",
             f"{found.alpha:.2f}",
-            f"{found.throttle[0]:.3f}",
+            f"{found.throttle[0]:.3f}" if found.throttle else "",
             f"{row.drift:+.1f}",
         ]
     engines = "" if row.engines is None else str(row.engines)

@@ -20,9 +20,12 @@ _PRELOADED = ("pathsim-chem", "pathsim_chem")
 _CATEGORIES = {  # folder of this package: category and shape in PathView's block library
     "flight": ("Aircraft", "rect"),
     "sources": ("Sources", "pill"),
+    "wind": ("Wind", "rect"),
     "control": ("Autopilot", "rect"),
     "axes": ("Axes", "rect"),
     "air": ("Air data", "rect"),
+    "tracks": ("Recording", "rect"),
+    "units": ("Units", "rect"),
 }
 
 

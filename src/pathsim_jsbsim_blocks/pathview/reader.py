@@ -233,6 +233,8 @@ class _Reader:
                 if kind.__module__.startswith("pathsim.")
                 else "; its class must be exported by an installed package"
             )
+            if _steps_jsbsim(block):
+                where = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
             self.refuse(unknown_block(name, self.registry) + where, self._node(block))
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:
             self.refuse(
@@ -501,6 +503,18 @@ _SYNCHRONOUS = {
     "DiscreteIntegrator",
     "DiscreteDerivative",
 }
+
+
+def _steps_jsbsim(block: Block) -> bool:
+    """Whether a block's function uses an object of JSBSim."""
+    function = getattr(block, "func", None)
+    if not inspect.isfunction(function):
+        return False
+    seen = inspect.getclosurevars(function)
+    return any(
+        type(value).__module__ in ("jsbsim", "_jsbsim")
+        for value in {**seen.globals, **seen.nonlocals}.values()
+    )
 
 
 def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:

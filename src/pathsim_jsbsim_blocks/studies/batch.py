@@ -16,9 +16,10 @@ import jsbsim
 import numpy as np
 
 from .._core.checks import did_you_mean, nearest, whole
+from .._core.extras import required
 from ..errors import ParameterError
 from .grid import expand, plain
-from .workers import WORKER_DIED, require, run_parts
+from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,9 +75,8 @@ def run_batch(
         before the work begins: no cases, a case that ``build`` does not take, NaN, a ``build`` that
         cannot be sent to other processes, a file that cannot be written or belongs to another batch
     """
-    require("pandas")
-    require("joblib")
-    import pandas as pd
+    pd = required("pandas", "studies")
+    required("joblib", "studies")
 
     rows = _seeded(expand("cases", cases), whole("seed", seed, low=0))
     takes_seed = _check(build, rows)

@@ -20,6 +20,9 @@ _MARKERS = "osD^vPX*"
 # reason for which a point does not trim: its marker in a map
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
+# columns of text
+_WORDS = {"case", "reason"}
+
 
 def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
@@ -45,6 +48,11 @@ def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
             parameter="table",
             value=known,
         )
+    for name in columns:
+        if name not in _WORDS and rows[name].infer_objects().dtype.kind not in "biuf":
+            raise ParameterError(
+                f"{chart} needs numbers in the column {name!r}", parameter="table", value=name
+            )
     return rows
 
 

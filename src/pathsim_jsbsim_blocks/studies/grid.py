@@ -23,6 +23,7 @@ _TAILS = {
     "ft/s": "fps",
     "ft/s2": "fps2",
     "rad/s2": "radps2",
+    "deg/s": "degps",
     "lbf": "lb",
     "cmd norm": "cmd_norm",
 }
@@ -30,7 +31,8 @@ _TAILS = {
 
 def column(name: str) -> str:
     """Name of a table's column: the quantity, then its unit."""
-    tail = _TAILS.get(UNITS[name], UNITS[name])
+    unit = UNITS.get(name, "")
+    tail = _TAILS.get(unit, unit)
     return name if not tail or name.endswith(f"_{tail}") else f"{name}_{tail}"
 
 
@@ -176,8 +178,11 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
                 condition.flaps,
                 condition.alpha_min,
                 condition.alpha_max,
+                condition.latitude,
+                condition.longitude,
             )
         ),
+        condition.searched_by,
         *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "setup")),
     )
 

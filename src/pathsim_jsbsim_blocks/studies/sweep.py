@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 import jsbsim
 
 from .._core.checks import whole
+from .._core.extras import required
 from ..errors import ParameterError, TrimError
 from ..flight._trim import UNITS, TrimState, trim
 from ..flight.airframe import Airframe
 from ..flight.condition import TrimCondition
 from .grid import column, expand, requested, structure, trim_conditions
-from .workers import WORKER_DIED, require, run_parts
+from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,9 +87,8 @@ def trim_sweep(
     AircraftError, PropertyError
         before the work begins: unknown aircraft, property, tank or point mass
     """
-    require("pandas")
-    require("joblib")
-    import pandas as pd
+    pd = required("pandas", "studies")
+    required("joblib", "studies")
 
     points = expand("grid", grid)
     conditions = trim_conditions(points)
@@ -165,7 +165,7 @@ def _try_out(
         for name in outputs:
             airframe.reader(name)
         with contextlib.suppress(TrimError):
-            trim(airframe, condition)
+            trim(airframe, condition, hint=False)
 
 
 def _trim_points(
@@ -175,7 +175,7 @@ def _trim_points(
     rows: list[dict[str, Any]] = []
     for condition in conditions:
         try:
-            state = trim(airframe, condition)
+            state = trim(airframe, condition, hint=False)
         except TrimError as error:
             rows.append({"trimmed": False, "reason": error.reason})
         else:

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from .._core.checks import whole
-from ..errors import MissingExtraError, ParameterError
+from .._core.extras import required
+from ..errors import ParameterError
 from .journal import Journal
 from .parent import end_with
 
@@ -65,7 +66,7 @@ def run_parts(
     """
     jobs = _count(jobs)
     if resume is not None:
-        require("filelock")
+        required("filelock", "studies")
     journal = Journal(resume, title, job()) if resume is not None else None
     try:
         return _run(
@@ -80,14 +81,6 @@ def run_parts(
     finally:
         if journal:
             journal.close()
-
-
-def require(package: str) -> None:
-    """MissingExtraError unless a package of the extra ``studies`` is installed."""
-    from importlib.util import find_spec
-
-    if find_spec(package) is None:
-        raise MissingExtraError(package, "studies")
 
 
 def _count(jobs: int) -> int:

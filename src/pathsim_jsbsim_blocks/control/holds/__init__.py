@@ -3,8 +3,11 @@
 Their outputs are increments on the trimmed commands, as ``Aircraft`` takes them.
 """
 
+from typing import TYPE_CHECKING
+
 from . import lateral, longitudinal
 from .lateral import *
 from .longitudinal import *
 
-__all__ = [*lateral.__all__, *longitudinal.__all__]
+if not TYPE_CHECKING:  # mypy would take a list that it cannot read for an empty one
+    __all__ = [*lateral.__all__, *longitudinal.__all__]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..controller import Authority, Controller, fill
+from ..._core.tunable import TunableLaw
+from ..controller import Authority, fill
 from ..gains import Gains, loop_gains
 from ..loops import (
     HeadingLoop,
@@ -19,7 +20,7 @@ __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
 
 @fill
-class RollHold(Controller):
+class RollHold(TunableLaw):
     """Holds the roll angle with the ailerons; with ``phi_ref=0`` a wing leveller.
 
     .. math::
@@ -95,7 +96,7 @@ class RollHold(Controller):
 
 
 @fill
-class HeadingHold(Controller):
+class HeadingHold(TunableLaw):
     """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
     .. math::
@@ -181,7 +182,7 @@ class HeadingHold(Controller):
 
 
 @fill
-class YawDamper(Controller):
+class YawDamper(TunableLaw):
     """Damps the Dutch roll with the rudder; a wash-out leaves steady turns unopposed.
 
     .. math::

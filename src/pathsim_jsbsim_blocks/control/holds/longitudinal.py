@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..controller import Authority, Controller, fill
+from ..._core.tunable import TunableLaw
+from ..controller import Authority, fill
 from ..gains import Gains, loop_gains
 from ..loops import (
     AltitudeLoop,
@@ -19,7 +20,7 @@ __all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
 
 
 @fill
-class PitchHold(Controller):
+class PitchHold(TunableLaw):
     """Holds the pitch angle with the elevator.
 
     .. math::
@@ -96,7 +97,7 @@ class PitchHold(Controller):
 
 
 @fill
-class AltitudeHold(Controller):
+class AltitudeHold(TunableLaw):
     """Holds the altitude with the elevator, through rate-of-climb and pitch loops.
 
     .. math::
@@ -203,7 +204,7 @@ class AltitudeHold(Controller):
 
 
 @fill
-class AirspeedHold(Controller):
+class AirspeedHold(TunableLaw):
     """Holds the calibrated airspeed with the throttle (autothrottle).
 
     .. math::

@@ -1,0 +1,112 @@
+"""Microburst on the approach: headwind, downdraft and tailwind in 40 s.
+
+A Boeing 737 on a glide path of 3 deg from 1500 ft at 150 KCAS, gear down, half flaps, holds its
+pitch angle and its airspeed. A downburst of Oseguera and Bowles, 30 ft/s at its strongest, lies
+12,000 ft ahead. The second aircraft flies the same approach in still air.
+
+Expected: a headwind of 9 ft/s at 37 s, a downdraft of 17 ft/s at 46 s, a tailwind of 26 ft/s at
+63 s. The airspeed stays between 145 and 153 KCAS, and still the aircraft ends 421 ft below the
+approach in still air, 127 ft above the ground. The F-factor reaches 0.13.
+
+Source: our own; Oseguera, Bowles, NASA TM-100632, 1988. The F-factor is that of Bowles, *Reducing
+Windshear Risk Through Airborne Systems Technology*, ICAS 1990: the climb angle in rad that the wind
+costs at constant airspeed and thrust.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, Microburst, PitchHold
+
+DURATION = 75.0  # s
+
+in_burst = Aircraft("737", altitude=1500.0, speed=150.0, gamma=-3.0, gear=1.0, flaps=0.5)
+in_calm = Aircraft("737", altitude=1500.0, speed=150.0, gamma=-3.0, gear=1.0, flaps=0.5)
+burst = Microburst(lat0=0.0331, lon0=0.0, radius=3000.0, outflow=30.0, height=150.0)
+pitch = PitchHold(gains="737")
+airspeed = AirspeedHold(gains="737")
+flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "throttle increment [-]"])
+wind = Scope(labels=["tailwind [ft/s]", "downdraft [ft/s]", "true airspeed [ft/s]"])
+still = Scope(labels=["altitude in still air [ft]"])
+
+sim = Simulation(
+    [in_burst, in_calm, burst, pitch, airspeed, flight, wind, still],
+    [
+        Connection(in_burst["lat"], burst["lat"]),
+        Connection(in_burst["lon"], burst["lon"]),
+        Connection(in_burst["h"], burst["h"], flight[0]),
+        Connection(burst["north"], in_burst["wind_north"], wind[0]),
+        Connection(burst["east"], in_burst["wind_east"]),
+        Connection(burst["down"], in_burst["wind_down"], wind[1]),
+        Connection(in_burst["vt"], wind[2]),
+        Connection(in_burst["theta"], pitch["theta"]),
+        Connection(in_burst["q"], pitch["q"]),
+        Connection(in_burst["elev_sat"], pitch["elev_sat"]),
+        Connection(in_burst["vc"], airspeed["vc"], flight[1]),
+        Connection(in_burst["hdot"], airspeed["hdot"]),
+        Connection(in_burst["thr_sat"], airspeed["thr_sat"]),
+        Connection(pitch["elevator"], in_burst["elevator"]),
+        Connection(airspeed["throttle"], in_burst["throttle"], flight[2]),
+        Connection(in_calm["h"], still),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def f_factor():
+    """Climb angle in rad that the wind costs: tailwind growing, air sinking."""
+    import numpy as np
+
+    time, (tailwind, downdraft, speed) = wind.read()
+    return np.gradient(tailwind, time) / 32.174 + downdraft / speed
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+
+    time, (h, vc, throttle) = flight.read()
+    _, (tailwind, downdraft, _) = wind.read()
+    _, (h_still,) = still.read()
+    drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
+    with exact_curves():
+        axes[0].plot(time, h, label="in the microburst")
+        axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
+        axes[1].plot(time, tailwind, label="tailwind")
+        axes[1].plot(time, downdraft, label="downdraft")
+        axes[2].plot(time, f_factor(), "C3")
+        axes[3].plot(time, vc, "C0")
+        power = axes[3].twinx()
+        power.plot(time, throttle, "C1")
+    axes[0].set_ylabel("altitude [ft]")
+    axes[1].set_ylabel("wind [ft/s]")
+    axes[2].set_ylabel("F-factor [-]")
+    axes[3].set_ylabel("airspeed [KCAS]", color="C0")
+    power.set_ylabel("throttle increment [-]", color="C1")
+    axes[0].legend(loc="upper right", fontsize="small")
+    axes[1].legend(loc="upper left", fontsize="small")
+    axes[3].set_xlabel("time [s]")
+    axes[3].set_xlim(0.0, DURATION)
+    for ax in axes:
+        ax.grid(alpha=0.4)
+    drawing.suptitle("737: a microburst on the approach")
+    return drawing
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    time, (h, vc, throttle) = flight.read()
+    _, (tailwind, downdraft, _) = wind.read()
+    _, (h_still,) = still.read()
+    lost, f = h_still - h, f_factor()
+    print(f"headwind {-tailwind.min():.1f} ft/s at {time[tailwind.argmin()]:.1f} s")
+    print(f"downdraft {downdraft.max():.1f} ft/s at {time[downdraft.argmax()]:.1f} s")
+    print(f"tailwind {tailwind.max():.1f} ft/s at {time[tailwind.argmax()]:.1f} s")
+    print(f"F-factor up to {f.max():.3f}, at {time[f.argmax()]:.1f} s")
+    print(
+        f"airspeed {vc.min():.1f} to {vc.max():.1f} KCAS, throttle up to +{throttle.max():.2f}; "
+        f"{lost[-1]:.0f} ft below the approach in still air, {h[-1]:.0f} ft above the ground"
+    )
+    show(figure(), "microburst_approach")

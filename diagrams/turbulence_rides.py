@@ -1,0 +1,128 @@
+"""Turbulence: a light aircraft with its controls held, and on autopilot.
+
+Two Cessna 172 at 5000 ft and 90 KCAS in moderate Dryden turbulence of MIL-F-8785C. One holds its
+trimmed controls, the other its altitude, heading and airspeed. Both turbulence blocks have the same
+seed, so that the aircraft meet the same air; each follows its own aircraft's height, airspeed and
+heading.
+
+Expected: with the controls held the aircraft wanders from 4730 to 5783 ft; on autopilot it stays
+within 34 ft of 5000 ft. The ride is hardly smoother, 0.20 and 0.19 g rms: the autopilot damps the
+short period near 1 Hz, but holding the altitude adds to nz from 0.1 to 0.5 Hz. Above 2 Hz both are
+the same.
+
+Source: our own; MIL-F-8785C, 3.7.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, DrydenTurbulence
+
+DURATION = 120.0  # s
+
+held = Aircraft("c172p", altitude=5000.0, speed=90.0)
+air_of_held = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
+flown = Aircraft("c172p", altitude=5000.0, speed=90.0)
+air_of_flown = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
+autopilot = Autopilot(gains="c172p")
+altitude = Scope(labels=["controls held [ft]", "autopilot [ft]"])
+load_factor = Scope(labels=["controls held [g]", "autopilot [g]"])
+gust = Scope(labels=["downward velocity [ft/s]"])
+
+sim = Simulation(
+    [held, air_of_held, flown, air_of_flown, autopilot, altitude, load_factor, gust],
+    [
+        Connection(held["h"], air_of_held["h"], altitude[0]),
+        Connection(held["vt"], air_of_held["vt"]),
+        Connection(held["psi"], air_of_held["psi"]),
+        Connection(air_of_held["north"], held["wind_north"]),
+        Connection(air_of_held["east"], held["wind_east"]),
+        Connection(air_of_held["down"], held["wind_down"]),
+        Connection(held["nz"], load_factor[0]),
+        Connection(flown["h"], air_of_flown["h"], autopilot["h"], altitude[1]),
+        Connection(flown["vt"], air_of_flown["vt"]),
+        Connection(flown["psi"], air_of_flown["psi"], autopilot["psi"]),
+        Connection(air_of_flown["north"], flown["wind_north"]),
+        Connection(air_of_flown["east"], flown["wind_east"]),
+        Connection(air_of_flown["down"], flown["wind_down"], gust),
+        Connection(flown["nz"], load_factor[1]),
+        Connection(flown["theta"], autopilot["theta"]),
+        Connection(flown["phi"], autopilot["phi"]),
+        Connection(flown["p"], autopilot["p"]),
+        Connection(flown["q"], autopilot["q"]),
+        Connection(flown["r"], autopilot["r"]),
+        Connection(flown["hdot"], autopilot["hdot"]),
+        Connection(flown["vc"], autopilot["vc"]),
+        Connection(flown["elev_sat"], autopilot["elev_sat"]),
+        Connection(flown["ail_sat"], autopilot["ail_sat"]),
+        Connection(flown["thr_sat"], autopilot["thr_sat"]),
+        Connection(autopilot["elevator"], flown["elevator"]),
+        Connection(autopilot["aileron"], flown["aileron"]),
+        Connection(autopilot["rudder"], flown["rudder"]),
+        Connection(autopilot["throttle"], flown["throttle"]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def spectra():
+    """Frequencies in Hz and the power spectral densities of nz in g2/Hz, of both aircraft."""
+    from scipy.signal import welch
+
+    time, nz = load_factor.read()
+    settled = nz[:, time > 5.0]  # trimmed in still air, they meet the turbulence as a step
+    return welch(settled, fs=1 / sim.dt, nperseg=2400)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+
+    time, h = altitude.read()
+    _, nz = load_factor.read()
+    frequency, densities = spectra()
+    drawing, (above, middle, below) = subplots(3, 1, layout="constrained", figsize=(9, 9))
+    with exact_curves():
+        for label, color, x, n in zip(
+            ("controls held", "autopilot"), ("C0", "C1"), h, nz, strict=True
+        ):
+            above.plot(time, x, color, label=label)
+            middle.plot(time, n, color, linewidth=0.7, label=label)
+    for label, color, density in zip(
+        ("controls held", "autopilot"), ("C0", "C1"), densities, strict=True
+    ):
+        below.loglog(frequency, density, color, label=label)
+    above.set_ylabel("altitude [ft]")
+    above.set_xlabel("time [s]")
+    above.set_xlim(0.0, DURATION)
+    above.legend(loc="upper left", fontsize="small")
+    middle.set_ylabel("load factor nz [g]")
+    middle.set_xlabel("time [s]")
+    middle.set_xlim(60.0, 80.0)
+    middle.set_ylim(0.2, 1.8)
+    below.set_xlim(0.05, 10.0)
+    below.set_ylim(1e-5, 1.0)
+    below.set_xlabel("frequency [Hz]")
+    below.set_ylabel("PSD of nz [g²/Hz]")
+    for ax in (above, middle, below):
+        ax.grid(alpha=0.4)
+    drawing.suptitle("Cessna 172 in moderate turbulence, 5000 ft, 90 KCAS")
+    return drawing
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    time, nz = load_factor.read()
+    _, h = altitude.read()
+    settled = time > 5.0
+    for label, x, n in zip(("controls held", "autopilot"), h, nz, strict=True):
+        print(
+            f"{label}: altitude from {x.min():.0f} to {x.max():.0f} ft, "
+            f"nz {n[settled].std():.3f} g rms, "
+            f"from {n[settled].min():.2f} to {n[settled].max():.2f}"
+        )
+    _, w = signal(gust, "downward velocity")
+    print(f"vertical velocity of the air: {w.std():.1f} ft/s rms")
+    show(figure(), "turbulence_rides")

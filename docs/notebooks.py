@@ -1,0 +1,55 @@
+"""Make the notebooks of the course: each docs/notebooks/NAME.py is executed into NAME.ipynb.
+
+python docs/notebooks.py [NAME ...]
+"""
+
+import sys
+from pathlib import Path
+
+import jupytext
+import nbclient
+import nbformat
+
+FOLDER = Path(__file__).resolve().parent / "notebooks"
+
+
+def names():
+    """The chapters in their order."""
+    return sorted(path.stem for path in FOLDER.glob("*.py"))
+
+
+def source(name):
+    """A chapter as a notebook without outputs."""
+    text = jupytext.read(FOLDER / f"{name}.py", fmt="py:percent")
+    notebook = nbformat.v4.new_notebook(cells=text.cells)
+    notebook.metadata["kernelspec"] = {
+        "name": "python3",
+        "display_name": "Python 3",
+        "language": "python",
+    }
+    for number, cell in enumerate(notebook.cells):
+        cell["id"] = f"cell-{number}"  # the same file for the same source
+    return notebook
+
+
+def executed(name, folder=None):
+    """A chapter with its outputs."""
+    notebook = source(name)
+    nbclient.NotebookClient(
+        notebook,
+        timeout=600,
+        kernel_name="python3",
+        record_timing=False,
+        resources={"metadata": {"path": str(folder or FOLDER)}},
+    ).execute()
+    notebook.metadata.pop("language_info", None)  # names the Python that ran it
+    return notebook
+
+
+def main(chosen):
+    for name in chosen or names():
+        nbformat.write(executed(name), FOLDER / f"{name}.ipynb")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

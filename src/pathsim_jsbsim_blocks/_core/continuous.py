@@ -1,0 +1,112 @@
+"""The continuous equivalent of a sampled law about its operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pathsim.exceptions import LinearizationError
+
+# relative to the size of a value, and the least: below what ramps let through in one sample
+_STEP = 1e-6
+
+# relative difference of two slopes beyond which a law is not smooth
+_BROKEN = 0.2
+
+Law = Callable[[list[float], Any], tuple[list[float], Any]]
+Matrices = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: str) -> Matrices:
+    """A, B, C, D of a law y[k], x[k+1] = f(u[k], x[k]), by Tustin's transformation.
+
+    .. math::
+        s = \\frac{2}{T} \\frac{z - 1}{z + 1}
+
+    Up to a frequency omega gain and phase are those of the law within (omega T)^2 / 12. The hold
+    between samples is not part of it. Switches (inputs that act by being 0 or not) stay as they
+    are: they have no slope.
+
+    Raises
+    ------
+    LinearizationError
+        if the law has no continuous equivalent
+    """
+    x, rebuild = _flat(state)
+
+    def step(values: np.ndarray) -> np.ndarray:
+        y, after = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
+        return np.array([*y, *_flat(after)[0]], dtype=float)
+
+    here = np.array([*u, *x], dtype=float)
+    jacobian = np.array([_slope(step, here, i) for i in range(len(here))]).T
+    p, m = len(step(here)) - len(x), len(u)
+    C, D = jacobian[:p, m:], jacobian[:p, :m]
+    A, B = jacobian[p:, m:], jacobian[p:, :m]
+    kept = _that_matter(A, B, C)
+    A, B, C = A[np.ix_(kept, kept)], B[kept], C[:, kept]
+    one = np.eye(len(kept))
+    if not np.all(np.isfinite(jacobian)) or np.any(np.abs(np.linalg.eigvals(A + one)) < 1e-9):
+        raise LinearizationError(f"{name} has no continuous equivalent in this state")
+    inverse = np.linalg.inv(one + A)
+    return (
+        2.0 / T * inverse @ (A - one),
+        4.0 / T * inverse @ inverse @ B,
+        C,
+        D - C @ inverse @ B,
+    )
+
+
+def _slope(step: Callable[[np.ndarray], np.ndarray], here: np.ndarray, i: int) -> np.ndarray:
+    """Derivatives with respect to one value; 0 for a switch."""
+
+    def beside(distance: float) -> np.ndarray:
+        values = here.copy()
+        values[i] += distance
+        return step(values)
+
+    h = _STEP * max(1.0, abs(here[i]))
+    above, middle, below = beside(h), step(here), beside(-h)
+    wide = (above - below) / (2 * h)
+    narrow = (beside(h / 2) - beside(-h / 2)) / h
+    smooth = np.abs(wide - narrow) <= _BROKEN * np.maximum(np.abs(wide), np.abs(narrow)) + 1e-9
+    # equal jumps to both sides cancel in a central difference
+    up, down = above - middle, middle - below
+    smooth &= np.abs(up - down) <= _BROKEN * (np.abs(up) + np.abs(down)) + 1e-9 * h
+    return np.where(smooth, wide, 0.0)
+
+
+def _that_matter(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> list[int]:
+    """States that an input moves and that an output shows, directly or through others."""
+
+    def reached(edges: np.ndarray, first: np.ndarray) -> np.ndarray:
+        found = first.copy()
+        for _ in range(len(found)):
+            found |= edges @ found
+        return found
+
+    links = A != 0.0
+    moved = reached(links, np.any(B != 0.0, axis=1))
+    shown = reached(links.T, np.any(C != 0.0, axis=0))
+    return np.flatnonzero(moved & shown).tolist()
+
+
+def _flat(state: Any) -> tuple[list[float], Callable[[list[float]], Any]]:
+    """The floats of a state of nested tuples, and a function that puts others in their place."""
+    if isinstance(state, tuple):
+        parts = [_flat(part) for part in state]
+        sizes = [len(values) for values, _ in parts]
+
+        def rebuild(values: list[float]) -> Any:
+            ends = np.cumsum(sizes)
+            made = [
+                build(values[end - size : end])
+                for (_, build), size, end in zip(parts, sizes, ends, strict=True)
+            ]
+            return type(state)(*made) if hasattr(state, "_fields") else tuple(made)
+
+        return [x for values, _ in parts for x in values], rebuild
+    if isinstance(state, float):
+        return [state], lambda values: values[0]
+    return [], lambda values: state

@@ -1,0 +1,47 @@
+"""White noise for sampled laws: reproducible, and a function of the sample's number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .checks import whole
+
+_ROWS = 1024
+
+
+class WhiteNoise:
+    """Independent standard normal numbers, a row of them for each sample.
+
+    A law may be evaluated several times at one instant, so a row depends on the seed and its number
+    only, not on what was drawn before.
+
+    Parameters
+    ----------
+    seed : int
+        0 or more
+    width : int
+        numbers in a row
+
+    Raises
+    ------
+    ParameterError
+        for a seed that is negative or not a whole number
+    """
+
+    def __init__(self, seed: Any, width: int):
+        self._seed = whole("seed", seed, low=0)
+        self._width = width
+        # number of a stretch of rows, and the rows
+        self._drawn: tuple[int, list[list[float]]] = (-1, [])
+
+    def row(self, k: int) -> list[float]:
+        """The numbers of sample ``k``."""
+        wanted, place = divmod(k, _ROWS)
+        stretch, rows = self._drawn
+        if stretch != wanted:
+            random = np.random.default_rng([self._seed, wanted])
+            rows = random.standard_normal((_ROWS, self._width)).tolist()
+            self._drawn = wanted, rows
+        return rows[place]

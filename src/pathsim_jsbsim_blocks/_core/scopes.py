@@ -1,0 +1,42 @@
+"""What a scope has recorded, and how its signals are labelled."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import ParameterError
+
+if TYPE_CHECKING:
+    from pathsim.blocks import Scope
+
+
+def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values, one row for each signal.
+
+    Raises
+    ------
+    ParameterError
+        if nothing was recorded
+    """
+    time, data = scope.read()
+    if time is None:
+        raise ParameterError(
+            "the scope holds no recording: run the simulation first", parameter="scope", value=scope
+        )
+    # an interrupt may come between a sample's time and its values
+    n = min(len(time), data.shape[1])
+    return time[:n], data[:, :n]
+
+
+def signal_label(scope: Scope, i: int) -> str:
+    """Label of a signal; ``port i`` if it has none."""
+    return scope.labels[i] if i < len(scope.labels) else f"port {i}"
+
+
+def name_and_unit(text: str) -> tuple[str, str]:
+    """Name and unit of a label of the form ``"pitch angle [deg]"``."""
+    found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
+    return (found[1], found[2]) if found else (text, "")

@@ -1,0 +1,25 @@
+"""NASA's atmospheric check cases 1 to 10: vehicles, references, and how close a flight comes."""
+
+from pathlib import Path
+
+from .comparison import (
+    CASES,
+    Deviation,
+    compare,
+    comparison_figure,
+    comparison_table,
+    fly_case,
+)
+
+# a JSBSim root directory with the vehicles: `root` of Aircraft, `JSBSim_path` of JSBSimFDM
+MODELS = str(Path(__file__).resolve().parent / "models")
+
+__all__ = [
+    "CASES",
+    "MODELS",
+    "Deviation",
+    "compare",
+    "comparison_figure",
+    "comparison_table",
+    "fly_case",
+]

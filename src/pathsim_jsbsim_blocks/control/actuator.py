@@ -1,0 +1,125 @@
+"""An actuator: what becomes of a command."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.linalg import expm
+
+from .._core.checks import limits, number, positive
+from .._core.tunable import TunableLaw
+from ..errors import ParameterError
+
+
+class Actuator(TunableLaw):
+    """Second-order actuator with limits of rate and position.
+
+    .. math::
+        \\ddot y = \\omega^2 (u - y) - 2 \\zeta \\omega \\dot y, \\qquad
+        |\\dot y| \\le \\dot y_\\mathrm{max}, \\quad y_\\mathrm{low} \\le y \\le y_\\mathrm{high}
+
+    The command is held over each period T, and the motion within it is exact while no limit is
+    active. The limits hold at the samples, so reaching or leaving one is late by less than T. A
+    limit moved past the position draws it back as a command does. The output at t_k follows from
+    the commands before t_k.
+
+    Parameters
+    ----------
+    frequency : float
+        natural frequency omega, rad/s
+    damping : float
+        damping ratio zeta
+    max_rate : float
+        largest rate, the unit of the command per s; default: no limit
+    low : float
+        lowest position
+    high : float
+        highest position
+    initial : float
+        position at the start, at rest
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    u
+        commanded position
+
+    Outputs
+    -------
+    y
+        position, in the unit of u
+    rate
+        its rate, per s
+    sat
+        command less the command within the limits of position: feedback against wind-up, as for
+        the ``sat`` of a ``DiscretePID``
+
+    Raises
+    ------
+    ParameterError
+        for a frequency or rate that is not positive, a negative damping, and limits or an initial
+        position that do not fit each other
+    """
+
+    measured = ("u",)
+    input_port_labels = {"u": 0}
+    output_port_labels = {"y": 0, "rate": 1, "sat": 2}
+
+    def __init__(
+        self,
+        frequency: float = 30.0,
+        damping: float = 0.7,
+        max_rate: float = math.inf,
+        low: float = -1.0,
+        high: float = 1.0,
+        initial: float = 0.0,
+        T: float = 1 / 120,
+    ) -> None:
+        super().__init__(T)
+        self.frequency = frequency
+        self.damping = damping
+        self.max_rate = max_rate
+        self.low = low
+        self.high = high
+        self.initial = initial
+        self.configure()
+
+    def build(self) -> None:
+        omega = positive("frequency", self.frequency)
+        zeta = number("damping", self.damping, low=0.0)
+        self._max_rate = number("max_rate", self.max_rate, above=0.0, infinite=True)
+        self._low, self._high = limits(self.low, self.high)
+        self._initial = number("initial", self.initial, low=self._low, high=self._high)
+        # of the distance from the command, and of the rate
+        motion = [[0.0, 1.0], [-omega * omega, -2 * zeta * omega]]
+        period = self.clock.period
+        transition = expm([[period * x for x in row] for row in motion])
+        if not np.isfinite(transition).all():
+            raise ParameterError(
+                f"frequency {omega:g} with damping {zeta:g} is too large to compute the motion",
+                parameter="frequency",
+                value=self.frequency,
+            )
+        self._transition = transition.tolist()
+        self._farthest = self._max_rate * period
+
+    def initial_state(self) -> tuple[float, float] | None:
+        return None
+
+    def law(
+        self, u: list[float], state: tuple[float, float] | None
+    ) -> tuple[list[float], tuple[float, float]]:
+        y, rate = state or (self._initial, 0.0)
+        command = min(max(u[0], self._low), self._high)
+        (a, b), (c, d) = self._transition
+        distance = y - command
+        moved = command + a * distance + b * rate
+        moved = min(max(moved, y - self._farthest), y + self._farthest)
+        new_rate = min(max(c * distance + d * rate, -self._max_rate), self._max_rate)
+        # a limit that was moved past the position lets it come back with the motion
+        position = min(max(moved, min(self._low, y)), max(self._high, y))
+        if position != moved:
+            new_rate = 0.0
+        return [y, rate, u[0] - command], (position, new_rate)

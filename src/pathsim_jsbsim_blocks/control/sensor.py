@@ -1,0 +1,104 @@
+"""A sensor: what a controller sees of a signal."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .._core.checks import number
+from .._core.noise import WhiteNoise
+from .._core.tunable import TunableLaw
+
+
+class Sensor(TunableLaw):
+    """Sampled measurement with lag, bias, noise and quantisation.
+
+    .. math::
+        \\tau \\dot x + x = u, \\qquad
+        y_k = \\Delta \\, \\mathrm{round}\\left(\\frac{x(t_k) + b + \\sigma n_k}{\\Delta}\\right)
+
+    sampled at T and held; n are independent standard normal numbers. The lag is exact for an input
+    that is linear between samples, and has settled at the first. With all parameters at 0 the
+    output is the input, sampled. The same seed gives the same noise; give sensors that
+    must be independent different seeds.
+
+    Parameters
+    ----------
+    bias : float
+        b, added to the measured value, in its unit
+    noise : float
+        standard deviation sigma of each sample, in the unit of the input
+    lag : float
+        time constant tau in s; 0 for none
+    quantum : float
+        step Delta between the values of the output, in its unit; 0 for none
+    seed : int
+        of the random numbers, 0 or more
+    T : float
+        sample period in s
+
+    Inputs
+    ------
+    u
+        quantity to measure
+
+    Outputs
+    -------
+    y
+        measured value, in the unit of u
+
+    Raises
+    ------
+    ParameterError
+        for a negative noise, lag or quantum, a seed that is not a whole number, and values that
+        are not finite
+    """
+
+    measured = ("u",)
+    input_port_labels = {"u": 0}
+    output_port_labels = {"y": 0}
+
+    def __init__(
+        self,
+        bias: float = 0.0,
+        noise: float = 0.0,
+        lag: float = 0.0,
+        quantum: float = 0.0,
+        seed: int = 0,
+        T: float = 1 / 120,
+    ) -> None:
+        super().__init__(T)
+        self.bias = bias
+        self.noise = noise
+        self.lag = lag
+        self.quantum = quantum
+        self.seed = seed
+        self.configure()
+
+    def build(self) -> None:
+        self._bias = number("bias", self.bias)
+        self._sigma = number("noise", self.noise, low=0.0)
+        self._quantum = number("quantum", self.quantum, low=0.0)
+        self._noise = WhiteNoise(self.seed, 1)
+        lag = number("lag", self.lag, low=0.0)
+        # x[k+1] = a x[k] + b u[k] + c u[k+1]
+        self._a, self._b, self._c = 0.0, 0.0, 1.0
+        if lag:
+            periods = self.clock.period / lag
+            mean = -math.expm1(-periods) / periods
+            self._a = math.exp(-periods)
+            self._b, self._c = mean - self._a, 1 - mean
+
+    def initial_state(self) -> tuple[Any, ...]:
+        return (0,)
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+        now = u[0]
+        k, x, last = state if len(state) > 1 else (0, now, now)
+        x = self._a * x + self._b * last + self._c * now if k else now
+        y = x + self._bias
+        if self._sigma:
+            y += self._sigma * self._noise.row(k)[0]
+        if self._quantum and math.isfinite(steps := y / self._quantum):
+            y = self._quantum * round(steps)
+        return [y], (k + 1, x, now)

@@ -1,0 +1,470 @@
+"""Newton search for steady flight on JSBSim's own accelerations, within the controls' limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from .airframe import Airframe
+from .condition import TrimCondition
+
+
+class _Range(NamedTuple):
+    """A quantity that the search may move."""
+
+    start: float
+    low: float
+    high: float
+    stride: float  # largest change in one iteration
+    step: float  # of its difference quotients
+
+
+_DEG = math.pi / 180.0
+_COMMAND = _Range(0.0, -1.0, 1.0, 0.4, 1e-4)
+
+# rad and ft/s; alpha and speed depend on the aircraft. Roll and sideslip as in JSBSim's FGTrimAxis
+_RANGES = {
+    "throttle": _Range(0.5, 0.0, 1.0, 0.5, 1e-4),
+    "gamma": _Range(0.0, -60.0 * _DEG, 60.0 * _DEG, 5.0 * _DEG, 1e-5),
+    "pitch_trim": _COMMAND,
+    "elevator": _COMMAND,
+    "phi": _Range(0.0, -30.0 * _DEG, 30.0 * _DEG, 8.0 * _DEG, 1e-5),
+    "beta": _Range(0.0, -30.0 * _DEG, 30.0 * _DEG, 5.0 * _DEG, 1e-5),
+    "aileron": _COMMAND,
+    "rudder": _COMMAND,
+}
+
+# in this order a limit is taken for the cause of a failure: slow flight needs too much alpha first,
+# and then more thrust and elevator than there are
+_CAUSES = ("alpha", "throttle", "gamma", "speed", *list(_RANGES)[2:])
+
+# deg, first guesses of alpha
+_ALPHAS = (3.0, 9.0, -1.0)
+
+# what is to vanish: the accelerations and their tolerances in ft/s2 and rad/s2
+RESIDUALS = {
+    "udot": ("accelerations/udot-ft_sec2", 1e-4),
+    "vdot": ("accelerations/vdot-ft_sec2", 1e-4),
+    "wdot": ("accelerations/wdot-ft_sec2", 1e-4),
+    "pdot": ("accelerations/pdot-rad_sec2", 1e-5),
+    "qdot": ("accelerations/qdot-rad_sec2", 1e-5),
+    "rdot": ("accelerations/rdot-rad_sec2", 1e-5),
+}
+_VELOCITIES = (*(f"ic/{axis}-fps" for axis in "uvw"), *(f"ic/{axis}-rad_sec" for axis in "pqr"))
+_LONGITUDINAL = ("udot", "wdot", "qdot")
+_THRUST_TOLERANCE = 1e-3  # lbf
+
+# fractions of the tolerances: where the search ends, and what two readings may differ by
+_POLISHED = 1e-5
+_SETTLED = 1e-6
+
+# a step that promises to leave more than this of the residuals ends the search
+_HOPE = 0.98
+
+_ITERATIONS = 30
+_READINGS = 30  # of one state, until a flight control system with memory has settled
+
+# steps of JSBSim that one search may take (about 0.7 s)
+_BUDGET = 80_000
+
+# what JSBSim's own settling of an engine is counted as: 120 to 6000 passes through the engine alone
+_STEADY_STATE = 200
+
+# rows of steps in which an engine with propeller settles, and how often
+_ROW = 40
+_ROWS = 60
+
+
+class Found(NamedTuple):
+    """Where a search ended.
+
+    Attributes
+    ----------
+    converged : bool
+        whether all residuals are within their tolerances
+    free : dict
+        what the search moved: rad, ft/s, fractions of a command's range
+    binding : str
+        the one at the end of its range that holds the search back; empty if none is
+    residuals : dict
+        ft/s2 and rad/s2
+    """
+
+    converged: bool
+    free: Mapping[str, float]
+    binding: str
+    residuals: Mapping[str, float]
+
+
+def alpha_range(airframe: Airframe) -> tuple[float, float]:
+    """Limits of the angle of attack in deg."""
+    low, high = (math.degrees(airframe.fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
+    # JSBSim's range for models that give no limits of their own (FGTrimAxis)
+    return (low, high) if low < high else (-5.0, 20.0)
+
+
+class Search:
+    """Steady flight of an airframe initialised at a condition.
+
+    One evaluation writes a state and controls, and reads the accelerations of JSBSim without a step
+    in time. Propellers turn at the speed at which they settle: JSBSim holds the aircraft and blows
+    its airspeed at it.
+
+    Parameters
+    ----------
+    airframe : Airframe
+        initialised at the condition; the search leaves it in the state found
+    condition : TrimCondition
+        not of mode "ground" or "none"
+    """
+
+    def __init__(self, airframe: Airframe, condition: TrimCondition):
+        self._airframe = airframe
+        self._condition = condition
+        fdm = self._fdm = airframe.fdm
+        engines = range(airframe.engines)
+        self._speed = fdm["velocities/vt-fps"]
+        self._ranges = self._free()
+        self._limits = np.array([[r.low, r.high] for r in self._ranges.values()]).T
+        self._strides = np.array([r.stride for r in self._ranges.values()])
+        residuals = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
+        self._names = list(RESIDUALS)
+        self._used = [self._names.index(name) for name in residuals]
+        self._tolerances = np.array([tolerance for _, tolerance in RESIDUALS.values()])
+        if condition.thrust is not None:
+            self._used.append(len(self._names))
+            self._tolerances = np.append(self._tolerances, _THRUST_TOLERANCE)
+        self._read = [airframe.reader(source) for source, _ in RESIDUALS.values()]
+        self._write = {
+            name: airframe.writer(name)
+            for name in (
+                *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
+                *_VELOCITIES,
+                *(
+                    f"fcs/{name}-cmd-norm"
+                    for name in ("pitch-trim", "elevator", "aileron", "rudder")
+                ),
+            )
+        }
+        self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
+        self._thrusts = [airframe.reader(f"propulsion/engine[{i}]/thrust-lbs") for i in engines]
+        speeds, pitches, governors = (
+            [
+                name
+                for name in (f"propulsion/engine[{i}]/{quantity}" for i in engines)
+                if airframe.has(name)
+            ]
+            for quantity in ("propeller-rpm", "blade-angle", "constant-speed-mode")
+        )
+        self._pitches = [airframe.reader(name) for name in pitches]
+        self._propellers = [airframe.reader(name) for name in speeds] + self._pitches
+        self._governors = [name for name in governors if fdm[name]]
+        self._gravity = fdm["accelerations/gravity-ft_sec2"]
+        wind = condition.wind_north, condition.wind_east, 0.0
+        self._wind = np.array(wind) if any(wind) else None
+        self._target = np.zeros(3)
+        self._settled_at: tuple[float, ...] | None = None
+        self._has_memory = True
+        self.steps = 0
+
+    def _free(self) -> dict[str, _Range]:
+        """The quantities that may move, throttle last: its engines settle anew."""
+        condition = self._condition
+        ranges = dict(_RANGES)
+        low, high = (math.radians(angle) for angle in alpha_range(self._airframe))
+        ranges["alpha"] = _Range(0.0, low, high, 5.0 * _DEG, 1e-5)
+        gamma = math.radians(condition.gamma)
+        ranges["gamma"] = ranges["gamma"]._replace(start=gamma)
+        v = self._speed
+        ranges["speed"] = _Range(v, 0.3 * v, 3.0 * v, 0.2 * v, 1e-5 * v)
+        names = ["alpha", "pitch_trim"]
+        if condition.mode != "longitudinal":
+            names += ["beta" if condition.mode == "turn" else "phi", "aileron", "rudder"]
+        if condition.balance != "throttle":
+            names.append(condition.balance)
+        if condition.balance == "throttle" or condition.thrust is not None:
+            names.append("throttle")
+        return {name: ranges[name] for name in names}
+
+    def find(self) -> Found:
+        """Search from one first guess after the other."""
+        time = self._fdm.get_sim_time()
+        best: tuple[float, np.ndarray, np.ndarray] | None = None
+        low, high = self._limits
+        start = np.clip([r.start for r in self._ranges.values()], low, high)
+        self._try_out(start)
+        names = list(self._ranges)
+        for alpha in _ALPHAS:
+            x = start.copy()
+            x[names.index("alpha")] = math.radians(alpha)
+            x, r = self._descend(np.clip(x, low, high))
+            size = self._size(r)
+            if best is None or size < best[0]:
+                best = size, x, r
+            if best[0] <= 1.0 or self.steps > _BUDGET or self._at_limit(best[1]).any():
+                break
+        assert best is not None
+        size, x, _ = best
+        self._has_memory = True
+        # the last state written need not be the best
+        r = self._settled(x)
+        size = self._size(r)
+        self._fdm.set_sim_time(time)
+        return Found(
+            converged=size <= 1.0,
+            free=dict(zip(names, x.tolist(), strict=True)),
+            binding="" if size <= 1.0 else self._binding(x),
+            residuals=dict(zip(self._names, (r * self._tolerances).tolist(), strict=False)),
+        )
+
+    def _try_out(self, x: np.ndarray) -> None:
+        """Find out whether the model has pitch trim, and whether its controls have filters."""
+        i = list(self._ranges).index("pitch_trim")
+        y = x.copy()
+        y[i] += 0.1
+        before = self._residuals(x)
+        self._put(y)
+        first, second = self._accelerations(), self._accelerations()
+        self._has_memory = not self._size(second - first) <= _SETTLED
+        if self._size(second - before) <= _SETTLED:
+            # without pitch trim: the elevator
+            self._ranges = {
+                "elevator" if name == "pitch_trim" else name: quantity
+                for name, quantity in self._ranges.items()
+            }
+
+    def _at_limit(self, x: np.ndarray) -> np.ndarray:
+        low, high = self._limits
+        return (x <= low) | (x >= high)
+
+    def _binding(self, x: np.ndarray) -> str:
+        limited = self._at_limit(x)
+        names = [name for name, at in zip(self._ranges, limited, strict=True) if at]
+        return min(names, key=_CAUSES.index, default="")
+
+    def _size(self, r: np.ndarray) -> float:
+        """Largest of the residuals that count, in tolerances."""
+        size = float(np.max(np.abs(r[self._used])))
+        return size if math.isfinite(size) else math.inf
+
+    def _descend(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss-Newton from ``x``: where it ends and the residuals there, in tolerances."""
+        low, high = self._limits
+        r = self._settled(x)
+        norm = self._norm(r)
+        slopes: np.ndarray | None = None
+        for _ in range(_ITERATIONS):
+            if self._size(r) <= _POLISHED or not math.isfinite(norm) or self.steps > _BUDGET:
+                break
+            fresh = slopes is None
+            if slopes is None:
+                slopes = self._slopes(x, r)
+                if not np.all(np.isfinite(slopes)):
+                    break
+            full = self._step(x, r[self._used], slopes)
+            best = float(np.linalg.norm(r[self._used] + slopes @ full))
+            if best > _HOPE * norm:
+                if fresh:
+                    break
+                slopes = None
+                continue
+            for fraction in (1.0, 0.4, 0.16, 0.06, 0.02) if fresh else (1.0,):
+                y = np.clip(x + fraction * full, low, high)
+                ry = self._settled(y) if self._propellers else self._residuals(y)
+                shorter = self._norm(ry)
+                if shorter < norm * (1.0 - 1e-3 * fraction):
+                    break
+            else:
+                if fresh:
+                    break
+                slopes = None
+                continue
+            moved = (y - x) / self._strides
+            if shorter < 0.3 * norm:
+                # Broyden's update in the scaled unknowns
+                gap = (ry - r)[self._used] - slopes @ (y - x)
+                slopes = slopes + np.outer(gap, moved / self._strides) / (moved @ moved)
+            else:
+                slopes = None
+            x, r, norm = y, ry, shorter
+        return x, r
+
+    def _norm(self, r: np.ndarray) -> float:
+        norm = float(np.linalg.norm(r[self._used]))
+        return norm if math.isfinite(norm) else math.inf
+
+    def _slopes(self, x: np.ndarray, r: np.ndarray) -> np.ndarray:
+        slopes = np.empty((len(self._used), len(x)))
+        high = self._limits[1]
+        for i, quantity in enumerate(self._ranges.values()):
+            step = quantity.step if x[i] + quantity.step <= high[i] else -quantity.step
+            y = x.copy()
+            y[i] += step
+            slopes[:, i] = (self._residuals(y) - r)[self._used] / step
+        return slopes
+
+    def _step(self, x: np.ndarray, r: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """The step of Newton, or the best one within limits and strides."""
+        low = np.maximum(self._limits[0] - x, -self._strides)
+        high = np.minimum(self._limits[1] - x, self._strides)
+        try:
+            step = np.linalg.solve(slopes, -r)
+        except np.linalg.LinAlgError:
+            step = np.full(len(x), math.inf)
+        if not np.all((low <= step) & (step <= high)):
+            from scipy.optimize import lsq_linear  # half of the time to import a trim
+
+            scaled = slopes * self._strides
+            # at a limit the interval would be empty
+            bounds = (
+                np.minimum(low / self._strides, -1e-12),
+                np.maximum(high / self._strides, 1e-12),
+            )
+            step = lsq_linear(scaled, -r, bounds=bounds, method="bvls").x * self._strides
+        return step
+
+    def _settled(self, x: np.ndarray) -> np.ndarray:
+        """Residuals after engines and flight control system have settled."""
+        self._settled_at = None
+        return self._residuals(x)
+
+    def _residuals(self, x: np.ndarray) -> np.ndarray:
+        """All six accelerations at a state, in their tolerances."""
+        throttles = self._put(x)
+        r = self._accelerations()
+        if self._propellers and throttles != self._settled_at:
+            self._spin(self._size(r))
+            self._settled_at = throttles
+            self._put(x)
+            r = self._accelerations()
+        for _ in range(_READINGS if self._has_memory else 0):
+            before, r = r, self._accelerations()
+            if self._size(r - before) <= _SETTLED:
+                break
+        return r
+
+    def _put(self, x: np.ndarray) -> tuple[float, ...]:
+        """Write state and controls; returns the throttles."""
+        condition, write = self._condition, self._write
+        values = dict(zip(self._ranges, x.tolist(), strict=True))
+        v = values.get("speed", self._speed)
+        alpha = values["alpha"]
+        beta = values.get("beta", math.radians(condition.beta))
+        gamma = values.get("gamma", math.radians(condition.gamma))
+        phi = values.get("phi", math.radians(condition.bank))
+        psi = math.radians(condition.heading)
+        theta = _theta(alpha, beta, phi, gamma)
+        p = q = r = 0.0
+        if condition.mode == "turn":
+            rate = self._gravity * math.tan(phi) / v
+            p = -rate * math.sin(theta)
+            q = rate * math.cos(theta) * math.sin(phi)
+            r = rate * math.cos(theta) * math.cos(phi)
+        elif condition.mode == "pull-up":
+            q = self._gravity * (condition.load_factor - math.cos(gamma)) / v
+        u = v * math.cos(alpha) * math.cos(beta)
+        w = v * math.sin(alpha) * math.cos(beta)
+        ground = u, v * math.sin(beta), w
+        if self._wind is not None:
+            wind = _to_body(phi, theta, psi) @ self._wind
+            ground = tuple((wind + ground).tolist())
+            # the wind turns in the axes of an aircraft that turns
+            self._target = -np.cross([p, q, r], wind)
+        write["ic/psi-true-rad"](psi)
+        write["ic/theta-rad"](theta)
+        write["ic/phi-rad"](phi)
+        for name, value in zip(_VELOCITIES, (*ground, p, q, r), strict=True):
+            write[name](value)
+        write["fcs/pitch-trim-cmd-norm"](values.get("pitch_trim", 0.0))
+        if "elevator" in values:
+            write["fcs/elevator-cmd-norm"](values["elevator"])
+        write["fcs/aileron-cmd-norm"](values.get("aileron", 0.0))
+        write["fcs/rudder-cmd-norm"](values.get("rudder", 0.0))
+        throttle = values.get("throttle", condition.throttle or 0.0)
+        for write_throttle in self._throttles:
+            write_throttle(throttle)
+        return (throttle,)
+
+    def _accelerations(self) -> np.ndarray:
+        fdm = self._fdm
+        # actuators then take their final position at once, and no fuel is burnt
+        fdm.set_trim_status(True)
+        try:
+            fdm.run_ic()
+        finally:
+            fdm.set_trim_status(False)
+        self.steps += 2
+        r = np.array([read() for read in self._read])
+        r[:3] -= self._target
+        if self._condition.thrust is not None:
+            r = np.append(r, sum(read() for read in self._thrusts) - self._condition.thrust)
+        return r / self._tolerances
+
+    def _spin(self, size: float) -> None:
+        """Let the propellers settle in a wind tunnel: held in place, in the wind of the flight."""
+        fdm = self._fdm
+        tolerance = min(max(1e-10 * size, 1e-10), 1e-8)
+        for axis in ("north", "east", "down"):
+            fdm[f"atmosphere/wind-{axis}-fps"] = (
+                fdm[f"atmosphere/total-wind-{axis}-fps"] - fdm[f"velocities/v-{axis}-fps"]
+            )
+        fdm["forces/hold-down"] = 1.0
+        fdm.set_trim_status(True)
+        try:
+            self._spin_at_fixed_pitch()
+            before = [read() for read in self._propellers]
+            for _ in range(_ROWS):
+                if self.steps > _BUDGET:
+                    break
+                pitch = [read() for read in self._pitches]
+                for _ in range(_ROW):
+                    fdm.run()
+                self.steps += _ROW
+                now = [read() for read in self._propellers]
+                if all(
+                    abs(a - b) <= tolerance * max(abs(a), 1.0)
+                    for a, b in zip(now, before, strict=True)
+                ):
+                    break
+                if pitch == [read() for read in self._pitches]:
+                    self._spin_at_fixed_pitch()
+                    now = [read() for read in self._propellers]
+                before = now
+        finally:
+            fdm["forces/hold-down"] = 0.0
+            fdm.set_trim_status(False)
+
+    def _spin_at_fixed_pitch(self) -> None:
+        """Settle the speeds at the present blade angles, many times faster than real time."""
+        # in its steps of 0.5 s a governor would overshoot
+        for governor in self._governors:
+            self._fdm[governor] = 0.0
+        self._fdm.get_propulsion().get_steady_state()
+        self.steps += _STEADY_STATE * len(self._throttles)
+        for governor in self._governors:
+            self._fdm[governor] = 1.0
+
+
+def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:
+    """Pitch angle of a path angle, all in rad (Stevens and Lewis, 3rd edition, 3.6-3)."""
+    a = math.cos(alpha) * math.cos(beta)
+    b = math.sin(phi) * math.sin(beta) + math.cos(phi) * math.sin(alpha) * math.cos(beta)
+    s = math.sin(gamma)
+    return math.atan2(a * b + s * math.sqrt(max(a * a - s * s + b * b, 0.0)), a * a - s * s)
+
+
+def _to_body(phi: float, theta: float, psi: float) -> np.ndarray:
+    """Rotation from north, east, down to body axes."""
+    cf, sf = math.cos(phi), math.sin(phi)
+    ct, st = math.cos(theta), math.sin(theta)
+    cp, sp = math.cos(psi), math.sin(psi)
+    return np.array(
+        [
+            [ct * cp, ct * sp, -st],
+            [sf * st * cp - cf * sp, sf * st * sp + cf * cp, sf * ct],
+            [cf * st * cp + sf * sp, cf * st * sp - sf * cp, cf * ct],
+        ]
+    )

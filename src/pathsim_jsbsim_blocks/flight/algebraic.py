@@ -1,0 +1,200 @@
+"""Linear models from JSBSim's accelerations about the trim: central differences, no flight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._core._pathsim import values
+from .._core.checks import mapping
+from ..errors import ParameterError
+from ..linear.model import LinearModel, find
+from .airframe import Airframe
+from .channels import RIGID, Channel, ignorable
+
+if TYPE_CHECKING:
+    from .block import FlightBlock
+
+# JSBSim's states in the order in which they are written (height and angles move the velocities):
+# initial condition, present value, rate, perturbation in the property's unit
+_STATES = (
+    ("ic/h-sl-ft", "position/h-sl-ft", "velocities/h-dot-fps", 5.0),
+    ("ic/psi-true-rad", "attitude/psi-rad", "velocities/psidot-rad_sec", 1e-4),
+    ("ic/theta-rad", "attitude/theta-rad", "velocities/thetadot-rad_sec", 1e-4),
+    ("ic/phi-rad", "attitude/phi-rad", "velocities/phidot-rad_sec", 1e-4),
+    ("ic/u-fps", "velocities/u-fps", "accelerations/udot-ft_sec2", 0.1),
+    ("ic/v-fps", "velocities/v-fps", "accelerations/vdot-ft_sec2", 0.1),
+    ("ic/w-fps", "velocities/w-fps", "accelerations/wdot-ft_sec2", 0.1),
+    ("ic/p-rad_sec", "velocities/p-rad_sec", "accelerations/pdot-rad_sec2", 1e-4),
+    ("ic/q-rad_sec", "velocities/q-rad_sec", "accelerations/qdot-rad_sec2", 1e-4),
+    ("ic/r-rad_sec", "velocities/r-rad_sec", "accelerations/rdot-rad_sec2", 1e-4),
+)
+
+# perturbation of an input, in its unit
+_COMMAND = 1e-3
+
+# runs without integration until accelerations that depend on others (alphadot) have settled
+_RUNS = 6
+
+# JSBSim's order of computation: a command acts on the rates one period late
+_LATENCY = 1
+
+_FT = 0.3048  # m
+
+# position: its rate over ground
+_POSITIONS = {
+    "position/lat-geod-deg": "velocities/v-north-fps",
+    "position/long-gc-deg": "velocities/v-east-fps",
+}
+
+
+def algebraic_model(
+    build: Callable[[], FlightBlock],
+    inputs: Sequence[str] | None,
+    outputs: Sequence[str] | None,
+    amplitude: Mapping[str, float] | None,
+) -> LinearModel:
+    """Differentiate a block that ``build`` makes; parameters as of `FlightBlock.linear_model`."""
+    if mapping("amplitude", amplitude):
+        raise ParameterError(
+            "amplitude is that of pulses: it goes with method='flown'",
+            parameter="amplitude",
+            value=amplitude,
+        )
+    block = build()
+    airframe = block.airframe
+    ports, channels = block.channels()
+    wanted = find("inputs", [c.name for c in ports], inputs)
+    moved = [ports[i] for i in wanted]
+    chosen = find("outputs", [c.name for c in channels], outputs)
+    shown = [channels[i] for i in chosen]
+    y0 = np.array(values(block.outputs))[chosen]
+    u0 = np.array(block.trimmed_inputs())[wanted]
+    x0 = np.array([c.factor * airframe.fdm[c.properties[0]] for c in RIGID])
+    places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
+    for c in shown:
+        if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):
+            raise ParameterError(
+                f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'",
+                parameter="outputs",
+                value=c.name,
+            )
+    place0 = [airframe.fdm[c.properties[0]] for c in places]
+
+    rates = [rate for _, _, rate, _ in _STATES]
+    rates += [_POSITIONS[c.properties[0]] for c in places]
+    read = [(airframe.reader(name), 1.0) for name in rates]
+    read += [
+        (airframe.reader(c.properties[0]), c.factor) if c.properties else (lambda: 0.0, 1.0)
+        for c in (*RIGID, *shown)
+    ]
+    differ = _Differences(airframe, moved, read)
+    by_state = differ.states()
+    by_input, even = differ.inputs()
+    n, k = len(_STATES), len(rates)
+    # from JSBSim's states to those of the model
+    change = by_state[k : k + n]
+    back = np.linalg.inv(change)
+    A, B = change @ by_state[:n] @ back, change @ by_input[:n]
+    C, D = by_state[k + n :] @ back, by_input[k + n :]
+    if places:
+        turn = np.array([[_deg_per_ft(airframe, c.properties[0])] for c in places])
+        rows = turn * (by_state[n:k] @ back)
+        A = np.block([[A, np.zeros((n, len(places)))], [rows, np.zeros((len(places),) * 2)]])
+        B = np.vstack([B, turn * by_input[n:k]])
+        C = np.hstack([C, np.zeros((len(C), len(places)))])
+        for j, c in enumerate(places):
+            row = shown.index(c)
+            C[row], D[row], C[row, n + j] = 0.0, 0.0, 1.0
+    odd, uneven = (np.sqrt((x[:n] ** 2).sum(axis=0)) for x in (by_input, even))
+    kinks = np.where(odd > 0.0, uneven / np.where(odd > 0.0, odd, 1.0), np.nan)
+    p, m = len(shown), len(moved)
+    return LinearModel(
+        aircraft=airframe.aircraft,
+        condition=str(block.trim.condition),
+        method="algebraic",
+        A=A,
+        B=B,
+        C=C,
+        D=D,
+        states=tuple(c.name for c in (*RIGID, *places)),
+        inputs=tuple(c.name for c in moved),
+        outputs=tuple(c.name for c in shown),
+        units={c.name: c.unit for c in (*RIGID, *places, *moved, *shown)},
+        x0=np.array([*x0, *place0]),
+        u0=u0,
+        y0=y0,
+        dt=block.T,
+        latency=np.full(m, _LATENCY),
+        kinks=np.broadcast_to(kinks, (p, m)),
+        fit=np.full((p, m), np.nan),
+    )
+
+
+def _deg_per_ft(airframe: Airframe, position: str) -> float:
+    """Change of latitude or longitude with the distance over ground."""
+    from pymap3d.rcurve import meridian, transverse
+
+    latitude = airframe.fdm["position/lat-geod-deg"]
+    height = airframe.fdm["position/h-sl-ft"] * _FT
+    if position == "position/lat-geod-deg":
+        return math.degrees(_FT / (meridian(latitude) + height))
+    return math.degrees(_FT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
+
+
+class _Differences:
+    """Central differences of what an aircraft shows, by its states and its inputs."""
+
+    def __init__(
+        self,
+        airframe: Airframe,
+        moved: Sequence[Channel],
+        shown: Sequence[tuple[Callable[[], float], float]],
+    ):
+        self._fdm = airframe.fdm
+        self._readers = [read for read, _ in shown]
+        self._factors = np.array([factor for _, factor in shown])
+        self._states = [
+            (airframe.writer(initial), airframe.fdm[present], step)
+            for initial, present, _, step in _STATES
+        ]
+        self._inputs = [
+            [(airframe.writer(name), airframe.fdm[name]) for name in c.properties] for c in moved
+        ]
+        self._still = self._at()
+
+    def states(self) -> np.ndarray:
+        columns = []
+        for j, (_, _, step) in enumerate(self._states):
+            up, down = self._at(state=j, by=step), self._at(state=j, by=-step)
+            columns.append((up - down) / (2 * step))
+        return np.array(columns).T
+
+    def inputs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The differences, and their even parts."""
+        odd, even = [], []
+        for j in range(len(self._inputs)):
+            up, down = self._at(port=j, by=_COMMAND), self._at(port=j, by=-_COMMAND)
+            odd.append((up - down) / (2 * _COMMAND))
+            even.append((up + down - 2 * self._still) / (2 * _COMMAND))
+        return np.array(odd).T.reshape(-1, len(odd)), np.array(even).T.reshape(-1, len(even))
+
+    def _at(self, state: int = -1, port: int = -1, by: float = 0.0) -> np.ndarray:
+        for j, (write, value, _) in enumerate(self._states):
+            write(value + by * (j == state))
+        for j, commands in enumerate(self._inputs):
+            for write, value in commands:
+                write(value + by * (j == port))
+        fdm = self._fdm
+        fdm.set_trim_status(True)
+        fdm.run_ic()
+        fdm.get_propulsion().get_steady_state()
+        fdm.suspend_integration()
+        for _ in range(_RUNS):
+            fdm.run()
+        fdm.resume_integration()
+        fdm.set_trim_status(False)
+        return self._factors * [read() for read in self._readers]

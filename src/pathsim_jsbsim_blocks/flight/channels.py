@@ -1,0 +1,99 @@
+"""What a linear model measures and moves: ports and states as JSBSim properties with units."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from .airframe import Airframe
+
+DEG = 180.0 / math.pi
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A quantity by name: the properties behind it, and the factor from theirs to its unit.
+
+    An input writes all its properties, any other channel reads the first; without one it is
+    constant.
+    """
+
+    name: str
+    properties: tuple[str, ...]
+    factor: float = 1.0
+    unit: str = ""
+
+
+# the states of a rigid aircraft, in the units of the ports of the same name
+RIGID = (
+    Channel("vt", ("velocities/vt-fps",), 1.0, "ft/s"),
+    Channel("alpha", ("aero/alpha-deg",), 1.0, "deg"),
+    Channel("beta", ("aero/beta-deg",), 1.0, "deg"),
+    Channel("p", ("velocities/p-rad_sec",), DEG, "deg/s"),
+    Channel("q", ("velocities/q-rad_sec",), DEG, "deg/s"),
+    Channel("r", ("velocities/r-rad_sec",), DEG, "deg/s"),
+    Channel("phi", ("attitude/phi-deg",), 1.0, "deg"),
+    Channel("theta", ("attitude/theta-deg",), 1.0, "deg"),
+    Channel("psi", ("attitude/psi-deg",), 1.0, "deg"),
+    Channel("h", ("position/h-sl-ft",), 1.0, "ft"),
+)
+
+# engine states that JSBSim shows
+_ENGINE = {"propeller-rpm": "rpm", "map-inhg": "inHg", "thrust-lbs": "lbf"}
+
+# nothing that moves an aircraft depends on these: they integrate what does
+_IGNORABLE = re.compile(
+    r"attitude/(psi|heading)|position/(lat|long|distance|ecef|eci|from-start|vrp-.*(lat|long))"
+)
+
+_UNITS = {
+    "-fps": "ft/s",
+    "-ft": "ft",
+    "-deg": "deg",
+    "-rad": "rad",
+    "-rad_sec": "rad/s",
+    "-rad_sec2": "rad/s2",
+    "-ft_sec2": "ft/s2",
+    "-deg_sec": "deg/s",
+    "-kts": "kt",
+    "-lbs": "lbf",
+    "-norm": "norm",
+    "-sec": "s",
+    "-inhg": "inHg",
+    "-rpm": "rpm",
+    "-psf": "lbf/ft2",
+}
+
+
+def unit_of(name: str) -> str:
+    """The unit in which JSBSim's name of a property says that it is; "" if it says none."""
+    base = re.sub(r"\[\d+\]$", "", name)
+    suffixes = sorted((s for s in _UNITS if base.endswith(s)), key=len)
+    return _UNITS[suffixes[-1]] if suffixes else ""
+
+
+def engine_channels(airframe: Airframe) -> list[Channel]:
+    """The engine states that an aircraft has."""
+    found = []
+    for i in range(airframe.engines):
+        for quantity, unit in _ENGINE.items():
+            name = f"propulsion/engine[{i}]/{quantity}"
+            if airframe.has(name):
+                found.append(Channel(f"{quantity.partition('-')[0]}[{i}]", (name,), 1.0, unit))
+    return found
+
+
+def ignorable(channel: Channel) -> bool:
+    """Whether nothing else depends on a quantity."""
+    return any(_IGNORABLE.match(name) for name in channel.properties)
+
+
+def acceleration(channel: Channel) -> bool:
+    """Whether a quantity may jump with an input."""
+    return any(name.startswith("accelerations/") for name in channel.properties)
+
+
+def full_circle(channel: Channel) -> float:
+    """Where an angle starts anew, in its unit; 0 for other quantities."""
+    return {"deg": 360.0, "rad": 2.0 * math.pi}.get(channel.unit, 0.0)

@@ -1,0 +1,75 @@
+"""FlightGear shows a flight: JSBSim sends its state in FlightGear's native FDM packets (UDP)."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import re
+import socket
+from collections.abc import Iterator
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+from ..errors import ParameterError
+
+HOST, PORT = "127.0.0.1", 5550
+
+# Hz of simulated time; FlightGear draws no faster
+_RATE = 60
+
+_addresses: list[Iterator[str]] = []
+
+
+def address(parameter: str, value: Any) -> tuple[str, int]:
+    """Host and port of ``HOST:PORT``, ``HOST`` or ``:PORT``.
+
+    Raises
+    ------
+    ParameterError
+        for anything else, and for ports that do not exist
+    """
+    found = re.fullmatch(r"([\w.-]*)(?::(\d{1,5}))?", value) if isinstance(value, str) else None
+    port = int(found[2] or PORT) if found else 0
+    if not found or not 0 < port < 65536:
+        raise ParameterError(
+            f"{parameter} must be HOST:PORT such as '{HOST}:{PORT}', not {value!r}",
+            parameter=parameter,
+            value=value,
+        )
+    host = found[1] or HOST
+    try:
+        socket.getaddrinfo(host, port, socket.AF_INET)
+    except OSError as error:
+        raise ParameterError(
+            f"{parameter} names the host {host!r}, which is not found: {error.strerror}",
+            parameter=parameter,
+            value=value,
+        ) from None
+    return host, port
+
+
+def directive(host: str, port: int) -> str:
+    """JSBSim's output directive that sends the packets."""
+    return (
+        f"<output name={quoteattr(host)} type='FLIGHTGEAR' port='{port}' protocol='UDP' "
+        f"rate='{_RATE}'/>"
+    )
+
+
+@contextlib.contextmanager
+def sending_to(first: str) -> Iterator[None]:
+    """Context in which aircraft blocks that are built send to FlightGear.
+
+    The first one sends to this address, each further one to the next port.
+    """
+    host, port = address("flightgear", first)
+    _addresses.append(f"{host}:{n}" for n in itertools.count(port))
+    try:
+        yield
+    finally:
+        _addresses.pop()
+
+
+def next_address() -> str | None:
+    """Where the next block sends to; None outside of `sending_to`."""
+    return next(_addresses[-1]) if _addresses else None

@@ -1,0 +1,73 @@
+"""How JSBSim integrates the equations of motion: its methods by name, and two presets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .._core.checks import one_of
+from ..errors import ParameterError
+
+# JSBSim's numbers for simulation/integrator/... (FGPropagate::eIntegrateType)
+_METHODS = {
+    "none": 0,
+    "euler": 1,
+    "trapezoidal": 2,
+    "adams-bashforth 2": 3,
+    "adams-bashforth 3": 4,
+    "adams-bashforth 4": 5,
+    "adams-bashforth 5": 9,
+}
+# of a quaternion only; elsewhere JSBSim throws at the first step
+_METHODS_OF_ATTITUDE = {"buss 1": 6, "buss 2": 7, "local linearization": 8}
+
+_STATES = {
+    "rate_rotational": _METHODS,
+    "rate_translational": _METHODS,
+    "position_rotational": {**_METHODS, **_METHODS_OF_ATTITUDE},
+    "position_translational": _METHODS,
+}
+
+# third order at most: the higher ones gain nothing that NASA's check cases or a doublet show, and
+# a c172p at 30 Hz diverges with them
+PRESETS: Mapping[str, Mapping[str, str]] = {
+    "default": {},
+    "precise": {
+        "rate_rotational": "adams-bashforth 3",
+        "rate_translational": "adams-bashforth 3",
+        "position_rotational": "buss 2",
+        "position_translational": "adams-bashforth 3",
+    },
+}
+
+
+def integrator_properties(integrators: Any) -> dict[str, int]:
+    """JSBSim's properties for integrators, with their values.
+
+    Parameters
+    ----------
+    integrators : str or dict
+        a preset, or methods by state; a state not named keeps JSBSim's own
+
+    Raises
+    ------
+    ParameterError
+        for an unknown preset, state or method; the message names the nearest
+    """
+    if isinstance(integrators, str):
+        integrators = PRESETS[one_of("integrators", integrators, PRESETS)]
+    elif not isinstance(integrators, Mapping):
+        raise ParameterError(
+            f"integrators must be one of {', '.join(map(repr, PRESETS))} or a dict of states and "
+            f"methods, not {integrators!r}",
+            parameter="integrators",
+            value=integrators,
+        )
+    properties = {}
+    for state, method in integrators.items():
+        methods = _STATES[one_of("integrators key", state, _STATES)]
+        kind, _, motion = state.partition("_")
+        properties[f"simulation/integrator/{kind}/{motion}"] = methods[
+            one_of(f"integrators[{state!r}]", method, methods)
+        ]
+    return properties

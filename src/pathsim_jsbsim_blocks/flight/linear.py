@@ -1,0 +1,184 @@
+"""Linear models without a diagram (`linear_model`), and as a block (`LinearAircraft`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..linear.block import LinearModelBlock
+from ..linear.model import LinearModel
+from .aircraft import Aircraft
+from .block import fill
+from .condition import TrimCondition
+
+
+def linear_model(
+    aircraft: str,
+    condition: TrimCondition | None = None,
+    method: str = "flown",
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    amplitude: Mapping[str, float] | None = None,
+    *,
+    T: float = 1 / 120,
+    substeps: int = 1,
+    **options: Any,
+) -> LinearModel:
+    """Linear model of an aircraft about a trim, with the commands and outputs of `Aircraft`.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the JSBSim model
+    condition : TrimCondition, optional
+        the trim; default 5000 ft and 100 KCAS
+    method, inputs, outputs, amplitude
+        as in `Aircraft.linear_model`
+    T : float
+        sample period in s
+    substeps : int
+        JSBSim steps per sample period
+    **options
+        ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
+        of `Aircraft`
+
+    Returns
+    -------
+    LinearModel
+
+    Raises
+    ------
+    LinearisationError
+        where there is no linear model: no steady trim in flight, an input at the end of its range
+        or without response, responses that no linear model fits
+    AircraftError, PropertyError, ParameterError, TrimError
+        for unknown names and values that cannot be, or no trim
+
+    Examples
+    --------
+    >>> model = linear_model("737", TrimCondition(altitude=5000, speed=260, gear=0.0))
+    >>> model.states
+    ('vt', 'alpha', 'beta', 'p', 'q', 'r', 'phi', 'theta', 'h', 'psi', 'lat', 'lon')
+    """
+    plane = Aircraft(
+        aircraft,
+        condition=TrimCondition() if condition is None else condition,
+        T=T,
+        substeps=substeps,
+        **options,
+    )
+    return plane.linear_model(method, inputs, outputs, amplitude)
+
+
+@fill
+class LinearAircraft(LinearModelBlock):
+    """Linear model of a trimmed JSBSim aircraft, with the commands and outputs of `Aircraft`.
+
+    .. math::
+        \\dot{x} = A x + B u, \\qquad y = y_0 + C x + D u
+
+    The aircraft is trimmed and its model identified when the block is built (about 0.5 s). The
+    model flies continuously, with the diagram's solver: small motions about the trim are those of
+    the aircraft. Commands have no limits here. The latency of JSBSim's order of computation is a
+    first-order lag on each input.
+
+    Parameters
+    ----------
+    %(start)s
+    %(configuration)s
+    T : float
+        sample period in s of the aircraft whose model it is
+    substeps : int
+        JSBSim steps per sample period
+    condition : TrimCondition, optional
+        replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
+    %(written)s
+    method : str
+        "flown" or "algebraic", as in `Aircraft.linear_model`
+    root : str, optional
+        JSBSim root directory; default is the one shipped with jsbsim
+    create : dict, optional
+        properties that the model expects from its environment (FlightGear), with their values
+
+    Inputs
+    ------
+    elevator, aileron, rudder, throttle
+        increments on the trimmed commands, as of `Aircraft`
+
+    Outputs
+    -------
+    %(motion)s
+    elev_sat, ail_sat, rud_sat, thr_sat
+        0: commands have no limits here
+
+    Raises
+    ------
+    LinearisationError
+        where there is no linear model
+    AircraftError, PropertyError, ParameterError, TrimError
+        for unknown names and values that cannot be, or no trim
+
+    Examples
+    --------
+    >>> plane = LinearAircraft("c172p", altitude=5000, speed=90, method="algebraic")
+    >>> round(float(plane.outputs["alpha"]), 2)
+    1.29
+    """
+
+    # the model has no wind
+    input_port_labels: Any = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
+    output_port_labels: Any = dict(Aircraft.output_port_labels)
+
+    def __init__(
+        self,
+        aircraft: str = "c172p",
+        altitude: float = 5000.0,
+        speed: float = 100.0,
+        mach: float | None = None,
+        gamma: float = 0.0,
+        heading: float = 0.0,
+        gear: float | None = None,
+        flaps: float | None = None,
+        T: float = 1 / 120,
+        substeps: int = 1,
+        condition: TrimCondition | None = None,
+        setup: Mapping[str, float] | None = None,
+        properties: Mapping[str, float] | None = None,
+        method: str = "flown",
+        root: str | None = None,
+        create: Mapping[str, float] | None = None,
+    ) -> None:
+        plane = Aircraft(
+            aircraft,
+            altitude,
+            speed,
+            mach,
+            gamma,
+            heading,
+            gear=gear,
+            flaps=flaps,
+            T=T,
+            substeps=substeps,
+            condition=condition,
+            setup=setup,
+            properties=properties,
+            root=root,
+            create=create,
+        )
+        super().__init__(plane.linear_model(method))
+        self.aircraft = aircraft
+        self.altitude = altitude
+        self.speed = speed
+        self.mach = mach
+        self.gamma = gamma
+        self.heading = heading
+        self.gear = gear
+        self.flaps = flaps
+        self.T = T
+        self.substeps = substeps
+        self.condition = condition
+        self.setup = setup
+        self.properties = properties
+        self.method = method
+        self.root = root
+        self.create = create

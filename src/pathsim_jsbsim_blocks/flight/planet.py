@@ -1,0 +1,94 @@
+"""The planet that an aircraft flies over: its shape, rotation and gravity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .._core.checks import number, one_of, positive
+from ..errors import ParameterError
+
+# names and units of JSBSim's <planet>; NIMA TR8350.2, third edition, in ft. These are the planet
+# that JSBSim has for models without one
+_WGS84 = {
+    "semimajor_axis": 20925646.32546,
+    "semiminor_axis": 20855486.5951,
+    "rotation_rate": 7.292115e-5,
+    "GM": 14.0764417572e15,
+    "J2": 1.08262982e-3,
+}
+_UNITS = {
+    "semimajor_axis": "FT",
+    "semiminor_axis": "FT",
+    "rotation_rate": "RAD/SEC",
+    "GM": "FT3/SEC2",
+    "J2": "",
+}
+
+# ft: the radius of NASA's check cases, 6371007.1809 m, of a sphere with the area of WGS-84
+_ROUND = {"semimajor_axis": 20902254.5305, "semiminor_axis": 20902254.5305, "J2": 0.0}
+
+PLANETS: Mapping[str, Mapping[str, float]] = {
+    "WGS-84": _WGS84,
+    "round": {**_WGS84, **_ROUND},
+    "round, fixed": {**_WGS84, **_ROUND, "rotation_rate": 0.0},
+}
+
+# JSBSim's numbers for simulation/gravity-model
+_GRAVITY = {"point mass": 0, "J2": 1}
+
+
+def planet_xml(planet: Any) -> str:
+    """A planet as JSBSim reads it.
+
+    Parameters
+    ----------
+    planet : str or dict
+        a name of `PLANETS`, or what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis``
+        (ft), ``rotation_rate`` (rad/s), ``GM`` (ft3/s2), ``J2``
+
+    Raises
+    ------
+    ParameterError
+        for an unknown name, or a value that is not possible
+    """
+    if isinstance(planet, str):
+        given: Mapping[Any, Any] = PLANETS[one_of("planet", planet, PLANETS)]
+    elif isinstance(planet, Mapping):
+        given = planet
+    else:
+        raise ParameterError(
+            f"planet must be one of {', '.join(map(repr, PLANETS))} or a dict of what differs "
+            f"from WGS-84, not {planet!r}",
+            parameter="planet",
+            value=planet,
+        )
+    values = dict(_WGS84)
+    for name, value in given.items():
+        one_of("planet key", name, _WGS84)
+        values[name] = (number if name in ("rotation_rate", "J2") else positive)(
+            f"planet[{name!r}]", value
+        )
+    if values["semiminor_axis"] > values["semimajor_axis"]:
+        raise ParameterError(
+            "the semiminor axis of a planet must not exceed its semimajor axis, "
+            f"{values['semimajor_axis']:.10g} ft, not {values['semiminor_axis']:.10g} ft",
+            parameter="planet",
+            value=planet,
+        )
+    elements = (
+        f"<{name}" + (f' unit="{_UNITS[name]}"' if _UNITS[name] else "") + f">{value!r}</{name}>"
+        for name, value in values.items()
+    )
+    return f'<planet name="planet">{"".join(elements)}</planet>'
+
+
+def gravity_properties(gravity: Any) -> dict[str, int]:
+    """JSBSim's property for a gravity model, with its value.
+
+    Raises
+    ------
+    ParameterError
+        for an unknown model
+    """
+    return {"simulation/gravity-model": _GRAVITY[one_of("gravity", gravity, _GRAVITY)]}

@@ -1,0 +1,152 @@
+"""Record all flights of a script, whatever blocks its diagrams have for that."""
+
+from __future__ import annotations
+
+import contextlib
+from array import array
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..tracks.track import POSITION, Track
+from . import block
+from .block import FlightBlock
+from .channels import DEG
+
+# label: property and factor; one that a model lacks is left out
+_SIGNALS = {
+    **dict(
+        zip(
+            POSITION.values(),
+            [
+                ("position/lat-geod-deg", 1.0),
+                ("position/long-gc-deg", 1.0),
+                ("position/h-sl-ft", 1.0),
+                ("attitude/theta-deg", 1.0),
+                ("attitude/phi-deg", 1.0),
+                ("attitude/psi-deg", 1.0),
+            ],
+            strict=True,
+        )
+    ),
+    "height above ground [ft]": ("position/h-agl-ft", 1.0),
+    "rate of climb [ft/s]": ("velocities/h-dot-fps", 1.0),
+    "calibrated airspeed [kt]": ("velocities/vc-kts", 1.0),
+    "true airspeed [kt]": ("velocities/vtrue-kts", 1.0),
+    "Mach number": ("velocities/mach", 1.0),
+    "angle of attack [deg]": ("aero/alpha-deg", 1.0),
+    "sideslip angle [deg]": ("aero/beta-deg", 1.0),
+    "flight path angle [deg]": ("flight-path/gamma-deg", 1.0),
+    "roll rate [deg/s]": ("velocities/p-rad_sec", DEG),
+    "pitch rate [deg/s]": ("velocities/q-rad_sec", DEG),
+    "yaw rate [deg/s]": ("velocities/r-rad_sec", DEG),
+    "longitudinal load factor [g]": ("accelerations/Nx", 1.0),
+    "vertical load factor [g]": ("accelerations/Nz", 1.0),
+    "elevator": ("fcs/elevator-pos-norm", 1.0),
+    "left aileron": ("fcs/left-aileron-pos-norm", 1.0),
+    "right aileron": ("fcs/right-aileron-pos-norm", 1.0),
+    "rudder": ("fcs/rudder-pos-norm", 1.0),
+    "flaps": ("fcs/flap-pos-norm", 1.0),
+    "speed brake": ("fcs/speedbrake-pos-norm", 1.0),
+    "gear": ("gear/gear-pos-norm", 1.0),
+    "throttle": ("fcs/throttle-cmd-norm", 1.0),
+    "thrust of engine 1 [lbf]": ("propulsion/engine/thrust-lbs", 1.0),
+    "fuel [lb]": ("propulsion/total-fuel-lbs", 1.0),
+    "weight [lb]": ("inertia/weight-lbs", 1.0),
+}
+
+
+class Recording:
+    """The flight of one block, a row at each sample instant."""
+
+    def __init__(self, flown: FlightBlock):
+        self.block = flown
+        self._rows = array("d")
+        self._readers: list[Callable[[], float]] = []
+        self._labels: list[str] = []
+        fly, take_off = flown.advance, flown.take_off
+
+        def take_off_and_begin() -> None:
+            take_off()
+            self._begin()
+
+        def advance(index: int, u: list[float]) -> list[float]:
+            y = fly(index, u)
+            self._keep(index)
+            return y
+
+        flown.advance = advance  # type: ignore[method-assign]
+        flown.take_off = take_off_and_begin  # type: ignore[method-assign]
+        self._begin()
+
+    def _begin(self) -> None:
+        """Start again with a fresh aircraft."""
+        airframe = self.block.airframe
+        self._labels = [label for label, (name, _) in _SIGNALS.items() if airframe.has(name)]
+        self._readers = [airframe.reader(_SIGNALS[label][0]) for label in self._labels]
+        self._keep(0)
+
+    def _keep(self, index: int) -> None:
+        clock = self.block.clock
+        row = [clock.start + index * clock.period, *(read() for read in self._readers)]
+        # an instant that an interrupt has ended comes again
+        self._rows[index * len(row) :] = array("d", row)
+
+    @property
+    def flown(self) -> bool:
+        """Whether the aircraft has left its first instant."""
+        return self.block.samples > 0
+
+    def track(self, name: str) -> Track:
+        """The flight up to the instant that the diagram has reached."""
+        width = 1 + len(self._labels)
+        rows = np.array(self._rows).reshape(-1, width)[: self.block.samples + 1]
+        columns = {
+            label: column * _SIGNALS[label][1]
+            for label, column in zip(self._labels, rows.T[1:], strict=True)
+        }
+        return Track(
+            name,
+            self.block.airframe.aircraft,
+            rows[:, 0],
+            **{field: columns.pop(label) for field, label in POSITION.items()},
+            signals=columns,
+            about={
+                "trimmed at": str(self.block.trim.condition),
+                "JSBSim steps per s": f"{self.block.substeps / self.block.clock.period:.6g}",
+            },
+        )
+
+
+@contextlib.contextmanager
+def recorded_flights() -> Iterator[list[Recording]]:
+    """Context in which all aircraft blocks that are built record their flights.
+
+    Yields
+    ------
+    list[Recording]
+        one for each block, in the order in which they are built
+    """
+    recordings: list[Recording] = []
+
+    def record(flown: FlightBlock) -> None:
+        if all(r.block is not flown for r in recordings):
+            recordings.append(Recording(flown))
+
+    block.at_take_off.append(record)
+    try:
+        yield recordings
+    finally:
+        block.at_take_off.remove(record)
+
+
+def tracks(recordings: list[Recording]) -> list[Track]:
+    """Tracks of all aircraft that have flown; those of one model are numbered."""
+    flown = [r for r in recordings if r.flown]
+    models = [r.block.airframe.aircraft for r in flown]
+    return [
+        recording.track(
+            f"{model} {models[: i + 1].count(model)}" if models.count(model) > 1 else model
+        )
+        for i, (recording, model) in enumerate(zip(flown, models, strict=True))
+    ]

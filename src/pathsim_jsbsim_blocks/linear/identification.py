@@ -1,0 +1,261 @@
+"""A linear model from pulse responses: eigensystem realisation, then least squares.
+
+The method is that of Juang and Pappa, "An Eigensystem Realization Algorithm for Modal Parameter
+Identification and Model Reduction", Journal of Guidance, Control, and Dynamics 8(5), 1985, with
+two additions. B and D are fitted to whole responses after A and C are known, and signals that only
+integrate others (heading, position) are kept out of the realisation and appended as integrators:
+several poles at the origin are not separable by numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm, logm, qr, schur
+
+# rows of blocks in the Hankel matrix: the outputs show nearly all states at once
+_ROWS = 3
+
+# relative rms error of the worst signal with which the search for the order ends
+_GOOD = 3e-3
+
+_ORDERS = range(4, 21)
+
+# a further state is worth it if it lowers the error at least by this factor
+_WORTH = 0.8
+
+# singular values below this fraction of the largest are noise
+_NOISE = 1e-7
+
+# a mode that decays to this within one interval is faster than the data can show
+_FASTEST = 0.15
+
+# fraction of its peak from which on a signal reacts, and of its largest peak from which on it does
+_REACTION, _RELEVANT = 1e-4, 1e-2
+
+# smallest independent part of a signal, relative to its rms, that makes it a state of its own
+_INDEPENDENT = 0.05
+
+
+@dataclass(frozen=True)
+class Realisation:
+    """A continuous model with inputs held over each sample, in the signals' units.
+
+    Attributes
+    ----------
+    A, B, C, D : numpy.ndarray
+        shapes (n, n), (n, m), (p, n), (p, m); C has a row for each signal
+    signals : list[int]
+        signal that is the state of that number; -1 for a state without a signal
+    latency : list[int]
+        periods by which each input acts late
+    error : numpy.ndarray
+        shape (p, m): rms error over the signal's largest rms response to any input
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    signals: list[int]
+    latency: list[int]
+    error: np.ndarray
+
+
+def realise(
+    g: np.ndarray,
+    T: float,
+    width: int,
+    *,
+    rigid: list[int],
+    engines: list[int],
+    integrals: list[int],
+    abrupt: list[int],
+) -> Realisation:
+    """Identify a linear model from the responses to one pulse on each input.
+
+    Parameters
+    ----------
+    g : array, shape (m, n, p)
+        responses of p signals to a pulse of height 1 on each of m inputs, at n samples; the pulse
+        acts over the first ``width`` periods
+    T : float
+        sample period in s
+    width : int
+        samples of the pulse
+    rigid : list of int
+        signals to use as states, as far as they are independent; they show the latency
+    engines : list of int
+        further signals to use as states
+    integrals : list of int
+        signals on which nothing depends, which integrate others and those before them in the list
+    abrupt : list of int
+        signals that may jump with an input; they do not decide on the order
+    """
+    scale = np.sqrt((g**2).mean(axis=1)).max(axis=0)
+    scale[scale == 0.0] = 1.0
+    latency = _latency(g / scale, rigid)
+    kept = g.shape[1] - max(latency)
+    g = np.array([y[late : late + kept] for y, late in zip(g, latency, strict=True)])
+    g = g / scale
+    m, n, p = g.shape
+    core = [i for i in range(p) if i not in integrals and np.any(g[:, :, i])]
+    judged = [row for row, i in enumerate(core) if i not in abrupt]
+    # what the pulse feeds through may come a sample late
+    after = np.arange(2 * width, n, width)
+    A, C, B = _search(g[:, :, core], T, width, after, judged)
+    jumps = [i for i in abrupt if i in core]
+    D = np.zeros((p, m))
+    # what the states do not explain while the pulse acts
+    direct = _missed(g[:, :, core], A, B, C, T, width, np.arange(1, width + 1)).mean(axis=0)
+    D[jumps] = direct[[core.index(i) for i in jumps]]
+    rows = {i: C[row] for row, i in enumerate(core)}
+    for i in integrals:
+        A, B, rows = _append_integral(A, B, rows, i, g, T, width, after)
+    C = np.array([rows.get(i, np.zeros(len(A))) for i in range(p)])
+    change, signals = _coordinates(C, [*rigid, *engines, *integrals])
+    inverse = np.linalg.inv(change)
+    A, B, C = change @ A @ inverse, change @ B, C @ inverse
+    error = np.sqrt((_missed(g, A, B, C, T, width, after) ** 2).mean(axis=0))
+    # back to the signals' own units
+    size = np.array([scale[i] if i >= 0 else 1.0 for i in signals])
+    return Realisation(
+        size[:, None] * A / size,
+        size[:, None] * B,
+        scale[:, None] * C / size,
+        scale[:, None] * D,
+        signals,
+        latency,
+        error,
+    )
+
+
+def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
+    """Whole periods by which the motion answers to each input later than by one sample."""
+    late = []
+    for y in np.abs(g[:, :, rigid]):
+        peak = y.max(axis=0)
+        reacts = (y > _REACTION * peak) & (
+            peak > _RELEVANT * np.abs(g[:, :, rigid]).max(axis=(0, 1))
+        )
+        late.append(max(int(np.argmax(reacts.any(axis=1))) - 1, 0))
+    return late
+
+
+def _search(
+    g: np.ndarray, T: float, width: int, after: np.ndarray, judged: list[int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, C and B (before the latency) of the lowest adequate order."""
+    m, _, p = g.shape
+    # the first interval after the pulse may still show what it feeds through
+    h = g[:, 2 * width :: width]
+    columns = h.shape[1] - _ROWS
+    hankel = np.vstack(
+        [np.hstack([h[j, i : columns + i].T for j in range(m)]) for i in range(_ROWS + 1)]
+    )
+    U, S, Vt = np.linalg.svd(hankel[:-p], full_matrices=False)
+    best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
+    for order in _ORDERS:
+        if order > len(S) or S[order - 1] < _NOISE * S[0]:
+            break
+        discrete = U[:, :order].T @ hankel[p:] @ Vt[:order].T / S[:order]
+        discrete, C = _slow_part(discrete, U[:p, :order])
+        if not len(discrete):
+            continue
+        A = np.real(logm(discrete)) / (width * T)
+        x = _pulse_states(A, T, width, after)
+        observed = (C @ x).reshape(-1, len(A))
+        wanted = g[:, after].reshape(m, -1).T
+        B = np.linalg.lstsq(observed, wanted, rcond=None)[0]
+        missed = (wanted - observed @ B).T.reshape(m, len(after), p)
+        error = float(np.sqrt((missed**2).mean(axis=1))[:, judged].max(initial=0.0))
+        if best is None or error < _WORTH * best[0]:
+            best = error, A, C, B
+        if error < _GOOD:
+            break
+    assert best is not None
+    return best[1:]
+
+
+def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The modes of a discrete system that have a continuous counterpart within its bandwidth."""
+
+    def slow(real: float, imaginary: float) -> bool:
+        return np.hypot(real, imaginary) > _FASTEST and not (real < 0.0 and imaginary == 0.0)
+
+    R, Z, kept = schur(A, sort=slow)
+    return R[:kept, :kept], C @ Z[:, :kept]
+
+
+def _pulse_states(A: np.ndarray, T: float, width: int, instants: np.ndarray) -> np.ndarray:
+    """States at sample instants after a pulse, for B = 1: shape (instants, n, n)."""
+    n = len(A)
+    step, held = _held(A, T)
+    x = np.zeros((instants[-1] + 1, n, n))
+    for k in range(1, len(x)):
+        x[k] = step @ x[k - 1] + (held if k <= width else 0.0)
+    return x[instants]
+
+
+def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
+    """Transition over one period, and the effect of a constant input over it."""
+    n = len(A)
+    both = expm(np.block([[A, np.eye(n)], [np.zeros((n, 2 * n))]]) * T)
+    return both[:n, :n], both[:n, n:]
+
+
+def _missed(
+    g: np.ndarray,
+    A: np.ndarray,
+    B: np.ndarray,
+    C: np.ndarray,
+    T: float,
+    width: int,
+    instants: np.ndarray,
+) -> np.ndarray:
+    """What the states do not explain at sample instants, shape (instants, p, m)."""
+    x = _pulse_states(A, T, width, instants)
+    return g[:, instants].transpose(1, 2, 0) - C @ x @ B
+
+
+def _append_integral(
+    A: np.ndarray,
+    B: np.ndarray,
+    rows: dict[int, np.ndarray],
+    signal: int,
+    g: np.ndarray,
+    T: float,
+    width: int,
+    after: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
+    """The model with a signal as one more state, an integral of those before it."""
+    n, m = B.shape
+    integrator = np.block([[A, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]])
+    x = _pulse_states(integrator, T, width, after)[:, n:, :n] @ B
+    observed = x.transpose(2, 0, 1).reshape(-1, n)
+    wanted = g[:, after, signal].reshape(-1)
+    row = np.linalg.lstsq(observed, wanted, rcond=1e-9)[0]
+    A = np.block([[A, np.zeros((n, 1))], [row[None], np.zeros((1, 1))]])
+    B = np.vstack([B, np.zeros((1, m))])
+    rows = {i: np.append(r, 0.0) for i, r in rows.items()}
+    rows[signal] = np.append(np.zeros(n), 1.0)
+    return A, B, rows
+
+
+def _coordinates(C: np.ndarray, states: list[int]) -> tuple[np.ndarray, list[int]]:
+    """Rows of C that make good states, completed by orthogonal ones; and their signals."""
+    n = C.shape[1]
+    rows, signals = np.zeros((0, n)), []
+    for i in states:
+        if len(rows) == n or not np.any(C[i]):
+            continue
+        basis = qr(rows.T, mode="economic")[0] if len(rows) else np.zeros((n, 0))
+        rest = C[i] - basis @ (basis.T @ C[i])
+        if np.linalg.norm(rest) > _INDEPENDENT * np.linalg.norm(C[i]):
+            rows = np.vstack([rows, C[i]])
+            signals.append(i)
+    if len(rows) < n:
+        complement = qr(rows.T)[0][:, len(rows) :].T if len(rows) else np.eye(n)
+        rows = np.vstack([rows, complement])
+    return rows, signals + [-1] * (n - len(signals))

@@ -1,0 +1,375 @@
+"""`LinearModel`: A, B, C, D of a trimmed aircraft, with names, units and the trim."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.linalg import expm
+
+from .._core.checks import as_path, did_you_mean, nearest
+from ..errors import FileError, MissingExtraError, ParameterError
+
+if TYPE_CHECKING:
+    import control
+    import pandas as pd
+
+    from .block import LinearModelBlock
+    from .modes import Mode
+
+_ARRAYS = {
+    "A": ("states", "states"),
+    "B": ("states", "inputs"),
+    "C": ("outputs", "states"),
+    "D": ("outputs", "inputs"),
+    "x0": ("states",),
+    "u0": ("inputs",),
+    "y0": ("outputs",),
+    "kinks": ("outputs", "inputs"),
+    "fit": ("outputs", "inputs"),
+    "latency": ("inputs",),
+}
+_NAMES = ("states", "inputs", "outputs")
+
+# what a saved model says of its kind
+_FORMAT = "pathsim-jsbsim-blocks linear model 1"
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """Linear model of an aircraft about its trim.
+
+    .. math::
+        \\dot{x} &= A \\, (x - x_0) + B \\, (u(t - \\tau) - u_0) \\\\
+        y &= y_0 + C \\, (x - x_0) + D \\, (u(t - \\tau) - u_0)
+
+    with the latency tau, ``latency`` sample periods, which JSBSim needs to compute its way from
+    the commands to the motion. The block holds its inputs over each period besides: in a loop that
+    is designed as a continuous one both together are a delay of ``delay``.
+
+    Parameters
+    ----------
+    aircraft : str
+        the model's name
+    condition : str
+        the trim
+    method : str
+        "flown" or "algebraic"
+    A, B, C, D : array
+        shapes (n, n), (n, m), (p, n), (p, m); per s, in the units of the names
+    states, inputs, outputs : list of str
+        names of the n states, m inputs and p outputs. States are named like the outputs that they
+        are; those that no output shows are x1, x2, ...
+    units : dict
+        from the name of a state, input or output to its unit; "" without one
+    x0, u0, y0 : array
+        the trim, in these units
+    dt : float
+        sample period of the block in s
+    latency : array of int, shape (m,)
+        periods by which each input acts late
+    kinks : array, shape (p, m)
+        even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``: 0 for a linear
+        aircraft; NaN where an output hardly responds
+    fit : array, shape (p, m)
+        rms error against the responses that were flown, over the output's largest rms response to
+        any input; NaN for the algebraic method, which flies none
+    """
+
+    aircraft: str
+    condition: str
+    method: str
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    units: dict[str, str]
+    x0: np.ndarray
+    u0: np.ndarray
+    y0: np.ndarray
+    dt: float
+    latency: np.ndarray
+    kinks: np.ndarray
+    fit: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in _NAMES:
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        sizes = {name: len(getattr(self, name)) for name in _NAMES}
+        for name, shape in _ARRAYS.items():
+            value = np.array(getattr(self, name), dtype=float)
+            wanted = tuple(sizes[side] for side in shape)
+            # numpy has no shape (0, m) for an empty list
+            if value.shape != wanted and value.size == np.prod(wanted) == 0:
+                value = value.reshape(wanted)
+            if value.shape != wanted:
+                raise ParameterError(
+                    f"{name} has the shape {value.shape}, but there are "
+                    + " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape)),
+                    parameter=name,
+                    value=value,
+                )
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def delay(self) -> np.ndarray:
+        """Delay of each input in s in a continuous loop: the latency and half a period of hold."""
+        return (self.latency + 0.5) * self.dt
+
+    def __repr__(self) -> str:
+        return (
+            f"<LinearModel of {self.aircraft!r} at {self.condition}: {len(self.states)} states, "
+            f"{len(self.inputs)} inputs, {len(self.outputs)} outputs, {self.method}>"
+        )
+
+    def select(
+        self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> LinearModel:
+        """The model with some of its inputs and outputs, by name and in that order.
+
+        Raises
+        ------
+        ParameterError
+            for a name that the model does not have, naming the nearest
+        """
+        u = find("inputs", self.inputs, inputs)
+        y = find("outputs", self.outputs, outputs)
+        return replace(
+            self,
+            B=self.B[:, u],
+            C=self.C[y],
+            D=self.D[np.ix_(y, u)],
+            inputs=tuple(self.inputs[i] for i in u),
+            outputs=tuple(self.outputs[i] for i in y),
+            u0=self.u0[u],
+            latency=self.latency[u],
+            y0=self.y0[y],
+            kinks=self.kinks[np.ix_(y, u)],
+            fit=self.fit[np.ix_(y, u)],
+        )
+
+    def modes(self) -> list[Mode]:
+        """Natural modes, the fastest first, named by the states that take part."""
+        from .modes import natural_modes
+
+        return natural_modes(self)
+
+    def simulate(self, u: Any) -> np.ndarray:
+        """Outputs at the sample instants for inputs that are held over each period.
+
+        Parameters
+        ----------
+        u : array, shape (n, m)
+            inputs over n periods of ``dt``, full values
+
+        Returns
+        -------
+        array, shape (n + 1, p)
+            full values of the outputs, the trim first
+        """
+        u = np.asarray(u, dtype=float)
+        if u.ndim != 2 or u.shape[1] != len(self.inputs):
+            raise ParameterError(
+                f"u must have a row for each period and {len(self.inputs)} columns "
+                f"({', '.join(self.inputs)}), not the shape {u.shape}",
+                parameter="u",
+                value=u,
+            )
+        du = np.zeros_like(u)
+        for j, late in enumerate(self.latency.astype(int)):
+            du[late:, j] = (u[:, j] - self.u0[j])[: len(u) - late]
+        n, m = self.B.shape
+        both = np.zeros((n + m, n + m))
+        both[:n, :n], both[:n, n:] = self.A, self.B
+        both = expm(both * self.dt)
+        x = np.zeros((len(u) + 1, n))
+        for k, held in enumerate(du):
+            x[k + 1] = both[:n, :n] @ x[k] + both[:n, n:] @ held
+        y = self.y0 + x @ self.C.T
+        y[1:] += du @ self.D.T
+        return y
+
+    def frequency_response(self, omega: Any) -> np.ndarray:
+        """Frequency response, with the latency and the hold as a delay of `delay` s.
+
+        Parameters
+        ----------
+        omega : array, shape (k,)
+            rad/s
+
+        Returns
+        -------
+        complex array, shape (k, p, m)
+        """
+        s = 1j * np.asarray(omega, dtype=float)
+        states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
+        return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
+
+    def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """A, B, C, D with a first-order lag of ``tau`` s on each input, in place of a delay.
+
+        The lags are the last states; an input without one (``tau`` 0) acts directly. With lags on
+        all inputs there is no direct feedthrough, so that the model closes no algebraic loop.
+        """
+        tau = np.broadcast_to(np.asarray(tau, dtype=float), len(self.inputs))
+        lagging = np.flatnonzero(tau)
+        n, k = len(self.states), len(lagging)
+        rate = np.diag(1.0 / tau[lagging])
+        B, D = self.B.copy(), self.D.copy()
+        B[:, lagging] = D[:, lagging] = 0.0
+        into = np.zeros((k, len(self.inputs)))
+        into[:, lagging] = rate
+        return (
+            np.block([[self.A, self.B[:, lagging]], [np.zeros((k, n)), -rate]]),
+            np.vstack([B, into]),
+            np.hstack([self.C, self.D[:, lagging]]),
+            D,
+        )
+
+    def block(self) -> LinearModelBlock:
+        """A PathSim ``StateSpace`` block with the ports of the aircraft: full values in and out."""
+        from .block import LinearModelBlock
+
+        return LinearModelBlock(self)
+
+    def to_control(self) -> control.StateSpace:
+        """A python-control ``StateSpace`` with the names, increments in and out.
+
+        It has no delay: in a loop, ``delay`` comes on top (`control.pade`).
+
+        Raises
+        ------
+        MissingExtraError
+            if python-control (extra ``analysis``) is not installed
+        """
+        try:
+            import control
+        except ImportError:
+            raise MissingExtraError("python-control", "analysis") from None
+        return control.StateSpace(
+            self.A,
+            self.B,
+            self.C,
+            self.D,
+            states=list(self.states),
+            inputs=list(self.inputs),
+            outputs=list(self.outputs),
+            name=self.aircraft,
+            remove_useless_states=False,
+        )
+
+    def to_frame(self) -> pd.DataFrame:
+        """The matrix ``[[A, B], [C, D]]`` as a table with the names.
+
+        Returns
+        -------
+        pandas.DataFrame
+            rows: derivatives of the states (``d vt/dt``), then outputs; columns: states, inputs
+
+        Raises
+        ------
+        MissingExtraError
+            if pandas (extra ``studies``) is not installed
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise MissingExtraError("pandas", "studies") from None
+        return pd.DataFrame(
+            np.block([[self.A, self.B], [self.C, self.D]]),
+            index=[*(f"d {name}/dt" for name in self.states), *self.outputs],
+            columns=[*self.states, *self.inputs],
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as JSON; `load` reads it back, bit for bit.
+
+        Raises
+        ------
+        FileError
+            if the file cannot be written
+        """
+        file = as_path("path", path)
+        data = {"format": _FORMAT, **asdict(self)}
+        for name in _ARRAYS:
+            data[name] = _to_lists(data[name])
+        try:
+            file.write_text(json.dumps(data, indent=1, allow_nan=False), encoding="utf-8")
+        except OSError as error:
+            raise FileError("write", file, error) from None
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> LinearModel:
+        """Read a model that `save` has written.
+
+        Raises
+        ------
+        FileError
+            if the file cannot be read
+        ParameterError
+            if it holds no linear model
+        """
+        file = as_path("path", path)
+        try:
+            data = json.loads(file.read_text(encoding="utf-8"))
+            if not isinstance(data, dict) or data.pop("format", None) != _FORMAT:
+                raise ValueError("it does not say that it is one")
+            for name in _ARRAYS:
+                # NaN is null in JSON
+                data[name] = np.array(data[name], dtype=float)
+            return cls(**data)
+        except OSError as error:
+            raise FileError("read", file, error) from None
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
+            raise ParameterError(
+                f"{str(file)!r} holds no linear model: {error}", parameter="path", value=str(file)
+            ) from None
+
+
+def _to_lists(array: np.ndarray) -> Any:
+    """Nested lists, with None for NaN."""
+    listed = array.astype(object)
+    listed[np.isnan(array)] = None
+    return listed.tolist()
+
+
+def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:
+    """Numbers of the names wanted; all for None.
+
+    Raises
+    ------
+    ParameterError
+        for something that is not a list of known names, each once
+    """
+    if wanted is None:
+        return list(range(len(known)))
+    if isinstance(wanted, str) or not isinstance(wanted, Sequence):
+        raise ParameterError(
+            f"{parameter} must be a list of names, not {wanted!r}",
+            parameter=parameter,
+            value=wanted,
+        )
+    for i, name in enumerate(wanted):
+        if name not in known:
+            close = nearest(str(name), known)
+            raise ParameterError(
+                f"{parameter}[{i}]: there is no {name!r}"
+                + (did_you_mean(close) if close else f" among {', '.join(known)}"),
+                parameter=parameter,
+                value=wanted,
+            )
+    if len(set(wanted)) < len(wanted):
+        raise ParameterError(
+            f"{parameter} lists a name twice: {', '.join(wanted)}",
+            parameter=parameter,
+            value=wanted,
+        )
+    return [list(known).index(name) for name in wanted]

@@ -1,0 +1,195 @@
+"""Natural modes of a linear model, named by the states that take part."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import eig
+
+if TYPE_CHECKING:
+    from .model import LinearModel
+
+_LONGITUDINAL = ("vt", "alpha", "q", "theta", "h")
+_LATERAL = ("beta", "p", "r", "phi")
+
+# modes of states that only integrate others
+_INTEGRALS = {"h": "altitude", "psi": "heading", "lat": "position", "lon": "position"}
+
+# 1/s; the density of the air changes slowly with the altitude
+_SLOW = 5e-3
+
+# 1/s; a faster motion is no spiral
+_SPIRAL = 1.0
+
+# smallest share of a mode's own states, and of the sideslip in the Dutch roll
+_SHARE, _SLIP = 0.5, 0.2
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One natural mode: a real pole, or a pair of complex ones.
+
+    Attributes
+    ----------
+    name : str
+        "short period" (also of each of two real poles), "phugoid", "third oscillatory", "Dutch
+        roll", "roll", "spiral", "lateral phugoid", "engine", "altitude", "heading", "position",
+        or "unnamed" where none of these fits
+    pole : complex
+        1/s; of a pair the one with the positive imaginary part
+    participation : dict[str, float]
+        share of each state in the mode, 1 in sum, the largest first
+    """
+
+    name: str
+    pole: complex
+    participation: dict[str, float]
+
+    @property
+    def oscillatory(self) -> bool:
+        """Whether the mode is a pair of complex poles."""
+        return self.pole.imag != 0.0
+
+    @property
+    def frequency(self) -> float:
+        """Natural frequency in rad/s; of a real pole its distance from 0."""
+        return abs(self.pole)
+
+    @property
+    def damping(self) -> float:
+        """Damping ratio; 1 or -1 of a real pole, NaN at 0."""
+        return -self.pole.real / abs(self.pole) if self.pole else math.nan
+
+    @property
+    def period(self) -> float:
+        """Period in s; NaN of a real pole."""
+        return 2 * math.pi / self.pole.imag if self.oscillatory else math.nan
+
+    @property
+    def time_constant(self) -> float:
+        """-1 / real part in s: negative if the mode grows, infinite at 0."""
+        return -1.0 / self.pole.real if self.pole.real else math.inf
+
+    @property
+    def time_to_half(self) -> float:
+        """Time to half amplitude in s; NaN if the mode does not decay."""
+        return math.log(2) * self.time_constant if self.pole.real < 0.0 else math.nan
+
+    @property
+    def time_to_double(self) -> float:
+        """Time to double amplitude in s; NaN if the mode does not grow."""
+        return -math.log(2) * self.time_constant if self.pole.real > 0.0 else math.nan
+
+
+def natural_modes(model: LinearModel) -> list[Mode]:
+    """Natural modes of a linear model, the fastest first.
+
+    The share of a state in a mode is its participation factor, the product of its entries in the
+    right and the left eigenvector: it does not depend on units. States that only integrate others
+    (heading, position) are taken out before; several poles at 0 have no eigenvectors to share.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of Mode
+
+    References
+    ----------
+    Perez-Arriaga, Verghese, Schweppe, "Selective Modal Analysis with Applications to Electric
+    Power Systems", IEEE Transactions on Power Apparatus and Systems PAS-101, 1982.
+    """
+    kept = list(range(len(model.states)))
+    apart = []
+    while alone := [i for i in kept if not np.any(np.delete(model.A[kept, i], kept.index(i)))]:
+        apart += alone
+        kept = [i for i in kept if i not in alone]
+    found = [Mode("", complex(model.A[i, i]), {model.states[i]: 1.0}) for i in apart]
+    if kept:
+        poles, left, right = eig(model.A[np.ix_(kept, kept)], left=True, right=True)
+        shares = np.abs(left.conj() * right)
+        shares /= shares.sum(axis=0)
+        for pole, share in zip(poles, shares.T, strict=True):
+            if pole.imag >= 0.0:
+                order = np.argsort(-share)
+                participation = {model.states[kept[i]]: float(share[i]) for i in order}
+                found.append(Mode("", complex(pole), participation))
+    names = _names(found)
+    named = [
+        Mode(name, mode.pole, mode.participation) for name, mode in zip(names, found, strict=True)
+    ]
+    return sorted(named, key=lambda mode: -mode.frequency)
+
+
+def _share(mode: Mode, *states: str) -> float:
+    return sum(mode.participation.get(state, 0.0) for state in states)
+
+
+def _names(modes: list[Mode]) -> list[str]:
+    names = ["unnamed"] * len(modes)
+    free = set(range(len(modes)))
+
+    def name(i: int, text: str) -> None:
+        names[i] = text
+        free.discard(i)
+
+    for i, mode in enumerate(modes):
+        first = next(iter(mode.participation))
+        if not mode.oscillatory and mode.frequency < _SLOW and first in _INTEGRALS:
+            name(i, _INTEGRALS[first])
+        elif sum(s for state, s in mode.participation.items() if "[" in state) > _SHARE:
+            name(i, "engine")
+
+    def family(*states: str, oscillatory: bool) -> list[int]:
+        """Modes with most of their share in some states, the fastest first."""
+        members = [
+            i
+            for i in free
+            if modes[i].oscillatory == oscillatory and _share(modes[i], *states) > _SHARE
+        ]
+        return sorted(members, key=lambda i: -modes[i].frequency)
+
+    oscillations = family(*_LATERAL, oscillatory=True)
+    if oscillations:
+        dutch = max(oscillations, key=lambda i: _share(modes[i], "beta", "r"))
+        # merged with the roll it is another motion
+        if _share(modes[dutch], "beta", "r") > _SHARE and _share(modes[dutch], "beta") > _SLIP:
+            name(dutch, "Dutch roll")
+    for i in family("p", "phi", oscillatory=True):
+        name(i, "lateral phugoid")
+    lateral = family(*_LATERAL, oscillatory=False)
+    rolls = [i for i in lateral if _share(modes[i], "p") > _SHARE]
+    if rolls:
+        name(rolls[0], "roll")
+    spirals = [
+        i
+        for i in lateral
+        if i in free
+        and modes[i].frequency < _SPIRAL
+        and _share(modes[i], "phi") > _share(modes[i], "p")
+    ]
+    if spirals:
+        name(spirals[-1], "spiral")
+
+    oscillations = family(*_LONGITUDINAL, oscillatory=True)
+    real = family(*_LONGITUDINAL, oscillatory=False)
+    fast_real = [i for i in real if _share(modes[i], "alpha", "q") > _SHARE]
+    fast = [i for i in oscillations if _share(modes[i], "alpha", "q") > _SHARE]
+    if fast:
+        name(fast[0], "short period")
+    elif len(fast_real) >= 2:
+        for i in fast_real[:2]:
+            name(i, "short period")
+    rest = [i for i in oscillations if i in free]
+    slowly = max(rest, key=lambda i: _share(modes[i], "vt", "theta"), default=None)
+    if slowly is not None and "short period" in names:
+        name(slowly, "phugoid")
+    elif slowly is not None and len(real) >= 2:
+        # a root of the short period and one of the phugoid have merged
+        name(slowly, "third oscillatory")
+    return names

@@ -1,0 +1,8 @@
+"""A flight seen: recorded, as a table, in Google Earth, Tacview and Cesium, as a page."""
+
+from .files import save_tracks
+from .recorder import FlightRecorder
+from .table import to_frame
+from .track import Track
+
+__all__ = ["FlightRecorder", "Track", "save_tracks", "to_frame"]

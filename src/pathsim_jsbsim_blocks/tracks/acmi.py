@@ -1,0 +1,100 @@
+"""Tacview's ACMI 2.2: text, one line for each aircraft and instant, with what has changed.
+
+Format and properties: Raia Software, *ACMI 2.2 File Format*, tacview.net/documentation/acmi.
+"""
+
+from __future__ import annotations
+
+import datetime
+import heapq
+import itertools
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from .._core.scopes import name_and_unit
+from .._core.units import conversion
+from ..errors import ParameterError
+from .track import FOOT, Track
+
+# a signal's name: ACMI property and its unit. Positions of controls are parts of full travel
+_PROPERTIES = {
+    "calibrated airspeed": ("CAS", "m/s"),
+    "true airspeed": ("TAS", "m/s"),
+    "Mach number": ("Mach", ""),
+    "angle of attack": ("AOA", "deg"),
+    "sideslip angle": ("AOS", "deg"),
+    "height above ground": ("AGL", "m"),
+    "throttle": ("Throttle", ""),
+    "elevator": ("Elevator", ""),
+    "left aileron": ("AileronLeft", ""),
+    "right aileron": ("AileronRight", ""),
+    "rudder": ("Rudder", ""),
+    "flaps": ("Flaps", ""),
+    "speed brake": ("AirBrakes", ""),
+    "gear": ("LandingGear", ""),
+    "fuel": ("FuelWeight", "kg"),
+    "vertical load factor": ("VerticalGForce", "g"),
+    "longitudinal load factor": ("LongitudinalGForce", "g"),
+}
+
+
+def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
+    """One object for each aircraft: position, attitude, and the signals that Tacview knows."""
+    reference = start.astimezone(datetime.timezone.utc)
+    head = {
+        "ReferenceTime": f"{reference:%Y-%m-%dT%H:%M:%S.%f}"[:-3] + "Z",
+        "DataSource": about,
+        "DataRecorder": about,
+        "Title": ", ".join(track.name for track in tracks),
+    }
+    # Tacview wants the byte order mark
+    with path.open("w", encoding="utf-8-sig", newline="\n") as file:
+        file.write("FileType=text/acmi/tacview\nFileVersion=2.2\n")
+        file.writelines(f"0,{name}={_escaped(text)}\n" for name, text in head.items())
+        now = None
+        lines = (_lines(f"{n:x}", track) for n, track in enumerate(tracks, 1))
+        for time, line in heapq.merge(*lines, key=lambda item: item[0]):
+            if time != now:
+                file.write(f"#{time:.9g}\n")
+                now = time
+            file.write(f"{line}\n")
+
+
+def _lines(identity: str, track: Track) -> Iterator[tuple[float, str]]:
+    names, columns = _columns(track)
+    place = zip(
+        *(x.tolist() for x in (track.lon, track.lat, track.h * FOOT)),
+        *(x.tolist() for x in (track.phi, track.theta, track.psi)),
+        strict=True,
+    )
+    first = f",Type=Air+FixedWing,Name={_escaped(track.aircraft)},CallSign={_escaped(track.name)}"
+    written: dict[str, str] = {}
+    rows = zip(*columns, strict=True) if columns else itertools.repeat(())
+    for time, (lon, lat, alt, *angles), row in zip(track.time.tolist(), place, rows, strict=False):
+        values = {name: f"{x:.6g}" for name, x in zip(names, row, strict=True) if x == x}
+        changed = "".join(f",{n}={x}" for n, x in values.items() if written.get(n) != x)
+        turned = "|".join(f"{x:.4f}" for x in angles)
+        yield time, f"{identity},T={lon:.9f}|{lat:.9f}|{alt:.4f}|{turned}{first}{changed}"
+        first, written = "", values
+
+
+def _columns(track: Track) -> tuple[list[str], list[list[float]]]:
+    """The properties that ACMI has a name for, with their values in its units."""
+    found = {}
+    for text, column in track.signals.items():
+        name, unit = name_and_unit(text)
+        if name in _PROPERTIES:
+            known, wanted = _PROPERTIES[name]
+            if unit == wanted:
+                factor, offset = 1.0, 0.0
+            else:
+                try:
+                    factor, offset = conversion(unit, wanted)
+                except ParameterError:
+                    continue  # another quantity under the same name
+            found[known] = (factor * column + offset).tolist()
+    return list(found), list(found.values())
+
+
+def _escaped(text: str) -> str:
+    return " ".join(text.split()).replace("\\", "\\\\").replace(",", "\\,")

@@ -1,0 +1,119 @@
+"""Write tracks to a file; its ending says in which format."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import platform
+from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from .._core.checks import did_you_mean, nearest, writable
+from .._core.extras import required
+from ..errors import FileError, ParameterError
+from .acmi import write_acmi
+from .czml import write_czml
+from .kml import write_kml
+from .report import write_report
+from .table import write_csv, write_parquet
+from .track import Track
+
+# by ending: the writer and the packages that it needs
+_FORMATS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
+    ".csv": (write_csv, ("pandas",)),
+    ".parquet": (write_parquet, ("pandas", "pyarrow")),
+    ".acmi": (write_acmi, ()),
+    ".kml": (write_kml, ()),
+    ".czml": (write_czml, ("czml3",)),
+    ".html": (write_report, ("plotly",)),
+}
+
+# noon of a day of equal day and night, so that a globe with sunlight shows the flight by day
+_START = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
+
+
+def track_file(parameter: str, path: Any) -> Path:
+    """``path`` if tracks can be written there.
+
+    Raises
+    ------
+    ParameterError
+        for an ending that names no format, naming the nearest, and for a file that cannot be
+        written
+    MissingExtraError
+        if the format needs a package that is not installed
+    """
+    path = writable(parameter, path)
+    ending = path.suffix.lower()
+    if ending not in _FORMATS:
+        raise ParameterError(
+            f"{parameter} must end in one of {', '.join(_FORMATS)}, not {path.name!r}"
+            + did_you_mean(nearest(ending, _FORMATS, 1)),
+            parameter=parameter,
+            value=str(path),
+        )
+    for package in _FORMATS[ending][1]:
+        required(package, "tracks")
+    return path
+
+
+def save_tracks(
+    path: str | os.PathLike[str],
+    tracks: Sequence[Track],
+    start: datetime.datetime | None = None,
+) -> None:
+    """Write the flights of one or more aircraft to a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
+        (Cesium) or ``.html`` (a report that opens in any browser, without a network)
+    tracks : list of Track
+        the aircraft
+    start : datetime, optional
+        date and time of t = 0 in the formats that have one; without a time zone it is UTC.
+        Default is 2024-03-20 12:00 UTC
+
+    Raises
+    ------
+    ParameterError
+        for an unknown ending, no tracks, or two of the same name
+    MissingExtraError
+        if the format needs a package of the extra ``tracks`` that is not installed
+    FileError
+        if the file cannot be written
+    """
+    path = track_file("path", path)
+    tracks = list(tracks)
+    names = [track.name for track in tracks]
+    if not tracks or len(set(names)) != len(names):
+        raise ParameterError(
+            f"tracks must be one or more, of different names, not {names}",
+            parameter="tracks",
+            value=names,
+        )
+    start = _START if start is None else start
+    if not isinstance(start, datetime.datetime):
+        raise ParameterError(
+            f"start must be a datetime, not {start!r}", parameter="start", value=start
+        )
+    if start.tzinfo is None:
+        start = start.replace(tzinfo=datetime.timezone.utc)
+    try:
+        write, _ = _FORMATS[path.suffix.lower()]
+        write(path, tracks, start, _versions())
+    except OSError as error:
+        raise FileError("write", path, error) from None
+
+
+def _versions() -> str:
+    found = []
+    for package in ("pathsim-jsbsim-blocks", "jsbsim", "pathsim"):
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            continue
+    return ", ".join([*found, f"Python {platform.python_version()}"])

@@ -1,0 +1,84 @@
+"""KML 2.2 for Google Earth: a track with time stamps, altitudes and attitudes for each aircraft.
+
+Written element by element in the order of the schemas ``ogckml22.xsd`` and ``kml22gx.xsd``:
+simplekml has another order, and fastkml no data in tracks.
+"""
+
+from __future__ import annotations
+
+import datetime
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .track import FOOT, Track
+
+_KML = "http://www.opengis.net/kml/2.2"
+_GX = "http://www.google.com/kml/ext/2.2"
+_ICON = "http://maps.google.com/mapfiles/kml/shapes/airports.png"
+_COLOURS = ("ff1e66ff", "ffb4771f", "ff2ca02c", "ffbd6794", "ff2827d6")  # alpha, blue, green, red
+
+
+def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
+    """One ``gx:Track`` for each aircraft, its signals as extended data.
+
+    ``gx:angles`` turn clockwise about z up, x right and y ahead, each seen against its axis: the
+    tilt is the negative pitch angle, the roll the negative roll angle.
+    """
+    root = ET.Element("kml", {"xmlns": _KML, "xmlns:gx": _GX})
+    document = _child(root, "Document")
+    _child(document, "name", ", ".join(track.name for track in tracks))
+    _child(document, "description", about)
+    for n in range(len(tracks)):
+        style = _child(document, "Style", id=f"style-{n}")
+        _child(_child(_child(style, "IconStyle"), "Icon"), "href", _ICON)
+        line = _child(style, "LineStyle")
+        _child(line, "color", _COLOURS[n % len(_COLOURS)])
+        _child(line, "width", "3")
+    for n, track in enumerate(tracks):
+        schema = _child(document, "Schema", id=f"signals-{n}")
+        for i, label in enumerate(track.signals):
+            field = _child(schema, "gx:SimpleArrayField", name=f"signal-{i}", type="float")
+            _child(field, "displayName", label)
+    for n, track in enumerate(tracks):
+        mark = _child(document, "Placemark")
+        _child(mark, "name", track.name)
+        _child(mark, "description", _text(track))
+        _child(mark, "styleUrl", f"#style-{n}")
+        _track(mark, track, start, f"#signals-{n}")
+    ET.indent(root, " ")
+    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+
+
+def _track(mark: ET.Element, track: Track, start: datetime.datetime, schema: str) -> None:
+    drawn = _child(mark, "gx:Track")
+    _child(drawn, "altitudeMode", "absolute")
+    utc = start.astimezone(datetime.timezone.utc)
+    for t in track.time.tolist():
+        when = utc + datetime.timedelta(seconds=t)
+        _child(drawn, "when", f"{when:%Y-%m-%dT%H:%M:%S.%fZ}")
+    for place in _rows(track.lon, track.lat, track.h * FOOT):
+        _child(drawn, "gx:coord", "{:.9f} {:.9f} {:.3f}".format(*place))
+    for turn in _rows(track.psi, -track.theta, -track.phi):
+        _child(drawn, "gx:angles", "{:.4f} {:.4f} {:.4f}".format(*turn))
+    data = _child(_child(drawn, "ExtendedData"), "SchemaData", schemaUrl=schema)
+    for i, column in enumerate(track.signals.values()):
+        array = _child(data, "gx:SimpleArrayData", name=f"signal-{i}")
+        for value in column.tolist():
+            _child(array, "gx:value", f"{value:.7g}")
+
+
+def _rows(*columns: np.ndarray) -> Iterable[tuple[float, ...]]:
+    return zip(*(column.tolist() for column in columns), strict=True)
+
+
+def _child(parent: ET.Element, tag: str, text: str | None = None, **attributes: str) -> ET.Element:
+    child = ET.SubElement(parent, tag, attributes)
+    child.text = text
+    return child
+
+
+def _text(track: Track) -> str:
+    return "\n".join([track.aircraft, *(f"{key}: {text}" for key, text in track.about.items())])

@@ -1,0 +1,177 @@
+"""`FlightRecorder`: a scope for the track and the time history of one aircraft."""
+
+from __future__ import annotations
+
+import datetime
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from pathsim.blocks import Scope
+from pathsim.utils.register import Register
+
+from .._core.checks import number, positive
+from .._core.ports import NamedPorts
+from .._core.scopes import name_and_unit, recording
+from ..errors import ParameterError
+from .files import save_tracks
+from .track import POSITION, Track
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class FlightRecorder(NamedPorts, Scope):
+    """Records an aircraft's track and time history, and writes them for other programs.
+
+    It is a scope: what plots and saves scopes takes it too. `to_frame` is its recording as a pandas
+    table, `to_track` as columns, and `save` writes a table, a file for Tacview, Google Earth or
+    Cesium, or a report to open in a browser.
+
+    Parameters
+    ----------
+    aircraft : str
+        type of the aircraft, such as the name of its JSBSim model
+    name : str
+        name of the aircraft in the file; default is its type
+    signals : list of str
+        labels with units of further signals, such as ``"calibrated airspeed [kt]"``; they come at
+        the ports after ``psi``, and the label without its unit is the port's name
+    sampling_period : float, optional
+        s; default is every step of the diagram
+    t_wait : float
+        time before which nothing is recorded, s
+
+    Inputs
+    ------
+    lat, lon
+        geodetic latitude and longitude, deg
+    h
+        altitude above mean sea level, ft
+    theta, phi, psi
+        pitch, roll and heading angle, deg
+
+    Raises
+    ------
+    ParameterError
+        for labels that are not text, are given twice, or are those of the ports above
+
+    Examples
+    --------
+    >>> recorder = FlightRecorder("c172p", signals=["calibrated airspeed [kt]"])
+    >>> recorder.labels[-1], recorder.inputs._map("calibrated airspeed")
+    ('calibrated airspeed [kt]', 6)
+    """
+
+    input_port_labels = {name: i for i, name in enumerate(POSITION)}
+    output_port_labels: dict[str, int] = {}
+
+    def __init__(
+        self,
+        aircraft: str = "aircraft",
+        name: str = "",
+        signals: Sequence[str] = (),
+        sampling_period: float | None = None,
+        t_wait: float = 0.0,
+    ) -> None:
+        if sampling_period is not None:
+            sampling_period = positive("sampling_period", sampling_period)
+        super().__init__(sampling_period, t_wait)
+        for parameter, text in (("aircraft", aircraft), ("name", name)):
+            if not isinstance(text, str):
+                raise ParameterError(
+                    f"{parameter} must be text, not {text!r}", parameter=parameter, value=text
+                )
+        self.aircraft = aircraft
+        self.name = name
+        self.signals = signals
+
+    @property
+    def t_wait(self) -> float:
+        """Time before which nothing is recorded, s."""
+        return self._t_wait
+
+    @t_wait.setter
+    def t_wait(self, t_wait: float) -> None:
+        self._t_wait = number("t_wait", t_wait, low=0.0)
+
+    @property
+    def signals(self) -> Sequence[str]:
+        """Labels of the signals after the six of the track."""
+        return self._signals
+
+    @signals.setter
+    def signals(self, signals: Sequence[str]) -> None:
+        if isinstance(signals, str) or not (
+            isinstance(signals, Sequence) and all(isinstance(s, str) for s in signals)
+        ):
+            raise ParameterError(
+                f"signals must be a list of labels, not {signals!r}",
+                parameter="signals",
+                value=signals,
+            )
+        ports = [*POSITION, *(name_and_unit(text)[0] for text in signals)]
+        twice = [port for i, port in enumerate(ports) if port in ports[:i]]
+        if twice:
+            raise ParameterError(
+                f"signals has {twice[0]!r} twice, or it is a port of every recorder: "
+                + ", ".join(POSITION),
+                parameter="signals",
+                value=signals,
+            )
+        if hasattr(self, "_signals"):
+            if list(signals) == list(self._signals):
+                return
+            raise ParameterError(
+                "signals cannot change, they are the block's ports: build another block",
+                parameter="signals",
+                value=signals,
+            )
+        self._signals = signals
+        self.labels = [*POSITION.values(), *signals]
+        self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
+
+    def to_track(self) -> Track:
+        """The recording as a `Track`.
+
+        Raises
+        ------
+        ParameterError
+            if nothing was recorded
+        """
+        time, data = recording(self)
+        return Track(
+            self.name or self.aircraft,
+            self.aircraft,
+            time,
+            **dict(zip(POSITION, data, strict=False)),
+            signals=dict(zip(self.signals, data[len(POSITION) :], strict=False)),
+        )
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The recording as a pandas table: labels as columns, the time in s as the index.
+
+        Raises
+        ------
+        ParameterError
+            if nothing was recorded
+        MissingExtraError
+            without pandas
+        """
+        return self.to_track().to_frame()
+
+    def save(
+        self,
+        path: str | os.PathLike[str] = "flight.csv",
+        start: datetime.datetime | None = None,
+    ) -> None:
+        """Write the recording to a file; parameters and errors are those of `save_tracks`.
+
+        Parameters
+        ----------
+        path : str or Path
+            ``.csv``, ``.parquet``, ``.acmi``, ``.kml``, ``.czml`` or ``.html``
+        start : datetime, optional
+            date and time of t = 0; default is 2024-03-20 12:00 UTC
+        """
+        save_tracks(path, [self.to_track()], start)

@@ -1,0 +1,74 @@
+"""`UnitConversion`: between the aircraft's units and SI."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pathsim.blocks import Function
+
+from ._core.ports import NamedPorts
+from ._core.units import conversion
+
+__all__ = ["UnitConversion", "conversion"]
+
+
+class UnitConversion(NamedPorts, Function):
+    """Converts a signal from one unit to another, by exact factors.
+
+    Aircraft have ft, ft/s, kt and deg at their ports, air-data blocks SI.
+
+    .. math::
+        y = \\frac{a_s u + b_s - b_t}{a_t}
+
+    with factor a and offset b to SI of the source unit s and the target unit t.
+
+    Parameters
+    ----------
+    source : str
+        unit of the input: m, km, ft, in, nmi, mi; m/s, km/h, kt, ft/s, ft/min, mph; m/s2, ft/s2, g;
+        rad, deg; rad/s, deg/s, rpm; kg, lb, slug; kg*m2, slug*ft2; N, kN, lbf; N*m, ft*lbf; W, kW,
+        hp; Pa, hPa, psf, psi; kg/m3, slug/ft3; K, degC, degF, degR; s, min, h
+    target : str
+        unit of the output, one of the same quantity
+
+    Inputs
+    ------
+    in
+        value in the source unit
+
+    Outputs
+    -------
+    out
+        value in the target unit
+
+    Raises
+    ------
+    ParameterError
+        for an unknown unit, naming the nearest, and for units of different quantities
+
+    References
+    ----------
+    Thompson and Taylor, *Guide for the Use of the International System of Units*, NIST SP 811, 2008
+
+    Examples
+    --------
+    >>> conversion("kt", "km/h")
+    (1.852, 0.0)
+    """
+
+    input_port_labels = {"in": 0}
+    output_port_labels = {"out": 0}
+
+    def __init__(self, source: str = "ft", target: str = "m") -> None:
+        self.source = source
+        self.target = target
+        conversion(source, target)
+        super().__init__(func=self._convert)
+
+    def _put(self, values: dict[str, Any]) -> None:
+        super()._put(values)
+        conversion(self.source, self.target)
+
+    def _convert(self, u: Any) -> Any:
+        factor, offset = conversion(self.source, self.target)
+        return factor * u + offset

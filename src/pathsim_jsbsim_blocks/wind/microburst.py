@@ -1,0 +1,177 @@
+"""Microburst: the downburst of Oseguera and Bowles."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+from pathsim.blocks import Function
+
+from .._core.checks import finite, number, positive
+from .._core.ports import NamedPorts
+from ..axes.earth import geodetic_to_ned
+
+# height of the strongest outflow over the two scales of height
+_OUTER, _INNER = 0.22, 2.75
+# largest value of (1 - exp(-x^2)) / (2 x), the outflow over the radius at one height
+_PEAK = 0.31908642
+
+
+def oseguera_bowles(
+    north: Any,
+    east: Any,
+    h: Any,
+    radius: float = 3000.0,
+    outflow: float = 60.0,
+    height: float = 150.0,
+) -> tuple[Any, Any, Any]:
+    """Velocity of the air in an axially symmetric downburst above flat ground.
+
+    .. math::
+        u_r &= \\frac{\\lambda R^2}{2 r} \\left(1 - e^{-(r/R)^2}\\right)
+        \\left(e^{-z/z^*} - e^{-z/\\epsilon}\\right) \\\\
+        w &= -\\lambda e^{-(r/R)^2}
+        \\left(z^* (1 - e^{-z/z^*}) - \\epsilon (1 - e^{-z/\\epsilon})\\right)
+
+    with w positive upwards, z* = z_m / 0.22 and epsilon = z_m / 2.75. The flow conserves mass.
+    The outflow is strongest at r = 1.12 R and at the height z_m; lambda follows from it.
+
+    Parameters
+    ----------
+    north, east : float or array
+        position from the centre, ft
+    h : float or array
+        height above the ground, ft
+    radius : float
+        radius R of the downdraft, ft
+    outflow : float
+        strongest horizontal velocity, ft/s
+    height : float
+        height z_m of the strongest horizontal velocity, ft
+
+    Returns
+    -------
+    tuple of float or array
+        velocity of the air north, east and down, ft/s
+
+    Raises
+    ------
+    ParameterError
+        for a radius, outflow or height that is not positive, and values that are not finite
+
+    References
+    ----------
+    Oseguera, Bowles: *A Simple, Analytic 3-Dimensional Downburst Model Based on Boundary Layer
+    Stagnation Flow*, NASA TM-100632, 1988.
+    """
+    north, east, h = finite(north=north, east=east, h=h)
+    radius, height = positive("radius", radius), positive("height", height)
+    outer, inner = height / _OUTER, height / _INNER
+    scale = positive("outflow", outflow) / (
+        radius * _PEAK * (math.exp(-_OUTER) - math.exp(-_INNER))
+    )
+    z = np.maximum(h, 0.0)
+    q = np.maximum((north * north + east * east) / radius**2, 1e-300)  # 0 / 0 at the centre
+    spread = scale / 2 * -np.expm1(-q) / q * (np.exp(-z / outer) - np.exp(-z / inner))
+    down = scale * np.exp(-q) * (inner * np.expm1(-z / inner) - outer * np.expm1(-z / outer))
+    return spread * north, spread * east, down
+
+
+class Microburst(NamedPorts, Function):
+    """Downburst of Oseguera and Bowles at a place on the ground, for the aircraft's wind ports.
+
+    .. math::
+        u_r &= \\frac{\\lambda R^2}{2 r} \\left(1 - e^{-(r/R)^2}\\right)
+        \\left(e^{-z/z^*} - e^{-z/\\epsilon}\\right) \\\\
+        w &= -\\lambda e^{-(r/R)^2}
+        \\left(z^* (1 - e^{-z/z^*}) - \\epsilon (1 - e^{-z/\\epsilon})\\right)
+
+    A flight through it meets headwind, downdraft and tailwind in turn. The outflow is strongest at
+    r = 1.12 R. See ``wind.oseguera_bowles``.
+
+    Parameters
+    ----------
+    lat0 : float
+        geodetic latitude of the centre in [-89, 89], deg
+    lon0 : float
+        longitude of the centre, deg, east positive
+    radius : float
+        radius R of the downdraft, ft
+    outflow : float
+        strongest horizontal velocity, ft/s
+    height : float
+        height of the strongest horizontal velocity above the terrain, ft
+    terrain : float
+        elevation of the terrain above mean sea level, ft
+
+    Inputs
+    ------
+    lat, lon
+        geodetic latitude and longitude, deg
+    h
+        altitude above mean sea level, ft
+
+    Outputs
+    -------
+    north, east, down
+        velocity of the air, ft/s
+
+    Raises
+    ------
+    ParameterError
+        for a radius, outflow or height that is not positive, a latitude out of its range, and
+        values that are not finite
+
+    References
+    ----------
+    Oseguera, Bowles: *A Simple, Analytic 3-Dimensional Downburst Model Based on Boundary Layer
+    Stagnation Flow*, NASA TM-100632, 1988.
+    """
+
+    input_port_labels = {"lat": 0, "lon": 1, "h": 2}
+    output_port_labels = {"north": 0, "east": 1, "down": 2}
+
+    def __init__(
+        self,
+        lat0: float = 0.0,
+        lon0: float = 0.0,
+        radius: float = 3000.0,
+        outflow: float = 60.0,
+        height: float = 150.0,
+        terrain: float = 0.0,
+    ) -> None:
+        self.lat0 = lat0
+        self.lon0 = lon0
+        self.radius = radius
+        self.outflow = outflow
+        self.height = height
+        self.terrain = terrain
+        self._wind(0.0, 0.0, 0.0)
+        super().__init__(func=self._wind)
+
+    def _put(self, values: dict[str, Any]) -> None:
+        super()._put(values)
+        self._wind(0.0, 0.0, 0.0)
+
+    def _wind(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
+        lat0, lon0 = number("lat0", self.lat0, low=-89.0, high=89.0), number("lon0", self.lon0)
+        per_lat, per_lon = _feet_per_degree(lat0)
+        return oseguera_bowles(
+            per_lat * (lat - lat0),
+            per_lon * math.remainder(lon - lon0, 360.0),
+            h - number("terrain", self.terrain),
+            self.radius,
+            self.outflow,
+            self.height,
+        )
+
+
+@cache
+def _feet_per_degree(lat0: float) -> tuple[float, float]:
+    """Feet north in a degree of latitude, feet east in a degree of longitude, near a latitude."""
+    step = 0.01
+    north = geodetic_to_ned(lat0 + step, 0.0, 0.0, lat0, 0.0, 0.0)[0]
+    east = geodetic_to_ned(lat0, step, 0.0, lat0, 0.0, 0.0)[1]
+    return float(north) / step, float(east) / step

@@ -1,0 +1,127 @@
+"""Wind shear near the ground: the logarithmic profile of MIL-F-8785C."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from pathsim.blocks import Function
+
+from .._core.checks import finite, number
+from .._core.ports import NamedPorts
+from .._core.units import conversion
+
+_KNOT, _ = conversion("kt", "ft/s")
+_REFERENCE_HEIGHT = 20.0  # ft
+_TOP = 1000.0  # ft, up to which the specification gives the profile
+
+
+def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15) -> Any:
+    """Speed of the mean wind at a height above the terrain.
+
+    .. math::
+        u = W_{20} \\frac{\\ln(h / z_0)}{\\ln(20 \\, \\mathrm{ft} / z_0)}
+
+    0 below z_0, and the value at 1000 ft above that.
+
+    Parameters
+    ----------
+    h : float or array
+        height above the terrain, ft
+    wind_20ft : float
+        wind speed at 20 ft, kt
+    roughness : float
+        roughness length z_0, below 20 ft: 0.15 ft for terminal flight phases (category C), 2 ft
+        for others
+
+    Returns
+    -------
+    float or array
+        kt
+
+    Raises
+    ------
+    ParameterError
+        for a negative wind speed, a roughness out of its range, values that are not finite
+
+    References
+    ----------
+    MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
+    """
+    (h,) = finite(h=h)
+    low, speed = _roughness(roughness), number("wind_20ft", wind_20ft, low=0.0)
+    speed = speed * np.log(np.clip(h, low, _TOP) / low) / math.log(_REFERENCE_HEIGHT / low)
+    return speed if np.ndim(speed) else float(speed)
+
+
+def _roughness(value: Any) -> float:
+    return number("roughness", value, above=0.0, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
+
+
+class WindShear(NamedPorts, Function):
+    """Mean wind that grows with the logarithm of the height, for the aircraft's wind ports.
+
+    .. math::
+        u = W_{20} \\frac{\\ln(h / z_0)}{\\ln(20 \\, \\mathrm{ft} / z_0)}
+
+    0 below z_0, and the value at 1000 ft above that.
+
+    Parameters
+    ----------
+    wind_20ft : float
+        wind speed at 20 ft above the terrain, kt
+    direction : float
+        true direction that the wind blows from, deg
+    roughness : float
+        roughness length z_0, below 20 ft: 0.15 ft for terminal flight phases (category C), 2 ft
+        for others
+    terrain : float
+        elevation of the terrain above mean sea level, ft
+
+    Inputs
+    ------
+    h
+        altitude above mean sea level, ft
+
+    Outputs
+    -------
+    north, east
+        velocity of the air, ft/s
+
+    Raises
+    ------
+    ParameterError
+        for a negative wind speed, a roughness out of its range, values that are not finite
+
+    References
+    ----------
+    MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
+    """
+
+    input_port_labels = {"h": 0}
+    output_port_labels = {"north": 0, "east": 1}
+
+    def __init__(
+        self,
+        wind_20ft: float = 15.0,
+        direction: float = 0.0,
+        roughness: float = 0.15,
+        terrain: float = 0.0,
+    ) -> None:
+        self.wind_20ft = wind_20ft
+        self.direction = direction
+        self.roughness = roughness
+        self.terrain = terrain
+        self._wind(0.0)
+        super().__init__(func=self._wind)
+
+    def _put(self, values: dict[str, Any]) -> None:
+        super()._put(values)
+        self._wind(0.0)
+
+    def _wind(self, h: float) -> tuple[float, float]:
+        height = number("h", h) - number("terrain", self.terrain)
+        speed = _KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
+        psi = math.radians(number("direction", self.direction))
+        return -speed * math.cos(psi), -speed * math.sin(psi)

@@ -1,0 +1,94 @@
+"""The diagrams of wind in flight, against plain JSBSim loops in the wind that they recorded."""
+
+import math
+
+import numpy as np
+import pytest
+from plain_jsbsim import fly, trimmed
+
+from pathsim_jsbsim_blocks import DrydenTurbulence
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+pytestmark = pytest.mark.matrix
+
+GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]
+
+
+def flown(name, duration=None):
+    module = load_diagram(name)
+    module.sim.run(duration or module.DURATION)
+    return module
+
+
+def test_gust_response():
+    module = flown("gust_response")
+    time, down = module.gusts.read()
+    _, nz = module.load_factors.read()
+    # 14 CFR 25.341: 56 to 44 ft/s EAS at 15,000 ft; density ratio 0.7385 at 10,000 ft
+    for gradient, w in zip((30.0, 90.0, 150.0, 200.0, 350.0), down, strict=True):
+        peak = (56.0 - 12.0 * 10 / 15) * (gradient / 350.0) ** (1 / 6) / math.sqrt(0.73848)
+        s = np.clip(module.airspeed * (time - 1.0), 0.0, 2 * gradient)
+        assert -w == pytest.approx(peak / 2 * (1 - np.cos(np.pi * s / gradient)), abs=1e-2)
+    assert module.plane_30.trim.tas == pytest.approx(module.airspeed, abs=0.1)
+    fdm = trimmed("737", 10000.0, 280.0, setup={"gear/gear-cmd-norm": 0.0})
+    loop = fly(fdm, GUSTS[2:], down[4][:-1, None], ["accelerations/Nz"])[:, 0]
+    # the trim starts with the gear up here and is retracted there: the same to rounding
+    assert nz[4] == pytest.approx(loop, abs=1e-6)
+    # what the docstring says
+    assert nz.max(axis=1) == pytest.approx([1.82, 1.96, 1.99, 1.99, 1.94], abs=0.006)
+    assert nz.min() == pytest.approx(0.19, abs=0.005)
+    assert 1 < nz.max(axis=1).argmax() < 4
+
+
+def test_turbulence_rides_starts_as_a_plain_loop():
+    module = flown("turbulence_rides", 4.0)
+    _, nz = module.load_factor.read()
+    twin = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
+    fdm = trimmed("c172p", 5000.0, 90.0)
+    state, loop = twin.initial_state(), [fdm["accelerations/Nz"]]
+    for _ in range(nz.shape[1] - 1):
+        here = [fdm[p] for p in ("position/h-sl-ft", "velocities/vt-fps", "attitude/psi-deg")]
+        wind, state = twin.law(here, state)
+        loop.append(fly(fdm, GUSTS, [wind[:3]], ["accelerations/Nz"])[1, 0])
+    assert np.array_equal(nz[0], loop)
+
+
+@pytest.mark.long
+def test_turbulence_rides():
+    module = flown("turbulence_rides")
+    time, h = module.altitude.read()
+    _, nz = module.load_factor.read()
+    assert (h[0].min(), h[0].max()) == pytest.approx((4730.0, 5783.0), abs=1.0)
+    assert np.abs(h[1] - 5000.0).max() < 35.0
+    settled = nz[:, time > 5.0]
+    assert settled.std(axis=1) == pytest.approx([0.196, 0.194], abs=0.001)
+    # the altitude is paid for from 0.1 to 0.5 Hz, the short period is damped
+    frequency, (held, flown_) = module.spectra()
+    low, middle, high = (
+        (frequency >= a) & (frequency <= b) for a, b in ((0.1, 0.5), (0.75, 1.25), (2.0, 10.0))
+    )
+    assert flown_[low].mean() > 4 * held[low].mean()
+    assert flown_[middle].mean() < held[middle].mean() / 2
+    assert flown_[high].sum() == pytest.approx(held[high].sum(), rel=0.15)
+
+
+def test_microburst_approach():
+    module = flown("microburst_approach")
+    time, (h, vc, throttle) = module.flight.read()
+    _, (tailwind, downdraft, _) = module.wind.read()
+    _, (h_still,) = module.still.read()
+    for values, extreme, at, value in (
+        (tailwind, np.argmin, 37.0, -9.2),
+        (downdraft, np.argmax, 46.0, 16.6),
+        (tailwind, np.argmax, 63.0, 25.9),
+        (module.f_factor(), np.argmax, 50.0, 0.129),
+    ):
+        k = extreme(values)
+        assert (time[k], values[k]) == (
+            pytest.approx(at, abs=0.5),
+            pytest.approx(value, rel=0.01),
+        )
+    assert (vc.min(), vc.max()) == pytest.approx((144.9, 152.5), abs=0.1)
+    assert throttle.max() == pytest.approx(0.165, abs=0.005)
+    assert h_still[-1] - h[-1] == pytest.approx(421.4, abs=0.5)
+    assert h.min() == h[-1] == pytest.approx(127.0, abs=1.0)

@@ -1,0 +1,228 @@
+"""FlightGear's native FDM packets, received and decoded, and the pace of the flight."""
+
+import re
+import shutil
+import socket
+import struct
+import time
+from pathlib import Path
+
+import jsbsim
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, SinusoidalSource
+
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, ParameterError, fly
+from pathsim_jsbsim_blocks._core.realtime import in_real_time
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
+
+# FlightGear's net_fdm.hxx, version 24: version, padding, longitude, latitude (rad), altitude (m),
+# height above ground (m), phi, theta, psi (rad), alpha, beta (rad), big endian
+PACKET = struct.Struct(">II3d6f")
+
+
+@pytest.fixture
+def receiver():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
+        receiver.setblocking(False)
+        yield receiver
+
+
+def address(receiver):
+    return f"127.0.0.1:{receiver.getsockname()[1]}"
+
+
+def packets(receiver):
+    found = []
+    while True:
+        try:
+            found.append(receiver.recv(4096))
+        except BlockingIOError:
+            return found
+
+
+def diagram(receiver=None):
+    plane = Aircraft("c172p", speed=90, flightgear=receiver and address(receiver))
+    kick, scope = DoubletSource(0.3, start=0.1, width=0.3), Scope()
+    wires = [Connection(plane[n], scope[i]) for i, n in enumerate(("theta", "phi", "h", "lat"))]
+    blocks = [plane, kick, scope]
+    sim = Simulation(blocks, [Connection(kick, plane["aileron"]), *wires], dt=plane.T, log=False)
+    return sim, scope
+
+
+def test_packets_hold_the_flight(receiver):
+    with recorded_flights() as recordings:
+        sim, _ = diagram(receiver)
+    sim.run(1.0)
+    [track] = tracks(recordings)
+    received = packets(receiver)
+    assert len(received) >= 60
+    assert {len(packet) for packet in received} == {408}
+    rows = [PACKET.unpack_from(packet) for packet in received]
+    assert {row[0] for row in rows} == {24}
+    flown = np.array([row for row in rows if row[3] > 0])
+    # it flies north: each packet is of the instant with its latitude
+    assert len(flown) == 60
+    at = np.abs(np.radians(track.lat)[:, None] - flown[:, 3]).argmin(axis=0)
+    assert np.array_equal(np.diff(at), np.full(59, 2))
+    assert at[-1] == 120
+    for column, values in (
+        (2, np.radians(track.lon)),
+        (3, np.radians(track.lat)),
+        (6, np.radians(track.phi)),
+        (7, np.radians(track.theta)),
+    ):
+        assert flown[:, column] == pytest.approx(values[at], abs=1e-6)
+    assert np.ptp(flown[:, 6]) > 0.05
+    turned = np.angle(np.exp(1j * (flown[:, 8] - np.radians(track.psi[at]))))
+    assert np.abs(turned).max() < 1e-6
+    # above the ellipsoid, in m
+    assert flown[:, 4] == pytest.approx(track.h[at] * 0.3048, abs=0.5)
+
+
+def test_sending_changes_no_bit_of_the_flight(receiver):
+    plain, there = diagram()
+    shown, here = diagram(receiver)
+    for sim in (plain, shown):
+        sim.run(0.5)
+        sim.run(0.5, reset=True)
+    assert np.array_equal(there.read()[1], here.read()[1])
+    # both flights were sent
+    assert len(packets(receiver)) > 60
+
+
+def own_model(tmp_path, outputs):
+    """A JSBSim root with a c172p that has outputs of its own."""
+    installed = Path(jsbsim.get_default_root_dir())
+    shutil.copytree(installed / "aircraft" / "c172p", tmp_path / "aircraft" / "c172p")
+    for folder in ("engine", "systems"):
+        (tmp_path / folder).symlink_to(installed / folder)
+    model = tmp_path / "aircraft" / "c172p" / "c172p.xml"
+    text = model.read_text(encoding="utf-8")
+    model.write_text(text.replace("</fdm_config>", outputs + "</fdm_config>"), encoding="utf-8")
+    return str(tmp_path)
+
+
+@pytest.mark.parametrize("network", [False, True])
+@pytest.mark.parametrize("files", [False, True])
+@pytest.mark.parametrize("shown", [False, True])
+def test_network_files_and_flightgear_are_allowed_apart(
+    network, files, shown, receiver, tmp_path, monkeypatch
+):
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
+    port = receiver.getsockname()[1]
+    csv = tmp_path / "own.csv"
+    root = own_model(
+        tmp_path,
+        f'<output name="127.0.0.1" type="SOCKET" port="{port}" protocol="UDP" rate="60">'
+        "<rates>ON</rates></output>"
+        f'<output name="{csv}" type="CSV" rate="60"><rates>ON</rates></output>',
+    )
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flightgear:
+        flightgear.bind(("127.0.0.1", 0))
+        flightgear.setblocking(False)
+        plane = Aircraft(
+            "c172p",
+            speed=90,
+            root=root,
+            allow_network=network,
+            allow_files=files,
+            flightgear=address(flightgear) if shown else None,
+        )
+        Simulation([plane], dt=plane.T, log=False).run(0.2)
+        assert bool(packets(flightgear)) == shown
+    assert bool(packets(receiver)) == network
+    written = [path for path in tmp_path.rglob("*.csv") if path.stat().st_size]
+    assert bool(written) == files
+
+
+@pytest.mark.parametrize("bad", ["a b", "127.0.0.1:0", "127.0.0.1:99999", ":x", 5550])
+def test_an_address_that_cannot_be_is_refused(bad):
+    with pytest.raises(ParameterError, match=r"must be HOST:PORT such as '127\.0\.0\.1:5550'"):
+        Aircraft("c172p", speed=90, flightgear=bad)
+
+
+def test_a_host_that_is_not_found_is_refused():
+    with pytest.raises(ParameterError, match="which is not found"):
+        Aircraft("c172p", speed=90, flightgear="no.such.host.invalid:5550")
+
+
+SCRIPT = """
+from pathsim import Simulation
+from pathsim_jsbsim_blocks import Aircraft
+
+one, two = Aircraft("c172p", speed=90), Aircraft("c172p", speed=100)
+Simulation([one, two], dt=1 / 120, log=False).run(0.5)
+"""
+
+
+def test_the_command_flies_in_real_time_and_sends_every_aircraft(tmp_path, capsys):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as two,
+    ):
+        for _ in range(50):  # two ports in a row that are free
+            one.bind(("127.0.0.1", 0))
+            try:
+                two.bind(("127.0.0.1", one.getsockname()[1] + 1))
+                break
+            except OSError:
+                one.close()
+                one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        one.setblocking(False)
+        two.setblocking(False)
+        began = time.perf_counter()
+        assert main(["run", str(tmp_path / "script.py"), "--flightgear", address(one)]) == 0
+        assert time.perf_counter() - began > 0.5
+        for receiver in (one, two):
+            assert len(packets(receiver)) > 20
+        one.close()
+    said = capsys.readouterr().out
+    assert re.search(r"real time: 0\.5 s flown in \d+\.\d s, late at \d+ of \d+ ticks", said)
+
+
+def test_late_ticks_are_counted(receiver):
+    sim, _ = diagram()
+    step, calls = sim.blocks[0].advance, []
+
+    def slow(index, u):
+        calls.append(index)
+        if 24 < index < 36:
+            time.sleep(0.05)
+        return step(index, u)
+
+    sim.blocks[0].advance = slow
+    usual = Simulation.run
+    with in_real_time() as pace:
+        sim.run(0.5)
+    assert Simulation.run is usual
+    assert calls[:60] == list(range(1, 61))
+    assert pace.simulated == pytest.approx(0.5, abs=0.01)
+    assert pace.real > 0.5
+    with in_real_time() as other:
+        fly(sim, 0.1)
+    assert other.real > 0.1
+    # 11 steps took 0.55 s instead of 0.09 s
+    assert 0 < pace.late <= pace.ticks
+    assert pace.worst > 0.05
+
+
+def test_a_run_after_a_reset_or_a_stop_keeps_the_pace_too():
+    source, scope = SinusoidalSource(), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
+    sim.run(0.5)
+    with in_real_time() as pace:
+        fly(sim, 0.2, reset=True)
+    assert sim.time == pytest.approx(0.2)
+    assert pace.real > 0.15
+    sim.stop()
+    with in_real_time() as pace:
+        sim.run(0.2)
+    assert sim.time == pytest.approx(0.4)
+    assert pace.real > 0.15

@@ -1,0 +1,275 @@
+"""The Newton search against JSBSim's own, against its promises, and flown."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fleet_conditions import FEW, FLYING
+from how_many import first
+
+from pathsim_jsbsim_blocks import ParameterError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.flight.airframe import Airframe
+from pathsim_jsbsim_blocks.studies import trim_sweep
+
+# ft/s2 and rad/s2, what `trim` promises
+TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
+    ("pdot", "qdot", "rdot"), 1e-5
+)
+
+
+def flown(airframe, state, duration=10.0):
+    """Height off the path in ft, bank in deg and speed in kt lost in a flight, controls held."""
+    fdm = airframe.fdm
+    climb = fdm["velocities/h-dot-fps"]
+    for _ in range(round(duration * 120)):
+        fdm.run()
+    return (
+        fdm["position/h-sl-ft"] - state.altitude - climb * duration,
+        fdm["attitude/phi-deg"] - state.phi,
+        fdm["velocities/vc-kts"] - state.speed,
+    )
+
+
+def found(aircraft, **condition):
+    airframe = Airframe(aircraft)
+    state = trim(airframe, TrimCondition(**condition))
+    for name, tolerance in TOLERANCES.items():
+        assert abs(getattr(state, name)) <= tolerance
+    return airframe, state
+
+
+@pytest.mark.parametrize("aircraft", first([*FEW, *sorted(set(FLYING) - set(FEW))], len(FEW)))
+def test_what_jsbsim_trims_the_newton_search_trims_too(aircraft):
+    altitude, speed, gear, create = FLYING[aircraft]
+    condition = TrimCondition(
+        altitude=altitude, speed=speed, gear=gear, setup={"propulsion/fuel_freeze": 1.0}
+    )
+    airframe = Airframe(aircraft, create=dict.fromkeys(create, 0.0))
+    theirs = trim(airframe, condition)
+    ours = trim(airframe, dataclasses.replace(condition, solver="newton"))
+    for angle in ("alpha", "theta", "phi", "gamma", "psi", "beta"):
+        off = math.remainder(getattr(ours, angle) - getattr(theirs, angle), 360.0)
+        assert off == pytest.approx(0.0, abs=1e-3), angle
+    # JSBSim stops before this aircraft's engines have settled: it climbs 4 ft in 30 s
+    throttle = 5e-3 if aircraft == "Short_S23" else 1e-3
+    assert ours.throttle == pytest.approx(theirs.throttle, abs=throttle)
+    for name, tolerance in TOLERANCES.items():
+        assert abs(getattr(ours, name)) <= tolerance
+    assert set(ours.free) == {"alpha", "pitch_trim", "phi", "aileron", "rudder", "throttle"}
+
+
+@pytest.mark.parametrize("aircraft", ["737", "c172p", "c182", "f16"])
+def test_the_search_does_not_depend_on_what_came_before(aircraft):
+    altitude, speed, _, _ = FLYING[aircraft]
+    condition = TrimCondition(altitude=altitude, speed=speed, solver="newton")
+    airframe, fresh = found(aircraft, altitude=altitude, speed=speed, solver="newton")
+    trim(airframe, dataclasses.replace(condition, speed=1.3 * speed, gamma=-3.0))
+    with pytest.raises(TrimError):
+        trim(airframe, dataclasses.replace(condition, speed=0.2 * speed))
+    again = trim(airframe, condition)
+    for name in ("alpha", "theta", "phi", "pitch_trim", "aileron", "rudder", "throttle"):
+        assert getattr(again, name) == pytest.approx(getattr(fresh, name), abs=1e-9), name
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition"),
+    [
+        ("SGS", {"speed": 55, "mode": "glide"}),
+        ("c172p", {"speed": 70, "mode": "glide"}),
+        ("737", {"altitude": 15000, "speed": 250, "throttle": 0.8}),
+        ("737", {"altitude": 15000, "speed": 250, "thrust": 10000.0}),
+        ("737", {"altitude": 15000, "speed": 300, "thrust": 16000.0, "free": "speed"}),
+        ("c172p", {"altitude": 3000, "speed": 90, "beta": 5.0}),
+        ("737", {"altitude": 15000, "speed": 250, "beta": -5.0, "mode": "full"}),
+        ("c172p", {"speed": 90, "mode": "turn", "bank": -30, "solver": "newton"}),
+        ("737", {"speed": 250, "mode": "turn", "bank": 30, "wind_north": 80, "solver": "newton"}),
+    ],
+)
+def test_what_is_trimmed_flies_on(aircraft, condition):
+    airframe, state = found(aircraft, **condition)
+    height, bank, speed = flown(airframe, state)
+    assert abs(height) < 10.0
+    assert abs(bank) < 0.1
+    assert abs(speed) < 2.0
+
+
+def test_a_glide_is_as_steep_as_lift_over_drag():
+    airframe, state = found("SGS", speed=55, mode="glide")
+    ratio = airframe.fdm["forces/fwz-aero-lbs"] / airframe.fdm["forces/fwx-aero-lbs"]
+    assert math.tan(math.radians(state.gamma)) == pytest.approx(-1 / ratio, rel=1e-4)
+    assert "gamma" in state.free
+    assert "throttle" not in state.free
+
+
+def test_given_thrust_throttle_and_sideslip_are_held():
+    _, state = found("737", altitude=15000, speed=250, thrust=10000.0)
+    assert state.thrust == pytest.approx(10000.0, abs=1e-3)
+    _, state = found("737", altitude=15000, speed=250, throttle=0.8)
+    assert state.throttle == (0.8, 0.8)
+    assert state.speed == pytest.approx(250.0)
+    _, state = found("737", altitude=15000, speed=250, thrust=16000.0, free="speed")
+    assert state.gamma == pytest.approx(0.0, abs=1e-9)
+    assert "speed" in state.free
+    _, state = found("c172p", altitude=3000, speed=90, beta=5.0)
+    # the wind from the right: bank to the right, into it
+    assert state.beta == pytest.approx(5.0)
+    assert state.phi > 1.0
+
+
+def test_a_turn_is_coordinated_and_its_radius_is_that_of_the_textbook():
+    airframe, state = found("737", altitude=15000, speed=250, mode="turn", bank=30, solver="newton")
+    g = airframe.fdm["accelerations/gravity-ft_sec2"]
+    assert state.turn_radius == pytest.approx(state.tas**2 / (g * math.tan(math.radians(30))))
+    assert state.nz == pytest.approx(1 / math.cos(math.radians(30)), rel=0.01)
+    heading = state.psi
+    flown(airframe, state)
+    turned = math.remainder(airframe.fdm["attitude/psi-deg"] - heading, 360.0)
+    assert turned == pytest.approx(10 * state.turn_rate, abs=0.1)
+
+
+def test_a_pull_up_curves_the_path_by_the_load_factor():
+    airframe, state = found(
+        "737", altitude=15000, speed=250, mode="pull-up", load_factor=1.5, solver="newton"
+    )
+    climb, fdm = state.gamma, airframe.fdm
+    g = fdm["accelerations/gravity-ft_sec2"]
+    for _ in range(30):
+        fdm.run()
+    rate = math.radians(fdm["flight-path/gamma-deg"] - climb) / 0.25
+    assert rate == pytest.approx(0.5 * g / state.tas, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition", "reason"),
+    [
+        ("737", {"altitude": 15000, "speed": 140, "alpha_max": 12}, "alpha limit"),
+        ("737", {"altitude": 15000, "speed": 400, "gamma": 9}, "thrust"),
+        ("SGS", {"altitude": 5000, "speed": 60}, "thrust"),
+        ("c172p", {"altitude": 3, "speed": 70}, "ground"),
+    ],
+)
+def test_a_failure_names_the_limit(aircraft, condition, reason):
+    with pytest.raises(TrimError) as error:
+        trim(Airframe(aircraft), TrimCondition(**condition, solver="newton"))
+    assert error.value.reason == reason
+    assert all(map(math.isfinite, error.value.residuals.values()))
+
+
+@pytest.mark.parametrize(
+    ("values", "parameter"),
+    [
+        ({"solver": "newtn"}, "solver"),
+        ({"free": "alpha"}, "free"),
+        ({"throttle": 2.0}, "throttle"),
+        ({"throttle": 0.5, "thrust": 100.0}, "throttle"),
+        ({"throttle": 0.5, "free": "throttle"}, "free"),
+        ({"free": "gamma"}, "free"),
+        ({"mode": "glide", "throttle": 0.5}, "throttle"),
+        ({"mode": "glide", "solver": "jsbsim"}, "solver"),
+        ({"mode": "ground", "solver": "newton"}, "solver"),
+        ({"mode": "turn", "bank": 10, "beta": 3.0}, "beta"),
+        ({"latitude": 91}, "latitude"),
+    ],
+)
+def test_contradictions_are_refused(values, parameter):
+    with pytest.raises(ParameterError) as error:
+        TrimCondition(**values)
+    assert error.value.parameter == parameter
+
+
+def test_an_aircraft_starts_where_it_is_asked_to():
+    airframe, _ = found("c172p", speed=90, latitude=47.0, longitude=8.5, solver="newton")
+    assert airframe.fdm["position/lat-geod-deg"] == pytest.approx(47.0)
+    assert airframe.fdm["position/long-gc-deg"] == pytest.approx(8.5)
+    assert airframe.fdm["position/h-sl-ft"] == pytest.approx(5000.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition"),
+    [
+        ("A320", {"altitude": 5000, "speed": 144, "gear": 0.0}),
+        ("737", {"altitude": 30000, "speed": 420}),
+        ("c172p", {"altitude": 5000, "speed": 30}),
+    ],
+)
+def test_a_failure_names_the_nearest_speed_that_trims(aircraft, condition):
+    with pytest.raises(TrimError, match=r"It trims at \d+ KCAS there") as error:
+        trim(Airframe(aircraft), TrimCondition(**condition))
+    nearest = error.value.nearest
+    assert f"at {nearest.speed:.0f} KCAS" in str(error.value)
+    exact = dataclasses.replace(nearest, solver="newton")
+    trim(Airframe(aircraft), exact)
+    # two knots nearer to what was asked for, it does not
+    nearer = nearest.speed - math.copysign(2.0, nearest.speed - condition["speed"])
+    with pytest.raises(TrimError):
+        trim(Airframe(aircraft), dataclasses.replace(exact, speed=nearer), hint=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    [
+        ("ic/theta-deg", "gamma"),
+        ("ic/h-sl-ft", "altitude"),
+        ("ic/vt-fps", "speed"),
+        ("ic/vn-fps", "heading"),
+        ("ic/psi-true-rad", "heading"),
+        ("ic/vw-mag-fps", "wind_north"),
+    ],
+)
+def test_initial_conditions_that_a_trim_overwrites_are_refused(name, parameter):
+    with pytest.raises(ParameterError, match=f"overwritten by the trim: set .*{parameter}"):
+        trim(Airframe("c172p"), TrimCondition(speed=90, setup={name: 1.0}))
+    with pytest.raises(ParameterError, match="overwritten"):
+        trim(Airframe("c172p"), TrimCondition(speed=90), {name: 1.0})
+    # the way to start without a trim
+    trim(Airframe("c172p"), TrimCondition(speed=90, mode="none", setup={name: 1.0}))
+
+
+def test_the_command_says_that_the_gear_is_down(capsys):
+    assert main(["trim", "737", "--altitude", "10000", "--speed", "280"]) == 0
+    assert "gear is down" in capsys.readouterr().out
+    assert main(["trim", "737", "--altitude", "10000", "--speed", "280", "--gear", "0"]) == 0
+    assert "gear is down" not in capsys.readouterr().out
+    assert main(["trim", "SGS", "--speed", "55", "--mode", "glide"]) == 0
+    assert "gear is down" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("start", first(range(7), 1))
+def test_the_published_envelope_is_met_point_by_point(start):
+    points = np.genfromtxt(
+        Path(__file__).parents[1] / "data" / "studies" / "09_trim_envelope.csv",
+        delimiter=",",
+        names=True,
+    )[start::7]
+    airframe = Airframe("737")
+    for point in points:
+        condition = TrimCondition(
+            altitude=15000,
+            speed=point["vc_request_kts"],
+            gamma=point["gamma_deg"],
+            alpha_min=-4,
+            alpha_max=12,
+            solver="newton",
+        )
+        if point["trimmed"]:
+            state = trim(airframe, condition)
+            assert state.alpha == pytest.approx(point["alpha_deg"], abs=1e-3)
+            assert state.throttle[0] == pytest.approx(point["throttle_norm"], abs=1e-3)
+        else:
+            with pytest.raises(TrimError):
+                trim(airframe, condition, hint=False)
+
+
+def test_a_sweep_is_the_same_whatever_its_order_and_chunks():
+    speeds = [200, 120, 300, 250, 420]
+    grid = {"altitude": 15000, "solver": "newton", "gamma": 2}
+    there = trim_sweep("737", {**grid, "speed": speeds}, jobs=1, progress=False)
+    back = trim_sweep("737", {**grid, "speed": speeds[::-1]}, jobs=1, progress=False, chunk=2)
+    assert there.trimmed.any()
+    assert not there.trimmed.all()
+    found = there.select_dtypes("number").columns
+    np.testing.assert_allclose(there[found], back[found][::-1], rtol=1e-9, atol=1e-9)

@@ -1,0 +1,181 @@
+"""What `recorded_flights` keeps of a flight, against a scope, and the command that writes it."""
+
+import numpy as np
+import pandas
+import pytest
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Integrator, Scope
+
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, fly
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
+
+PORTS = {
+    "lat": "latitude [deg]",
+    "lon": "longitude [deg]",
+    "h": "altitude [ft]",
+    "theta": "pitch angle [deg]",
+    "phi": "roll angle [deg]",
+    "psi": "heading [deg]",
+    "vc": "calibrated airspeed [kt]",
+    "q": "pitch rate [deg/s]",
+    "nz": "vertical load factor [g]",
+}
+
+
+def diagram(*more, dt=1 / 120, **keywords):
+    plane = Aircraft("c172p", speed=90, **keywords)
+    kick, scope = DoubletSource(0.2, start=0.1, width=0.2), Scope()
+    wires = [Connection(plane[port], scope[i]) for i, port in enumerate(PORTS)]
+    blocks = [plane, kick, scope, *more]
+    return Simulation(
+        blocks, [Connection(kick, plane["elevator"]), *wires], dt=dt, log=False
+    ), scope
+
+
+def same(track, scope):
+    time, data = scope.read()
+    at = np.searchsorted(time, track.time - 1e-9)
+    assert track.time == pytest.approx(time[at], abs=1e-9)
+    for label, values in zip(PORTS.values(), data, strict=True):
+        assert np.array_equal(track.columns[label], values[at]), label
+
+
+@pytest.mark.parametrize("run", [Simulation.run, fly])
+@pytest.mark.parametrize("more", [[], [Integrator()]], ids=["one pass", "with stages"])
+def test_a_recording_is_what_a_scope_sees(run, more):
+    with recorded_flights() as recordings:
+        sim, scope = diagram(*[type(b)() for b in more])
+    run(sim, 0.5)
+    run(sim, 0.25)
+    [track] = tracks(recordings)
+    assert len(track.time) == 91
+    same(track, scope)
+    sim.reset()
+    assert tracks(recordings) == []  # nothing flown yet
+    run(sim, 0.3)
+    [track] = tracks(recordings)
+    assert len(track.time) == 37
+    same(track, scope)
+
+
+def test_other_rates_and_a_checkpoint(tmp_path):
+    with recorded_flights() as recordings:
+        sim, scope = diagram(T=1 / 30, substeps=4, record_inputs=True)
+        sim.run(0.5)
+        sim.save_checkpoint(str(tmp_path / "half"))
+        other, again = diagram(T=1 / 30, substeps=4, record_inputs=True)
+        other.load_checkpoint(str(tmp_path / "half"))
+        other.run(0.5)
+    first, second = tracks(recordings)
+    assert (first.name, second.name) == ("c172p 1", "c172p 2")
+    assert first.time == pytest.approx(np.arange(16) / 30)
+    same(first, scope)
+    same(second, again)
+    assert np.array_equal(second.h[:16], first.h)
+    assert second.about["JSBSim steps per s"] == "120"
+
+
+def test_an_interrupt_leaves_no_gap_and_no_row_too_many():
+    with recorded_flights() as recordings:
+        sim, scope = diagram()
+    plane, calls = sim.blocks[0], []
+    run, *others = plane._bound
+
+    def interrupted():
+        calls.append(0)
+        if len(calls) == 20:
+            raise KeyboardInterrupt
+        run()
+
+    plane._bound = (interrupted, *others)
+    with pytest.raises(KeyboardInterrupt):
+        sim.run(0.5)
+    assert tracks(recordings)[0].time[-1] == pytest.approx(19 / 120)
+    sim.run(0.25)
+    assert np.diff(tracks(recordings)[0].time) == pytest.approx(1 / 120)
+    same(tracks(recordings)[0], scope)
+
+
+def test_without_the_context_nothing_is_changed():
+    with recorded_flights() as recordings:
+        pass
+    plane = Aircraft("c172p", speed=90)
+    assert "advance" not in vars(plane)
+    assert recordings == []
+
+
+def test_several_aircraft_and_what_a_model_lacks():
+    with recorded_flights() as recordings:
+        fdm = JSBSimFDM(aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000)
+        ball = JSBSimFDM(aircraft_model="ball", trim_mode="none")
+        Simulation([Subsystem([Interface(), fdm]), ball], dt=1 / 120, log=False).run(0.5)
+        Aircraft("c172p", speed=90)  # does not fly
+    first, second = tracks(recordings)
+    assert (first.name, second.name) == ("c172p", "ball")
+    assert "elevator" in first.signals
+    assert "left aileron" not in second.signals or np.ptp(second.signals["left aileron"]) == 0
+    # no lift and no thrust
+    assert second.h[-1] < second.h[0] - 3
+
+
+def test_the_command_writes_a_track_of_a_diagram(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)  # without a display the figure is written here
+    assert main(["run", "hello_jsbsim", "--track", str(tmp_path / "one.csv")]) == 0
+    assert f"track saved: {tmp_path / 'one.csv'}" in capsys.readouterr().out
+    table = pandas.read_csv(tmp_path / "one.csv", index_col=0)
+    assert np.diff(table.index) == pytest.approx(1 / 120)
+    assert table["calibrated airspeed [kt]"].iloc[0] == pytest.approx(80)
+
+
+CRASH = """
+from pathsim import Connection, Simulation
+from pathsim.blocks import Source
+from pathsim_jsbsim_blocks import Aircraft
+
+one, two = Aircraft("c172p", speed=90), Aircraft("A4", 1e4, 300)
+fault = Source(lambda t: float("nan") if t > 0.3 else 0.0)
+wires = [Connection(fault, one["elevator"])]
+Simulation([one, two, fault], wires, dt=1 / 120, log=False).run(60)
+"""
+
+
+def test_the_command_writes_the_track_of_a_flight_that_ends_early(tmp_path, capsys):
+    (tmp_path / "script.py").write_text(CRASH)
+    path = tmp_path / "two.csv"
+    assert main(["run", str(tmp_path / "script.py"), "--track", str(path)]) == 1
+    assert "'elevator' is nan" in capsys.readouterr().err
+    table = pandas.read_csv(path, index_col=["aircraft", "time [s]"])
+    assert set(table.index.get_level_values(0)) == {"c172p", "A4"}
+    assert table.loc["c172p"].index[-1] == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["step_response", "--track", "a.csv"], "the script flies no aircraft"),
+        (["hello_jsbsim", "--track", "a.kmz"], "did you mean '.kml'"),
+        (["climb_schedule", "--track", "a.kml"], "it takes no --track"),
+        (["hello_jsbsim", "--flightgear", "127.0.0.1:"], "must be HOST:PORT"),
+        (["climb_schedule", "--flightgear"], "it takes no --flightgear"),
+    ],
+)
+def test_the_command_refuses_what_has_no_track(arguments, text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    assert main(["run", *arguments]) == 1
+    assert text in capsys.readouterr().err
+
+
+def test_no_package_is_missed_after_a_flight(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    assert main(["run", "hello_jsbsim", "--track", str(tmp_path / "a.csv")]) == 1
+    said = capsys.readouterr()
+    assert "pip install" in said.err
+    assert said.out == ""
+
+
+def test_a_track_of_an_unknown_kind_of_value_is_a_parameter_error():
+    with recorded_flights() as recordings, pytest.raises(ParameterError):
+        Aircraft("c172p", speed="fast")
+    assert recordings == []

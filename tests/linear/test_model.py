@@ -1,0 +1,310 @@
+"""Linear models against the flights that they stand for."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from fleet_conditions import FLYING
+from how_many import first
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    JSBSimFDM,
+    LinearisationError,
+    ParameterError,
+    TrimCondition,
+)
+from pathsim_jsbsim_blocks.flight import linear_model
+from pathsim_jsbsim_blocks.linear import LinearModel
+
+# what each input is for
+RESPONSES = {
+    "elevator": ("theta", "q"),
+    "aileron": ("phi", "p"),
+    "rudder": ("beta", "r"),
+    "throttle": ("vt",),
+}
+
+
+def plane(name, **keywords):
+    altitude, speed, gear, create = FLYING[name]
+    return Aircraft(
+        name,
+        altitude=altitude,
+        speed=speed,
+        gear=gear,
+        create=dict.fromkeys(create, 0.0),
+        setup={"propulsion/fuel_freeze": 1.0},
+        **keywords,
+    )
+
+
+def flown(name, u):
+    """Outputs of the aircraft over the inputs, by PathSim-free steps of the block."""
+    block = plane(name)
+    y = [block.outputs.to_array()]
+    y += [block.advance(k, [*row, 0.0, 0.0, 0.0]) for k, row in enumerate(u.tolist(), 1)]
+    return np.array(y)
+
+
+def doublet(n, port, size=0.01):
+    """1 s and 1 s of 0.01 of travel in 10 s, at 120 Hz."""
+    u = np.zeros((n, 4))
+    u[3:123, port], u[123:243, port] = size, -size
+    return u
+
+
+def doublet_errors(name, model):
+    """rms error over rms of the response, of the outputs that each input is for."""
+    errors = {}
+    still = flown(name, np.zeros((1200, 4)))
+    for port, (name_of_input, outputs) in enumerate(RESPONSES.items()):
+        if name_of_input in model.inputs:
+            u = doublet(1200, port)
+            response = flown(name, u) - still
+            predicted = model.simulate(u) - model.y0
+            for output in outputs:
+                i = model.outputs.index(output)
+                missed = response[:, i] - predicted[:, i]
+                errors[output] = math.sqrt((missed**2).mean() / (response[:, i] ** 2).mean())
+    return errors
+
+
+@pytest.mark.parametrize(
+    "name", first(["737", "c172p", "global5000", "f16", "A4", "B747", "787-8", "MD11"], count=2)
+)
+def test_a_doublet_of_the_model_is_that_of_the_aircraft(name):
+    errors = doublet_errors(name, plane(name).linear_model())
+    assert max(errors[y] for y in ("theta", "q", "phi", "p", "beta", "r")) < 0.03, errors
+    if name != "f16":  # a hundredth of its throttle is beyond the range in which it is linear
+        assert errors["vt"] < (0.07 if name == "A4" else 0.05), errors
+
+
+@pytest.mark.parametrize("name", first(["737", "c172p", "global5000", "f16"], count=1))
+def test_the_algebraic_model_has_attitude_and_rates(name):
+    errors = doublet_errors(name, plane(name).linear_model("algebraic"))
+    assert max(errors[y] for y in ("theta", "q", "phi", "p", "beta", "r")) < 0.06, errors
+
+
+def test_both_methods_find_the_same_rigid_aircraft():
+    # the two methods share no code but the names
+    block = plane("737")
+    one, other = block.linear_model(), block.linear_model("algebraic")
+    assert set(one.states) == set(other.states)
+    poles = [
+        sorted(np.linalg.eigvals(m.A), key=lambda pole: (pole.real, pole.imag))
+        for m in (one, other)
+    ]
+    for a, b in zip(*poles, strict=True):
+        assert abs(a - b) < 0.02 * abs(a) + 2e-3, poles
+
+
+def test_a_look_in_mid_run_leaves_the_flight_as_it_is():
+    one, other = plane("c172p"), plane("c172p")
+    inputs = np.random.default_rng(3).normal(0.0, 0.05, (240, 7)).tolist()
+    for k, u in enumerate(inputs, 1):
+        if k == 100:
+            for method in ("flown", "algebraic"):
+                one.linear_model(method, inputs=["elevator"])
+        assert one.advance(k, u) == other.advance(k, u)
+
+
+def test_in_mid_run_the_model_is_that_of_the_trim():
+    fresh, used = plane("737"), plane("737")
+    for k in range(1, 61):
+        used.advance(k, [0.05, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
+    one, other = (x.linear_model("algebraic") for x in (fresh, used))
+    assert np.array_equal(one.A, other.A)
+    assert np.array_equal(one.y0, other.y0)
+
+
+def test_the_matrices_repeat():
+    one, other = (plane("737").linear_model(inputs=["aileron", "rudder"]) for _ in range(2))
+    for name in "ABCD":
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-9, atol=1e-9)
+
+
+def test_ports_are_chosen_by_name():
+    model = plane("737").linear_model("algebraic", inputs=["throttle", "elevator"], outputs=["q"])
+    whole = plane("737").linear_model("algebraic").select(["throttle", "elevator"], ["q"])
+    assert model.inputs == ("throttle", "elevator")
+    assert model.outputs == ("q",)
+    np.testing.assert_allclose(model.B, whole.B[:10], rtol=1e-6, atol=1e-6)
+    assert model.units["q"] == "deg/s"
+    assert model.units["vt"] == "ft/s"
+
+
+@pytest.mark.parametrize("method", ["flown", "algebraic"])
+def test_the_trim_of_the_inputs_has_the_order_asked_for(method):
+    throttle, elevator = "fcs/throttle-cmd-norm", "fcs/elevator-cmd-norm"
+    fdm = JSBSimFDM(
+        input_properties=[elevator, throttle],
+        output_properties=["attitude/theta-deg"],
+        aircraft_model="c172p",
+        trim_airspeed=90,
+        trim_altitude=5000,
+    )
+    model = fdm.linear_model(method, inputs=[throttle, elevator])
+    # the trim holds the pitch with the pitch trim
+    assert model.u0.tolist() == [fdm.fdm["fcs/throttle-cmd-norm"], 0.0]
+
+
+def test_any_property_can_be_a_port():
+    # the derivative of a rate in rad/s is that of the same rate in deg/s
+    names = {
+        "input_properties": ["fcs/elevator-cmd-norm"],
+        "output_properties": ["velocities/q-rad_sec"],
+    }
+    altitude, speed, _, _ = FLYING["c172p"]
+    fdm = JSBSimFDM(aircraft_model="c172p", trim_altitude=altitude, trim_airspeed=speed, **names)
+    model = fdm.linear_model("algebraic")
+    port = plane("c172p").linear_model("algebraic", ["elevator"], ["q"])
+    gain, wanted = (m.C @ np.linalg.solve(1j * np.eye(len(m.A)) - m.A, m.B) for m in (model, port))
+    np.testing.assert_allclose(np.degrees(1.0) * gain, wanted, rtol=1e-6)
+    assert model.units["velocities/q-rad_sec"] == "rad/s"
+    assert model.u0[0] == fdm.fdm["fcs/elevator-cmd-norm"]
+
+
+def test_an_output_that_never_changes_has_a_row_of_zeros():
+    altitude, speed, _, _ = FLYING["c172p"]
+    fdm = JSBSimFDM(
+        aircraft_model="c172p",
+        trim_altitude=altitude,
+        trim_airspeed=speed,
+        input_properties=["fcs/elevator-cmd-norm"],
+        output_properties=["velocities/q-rad_sec", "accelerations/nothing-g"],
+        create={"accelerations/nothing-g": 1.0},
+    )
+    model = fdm.linear_model()
+    assert np.any(model.C[0])
+    assert not np.any(model.C[1])
+    assert not np.any(model.D[1])
+
+
+@pytest.mark.parametrize("mode", ["none", "ground", "pull-up"])
+def test_without_steady_flight_there_is_no_model(mode):
+    with pytest.raises(LinearisationError, match=f"not in steady flight.*{mode}") as caught:
+        linear_model("c172p", TrimCondition(speed=90, mode=mode))
+    assert caught.value.reason == "no trim"
+    assert caught.value.aircraft == "c172p"
+
+
+def test_an_input_at_the_end_of_its_range_is_refused():
+    # the sum of command and trim is limited to 1
+    fdm = JSBSimFDM(
+        aircraft_model="737",
+        condition=TrimCondition(altitude=5000, speed=260, gear=0.0),
+        input_properties=["fcs/aileron-cmd-norm"],
+        output_properties=["velocities/p-rad_sec"],
+        properties={"fcs/roll-trim-cmd-norm": 1.0},
+    )
+    with pytest.raises(LinearisationError) as caught:
+        fdm.linear_model()
+    assert caught.value.reason == "limit"
+    assert caught.value.name == "fcs/aileron-cmd-norm"
+
+
+def test_an_input_without_response_is_refused():
+    # the elevator of this model has a hysteresis wider than the pulse
+    with pytest.raises(LinearisationError, match="does not respond to 'elevator'") as caught:
+        plane("c172x").linear_model(inputs=["elevator"])
+    assert caught.value.reason == "no response"
+    assert caught.value.name == "elevator"
+
+
+def test_kinks_are_told():
+    with pytest.warns(RuntimeWarning, match=r"A320: the response of \w+ to aileron is not linear"):
+        model = plane("A320").linear_model(inputs=["aileron"])
+    assert np.nanmax(model.kinks) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"method": "flow"}, "method must be one of .*did you mean 'flown'"),
+        ({"inputs": ["elevatr"]}, "there is no 'elevatr'; did you mean 'elevator'"),
+        ({"outputs": ["thetta"]}, "there is no 'thetta'; did you mean 'theta'"),
+        ({"outputs": ["q", "q"]}, "lists a name twice"),
+        ({"inputs": "elevator"}, "inputs must be a list of names"),
+        ({"amplitude": {"elevatr": 1e-3}}, "no input 'elevatr'; did you mean 'elevator'"),
+        ({"amplitude": {"elevator": -1}}, "must be greater than 0"),
+        ({"method": "algebraic", "amplitude": {"elevator": 1e-3}}, "method='flown'"),
+    ],
+)
+def test_bad_input(arguments, text):
+    with pytest.raises(ParameterError, match=text):
+        plane("c172p").linear_model(**arguments)
+
+
+def test_a_model_is_saved_and_loaded(tmp_path):
+    model = plane("737").linear_model("algebraic")
+    model.save(tmp_path / "model.json")
+    loaded = LinearModel.load(tmp_path / "model.json")
+    for name in ("A", "B", "C", "D", "x0", "u0", "y0", "kinks", "fit", "latency"):
+        assert np.array_equal(getattr(model, name), getattr(loaded, name), equal_nan=True), name
+    assert (loaded.states, loaded.units, loaded.dt) == (model.states, model.units, model.dt)
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "another"}', "[" * 100_000])
+def test_a_file_without_a_model_is_refused(tmp_path, text):
+    (tmp_path / "x.json").write_text(text)
+    with pytest.raises(ParameterError, match="holds no linear model"):
+        LinearModel.load(tmp_path / "x.json")
+
+
+def test_the_table_has_the_names():
+    model = plane("737").linear_model("algebraic")
+    table = model.to_frame()
+    assert table.loc["d q/dt", "elevator"] == model.B[model.states.index("q"), 0]
+    assert table.loc["nz", "alpha"] == model.C[model.outputs.index("nz"), 1]
+
+
+def test_python_control_takes_it():
+    control = pytest.importorskip("control")
+    model = plane("737").linear_model("algebraic")
+    system = model.to_control()
+    assert isinstance(system, control.StateSpace)
+    assert system.input_labels == list(model.inputs)
+    assert system.state_labels == list(model.states)
+    gain = system(1j)[model.outputs.index("q"), 0]
+    wanted = model.C @ np.linalg.solve(1j * np.eye(len(model.A)) - model.A, model.B) + model.D
+    assert gain == pytest.approx(wanted[model.outputs.index("q"), 0])
+
+
+def test_the_block_flies_beside_the_aircraft():
+    from pathsim import Connection, Simulation
+    from pathsim.blocks import Scope
+    from pathsim.solvers import RK4
+
+    from pathsim_jsbsim_blocks import DoubletSource
+
+    aircraft = plane("737")
+    linear = aircraft.linear_model().block()
+    source = DoubletSource(amplitude=0.03, start=0.5, width=1.0)
+    scope = Scope()
+    sim = Simulation(
+        [source, aircraft, linear, scope],
+        [
+            Connection(source, aircraft["elevator"], linear["elevator"]),
+            Connection(aircraft["theta"], scope[0]),
+            Connection(linear["theta"], scope[1]),
+        ],
+        dt=1 / 120,
+        Solver=RK4,
+        log=False,
+    )
+    sim.run(5.0)
+    _, (one, other) = scope.read()
+    assert np.ptp(one) > 0.3
+    assert np.abs(one - other).max() < 0.02 * np.ptp(one)
+
+
+def test_the_process_does_not_die_of_an_aircraft_without_engines():
+    # jsbsim's own FGLinearization ends the process here
+    with pytest.raises(LinearisationError):
+        linear_model("SGS", TrimCondition(altitude=3000, speed=50, mode="none"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(Exception, match="does not trim"):
+            linear_model("SGS", TrimCondition(altitude=3000, speed=50))

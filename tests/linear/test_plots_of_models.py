@@ -1,0 +1,61 @@
+"""Figures of linear models: the right points and curves."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from test_modes import LATERAL, model
+
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.linear import LinearModel
+from pathsim_jsbsim_blocks.plots import bode, pole_map
+
+
+@pytest.fixture(autouse=True)
+def _close_figures():
+    yield
+    plt.close("all")
+
+
+def lag(latency=1):
+    """2 / (0.5 s + 1) at 120 Hz."""
+    return LinearModel(
+        aircraft="lag", condition="", method="flown", A=[[-2.0]], B=[[4.0]], C=[[1.0]], D=[[0.0]],
+        states=("p",), inputs=("aileron",), outputs=("p",), units={"p": "deg/s", "aileron": "norm"},
+        x0=[0.0], u0=[0.0], y0=[0.0], dt=1 / 120, latency=[latency], kinks=[[0.0]], fit=[[0.0]],
+    )  # fmt: skip
+
+
+def test_a_pole_map_has_the_poles_and_names():
+    figure = pole_map(model(LATERAL, ("beta", "p", "r", "phi")), title="a transport")
+    crosses = [line for line in figure.axes[0].lines if line.get_marker() == "x"]
+    drawn = {complex(x, y) for line in crosses for x, y in line.get_xydata()}
+    for pole in np.roots(np.poly(LATERAL)):
+        if pole.imag >= 0:
+            assert min(abs(pole - x) for x in drawn) < 1e-9
+    named = {text.get_text() for ax in figure.axes for text in ax.texts}
+    assert {"Dutch roll", "roll", "spiral"} <= named
+
+
+def test_a_bode_diagram_is_that_of_a_lag_with_its_delay():
+    gain, phase = bode(lag(), "p", "aileron").axes
+    omega, drawn = gain.lines[0].get_xydata().T
+    np.testing.assert_allclose(drawn, np.abs(2 / (0.5j * omega + 1)), rtol=1e-9)
+    omega, drawn = phase.lines[0].get_xydata().T
+    # one and a half samples of latency and hold
+    wanted = -np.degrees(np.arctan(0.5 * omega) + omega * 1.5 / 120)
+    np.testing.assert_allclose(drawn, wanted, atol=1e-6)
+    assert gain.get_ylabel() == "gain [deg/s/1]"
+
+
+def test_simulate_holds_and_delays():
+    u = np.zeros((4, 1))
+    u[0] = 1.0
+    step = 2 * (1 - np.exp(-2 / 120))
+    np.testing.assert_allclose(
+        lag().simulate(u)[:, 0], [0, 0, step, step * np.exp(-2 / 120), step * np.exp(-4 / 120)]
+    )
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(ParameterError, match="no 'ailern'; did you mean 'aileron'"):
+        bode(lag(), "p", "ailern")

@@ -1,0 +1,114 @@
+"""Conversions against printed factors, and the block in a diagram."""
+
+import math
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import ParameterError, UnitConversion
+from pathsim_jsbsim_blocks._core.units import UNITS
+from pathsim_jsbsim_blocks.units import conversion
+
+# NIST SP 811 (2008), appendix B.8, as printed there: seven digits, or exact
+PRINTED = {
+    ("ft", "m"): 3.048e-1,
+    ("in", "m"): 2.54e-2,
+    ("nmi", "m"): 1.852e3,
+    ("mi", "m"): 1.609344e3,
+    ("kt", "m/s"): 5.144444e-1,
+    ("ft/s", "m/s"): 3.048e-1,
+    ("ft/min", "m/s"): 5.08e-3,
+    ("mph", "m/s"): 4.4704e-1,
+    ("km/h", "m/s"): 2.777778e-1,
+    ("ft/s2", "m/s2"): 3.048e-1,
+    ("g", "m/s2"): 9.80665,
+    ("deg", "rad"): 1.745329e-2,
+    ("rpm", "rad/s"): 1.047198e-1,
+    ("lb", "kg"): 4.5359237e-1,
+    ("slug", "kg"): 1.459390e1,
+    ("lbf", "N"): 4.448222,
+    ("ft*lbf", "N*m"): 1.355818,
+    ("hp", "W"): 7.456999e2,
+    ("psf", "Pa"): 4.788026e1,
+    ("psi", "Pa"): 6.894757e3,
+    ("slug/ft3", "kg/m3"): 5.153788e2,
+    ("min", "s"): 60.0,
+    ("h", "s"): 3600.0,
+    # slug times foot squared
+    ("slug*ft2", "kg*m2"): 1.459390e1 * 0.3048**2,
+}
+
+
+@pytest.mark.parametrize(("source", "target"), PRINTED)
+def test_factors_are_those_printed(source, target):
+    factor, offset = conversion(source, target)
+    # half of the seventh digit
+    assert factor == pytest.approx(PRINTED[source, target], rel=5e-7)
+    assert offset == 0.0
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "kelvin"),
+    [
+        (0.0, "degC", 273.15),
+        (32.0, "degF", 273.15),
+        (212.0, "degF", 373.15),
+        (518.67, "degR", 288.15),
+    ],
+)
+def test_temperatures_have_an_offset(value, unit, kelvin):
+    factor, offset = conversion(unit, "K")
+    assert factor * value + offset == pytest.approx(kelvin, rel=1e-12)
+
+
+def test_there_and_back():
+    for units in UNITS.values():
+        for source in units:
+            for target in units:
+                a, b = conversion(source, target)
+                c, d = conversion(target, source)
+                assert c * (a * 7.0 + b) + d == pytest.approx(7.0, rel=1e-12)
+
+
+def test_the_block_in_a_diagram():
+    source, block, scope = Source(math.sin), UnitConversion("kt", "m/s"), Scope()
+    sim = Simulation(
+        [source, block, scope],
+        [Connection(source, block["in"]), Connection(block["out"], scope)],
+        dt=0.1,
+        log=False,
+    )
+    sim.run(1.0)
+    time, [values] = scope.read()
+    assert values == pytest.approx(1852 / 3600 * np.sin(time), abs=1e-15)
+    block.target = "km/h"
+    sim.run(0.1)
+    assert scope.read()[1][0, -1] == pytest.approx(1.852 * np.sin(1.1))
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "text"),
+    [
+        ("knots", "m/s", "source must be a unit"),
+        ("ft", "M", "target must be a unit"),
+        ("ft/sec", "m/s", "did you mean 'ft/s'"),
+        ("ft", "kt", "'ft' is a unit of length, 'kt' one of speed; units of length are m, km, ft"),
+        (1, "m", "not 1"),
+    ],
+)
+def test_units_that_do_not_fit_are_refused(source, target, text):
+    with pytest.raises(ParameterError, match=text):
+        UnitConversion(source, target)
+
+
+def test_set_refuses_a_unit_at_once_and_keeps_the_old_one():
+    block = UnitConversion("kt", "m/s")
+    with pytest.raises(ParameterError, match="did you mean 'ft/s'"):
+        block.set(target="fts")
+    with pytest.raises(ParameterError, match="unit of speed"):
+        block.set(target="ft")
+    assert (block.source, block.target) == ("kt", "m/s")
+    block.set(source="ft", target="m")
+    assert (block.source, block.target) == ("ft", "m")

@@ -1,0 +1,274 @@
+"""Each format is read back by another program's reader, and compared with the track."""
+
+import datetime
+import json
+import re
+import sys
+from pathlib import Path
+
+import fastkml
+import numpy as np
+import pandas
+import pyacmi
+import pymap3d
+import pytest
+from lxml import etree
+from plotly.offline import get_plotlyjs
+from scipy.spatial.transform import Rotation
+
+from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError, ParameterError
+from pathsim_jsbsim_blocks.tracks import Track, save_tracks
+
+START = datetime.datetime(2025, 6, 1, 9, 30, tzinfo=datetime.timezone.utc)
+
+
+def climbing_turn(name="one", n=121, **signals):
+    """North of the Alps, through north, over the date of the track by whole seconds."""
+    time = np.arange(n) / 4
+    return Track(
+        name,
+        "c172p",
+        time,
+        lat=47.0 + 1e-3 * np.sin(time / 5),
+        lon=11.0 + 1e-3 * np.cos(time / 5),
+        h=5000 + 10 * time,
+        theta=np.full(n, 4.0),
+        phi=20 + 0 * time,
+        psi=(340 + 3 * time) % 360,
+        signals={
+            "calibrated airspeed [kt]": 90 + time / 10,
+            "elevator": np.sin(time),
+            "Mach number": np.where(time < 1, np.nan, 0.14),
+            "throttle [ft]": time,  # another quantity under a known name
+            **signals,
+        },
+        about={"trimmed at": "5000 ft <level>"},
+    )
+
+
+def test_csv_and_parquet_hold_every_bit(tmp_path):
+    track = climbing_turn()
+    for ending, read in ((".csv", pandas.read_csv), (".parquet", pandas.read_parquet)):
+        save_tracks(tmp_path / f"flight{ending}", [track])
+        table = read(tmp_path / f"flight{ending}").reset_index()
+        assert np.array_equal(table["time [s]"], track.time)
+        for label, column in track.columns.items():
+            assert np.array_equal(table[label], column, equal_nan=True), label
+    assert list(track.to_frame().columns)[:6] == [
+        "latitude [deg]",
+        "longitude [deg]",
+        "altitude [ft]",
+        "pitch angle [deg]",
+        "roll angle [deg]",
+        "heading [deg]",
+    ]
+
+
+def test_a_table_of_several_aircraft_names_them(tmp_path):
+    save_tracks(tmp_path / "two.csv", [climbing_turn("one"), climbing_turn("two, too", n=3)])
+    table = pandas.read_csv(tmp_path / "two.csv", index_col=["aircraft", "time [s]"])
+    assert len(table.loc["one"]) == 121
+    assert list(table.loc["two, too"].index) == [0.0, 0.25, 0.5]
+
+
+def test_tacview_by_an_independent_reader(tmp_path):
+    tracks = [climbing_turn("one"), climbing_turn("two, too", n=9)]
+    save_tracks(tmp_path / "flight.acmi", tracks, START)
+    read = pyacmi.Acmi()
+    read.load_acmi(str(tmp_path / "flight.acmi"))
+    assert (read.file_type, read.file_version) == ("text/acmi/tacview", 2.2)
+    assert str(read.reference_time).startswith("2025-06-01 09:30:00")
+    assert read.timeframes == tracks[0].time.tolist()
+    for identity, track in zip(("1", "2"), tracks, strict=True):
+        seen = read.objects[identity]
+        assert seen.tags == "Air+FixedWing"
+        assert seen.get_value("Name") == "c172p"
+        # the reader leaves the escapes of commas in
+        assert seen.call_sign().replace("\\,", ",") == track.name
+        for i, t in enumerate(track.time):
+            assert seen.latitude(t) == pytest.approx(track.lat[i], abs=1e-9)
+            assert seen.longitude(t) == pytest.approx(track.lon[i], abs=1e-9)
+            assert seen.altitude(t) == pytest.approx(track.h[i] * 0.3048, abs=1e-4)
+            for value, column in (
+                (seen.roll(t), track.phi),
+                (seen.pitch(t), track.theta),
+                (seen.yaw(t), track.psi),
+            ):
+                assert value == pytest.approx(column[i], abs=1e-4)
+            # 1 kt is 1852 m in an hour
+            cas = track.signals["calibrated airspeed [kt]"][i] * 1852 / 3600
+            assert seen.cas(t) == pytest.approx(cas, rel=1e-5)
+            elevator = seen.get_value("Elevator", t)
+            assert elevator == pytest.approx(track.signals["elevator"][i], rel=1e-5)
+        assert seen.mach(8.0) == pytest.approx(0.14)
+        assert seen.throttle() is None
+
+
+def test_tacview_lines_hold_only_what_has_changed(tmp_path):
+    save_tracks(tmp_path / "flight.acmi", [climbing_turn()])
+    text = (tmp_path / "flight.acmi").read_text(encoding="utf-8-sig")
+    assert text.count("Type=Air+FixedWing") == 1
+    assert text.count("Mach=") == 1
+
+
+SCHEMAS = Path(fastkml.__file__).parent / "schema"
+
+
+@pytest.mark.parametrize("schema", ["ogckml22.xsd", "kml22gx.xsd"])
+def test_google_earth_by_the_schema(schema, tmp_path):
+    save_tracks(tmp_path / "flight.kml", [climbing_turn("a & b"), climbing_turn("<c>", n=5)])
+    valid = etree.XMLSchema(etree.parse(SCHEMAS / schema))
+    valid.assertValid(etree.parse(tmp_path / "flight.kml"))
+
+
+def test_google_earth_by_an_independent_reader(tmp_path):
+    track = climbing_turn("a & b")
+    save_tracks(tmp_path / "flight.kml", [track, climbing_turn("<c>", n=5)], START)
+    document = fastkml.KML.parse(tmp_path / "flight.kml").features[0]
+    mark, other = document.features
+    assert (mark.name, other.name) == ("a & b", "<c>")
+    drawn = mark.kml_geometry
+    places = np.array(drawn.coords)
+    assert places[:, 0] == pytest.approx(track.lon, abs=1e-9)
+    assert places[:, 1] == pytest.approx(track.lat, abs=1e-9)
+    assert places[:, 2] == pytest.approx(track.h * 0.3048, abs=1e-3)
+    turns = np.array(drawn.angles)
+    assert turns[:, 0] == pytest.approx(track.psi)
+    # nose up is a negative tilt, right wing down a negative roll
+    assert turns[:, 1] == pytest.approx(-track.theta)
+    assert turns[:, 2] == pytest.approx(-track.phi)
+    assert [w.dt for w in drawn.whens] == [
+        START + datetime.timedelta(seconds=t) for t in track.time
+    ]
+    text = (tmp_path / "flight.kml").read_text(encoding="utf-8")
+    assert "<displayName>calibrated airspeed [kt]</displayName>" in text
+    assert text.count("<gx:value>") == 4 * (121 + 5)
+
+
+def test_cesium_turns_the_aircraft_as_it_flies(tmp_path):
+    track = climbing_turn()
+    save_tracks(tmp_path / "flight.czml", [track, climbing_turn("two", n=3)], START)
+    document, one, _ = json.loads((tmp_path / "flight.czml").read_text(encoding="utf-8"))
+    assert document["version"] == "1.0"
+    assert (
+        document["clock"]["interval"] == "2025-06-01T09:30:00.000000Z/2025-06-01T09:30:30.000000Z"
+    )
+    place = np.reshape(one["position"]["cartographicDegrees"], (-1, 4))
+    assert np.array_equal(place[:, 0], track.time)
+    assert np.array_equal(place[:, 1:3], np.column_stack([track.lon, track.lat]))
+    assert place[:, 3] == pytest.approx(track.h * 0.3048)
+    turn = np.reshape(one["orientation"]["unitQuaternion"], (-1, 5))[:, 1:]
+    # no jump where the heading goes through north
+    assert np.abs(np.diff(turn, axis=0)).max() < 0.02
+    to_earth = Rotation.from_quat(turn)
+    here = np.column_stack(pymap3d.geodetic2ecef(track.lat, track.lon, place[:, 3]))
+
+    def towards(azimuth, elevation):
+        there = pymap3d.aer2ecef(azimuth, elevation, 1.0, track.lat, track.lon, place[:, 3])
+        return np.column_stack(there) - here
+
+    # rounding of coordinates of the size of the earth, 6e6 m
+    assert to_earth.apply([1, 0, 0]) == pytest.approx(towards(track.psi, track.theta), abs=1e-8)
+    # the left wing of a coordinate frame pitched by theta and rolled by phi is up by asin(cos sin)
+    up = np.degrees(np.arcsin(np.cos(np.radians(4.0)) * np.sin(np.radians(20.0))))
+    left = to_earth.apply([0, 1, 0])
+    assert np.sum(left * towards(0.0, 90.0), axis=1) == pytest.approx(np.sin(np.radians(up)))
+
+
+def test_a_report_is_one_page_of_moderate_size(tmp_path):
+    n = 60 * 120 + 1
+    time = np.arange(n) / 120
+    wave = np.sin(time)
+    signals = {f"signal {i} [ft]": i * wave for i in range(20)}
+    track = Track("one", "c172p", time, 47 + 0 * wave, wave, wave, wave, wave, wave, signals)
+    save_tracks(tmp_path / "flight.html", [track])
+    page = (tmp_path / "flight.html").read_text(encoding="utf-8")
+    assert len(page) - len(get_plotlyjs()) < 3e6
+    own = page.replace(get_plotlyjs(), "")
+    assert not re.findall(r"(?:src|href)=\"(?!data:)", own)
+    assert "http" not in own
+    assert "<!--" not in own.replace("<!DOCTYPE", "")
+
+
+def test_text_of_the_user_is_text_in_a_report(tmp_path):
+    save_tracks(tmp_path / "flight.html", [climbing_turn("</script><b>&")])
+    page = (tmp_path / "flight.html").read_text(encoding="utf-8").replace(get_plotlyjs(), "")
+    assert "</script><b>" not in page
+    assert "&lt;/script&gt;&lt;b&gt;&amp;" in page
+    assert "5000 ft &lt;level&gt;" in page
+
+
+def test_a_long_flight_is_thinned_out_and_keeps_its_end():
+    track = climbing_turn(n=1001).thinned(100)
+    assert len(track.time) == 92
+    assert (track.time[0], track.time[1], track.time[-1]) == (0.0, 2.75, 250.0)
+    assert climbing_turn().thinned(121).time.size == 121
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("flight.kmz", "did you mean '.kml'"),
+        ("flight.acm", "did you mean '.acmi'"),
+        ("flight", "must end in one of .csv, .parquet, .acmi, .kml, .czml, .html"),
+    ],
+)
+def test_an_unknown_ending_is_refused(name, text, tmp_path):
+    with pytest.raises(ParameterError, match=re.escape(text)):
+        save_tracks(tmp_path / name, [climbing_turn()])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_saved_is_refused(tmp_path):
+    path = tmp_path / "flight.csv"
+    for tracks in ([], [climbing_turn(), climbing_turn()]):
+        with pytest.raises(ParameterError, match="one or more, of different names"):
+            save_tracks(path, tracks)
+    with pytest.raises(ParameterError, match="start must be a datetime"):
+        save_tracks(path, [climbing_turn()], "now")
+    with pytest.raises(ParameterError, match="no directory"):
+        save_tracks(tmp_path / "nowhere" / "flight.csv", [climbing_turn()])
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_a_full_disk_is_a_typed_error(tmp_path):
+    path = tmp_path / "flight.acmi"
+    path.symlink_to("/dev/full")
+    with pytest.raises(FileError, match="No space left"):
+        save_tracks(path, [climbing_turn()])
+
+
+@pytest.mark.parametrize(
+    ("package", "ending"), [("pandas", "csv"), ("czml3", "czml"), ("plotly", "html")]
+)
+def test_a_missing_package_names_its_extra(package, ending, tmp_path, monkeypatch):
+    for module in [m for m in sys.modules if m.partition(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[tracks\]") as error:
+        save_tracks(tmp_path / f"flight.{ending}", [climbing_turn()])
+    assert error.value.extra == "tracks"
+
+
+def test_times_without_a_zone_are_utc(tmp_path):
+    save_tracks(tmp_path / "flight.acmi", [climbing_turn()], START.replace(tzinfo=None))
+    assert "ReferenceTime=2025-06-01T09:30:00.000Z" in (tmp_path / "flight.acmi").read_text(
+        encoding="utf-8-sig"
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"lat": [91.0, 0.0]}, r"lat must lie in \[-90, 90\] deg, not 91"),
+        ({"lon": [0.0]}, r"lon has the shape \(1,\), time has \(2,\)"),
+        ({"h": [0.0, np.nan]}, "h must be finite, not nan"),
+        ({"time": [0.0, 0.0]}, "time must increase"),
+        ({"signals": {"a": [1.0]}}, "a has the shape"),
+        ({"psi": "north"}, "psi must be a real number"),
+    ],
+)
+def test_a_track_checks_its_columns(change, text):
+    columns = {n: [0.0, 1.0] for n in ("time", "lat", "lon", "h", "theta", "phi", "psi")}
+    with pytest.raises(ParameterError, match=text):
+        Track("one", "c172p", **{**columns, **change})

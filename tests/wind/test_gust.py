@@ -1,0 +1,138 @@
+"""1-cosine gusts: the regulation's velocities, the shape, edges, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+from ambiance import Atmosphere
+from pathsim import Connection, Simulation
+from pathsim.blocks import Integrator, Scope
+from pathsim.solvers import RKCK54
+
+from pathsim_jsbsim_blocks import OneMinusCosineGust, ParameterError
+from pathsim_jsbsim_blocks.wind import design_gust_velocity
+
+pytestmark = pytest.mark.matrix
+
+
+def record(gust, duration=5.0):
+    scope = Scope()
+    sim = Simulation([gust, scope], [Connection(gust, scope)], dt=0.01, log=False)
+    sim.run(duration)
+    time, (y,) = scope.read()
+    return time, y
+
+
+@pytest.mark.parametrize(
+    ("altitude", "eas"), [(0.0, 56.0), (15000.0, 44.0), (37500.0, 32.43), (60000.0, 20.86)]
+)
+def test_the_reference_velocities_are_those_of_the_regulation(altitude, eas):
+    # ambiance takes geometric heights in m
+    geopotential = altitude * 0.3048
+    height = 6356766.0 * geopotential / (6356766.0 - geopotential)
+    true = eas * math.sqrt(1.225 / Atmosphere(height).density[0])
+    assert design_gust_velocity(350.0, altitude) == pytest.approx(true, rel=1e-6)
+    assert design_gust_velocity(350.0, altitude, 0.8) == pytest.approx(0.8 * true, rel=1e-6)
+
+
+def test_shorter_gusts_are_weaker_by_the_sixth_root():
+    assert design_gust_velocity(30.0, 0.0) == pytest.approx(56.0 * (30 / 350) ** (1 / 6))
+    assert design_gust_velocity(30.0, 0.0) == pytest.approx(37.18, abs=0.01)
+
+
+def test_a_gust_has_its_shape():
+    time, y = record(
+        OneMinusCosineGust(gradient=200.0, airspeed=400.0, amplitude=30.0, start=1.0, polarity=-1)
+    )
+    s = np.clip(400.0 * (time - 1.0), 0.0, 400.0)
+    assert y == pytest.approx(-15.0 * (1 - np.cos(np.pi * s / 200.0)), abs=1e-9)
+    assert y[abs(time - 1.5).argmin()] == -30.0
+    assert y[abs(time - 1.25).argmin()] == pytest.approx(-15.0)
+
+
+def test_the_default_amplitude_is_the_design_velocity():
+    _, y = record(OneMinusCosineGust(gradient=100.0, airspeed=100.0, altitude=10000.0))
+    assert y.max() == design_gust_velocity(100.0, 10000.0)
+
+
+def test_a_long_step_does_not_jump_over_a_short_gust():
+    # it takes 0.1 s
+    gust = OneMinusCosineGust(gradient=30.0, airspeed=600.0, amplitude=40.0, start=1.0)
+    state, scope = Integrator(0.0), Scope()
+    sim = Simulation(
+        [gust, state, scope],
+        [Connection(gust, state), Connection(state, scope)],
+        Solver=RKCK54,
+        dt=0.5,
+        dt_max=0.5,
+        tolerance_lte_abs=1e-6,
+        log=False,
+    )
+    sim.run(3.0)
+    time, (area,) = scope.read()
+    assert [abs(time - edge).min() for edge in (1.0, 1.1)] == pytest.approx([0.0, 0.0], abs=1e-12)
+    # half of amplitude times duration
+    assert area[-1] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_parameters_can_be_edited_before_the_gust():
+    gust, scope = OneMinusCosineGust(amplitude=10.0), Scope()
+    sim = Simulation([gust, scope], [Connection(gust, scope)], dt=0.01, log=False)
+    sim.run(0.5)
+    gust.set(amplitude=20.0, polarity=-1)
+    sim.run(4.0)
+    assert scope.read()[1][0].min() == pytest.approx(-20.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("edited", [{"airspeed": 900.0}, {"gradient": 100.0}, {"start": 5.0}])
+def test_a_gust_edited_in_its_middle_does_not_come_again(edited):
+    gust, scope = OneMinusCosineGust(300.0, airspeed=300.0, amplitude=10.0, start=0.5), Scope()
+    sim = Simulation([gust, scope], [Connection(gust, scope)], dt=0.01, log=False)
+    sim.run(1.5)
+    gust.set(**edited)
+    sim.run(3.0)
+    time, (y,) = scope.read()
+    # it was at its peak
+    assert np.all(np.diff(y[time > 1.5]) <= 0.0)
+    assert y[-1] == 0.0
+
+
+def test_a_bad_value_is_not_set():
+    gust = OneMinusCosineGust(airspeed=200.0)
+    with pytest.raises(ParameterError, match="airspeed"):
+        gust.set(amplitude=5.0, airspeed=-3.0)
+    assert (gust.amplitude, gust.airspeed) == (None, 200.0)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "parameter"),
+    [
+        ({"gradient": 0.0}, "gradient"),
+        ({"gradient": -30.0, "amplitude": 1.0}, "gradient"),
+        ({"gradient": 20.0}, "gradient"),
+        ({"gradient": 351.0}, "gradient"),
+        ({"airspeed": 0.0}, "airspeed"),
+        ({"airspeed": math.nan}, "airspeed"),
+        ({"altitude": -1.0}, "altitude"),
+        ({"altitude": 60001.0}, "altitude"),
+        ({"amplitude": math.inf}, "amplitude"),
+        ({"amplitude": "big"}, "amplitude"),
+        ({"polarity": 0}, "polarity"),
+        ({"polarity": 2, "amplitude": 1.0}, "polarity"),
+        ({"start": -1.0}, "start"),
+    ],
+)
+def test_bad_parameters_are_refused_by_name(keywords, parameter):
+    with pytest.raises(ParameterError) as error:
+        OneMinusCosineGust(**keywords)
+    assert error.value.parameter == parameter
+
+
+def test_a_bad_alleviation_is_refused():
+    for factor in (0.0, 1.01):
+        with pytest.raises(ParameterError, match="alleviation"):
+            design_gust_velocity(100.0, 0.0, factor)
+
+
+def test_a_given_amplitude_takes_any_length():
+    assert OneMinusCosineGust(gradient=5000.0, amplitude=10.0, altitude=80000.0).peak == 10.0
