@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from pathlib import Path
 
@@ -19,7 +20,19 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control import holds
-from pathsim_jsbsim_blocks.control.gains import GAINS, AttitudeGains, YawGains, loop_gains
+from pathsim_jsbsim_blocks.control.gains import (
+    GAINS,
+    AttitudeGains,
+    DesignPoint,
+    EnvelopeLimits,
+    GainSchedule,
+    YawGains,
+    document_of,
+    loop_gains,
+    read_gains,
+    schedule_of,
+)
+from pathsim_jsbsim_blocks.errors import FileError
 
 HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
 PITCH = {"Kp": 0.1, "Ki": 0.1}
@@ -108,9 +121,105 @@ def test_authority_is_one_number_or_two():
     assert elevator == -0.1  # nose up
 
 
+def point(altitude, speed, **values):
+    gains = dataclasses.replace(
+        GAINS["737"],
+        pitch=AttitudeGains(Kp=values.get("Kp", 0.1), Ki=0.1),
+        envelope=EnvelopeLimits(12.0, 130.0, values.get("climb", 40.0), 30.0),
+    )
+    return DesignPoint(altitude, speed, gains)
+
+
+@pytest.fixture
+def schedule():
+    return GainSchedule(
+        "737",
+        (
+            point(5000.0, 200.0, Kp=0.4),
+            point(5000.0, 300.0, Kp=0.2, climb=60.0),
+            point(15000.0, 240.0, Kp=0.8),
+        ),
+        nominal=1,
+    )
+
+
+@pytest.mark.parametrize(
+    ("h", "vc", "Kp", "climb"),
+    [
+        (5000, 200, 0.4, 40),
+        (5000, 250, 0.3, 50),
+        (10_000, 250, 0.55, 45),  # half of 0.3 and half of 0.8
+        (7500, 300, 0.35, 55),  # three quarters of 0.2 and a quarter of 0.8
+        (0, 100, 0.4, 40),  # constant beyond the outermost points
+        (40_000, 500, 0.8, 40),
+        (5000, 300, 0.2, 60),
+        (15_000, 210, 0.8, 40),
+    ],
+)
+def test_between_its_points_a_schedule_interpolates(schedule, h, vc, Kp, climb):
+    gains = schedule.at(h, vc)
+    assert gains.pitch.Kp == pytest.approx(Kp, rel=1e-12)
+    assert gains.envelope.climb_max == pytest.approx(climb, rel=1e-12)
+    assert gains.heading == GAINS["737"].heading
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monkeypatch):
+    assert hold(gains=schedule).gains is schedule
+    path = tmp_path / "mine.json"
+    document = {**document_of(schedule), "versions": {"jsbsim": "1.3"}}
+    document["points"][0]["report"] = {"Ms": 1.3}
+    path.write_text(json.dumps(document))
+    assert read_gains(path) == schedule_of(str(path)) == schedule
+    assert hold(gains=str(path)).gains == str(path)
+    monkeypatch.chdir(tmp_path)
+    assert hold(gains="mine.json").gains == "mine.json"
+    assert loop_gains("mine.json", "pitch")[0].Kp == 0.2  # of the nominal point
+    with pytest.raises(FileError, match=r"did you mean 'mine.json'"):
+        hold(gains="mime.json")
+    document["points"][0]["gains"]["pitch"]["Kpp"] = 1.0
+    path.write_text(json.dumps(document))
+    with pytest.raises(ParameterError, match=r"mine.json: 'Kpp' is no pitch gain.*'Kp'"):
+        hold(gains="mine.json")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{", "no JSON file"),
+        ("[1]", "format must be 'pathsim-jsbsim-blocks gains 1'"),
+        (
+            '{"format": "pathsim-jsbsim-blocks gains 1"}',
+            "no complete gain table: KeyError.*aircraft",
+        ),
+        (
+            '{"format": "pathsim-jsbsim-blocks gains 1", "aircraft": "x", "nominal": 0, "points": []}',
+            "needs design points",
+        ),
+    ],
+)
+def test_files_that_are_no_gain_table(tmp_path, text, words):
+    path = tmp_path / "other.json"
+    path.write_text(text)
+    with pytest.raises(ParameterError, match=words):
+        PitchHold(gains=str(path))
+
+
+def test_schedules_that_cannot_be(schedule):
+    points = schedule.points
+    with pytest.raises(ParameterError, match="sorted by altitude"):
+        GainSchedule("737", points[::-1])
+    with pytest.raises(ParameterError, match="index of one of 3 points"):
+        GainSchedule("737", points, nominal=3)
+    with pytest.raises(ParameterError, match="envelope limits, or none"):
+        GainSchedule("737", (DesignPoint(0.0, 200.0, GAINS["737"]), *points))
+    with pytest.raises(ParameterError, match="AircraftGains"):
+        DesignPoint(0.0, 200.0, "737")
+
+
 def test_the_page_shows_the_gains_that_are_flown():
     page = (Path(__file__).parents[2] / "docs" / "autopilots.md").read_text(encoding="utf-8")
-    loops = "pitch|roll|heading|altitude|speed|yaw"
+    loops = "pitch|roll|heading|altitude|speed|yaw|envelope"
     rows = re.findall(rf"^\| ({loops}) \| (\w+) \| (.+) \|$", page, re.M)
     shown = {
         (table, loop, gain): float(value)
@@ -121,6 +230,7 @@ def test_the_page_shows_the_gains_that_are_flown():
         (table, loop.name, gain): value
         for table, gains in GAINS.items()
         for loop in dataclasses.fields(gains)
+        if getattr(gains, loop.name) is not None
         for gain, value in dataclasses.asdict(getattr(gains, loop.name)).items()
     }
     assert shown == flown

@@ -1,18 +1,28 @@
-"""Gains of the autopilot loops: tables for three aircraft, and numbers from the user."""
+"""Gains of the autopilot loops: tables, schedules over altitude and airspeed, numbers, files."""
 
 from __future__ import annotations
 
+import bisect
 import dataclasses
+import functools
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
 from typing import Any, get_type_hints
 
-from .._core.checks import did_you_mean, nearest, number, one_of, positive
-from ..errors import ParameterError
+import numpy as np
 
-# name of a table, or numbers by name
+from .._core.checks import did_you_mean, nearest, number, one_of, positive, whole
+from ..errors import FileError, ParameterError
+
+# name of a table or of a file, or numbers by name
 Gains = str | Mapping[str, Any]
+
+FORMAT = "pathsim-jsbsim-blocks gains 1"
+TABLES = Path(__file__).parent / "tables"
 
 
 @dataclass(frozen=True)
@@ -20,10 +30,14 @@ class _Gains:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if field.name in ("ramp", "hdot_max", "tau"):
+            if field.name in _POSITIVE:
                 positive(field.name, value)
             else:
-                number(field.name, value, low=0.0 if field.name in ("b", "Tf") else -math.inf)
+                number(field.name, value, low=0.0 if field.name in _NOT_NEGATIVE else -math.inf)
+
+
+_POSITIVE = ("ramp", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
+_NOT_NEGATIVE = ("b", "Tf", "climb_max")
 
 
 @dataclass(frozen=True)
@@ -123,24 +137,53 @@ class SpeedGains(_Gains):
 
 @dataclass(frozen=True)
 class YawGains(_Gains):
-    """Gain from yaw rate (deg/s) to the rudder command (full travel 1).
+    """Gains from yaw rate (deg/s) and sideslip (deg) to the rudder command (full travel 1).
+
+    All are positive where positive rudder yaws the nose left.
 
     Parameters
     ----------
     K : float
-        s/deg; positive where positive rudder yaws the nose left; 0 where the model has its own
-        damper
+        s/deg, on the washed-out yaw rate; 0 where the model has its own damper
     tau : float
         time constant of the wash-out in s
+    Kp : float
+        turn coordination: rudder per angle of sideslip, 1/deg
+    Ki : float
+        turn coordination: rudder per integral of the sideslip, 1/(deg s)
     """
 
     K: float
     tau: float = 2.0
+    Kp: float = 0.0
+    Ki: float = 0.0
+
+
+@dataclass(frozen=True)
+class EnvelopeLimits(_Gains):
+    """What the aircraft can fly at one altitude and airspeed, measured in flight.
+
+    Parameters
+    ----------
+    alpha_max : float
+        largest angle of attack that the holds may command, deg, below the stall
+    vc_min : float
+        lowest airspeed that the holds may command, KCAS
+    climb_max : float
+        rate of climb at full throttle and this airspeed, ft/s
+    descent_max : float
+        rate of descent at idle and this airspeed, ft/s, positive
+    """
+
+    alpha_max: float
+    vc_min: float
+    climb_max: float
+    descent_max: float
 
 
 @dataclass(frozen=True)
 class AircraftGains:
-    """The gains of all loops of one aircraft.
+    """The gains of all loops of one aircraft at one altitude and airspeed.
 
     Parameters
     ----------
@@ -149,6 +192,8 @@ class AircraftGains:
     altitude : AltitudeGains
     speed : SpeedGains
     yaw : YawGains
+    envelope : EnvelopeLimits, optional
+        limits of the protection; None for none
     """
 
     pitch: AttitudeGains
@@ -157,9 +202,149 @@ class AircraftGains:
     altitude: AltitudeGains
     speed: SpeedGains
     yaw: YawGains
+    envelope: EnvelopeLimits | None = None
 
 
-_LOOPS = get_type_hints(AircraftGains)
+_LOOPS = {**get_type_hints(AircraftGains), "envelope": EnvelopeLimits}
+
+
+@dataclass(frozen=True)
+class DesignPoint:
+    """Gains, and the altitude and airspeed they are for.
+
+    Parameters
+    ----------
+    altitude : float
+        ft
+    speed : float
+        KCAS
+    gains : AircraftGains
+    """
+
+    altitude: float
+    speed: float
+    gains: AircraftGains
+
+    def __post_init__(self) -> None:
+        number("altitude", self.altitude)
+        positive("speed", self.speed)
+        if not isinstance(self.gains, AircraftGains):
+            raise ParameterError(
+                f"the gains of a design point must be AircraftGains, not {self.gains!r}",
+                parameter="gains",
+                value=self.gains,
+            )
+
+
+@dataclass(frozen=True)
+class GainSchedule:
+    """Gains of one aircraft over altitude and airspeed.
+
+    Between the points every number is interpolated: linearly over the airspeed at the altitudes
+    below and above, then linearly over the altitude. Beyond the outermost points it stays constant.
+
+    Parameters
+    ----------
+    aircraft : str
+        model that the gains are for
+    points : tuple of DesignPoint
+        sorted by altitude, and by airspeed within each altitude; all of them have envelope limits,
+        or none
+    nominal : int
+        index of the point whose gains a hold uses that does not know the airspeed
+
+    Raises
+    ------
+    ParameterError
+        if there are no points, or they are not sorted
+    """
+
+    aircraft: str
+    points: tuple[DesignPoint, ...]
+    nominal: int = 0
+
+    def __post_init__(self) -> None:
+        places = [(point.altitude, point.speed) for point in self.points]
+        if not places or any(a >= b for a, b in pairwise(places)):
+            raise ParameterError(
+                "a gain schedule needs design points, sorted by altitude and then by airspeed, "
+                f"not {places}",
+                parameter="points",
+                value=places,
+            )
+        if not 0 <= whole("nominal", self.nominal, low=0) < len(places):
+            raise ParameterError(
+                f"nominal must be the index of one of {len(places)} points, not {self.nominal}",
+                parameter="nominal",
+                value=self.nominal,
+            )
+        if len({point.gains.envelope is None for point in self.points}) > 1:
+            raise ParameterError(
+                "all points of a gain schedule have envelope limits, or none",
+                parameter="points",
+                value=places,
+            )
+        object.__setattr__(self, "points", tuple(self.points))
+
+    def at(self, h: float, vc: float) -> AircraftGains:
+        """The gains at an altitude (ft) and airspeed (KCAS)."""
+        weights = self._weights(h, vc)
+        if len(weights) == 1:
+            return self.points[weights[0][0]].gains
+        row = sum(share * self._rows[i] for i, share in weights).tolist()
+        return AircraftGains(
+            **{loop: _LOOPS[loop](*row[start:end]) for loop, start, end in self._columns}
+        )
+
+    def _weights(self, h: float, vc: float) -> list[tuple[int, float]]:
+        """Points around an altitude and airspeed, and the share of each."""
+        altitudes, speeds, first = self._grid
+        found = []
+        for level, share in _around(altitudes, h):
+            for i, part in _around(speeds[level], vc):
+                if share * part:
+                    found.append((first[level] + i, share * part))
+        return found
+
+    @functools.cached_property
+    def _grid(self) -> tuple[list[float], list[list[float]], list[int]]:
+        altitudes = sorted({point.altitude for point in self.points})
+        speeds: list[list[float]] = [[] for _ in altitudes]
+        for point in self.points:
+            speeds[altitudes.index(point.altitude)].append(point.speed)
+        first = [sum(len(row) for row in speeds[:i]) for i in range(len(altitudes))]
+        return altitudes, speeds, first
+
+    @functools.cached_property
+    def _columns(self) -> list[tuple[str, int, int]]:
+        """Where the numbers of each loop stand in a row."""
+        columns, end = [], 0
+        for loop, kind in _LOOPS.items():
+            if getattr(self.points[0].gains, loop) is not None:
+                start, end = end, end + len(dataclasses.fields(kind))
+                columns.append((loop, start, end))
+        return columns
+
+    @functools.cached_property
+    def _rows(self) -> np.ndarray:
+        return np.array(
+            [
+                [x for loop, _, _ in self._columns for x in vars(getattr(p.gains, loop)).values()]
+                for p in self.points
+            ],
+            dtype=float,
+        )
+
+
+def _around(places: list[float], x: float) -> list[tuple[int, float]]:
+    """Indices of the places below and above x, and the share of each; constant at the ends."""
+    above = bisect.bisect_right(places, x)
+    if above in (0, len(places)):
+        return [(min(above, len(places) - 1), 1.0)]
+    low, high = places[above - 1 : above + 1]
+    share = (x - low) / (high - low)
+    return [(above - 1, 1.0 - share), (above, share)]
+
 
 # tuned on each nonlinear aircraft model in still air, at the condition given
 GAINS = {
@@ -191,23 +376,29 @@ GAINS = {
 
 
 def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
-    """The gains of some loops, from the name of a table or from numbers.
+    """The gains of some loops, from a table, a file or numbers; of a schedule its nominal point's.
 
     Parameters
     ----------
-    gains : str, AircraftGains, dict, or the gains of the loop
-        a key of ``GAINS``; or, for one loop, its gains or a dict of their values; or, for several,
-        a dict from the loop's name to any of these
+    gains : str, AircraftGains, GainSchedule, dict, or the gains of the loop
+        a name among `tables`, or the path of a file that ends in ".json"; or, for one loop, its
+        gains or a dict of their values; or, for several, a dict from the loop's name to any of
+        these
     *loops : str
-        "pitch", "roll", "heading", "altitude", "speed", "yaw"
+        "pitch", "roll", "heading", "altitude", "speed", "yaw", or "envelope", which may be absent
+        and is None then
 
     Raises
     ------
     ParameterError
         for an unknown table, loop or gain, naming the nearest, and for a missing one
+    FileError
+        for a file that cannot be read
     """
     if isinstance(gains, str):
-        gains = GAINS[one_of("gains", gains, GAINS)]
+        gains = table(gains)
+    if isinstance(gains, GainSchedule):
+        gains = gains.points[gains.nominal].gains
     if isinstance(gains, AircraftGains):
         return tuple(getattr(gains, loop) for loop in loops)
     if len(loops) == 1:
@@ -219,8 +410,127 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
             parameter="gains",
             value=gains,
         )
-    _check_keys(gains, loops, loops, "loop")
-    return tuple(loop_gains(gains[loop], loop)[0] for loop in loops)
+    _check_keys(gains, loops, [loop for loop in loops if loop != "envelope"], "loop")
+    return tuple(loop_gains(gains[loop], loop)[0] if loop in gains else None for loop in loops)
+
+
+def schedule_of(gains: Any) -> GainSchedule | None:
+    """The schedule that ``gains`` is or names; None for gains that do not depend on the speed."""
+    if isinstance(gains, str):
+        gains = table(gains)
+    return gains if isinstance(gains, GainSchedule) and len(gains.points) > 1 else None
+
+
+def tables() -> list[str]:
+    """Names of the gain tables that come with this package."""
+    return [*GAINS, *sorted(path.stem for path in TABLES.glob("*.json") if path.stem not in GAINS)]
+
+
+def table(name: str) -> AircraftGains | GainSchedule:
+    """The gains with a name: a table of this package, or a file that ends in ".json".
+
+    Raises
+    ------
+    ParameterError
+        for an unknown name, naming the nearest, and for a file that is no gain table
+    FileError
+        for a file that cannot be read
+    """
+    if name in GAINS:
+        return GAINS[name]
+    if name.endswith(".json"):
+        return read_gains(name)
+    return read_gains(TABLES / f"{one_of('gains', name, tables())}.json")
+
+
+def read_gains(path: str | Path) -> GainSchedule:
+    """The gain schedule in a file written by ``pathsim-jsbsim gains``.
+
+    Raises
+    ------
+    ParameterError
+        if the file is no gain table, or a gain is missing, unknown (naming the nearest) or invalid
+    FileError
+        if the file cannot be read
+    """
+    path = Path(path)
+    try:
+        written = path.stat().st_mtime_ns
+    except OSError as cause:
+        beside = [other.name for other in path.parent.glob("*.json")]
+        close = nearest(path.name, [*beside, *tables()], 1)
+        raise FileError("read", path, cause, did_you_mean(close)) from cause
+    return _read(path.absolute(), written)
+
+
+@functools.lru_cache(maxsize=64)
+def _read(path: Path, written: int) -> GainSchedule:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as cause:
+        raise FileError("read", path, cause) from cause
+    except ValueError as cause:
+        raise ParameterError(
+            f"{path} is no JSON file: {cause}", parameter="gains", value=str(path)
+        ) from cause
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise ParameterError(
+            f"{path} is no gain table: its format must be {FORMAT!r}",
+            parameter="gains",
+            value=str(path),
+        )
+    try:
+        return schedule_from(document)
+    except (KeyError, TypeError) as cause:
+        raise ParameterError(
+            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
+        ) from cause
+    except ParameterError as error:
+        raise ParameterError(
+            f"{path}: {error}", parameter=error.parameter, value=error.value
+        ) from error
+
+
+def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
+    """The gain schedule in a document as `document_of` makes it."""
+    loops = list(_LOOPS)
+    return GainSchedule(
+        aircraft=document["aircraft"],
+        points=tuple(
+            DesignPoint(
+                altitude=point["altitude"],
+                speed=point["speed"],
+                gains=AircraftGains(*loop_gains({**point["gains"]}, *loops)),
+            )
+            for point in document["points"]
+        ),
+        nominal=document["nominal"],
+    )
+
+
+def document_of(schedule: GainSchedule) -> dict[str, Any]:
+    """A gain schedule as JSON can hold it, in the format of gain table files.
+
+    Further keys, of the document (such as "versions" and "condition") and of each of its "points"
+    (such as "report"), are not read.
+    """
+    return {
+        "format": FORMAT,
+        "aircraft": schedule.aircraft,
+        "nominal": schedule.nominal,
+        "points": [
+            {
+                "altitude": point.altitude,
+                "speed": point.speed,
+                "gains": {
+                    loop: dict(vars(gains))
+                    for loop, gains in vars(point.gains).items()
+                    if gains is not None
+                },
+            }
+            for point in schedule.points
+        ],
+    }
 
 
 def _one_loop(gains: Any, loop: str) -> Any:
