@@ -36,6 +36,7 @@ OWN_TESTS = {
     "_core/noise": ["test_turbulence.py", "test_sensor_actuator.py"],
     "control/sensor": ["test_sensor_actuator.py"],
     "control/actuator": ["test_sensor_actuator.py"],
+    "control/response": ["test_response.py"],
     "control/": ["test_laws.py", "test_gains.py", "test_promises.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
     "_core/tunable": ["test_gains.py", "test_pid.py", "test_autopilot.py"],

@@ -1,0 +1,217 @@
+"""How well a response follows its reference: settling, overshoot, rise, steady error."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._core.checks import finite, number, positive
+from ..errors import ParameterError
+
+# of the step: a response whose step is smaller has none
+_NO_STEP = 1e-9
+
+
+@dataclass(frozen=True)
+class ResponseQuality:
+    """What `response_quality` measures of a response.
+
+    Parameters
+    ----------
+    step : float
+        final reference less the value at the start, unit of y
+    settling : float
+        s from the start until y is within the tolerance for good; nan if it is not at the end
+    overshoot : float
+        largest excess over the final reference in the direction of the step, unit of y; 0 if there
+        is none, nan without a step
+    rise : float
+        s from the first crossing of the lower to that of the upper share of the step; nan where y
+        does not get there, and without a step
+    steady_error : float
+        largest distance from the final reference at the end, unit of y
+    """
+
+    step: float
+    settling: float
+    overshoot: float
+    rise: float
+    steady_error: float
+
+    @property
+    def overshoot_percent(self) -> float:
+        """Overshoot in percent of the step; nan without a step."""
+        return 100.0 * self.overshoot / abs(self.step) if self.step else math.nan
+
+
+def response_quality(
+    time: ArrayLike,
+    y: ArrayLike,
+    reference: ArrayLike,
+    *,
+    tolerance: float | None = None,
+    share: float = 0.02,
+    rise: tuple[float, float] = (0.1, 0.9),
+    last: float | None = None,
+) -> ResponseQuality:
+    """Settling time, overshoot, rise time and steady error of a response to a step or a ramp.
+
+    The response starts where the reference first changes, or with the first sample if it does not,
+    and is compared with the last value of the reference. Times are interpolated between samples.
+    An angle that passes through 360 deg is unwound first (``numpy.unwrap(psi, period=360)``).
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        s, not decreasing, n >= 2
+    y : array_like, shape (n,)
+        the response, any unit
+    reference : float or array_like, shape (n,)
+        the value to reach, or the reference at every sample, unit of y
+    tolerance : float, optional
+        half width of the band in which y has settled, unit of y; default ``share`` of the step
+    share : float
+        the same as a share of the step
+    rise : (float, float)
+        shares of the step between which the rise time is taken
+    last : float, optional
+        length of the end over which the steady error is taken, s; default the last tenth of the
+        response
+
+    Returns
+    -------
+    ResponseQuality
+
+    Raises
+    ------
+    ParameterError
+        for arrays of other shapes, values that are not finite, time that decreases or stands
+        still, a ``tolerance``, ``share``, ``rise`` or ``last`` out of range, and a response without
+        a step where no ``tolerance`` is given
+
+    References
+    ----------
+    Ogata: *Modern Control Engineering*, 5th ed., 2010, section 5-3. The interpretation is that of
+    python-control's ``step_info``, which does not interpolate.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.linspace(0.0, 10.0, 1001)
+    >>> quality = response_quality(time, 1 - np.exp(-time), 1.0)
+    >>> round(quality.settling, 2), round(quality.rise, 2), quality.overshoot
+    (3.91, 2.2, 0.0)
+    """
+    t, y, reference = _signals(time, y, reference)
+    low, high = _shares(rise)
+    share = number("share", share, above=0.0, high=1.0)
+    if tolerance is not None:
+        tolerance = positive("tolerance", tolerance)
+    last = None if last is None else positive("last", last)
+
+    goal = float(reference[-1])
+    changes = np.flatnonzero(np.diff(reference))
+    # the sample before the first change is the last that knows nothing of it
+    first = int(changes[0]) + 1 if len(changes) else 0
+    t, y = t[first:], y[first:]
+    if t[-1] == t[0]:
+        raise ParameterError(
+            "the reference changes at the last sample: there is no response",
+            parameter="reference",
+            value=goal,
+        )
+    start = float(t[0])
+    step = goal - float(y[0])
+    if abs(step) <= _NO_STEP * max(1.0, abs(goal)):
+        step = 0.0
+    if not step and tolerance is None:
+        raise ParameterError(
+            f"y starts at the reference, {goal:g}: without a step, give the tolerance",
+            parameter="tolerance",
+            value=None,
+        )
+    error = y - goal
+    end = t >= (t[-1] - last if last is not None else start + 0.9 * (t[-1] - start))
+    band = share * abs(step) if tolerance is None else tolerance
+    return ResponseQuality(
+        step=step,
+        settling=_settling(t, np.abs(error), band) - start,
+        overshoot=max(float(np.max(error * math.copysign(1.0, step))), 0.0) if step else math.nan,
+        rise=_reaches(t, error / step + 1.0, high) - _reaches(t, error / step + 1.0, low)
+        if step
+        else math.nan,
+        steady_error=float(np.max(np.abs(error[end]))),
+    )
+
+
+def _signals(time: Any, y: Any, reference: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    # one by one: their shapes are compared below
+    t, y, reference = (
+        np.asarray(finite(**{name: x})[0])
+        for name, x in (("time", time), ("y", y), ("reference", reference))
+    )
+    if t.ndim != 1 or len(t) < 2:
+        raise ParameterError(
+            f"time must have at least two samples in one row, not the shape {t.shape}",
+            parameter="time",
+            value=time,
+        )
+    for name, x in (("y", y), ("reference", reference)):
+        if x.shape != t.shape and not (name == "reference" and x.ndim == 0):
+            raise ParameterError(
+                f"{name} must have the shape of time, {t.shape}, not {x.shape}",
+                parameter=name,
+                value=x,
+            )
+    back = np.flatnonzero(np.diff(t) < 0.0)
+    if len(back) or t[-1] == t[0]:
+        where = f"{t[back[0] + 1]:g} s after {t[back[0]]:g} s" if len(back) else "one instant"
+        raise ParameterError(f"time must go forward, not {where}", parameter="time", value=time)
+    return t, y, np.broadcast_to(reference, t.shape)
+
+
+def _shares(rise: Any) -> tuple[float, float]:
+    if not isinstance(rise, (list, tuple)) or len(rise) != 2:
+        raise ParameterError(
+            f"rise must be two shares of the step, such as (0.1, 0.9), not {rise!r}",
+            parameter="rise",
+            value=rise,
+        )
+    low, high = (number("rise", x, low=0.0, high=1.0) for x in rise)
+    if not low < high:
+        raise ParameterError(
+            f"the first share of rise must be below the second, not {rise!r}",
+            parameter="rise",
+            value=rise,
+        )
+    return low, high
+
+
+def _settling(t: np.ndarray, error: np.ndarray, band: float) -> float:
+    """When the error enters the band for good."""
+    # rounding at the band's edge is within it
+    outside = np.flatnonzero(error > band * (1.0 + 1e-9))
+    if not len(outside):
+        return float(t[0])
+    k = int(outside[-1])
+    if k + 1 == len(t):
+        return math.nan
+    return _between(t, error, k, band)
+
+
+def _reaches(t: np.ndarray, share: np.ndarray, level: float) -> float:
+    """When the response first reaches a share of its step."""
+    there = np.flatnonzero(share >= level)
+    if not len(there):
+        return math.nan
+    k = int(there[0])
+    return float(t[0]) if k == 0 else _between(t, share, k - 1, level)
+
+
+def _between(t: np.ndarray, y: np.ndarray, k: int, level: float) -> float:
+    """When the line from sample k to the next crosses a level."""
+    return float(t[k] + (t[k + 1] - t[k]) * (level - y[k]) / (y[k + 1] - y[k]))
