@@ -677,7 +677,8 @@ def _trim(args: argparse.Namespace) -> None:
         values = value if isinstance(value, tuple) else (value,)
         if values and isinstance(values[0], float):
             # adding 0 turns -0.0 into 0.0
-            numbers = "".join(f"{round(x, 6) + 0.0:14.6f}" for x in values)
+            shown = [round(x, 6) + 0.0 for x in values]
+            numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in shown)
             degrees = f" ({math.degrees(values[0]):.4f} deg)" if units[name] == "rad" else ""
             print(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
     if free:

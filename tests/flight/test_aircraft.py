@@ -276,3 +276,25 @@ def test_the_root_is_a_keyword_of_both_aircraft_blocks(tmp_path):
         with pytest.raises(AircraftError, match=re.escape(str(tmp_path))):
             block(**{name: tmp_path})
     assert JSBSimFDM().JSBSim_path is None
+
+
+def test_a_heading_of_north_does_not_alternate_between_0_and_360():
+    fdm = trimmed("c172p", 5000.0, 90.0)
+    raw = fly(fdm, [], np.empty((240, 0)), ["attitude/psi-deg"])[:, 0]
+    assert raw.max() == 360.0  # JSBSim's own does
+    plane, scope = Aircraft("c172p", altitude=5000.0, speed=90.0), Scope()
+    Simulation([plane, scope], [Connection(plane["psi"], scope)], dt=T, log=False).run(2.0)
+    _, [psi] = scope.read()
+    assert psi.max() < 360.0
+    assert plane.trim.psi == psi[0] == 0.0
+    # nothing else is changed, by more than the rounding of it
+    assert np.abs((psi - raw + 180.0) % 360.0 - 180.0).max() < 1e-9
+    # the aircraft drifts west, by 1e-5 deg: one jump, where it really leaves north
+    assert np.count_nonzero(np.abs(np.diff(psi)) > 180.0) == 1
+
+
+def test_the_block_starts_where_it_is_asked_to():
+    plane = Aircraft("c172p", speed=90.0, latitude=47.0, longitude=8.5)
+    assert plane.outputs["lat"] == pytest.approx(47.0)
+    assert plane.outputs["lon"] == pytest.approx(8.5)
+    assert plane.outputs["h"] == pytest.approx(5000.0, abs=1e-3)

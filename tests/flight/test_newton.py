@@ -229,6 +229,14 @@ def test_initial_conditions_that_a_trim_overwrites_are_refused(name, parameter):
     trim(Airframe("c172p"), TrimCondition(speed=90, mode="none", setup={name: 1.0}))
 
 
+@pytest.mark.parametrize("more", [[], ["--mode", "turn", "--bank", "-20"]])
+def test_the_command_prints_a_heading_below_360(capsys, more):
+    assert main(["trim", "c172p", "--speed", "90", "--heading", "359.99999999", *more]) == 0
+    [line] = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  psi ")]
+    assert 0.0 <= float(line.split()[1]) < 360.0
+    assert "-0.000000" not in line
+
+
 def test_the_command_says_that_the_gear_is_down(capsys):
     assert main(["trim", "737", "--altitude", "10000", "--speed", "280"]) == 0
     assert "gear is down" in capsys.readouterr().out

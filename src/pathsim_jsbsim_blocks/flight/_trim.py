@@ -18,6 +18,7 @@ from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
 from ._newton import Search, alpha_range
 from .airframe import Airframe
+from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition
 from .console import messages
 from .rehearsal import Outcome, rehearse
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 
-_ROUNDING = 1e-9  # deg
-
 # an altitude is above the place that is set
 _PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
 
@@ -36,8 +35,6 @@ _NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
 
 # s of CPU time; a search that finds its trim takes less than half a second
 _LONGEST_SEARCH = 10
-
-_TOP_OF_THE_AIR = 278_386.0  # ft, 84.852 km: upper limit of the US Standard Atmosphere, 1976
 
 # the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
 _LIMITS = {
@@ -109,7 +106,7 @@ class TrimState:
     altitude, speed, mach, tas : float
         ft above mean sea level, KCAS, Mach number, true airspeed in ft/s
     alpha, beta, theta, phi, psi, gamma : float
-        deg
+        deg; psi is in [0, 360)
     throttle : tuple[float, ...]
         throttle command of each engine, 0 to 1
     thrust : float
@@ -504,13 +501,6 @@ def _not_finite(found: TrimState) -> list[str]:
 def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
     """Raise TrimError for conditions that crash JSBSim's search or make it long and futile."""
     fdm = airframe.fdm
-    if condition.altitude > _TOP_OF_THE_AIR:
-        raise _failure(
-            airframe,
-            condition,
-            "altitude",
-            f"no steady flight above {_TOP_OF_THE_AIR:,.0f} ft, where the atmosphere ends",
-        )
     mach = fdm[_STATE["mach"]]
     if mach >= 1.0 and _propellers(airframe, "propeller-rpm"):
         raise _failure(
@@ -540,8 +530,7 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     fdm = airframe.fdm
     found = {name: fdm[source] for name, source in _STATE.items()}
     found |= {name: math.degrees(fdm[source]) for name, source in _RATES.items()}
-    if 360.0 - found["psi"] < _ROUNDING:
-        # keeps a heading of north from alternating between 360 and 0
+    if found["psi"] > ALMOST_NORTH:
         found["psi"] = 0.0
     thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
     return TrimState(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .block import FlightBlock, Read, Write, fill
-from .channels import DEG, Channel, unit_of
+from .channels import ALMOST_NORTH, DEG, Channel, unit_of
 from .condition import TrimCondition
 
 _EXCESS = (None, 1.0)
@@ -69,11 +69,17 @@ class Aircraft(FlightBlock):
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
-        replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
+        replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` where
+        they are not sufficient
     %(written)s
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
     %(surroundings)s
+    latitude : float, optional
+        where the flight starts: geodetic latitude in deg, north positive; default is the model's
+        own (0)
+    longitude : float, optional
+        likewise in deg, east positive
 
     Inputs
     ------
@@ -128,6 +134,8 @@ class Aircraft(FlightBlock):
             "mode",
             "gear",
             "flaps",
+            "latitude",
+            "longitude",
         )
     }
 
@@ -157,6 +165,8 @@ class Aircraft(FlightBlock):
         planet: str | Mapping[str, float] | None = None,
         gravity: str | None = None,
         flightgear: str | None = None,
+        latitude: float | None = None,
+        longitude: float | None = None,
     ) -> None:
         super().__init__(
             T,
@@ -184,6 +194,8 @@ class Aircraft(FlightBlock):
         self.mode = mode
         self.gear = gear
         self.flaps = flaps
+        self.latitude = latitude
+        self.longitude = longitude
         self.take_off()
 
     def _model(self) -> str:
@@ -218,7 +230,7 @@ class Aircraft(FlightBlock):
         north = east = down = 0.0
         ports = list(_OUTPUTS.values())
         readers = [self.airframe.reader(name) for name, _ in ports if name is not None]
-        first_excess = ports.index(_EXCESS)
+        first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
         scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
         # of elevator, aileron, rudder and throttle over their limits
         excess = [0.0] * ports.count(_EXCESS)
@@ -250,6 +262,8 @@ class Aircraft(FlightBlock):
             y[first_excess:first_excess] = excess
             for i, factor in scaled:
                 y[i] *= factor
+            if y[psi] > ALMOST_NORTH:
+                y[psi] = 0.0
             return y
 
         return write, read

@@ -474,7 +474,7 @@ class Airframe:
             # the only call that does not abort the process on a malformed name
             return self._properties.hasNode(name)
         except (RuntimeError, ValueError) as error:
-            close = nearest(re.sub(r"[^\w/\[\]-]", "", str(name)), self._catalogue())
+            close = self._similar(re.sub(r"[^\w/\[\]-]", "", str(name)))
             raise PropertyError(
                 f"{name!r} is not a valid property name: {error}" + did_you_mean(close),
                 aircraft=self.aircraft,
@@ -482,13 +482,20 @@ class Airframe:
                 nearest=close,
             ) from None
 
+    def _similar(self, name: str) -> list[str]:
+        """Existing names like ``name``; index 0 is written where ``name`` has it."""
+        close = nearest(name.replace("[0]", ""), self._catalogue())
+        for branch in re.findall(r"([\w-]+)\[0\]", name):
+            close = [re.sub(rf"(?<![\w-]){branch}(?![\w[-])", f"{branch}[0]", n) for n in close]
+        return close
+
     def _path(self, node: jsbsim.FGPropertyNode) -> str:
         return node.get_fully_qualified_name().removeprefix("/fdm/jsbsim/")
 
     def _find(self, name: str) -> jsbsim.FGPropertyNode:
         known = self._known(name)
         if not known or not name.strip():
-            close = nearest(name, self._catalogue())
+            close = self._similar(name)
             raise PropertyError(
                 f"aircraft {self.aircraft!r} has no property {name!r}" + did_you_mean(close),
                 aircraft=self.aircraft,

@@ -111,7 +111,7 @@ fill = filler(
     """,
     motion="""
     theta, phi, psi
-        pitch, roll and heading angle, deg
+        pitch, roll and heading angle, deg; `Aircraft` shows a heading in [0, 360)
     p, q, r
         body rates, deg/s
     alpha, beta, gamma

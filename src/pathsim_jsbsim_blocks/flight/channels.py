@@ -10,6 +10,9 @@ from .airframe import Airframe
 
 DEG = 180.0 / math.pi
 
+# deg; a heading above this is north with a rounding error, which JSBSim shows as up to 360
+ALMOST_NORTH = 360.0 - 1e-9
+
 
 @dataclass(frozen=True)
 class Channel:

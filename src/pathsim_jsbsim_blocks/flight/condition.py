@@ -7,13 +7,21 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .._core.checks import mapping, number, one_of, positive, whole
+from .._core.checks import mapping, number, one_of, whole
 from ..errors import ParameterError
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
 SOLVERS = ("jsbsim", "newton")
+
+# upper limits: US Standard Atmosphere, 1976 (84.852 km); without a trim, where JSBSim flies too
+_TOP_OF_THE_AIR = 278_386.0  # ft
+_HIGHEST = 1e6  # ft
+
+# beyond any aircraft: the Shuttle's orbit is Mach 25
+_FASTEST = 2000.0  # KCAS
+_MOST_MACH = 30.0
 
 # what can balance the forces along the flight path
 FREE = ("throttle", "gamma", "speed")
@@ -53,11 +61,12 @@ class TrimCondition:
     Parameters
     ----------
     altitude : float
-        altitude above mean sea level in ft, geometric
+        altitude above mean sea level in ft, geometric, up to 278,386, where the standard atmosphere
+        ends (1,000,000 in mode "none")
     speed : float
-        calibrated airspeed in kt; not used if ``mach`` is given
+        calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
     mach : float, optional
-        Mach number instead of ``speed``
+        Mach number instead of ``speed``, up to 30
     gamma : float
         flight path angle in deg, positive in a climb
     heading : float
@@ -146,14 +155,14 @@ class TrimCondition:
     def __post_init__(self) -> None:
         put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
         one_of("mode", self.mode, [*MODES, "glide", "none"])
-        put("altitude", number("altitude", self.altitude, low=-2000.0, high=1e6))
+        highest = _HIGHEST if self.mode == "none" else _TOP_OF_THE_AIR
+        put("altitude", number("altitude", self.altitude, low=-2000.0, high=highest))
         on_ground = self.mode in ("ground", "none")
         if self.mach is not None:
-            put("mach", positive("mach", self.mach))
-        elif on_ground:
-            put("speed", number("speed", self.speed, low=0.0))
+            put("mach", number("mach", self.mach, above=0.0, high=_MOST_MACH))
         else:
-            put("speed", positive("speed", self.speed))
+            above = None if on_ground else 0.0
+            put("speed", number("speed", self.speed, low=0.0, above=above, high=_FASTEST))
         put("gamma", number("gamma", self.gamma, low=-90.0, high=90.0))
         put("heading", number("heading", self.heading))
         put("bank", number("bank", self.bank, low=-89.0, high=89.0))
