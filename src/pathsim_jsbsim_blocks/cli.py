@@ -129,6 +129,13 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--free", help="gamma or speed, with --throttle, --thrust or a glide")
         sub.add_argument("--latitude", type=float, help="deg, north positive")
         sub.add_argument("--longitude", type=float, help="deg, east positive")
+        sub.add_argument(
+            "--engines-off",
+            type=_engines,
+            default=(),
+            metavar="N,...",
+            help="engines that do not run, from 0, or all",
+        )
         sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
         sub.add_argument("--gear", type=float, help="0 up to 1 down")
         sub.add_argument("--flaps", type=float, help="0 to 1")
@@ -728,6 +735,10 @@ def _modes(args: argparse.Namespace) -> None:
 
         with _saving(args.save):
             show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
+
+
+def _engines(text: str) -> tuple[int, ...] | str:
+    return text if text == "all" else tuple(map(int, text.split(",")))
 
 
 def _values(option: str, items: Iterable[str]) -> dict[str, float]:

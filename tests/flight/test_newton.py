@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from fleet_conditions import FEW, FLYING
 from how_many import first
+from pathsim import Simulation
 
-from pathsim_jsbsim_blocks import ParameterError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
@@ -159,9 +160,91 @@ def test_a_failure_names_the_limit(aircraft, condition, reason):
     assert all(map(math.isfinite, error.value.residuals.values()))
 
 
+def test_with_one_engine_out_the_rudder_holds_the_nose():
+    _, both = found("737", altitude=15000, speed=250, solver="newton", gear=0)
+    rudders = []
+    for dead in (0, 1):
+        airframe, state = found("737", altitude=15000, speed=250, gear=0, engines_off=[dead])
+        fdm = airframe.fdm
+        assert fdm[f"propulsion/engine[{dead}]/thrust-lbs"] == pytest.approx(0.0, abs=1e-9)
+        assert fdm[f"propulsion/engine[{dead}]/reverser-angle-rad"] == 0.0
+        # a rudder costs little drag in this model: the other engine does the work of both
+        assert state.thrust == pytest.approx(both.thrust, rel=0.01)
+        assert state.beta == pytest.approx(0.0, abs=1e-6)
+        assert {"phi", "aileron", "rudder"} < set(state.free)
+        height, bank, speed = flown(airframe, state)
+        assert (height, bank, speed) == pytest.approx((0.0, 0.0, 0.0), abs=2.0)
+        assert fdm[f"propulsion/engine[{dead}]/thrust-lbs"] == 0.0
+        rudders.append(state.rudder)
+    # positive yaws the nose left, away from a dead right engine
+    assert rudders[1] > 0.01
+    assert rudders[0] == pytest.approx(-rudders[1], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition"),
+    [
+        ("f16", {"altitude": 10000, "speed": 250, "mode": "glide"}),
+        ("c172p", {"altitude": 5000, "speed": 70, "mode": "glide"}),
+        ("c172p", {"altitude": 0, "mode": "ground"}),
+        ("737", {"altitude": 0, "mode": "ground"}),
+        ("737", {"altitude": 10000, "speed": 250, "mode": "none"}),
+    ],
+)
+def test_engines_that_do_not_run_stay_off(aircraft, condition):
+    airframe = Airframe(aircraft)
+    state = trim(airframe, TrimCondition(**condition, engines_off="all"))
+    fdm = airframe.fdm
+    thrusts = [f"propulsion/engine[{i}]/thrust-lbs" for i in range(airframe.engines)]
+    assert state.thrust == pytest.approx(0.0, abs=1e-9)
+    for _ in range(360):
+        fdm.run()
+        assert all(fdm[name] == pytest.approx(0.0, abs=1e-9) for name in thrusts)
+    # and run again in the next trim
+    assert trim(airframe, TrimCondition(altitude=5000, speed=90 if aircraft == "c172p" else 250))
+    assert all(fdm[name] > 10.0 for name in thrusts)
+
+
+@pytest.mark.parametrize("how", ["setup", "properties"])
+@pytest.mark.parametrize("aircraft", ["c172p", "737"])
+def test_set_running_is_respected(aircraft, how):
+    stopped = {"propulsion/engine[0]/set-running": 0.0}
+    condition = {"altitude": 5000, "speed": 90 if aircraft == "c172p" else 250, "mode": "none"}
+    plane = Aircraft(aircraft, **condition, **{how: stopped})
+    Simulation([plane], dt=plane.T, log=False).run(3.0)
+    assert plane.fdm["propulsion/engine[0]/set-running"] == 0.0
+    assert abs(plane.fdm["propulsion/engine[0]/thrust-lbs"]) < 20.0
+
+
+def test_an_engine_starts_on_the_ground():
+    airframe = Airframe("c172p")
+    trim(airframe, TrimCondition(altitude=0, mode="ground", engines_off=[0]))
+    fdm = airframe.fdm
+    fdm["propulsion/magneto_cmd"], fdm["propulsion/starter_cmd"] = 3, 1
+    fdm["fcs/mixture-cmd-norm"], fdm["fcs/throttle-cmd-norm"] = 0.87, 0.2
+    for _ in range(600):
+        fdm.run()
+    assert fdm["propulsion/engine/set-running"] == 1.0
+    assert fdm["propulsion/engine/thrust-lbs"] > 50.0
+
+
+def test_without_an_engine_there_is_no_level_flight():
+    with pytest.raises(TrimError, match="no running engine") as error:
+        trim(Airframe("f16"), TrimCondition(altitude=10000, speed=250, engines_off=[0]))
+    assert error.value.reason == "thrust"
+    with pytest.raises(ParameterError, match="engines 0 to 1"):
+        trim(Airframe("737"), TrimCondition(speed=250, engines_off=[2]))
+    with pytest.raises(ParameterError, match="no engine"):
+        trim(Airframe("SGS"), TrimCondition(speed=55, mode="glide", engines_off=[0]))
+
+
 @pytest.mark.parametrize(
     ("values", "parameter"),
     [
+        ({"engines_off": "both"}, "engines_off"),
+        ({"engines_off": 1}, "engines_off"),
+        ({"engines_off": [-1]}, "engines_off"),
+        ({"engines_off": [1], "solver": "jsbsim"}, "solver"),
         ({"solver": "newtn"}, "solver"),
         ({"free": "alpha"}, "free"),
         ({"throttle": 2.0}, "throttle"),

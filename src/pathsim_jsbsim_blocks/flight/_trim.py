@@ -17,7 +17,7 @@ from .._core.checks import mapping
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
 from ._newton import Search, alpha_range
-from .airframe import Airframe
+from .airframe import ENGINE_RUNS, Airframe
 from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition
 from .console import messages
@@ -87,6 +87,7 @@ UNITS = {
     **dict.fromkeys(("wind_north", "wind_east"), "ft/s"),
     "payload": "lb",
     "fuel": "lb",
+    "engines_off": "",
     **dict.fromkeys(("latitude", "longitude"), "deg"),
     **dict.fromkeys(("p", "q", "r"), "deg/s"),
     "nz": "g",
@@ -338,12 +339,17 @@ def _nearest(
 ) -> TrimCondition | None:
     """The condition at the nearest speed that trims; None if there is none or it cannot help."""
     helps = reason in ("thrust", "alpha limit", "elevator", "no convergence")
-    powered = airframe.engines or condition.balance != "throttle"
+    powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
     if not helps or not powered or condition.mode == "ground" or condition.balance == "speed":
         return None
     airframe.renew()
     airframe.spent = True  # whatever follows, the next trim starts afresh
     airframe.write(_properties(airframe, condition, setup), "setup")
+    with airframe.engines_stopped():
+        return _nearest_speed(airframe, condition)
+
+
+def _nearest_speed(airframe: Airframe, condition: TrimCondition) -> TrimCondition | None:
     _initialise(airframe, condition, condition.heading)
     speed, effort = airframe.fdm[_STATE["speed"]], 0
 
@@ -432,15 +438,47 @@ def _trim(
         else {}
     )
     airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
+    airframe.stopped = _stopped(airframe, condition, written)
     # spent is cleared below on success: a search that ends early leaves the executive unusable
     airframe.used = airframe.spent = True
-    _initialise(airframe, condition, condition.heading, initial)
-    if used and _not_finite(state(airframe, condition)):
-        # the previous flight left NaN or inf in the executive; this call renews it
-        return _trim(airframe, condition, setup)
+    with airframe.engines_stopped():
+        _initialise(airframe, condition, condition.heading, initial)
+        if not (used and _not_finite(state(airframe, condition))):
+            return _search(airframe, condition)
+    # the previous flight left NaN or inf in the executive; this call renews it
+    return _trim(airframe, condition, setup)
+
+
+def _stopped(
+    airframe: Airframe, condition: TrimCondition, written: Mapping[str, float]
+) -> frozenset[int]:
+    """The engines that do not run, by the condition or by what is written before the trim."""
+    engines = set(range(airframe.engines))
+    stopped = engines if condition.engines_off == "all" else set(condition.engines_off)
+    if not stopped <= engines:
+        raise ParameterError(
+            f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
+            + (f"the engines 0 to {len(engines) - 1}" if engines else "no engine"),
+            parameter="engines_off",
+            value=condition.engines_off,
+        )
+    for name, value in written.items():
+        engine = ENGINE_RUNS.match(name)
+        if engine and value == 0.0:
+            stopped = stopped | {int(engine[1] or 0)}
+        elif name == "propulsion/set-running" and value >= 0.0:
+            # JSBSim starts this engine only
+            stopped = stopped | engines - {int(value)}
+    return frozenset(stopped)  # type: ignore[arg-type]
+
+
+def _search(airframe: Airframe, condition: TrimCondition) -> TrimState:
+    """Trim an initialised airframe."""
     if condition.mode != "none":
         _refuse_hopeless(airframe, condition)
-    if condition.searched_by == "newton":
+    dead = airframe.stopped and condition.solver is None
+    flies = condition.mode not in ("ground", "none")
+    if condition.searched_by == "newton" or (dead and flies):
         return _by_newton(airframe, condition)
     if condition.mode != "none":
         _find(airframe, condition)
@@ -461,7 +499,7 @@ def _trim(
 
 def _by_newton(airframe: Airframe, condition: TrimCondition) -> TrimState:
     """Trim an initialised airframe with the Newton search."""
-    if not airframe.engines and condition.balance == "throttle":
+    if len(airframe.stopped) == airframe.engines and condition.balance == "throttle":
         airframe.spent = False
         raise _failure(airframe, condition, "thrust")
     search = Search(airframe, condition)
@@ -544,11 +582,6 @@ def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     )
 
 
-def _start_engines(airframe: Airframe) -> None:
-    if airframe.engines:
-        airframe.fdm["propulsion/set-running"] = -1
-
-
 def _loading(condition: TrimCondition) -> dict[str, float]:
     """Mass, configuration and trim limits as properties."""
     payload, fuel = dict(condition.payload), dict(condition.fuel)  # type: ignore[arg-type]
@@ -590,7 +623,7 @@ def _initialise(
             fdm[name] = value
 
     # some models trim only if the engines are started after run_ic, others only if before it
-    _start_engines(airframe)
+    airframe.start_engines()
     if fdm["ic/vw-mag-fps"]:
         # the wind of the previous trim would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
@@ -624,7 +657,7 @@ def _initialise(
         fdm["ic/targetNlf"] = condition.load_factor
     airframe.write(initial, "setup")
     airframe.run_ic()
-    _start_engines(airframe)
+    airframe.start_engines()
 
 
 def _find(airframe: Airframe, condition: TrimCondition) -> None:
@@ -676,8 +709,9 @@ def _failure(
     alpha_min, alpha_max = alpha_range(airframe)
     limits = {
         "thrust": "the throttle ran to the end of its range"
-        if airframe.engines
-        else "it has no engine to hold the speed with (mode='glide' frees the path angle)",
+        if len(airframe.stopped) < airframe.engines
+        else f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
+        "(mode='glide' frees the path angle)",
         "alpha limit": f"alpha ran to the end of [{alpha_min:.3g}, {alpha_max:.3g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",

@@ -7,14 +7,16 @@ JSBSim's output goes to the logger ``pathsim_jsbsim_blocks.jsbsim``.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
+import math
 import os
 import re
 import shutil
 import tempfile
 import xml.etree.ElementTree as ET
 from bisect import bisect_left
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -140,6 +142,7 @@ def _model_file(aircraft: str, root: str | None) -> Path:
 
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
+ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
 _GROUND = "ic/terrain-elevation-ft"
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
@@ -183,6 +186,8 @@ class Airframe:
     used, spent : bool
         whether a search has run on the executive, and whether one left it unusable as a starting
         point; `pathsim_jsbsim_blocks.flight.trim` sets and checks them
+    stopped : frozenset of int
+        engines that do not run, set by a trim
 
     Raises
     ------
@@ -221,6 +226,7 @@ class Airframe:
         if gravity is not None:
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
+        self.stopped: frozenset[int] = frozenset()
         self._open()
 
     def renew(self) -> None:
@@ -355,6 +361,44 @@ class Airframe:
         """Number of the model's engines."""
         return self.fdm.get_propulsion().get_num_engines()
 
+    def start_engines(self) -> None:
+        """Start the engines, but stop those in `stopped`."""
+        if self.engines and not self.stopped:
+            self.fdm["propulsion/set-running"] = -1
+            return
+        for i in range(self.engines):
+            if i in self.stopped:
+                self._stop_engine(i)
+            else:
+                self.fdm["propulsion/set-running"] = i
+
+    def _stop_engine(self, i: int) -> None:
+        """Stop an engine so that the wind does not start it again: no ignition, no fuel."""
+        fdm = self.fdm
+        before = fdm["propulsion/active_engine"]
+        fdm["propulsion/active_engine"] = i
+        for command, off in (("magneto_cmd", 0.0), ("cutoff_cmd", 1.0)):
+            if self.has(f"propulsion/{command}"):
+                fdm[f"propulsion/{command}"] = off
+        fdm["propulsion/active_engine"] = before
+        fdm[f"propulsion/engine[{i}]/set-running"] = 0.0
+
+    @contextlib.contextmanager
+    def engines_stopped(self) -> Iterator[None]:
+        """Keep stopped jet engines without thrust where JSBSim takes no step in time.
+
+        Outside of a flight JSBSim lets a turbine have the thrust of its throttle, running or not.
+        """
+        names = [f"propulsion/engine[{i}]/reverser-angle-rad" for i in self.stopped]
+        before = {name: self.fdm[name] for name in names if self.has(name)}
+        try:
+            for name in before:
+                self.fdm[name] = 0.5 * math.pi
+            yield
+        finally:
+            for name, angle in before.items():
+                self.fdm[name] = angle
+
     def has(self, name: str) -> bool:
         """Whether a property exists."""
         try:
@@ -437,6 +481,8 @@ class Airframe:
                     value=values[name],
                 )
         for name, value in values.items():
+            if value == 0.0 and (engine := ENGINE_RUNS.match(name)):
+                self._stop_engine(int(engine[1] or 0))
             # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)
             self._written[name] = value

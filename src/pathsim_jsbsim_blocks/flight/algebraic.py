@@ -91,9 +91,10 @@ def algebraic_model(
         (airframe.reader(c.properties[0]), c.factor) if c.properties else (lambda: 0.0, 1.0)
         for c in (*RIGID, *shown)
     ]
-    differ = _Differences(airframe, moved, read)
-    by_state = differ.states()
-    by_input, even = differ.inputs()
+    with airframe.engines_stopped():
+        differ = _Differences(airframe, moved, read)
+        by_state = differ.states()
+        by_input, even = differ.inputs()
     n, k = len(_STATES), len(rates)
     # from JSBSim's states to those of the model
     change = by_state[k : k + n]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -116,6 +116,12 @@ class TrimCondition:
         condition's own value is then the first guess
     latitude, longitude : float, optional
         geodetic position in deg, north and east positive; default is the model's own (0, 0)
+    engines_off : list of int or "all"
+        engines that do not run, from 0: jets without thrust, propellers that the wind may turn
+        (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). In flight
+        with one engine out the Newton search finds bank, aileron and rudder at the sideslip
+        ``beta``; without any engine use mode "glide". ``propulsion/engine[i]/set-running`` of 0 in
+        ``setup`` means the same
     solver : str, optional
         "jsbsim" (JSBSim's own search) or "newton" (`pathsim_jsbsim_blocks.flight.trim` describes
         it); default is JSBSim's where it can do what is asked for
@@ -151,6 +157,7 @@ class TrimCondition:
     latitude: float | None = None
     longitude: float | None = None
     solver: str | None = None
+    engines_off: tuple[int, ...] | list[int] | str = ()
 
     def __post_init__(self) -> None:
         put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
@@ -205,6 +212,8 @@ class TrimCondition:
                 value=self.load_factor,
             )
 
+        if self.engines_off != "all":
+            put("engines_off", _indices("engines_off", self.engines_off))
         self._check_balance(put)
 
     def _check_balance(self, put: Any) -> None:
@@ -235,8 +244,13 @@ class TrimCondition:
             )
         if self.solver == "newton" and self.mode in ("ground", "none"):
             refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
-        if self.solver == "jsbsim" and (self.beta or not powered):
-            refuse("solver", "cannot trim a glide, a sideslip or a given throttle: use 'newton'")
+        dead = self.engines_off and self.mode not in ("ground", "none")
+        if self.solver == "jsbsim" and (self.beta or not powered or dead):
+            refuse(
+                "solver",
+                "cannot trim a glide, a sideslip, a given throttle or with an engine out: use "
+                "'newton'",
+            )
 
     @property
     def balance(self) -> str:
@@ -248,6 +262,7 @@ class TrimCondition:
     def searched_by(self) -> str:
         """The solver that trims this: the one asked for, or else JSBSim's if it can."""
         special = self.balance != "throttle" or self.beta != 0.0
+        special |= bool(self.engines_off) and self.mode not in ("ground", "none")
         return self.solver or ("newton" if special else "jsbsim")
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
@@ -265,6 +280,16 @@ class TrimCondition:
             elif f.name not in unused and (f.name in always or value != f.default):
                 said.append(f"{f.name}={value!r}")
         return ", ".join(said)
+
+
+def _indices(parameter: str, value: Any) -> tuple[int, ...]:
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise ParameterError(
+            f"{parameter} must be 'all' or a list of engines from 0, not {value!r}",
+            parameter=parameter,
+            value=value,
+        )
+    return tuple(sorted({whole(parameter, i, low=0) for i in value}))
 
 
 def _weights(parameter: str, value: Any) -> FixedMapping:
