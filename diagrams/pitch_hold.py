@@ -42,7 +42,9 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    drawing = time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+    drawing = time_histories(
+        pitch, flight, title=f"{aircraft.aircraft}: pitch hold at {hold.theta_ref:g} deg"
+    )
     # the trimmed state, from which the hold departs
     for ax, value, place in zip(
         drawing.axes[:3],
@@ -60,12 +62,12 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     time, theta = signal(pitch, "pitch angle")
-    outside = time[abs(theta - 3.0) > 0.05]
+    outside = time[abs(theta - hold.theta_ref) > 0.05]
     _, h = signal(flight, "altitude")
     _, airspeed = signal(flight, "calibrated airspeed")
     print(
-        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
-        f"{outside[-1]:.1f} s on, at most {theta.max():.3f} deg; climbed {h[-1] - h[0]:.0f} ft, "
-        f"{airspeed[-1]:.1f} KCAS"
+        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of "
+        f"{hold.theta_ref:g} deg from {outside[-1]:.1f} s on, at most {theta.max():.3f} deg; "
+        f"climbed {h[-1] - h[0]:.0f} ft, {airspeed[-1]:.1f} KCAS"
     )
     show(figure(), "pitch_hold")

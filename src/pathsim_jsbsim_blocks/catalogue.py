@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
-from ._core.checks import as_path, did_you_mean, nearest
+from ._core.checks import as_path, did_you_mean, mapping, nearest
 from .errors import ParameterError
 
 
@@ -57,12 +58,29 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     )
 
 
-def load_diagram(name: str) -> ModuleType:
-    """Import a diagram's script, which builds ``sim`` and does not run it."""
+def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> ModuleType:
+    """Import a diagram's script, which builds ``sim`` and does not run it.
+
+    Parameters
+    ----------
+    name : str
+        name in the catalogue, or path of a script
+    settings : dict, optional
+        values that the script builds with instead of its own: ``{"hold.theta_ref": 5.0}`` is the
+        parameter of the block that the script assigns to ``hold``, ``{"DURATION": 60.0}`` a
+        variable that it assigns at its top level
+
+    Raises
+    ------
+    ParameterError
+        for a diagram, block, parameter or variable that does not exist, naming the nearest, and for
+        a setting that would have no effect
+    """
+    from ._core.template import Template
+
     path = find_diagram(name)
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    Template(path, mapping("settings", settings)).run(module)
     return module

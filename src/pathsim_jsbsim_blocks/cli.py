@@ -10,14 +10,14 @@ import dataclasses
 import importlib.util
 import inspect
 import io
+import itertools
 import math
 import os
-import runpy
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import __version__
 from .errors import BlocksError, FileError, ParameterError, UntrustedModelError
@@ -25,6 +25,8 @@ from .errors import BlocksError, FileError, ParameterError, UntrustedModelError
 if TYPE_CHECKING:
     from .flight.airframe import Airframe
     from .flight.condition import TrimCondition
+
+_Opened = TypeVar("_Opened")
 
 _FAST_FOR_GEAR = 200.0  # KCAS
 
@@ -87,6 +89,14 @@ def _parser() -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         sub.set_defaults(command=function)
         return sub
+
+    def trust(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "--trust",
+            action="store_true",
+            help="open a model from outside without asking, now and later; its code runs "
+            "as you when the model runs",
+        )
 
     def trust_toolbox(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(
@@ -157,7 +167,19 @@ def _parser() -> argparse.ArgumentParser:
     command("list", _list, "the diagrams and studies of the catalogue")
 
     sub = command("run", _run, "run a diagram or a study: print its results and show its figures")
-    sub.add_argument("name", help="a diagram or a study of the catalogue, or the path of a script")
+    sub.add_argument(
+        "name",
+        help="a diagram or a study of the catalogue, or the path of a script or a model (.pvm)",
+    )
+    sub.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
+        "at the top of the script (repeatable)",
+    )
+    sub.add_argument("--duration", metavar="SECONDS", type=float, help="simulated time to run for")
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument(
         "--csv",
@@ -179,6 +201,8 @@ def _parser() -> argparse.ArgumentParser:
         const="",
         help="fly in real time and send to FlightGear (default 127.0.0.1:5550)",
     )
+    trust(sub)
+    trust_toolbox(sub)
 
     sub = command("aircraft", _aircraft, "the aircraft models, and which of them load")
     sub.add_argument("name", nargs="?", help="one model only")
@@ -290,12 +314,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     sub.add_argument("--port", type=int, help="default is 8360, or a free one")
     sub.add_argument("--no-browser", action="store_true", help="only serve")
-    sub.add_argument(
-        "--trust",
-        action="store_true",
-        help="open a model from outside without asking, now and later; its code runs "
-        "as you when the model runs",
-    )
+    trust(sub)
     trust_toolbox(sub)
 
     sub = command("export", _export, "write a diagram script as a PathView model")
@@ -353,22 +372,37 @@ def _list(args: argparse.Namespace) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from ._core._pathsim import keep_warnings_visible
-    from ._core.checks import writable
+    from ._core.checks import positive, writable
+    from ._core.running import runs_of, shown_runs
+    from ._core.template import Template, main_program
     from .catalogue import find_diagram
 
     keep_warnings_visible()  # those of a script without a block of ours too
     if args.name in _studies():
-        for option in ("track", "flightgear"):
-            if getattr(args, option) is not None:
+        for option, reason in (
+            ("track", "flies no aircraft"),
+            ("flightgear", "flies no aircraft"),
+            ("set", "is no script"),
+            ("duration", "is no script"),
+        ):
+            if getattr(args, option) not in (None, []):
                 raise ParameterError(
-                    f"the study {args.name} flies no aircraft: it takes no --{option}",
+                    f"the study {args.name} {reason}: it takes no --{option}",
                     parameter=option,
                     value=str(getattr(args, option)),
                 )
         _run_study(args.name, args.save, args.csv)
         return 0
+    settings, duration, source = _settings(args.set), args.duration, None
+    if duration is not None:
+        positive("duration", duration)
     # a script may change the directory
-    script, csv_file = find_diagram(args.name, _studies()).absolute(), args.csv
+    if Path(args.name).suffix in (".pvm", ".json"):
+        script = Path(args.name).absolute()
+        source = _code_of_model(script, args)
+    else:
+        script = find_diagram(args.name, _studies()).absolute()
+    csv_file = args.csv
     if csv_file is not None:
         csv_file = writable("csv", csv_file).absolute()
     status = 0
@@ -377,10 +411,19 @@ def _run(args: argparse.Namespace) -> int:
             _saving(args.save),
             _as_main(script),
             _tracking(args.track),
+            shown_runs(),
             _to_flightgear(args.flightgear),
+            _model_figures(script) if source is not None else contextlib.nullcontext(),
+            contextlib.ExitStack() as timed,
         ):
             try:
-                objects = runpy.run_path(str(script), run_name="__main__").values()
+                template = Template(script, settings, source)
+                if duration is not None and template.has_constant("DURATION"):
+                    settings = {**settings, **_once("DURATION", "duration", settings, duration)}
+                    template = Template(script, settings, source)
+                else:
+                    timed.enter_context(runs_of(duration))
+                objects = main_program(template).values()
             except SystemExit as error:  # a script may end normally with sys.exit
                 _save(args.save, csv_file, _recording_scopes(_left_by(error)))
                 raise
@@ -392,6 +435,75 @@ def _run(args: argparse.Namespace) -> int:
         if not status:
             raise
     return status
+
+
+def _settings(items: Sequence[str]) -> dict[str, Any]:
+    """The values of ``--set NAME=VALUE``, as texts."""
+    from ._core.template import Text
+
+    settings: dict[str, Any] = {}
+    for item in items:
+        name, equals, text = item.partition("=")
+        if not (equals and text.strip()):
+            raise ParameterError(
+                f"--set needs NAME=VALUE, such as hold.theta_ref=5, not {item!r}",
+                parameter="set",
+                value=item,
+            )
+        settings.update(_once(name.strip(), "set", settings, Text(text.strip())))
+    return settings
+
+
+def _once(name: str, option: str, settings: Mapping[str, Any], value: Any) -> dict[str, Any]:
+    """A setting that is not among those given already."""
+    if name in settings:
+        raise ParameterError(
+            f"--{option}: {name} is set twice, to {settings[name]} and {value}",
+            parameter=option,
+            value=str(value),
+        )
+    return {name: value}
+
+
+def _code_of_model(path: Path, args: argparse.Namespace) -> str:
+    """The script of a model, which the user trusts."""
+    import linecache
+
+    from .pathview import pvm
+    from .pathview.opening import trusted_code
+
+    def code(trust: bool) -> str:
+        return trusted_code(pvm.read(path), path, trust, args.trust_toolbox)
+
+    source = _asking(code, args.trust)
+    # tracebacks show the lines of the script
+    linecache.cache[str(path)] = (len(source), None, source.splitlines(True), str(path))
+    return source
+
+
+@contextlib.contextmanager
+def _model_figures(model: Path) -> Iterator[None]:
+    """Save the figures that a model shows, where there is no display."""
+    import matplotlib.pyplot as plt
+
+    from .plots import show
+
+    usual = plt.show
+    names = itertools.chain([model.stem], (f"{model.stem}_{n}" for n in itertools.count(2)))
+
+    def shown(*args: Any, **kwargs: Any) -> None:
+        plt.show = usual
+        try:
+            for n in plt.get_fignums():
+                show(plt.figure(n), next(names))
+        finally:
+            plt.show = shown
+
+    plt.show = shown
+    try:
+        yield
+    finally:
+        plt.show = usual
 
 
 @contextlib.contextmanager
@@ -843,7 +955,6 @@ def _range(option: str, text: str) -> list[float]:
 
 def _view(args: argparse.Namespace) -> None:
     from .pathview import view
-    from .pathview.trusted_models import remember
 
     def opened(trust: bool) -> None:
         view(
@@ -854,13 +965,20 @@ def _view(args: argparse.Namespace) -> None:
             trust_toolboxes=args.trust_toolbox,
         )
 
+    _asking(opened, args.trust)
+
+
+def _asking(opened: Callable[[bool], _Opened], trust: bool) -> _Opened:
+    """Open a model, after the question to the user whether to trust it."""
+    from .pathview.trusted_models import remember
+
     try:
-        opened(args.trust)
+        return opened(trust)
     except UntrustedModelError as error:
         if not _says_yes(error):
             raise
         remember(error.digest)
-        opened(False)  # the file may have changed by now
+        return opened(False)  # the file may have changed by now
 
 
 def _says_yes(error: UntrustedModelError) -> bool:

@@ -175,7 +175,8 @@ def test_a_build_function_that_holds_an_aircraft_is_refused():
         (noise, [{"gain": 1.0}, {}], "case 1 has no 'gain'"),
         (noise, {"gain": [math.nan]}, "must be finite"),
         (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
-        ("noise", {"gain": [1.0]}, "build must be a function"),
+        ("noise", {"gain": [1.0]}, "no diagram 'noise'"),
+        (3, {"gain": [1.0]}, "build must be a function"),
         (dict, {"gain": [1.0]}, "must be a function with known parameters"),
     ],
 )
@@ -183,3 +184,77 @@ def test_bad_input_is_refused_before_the_work_begins(monkeypatch, build, cases, 
     monkeypatch.setattr(batch, "run_parts", None)
     with pytest.raises(ParameterError, match=message):
         quiet(build, cases)
+
+
+def level(diagram):
+    """The last pitch angle of diagram pitch_hold, and where it ends."""
+    time, data = diagram.pitch.read()
+    return {"pitch_deg": data[0, -1], "time_s": time[-1], "reference": diagram.hold.theta_ref}
+
+
+def test_a_diagram_by_name_is_flown_with_other_parameters():
+    cases = {"hold.theta_ref": [2.0, 4.0], "aircraft.speed": [90.0, 1e4], "DURATION": [6.0]}
+    table = quiet("pitch_hold", cases, measure=level)
+    assert table.columns.tolist()[:6] == [*cases, "seed", "completed", "reason"]
+    assert table.completed.tolist() == [True, False, True, False]
+    assert table.reason[1].startswith("TrimError")
+    flown = table[table.completed]
+    assert flown.pitch_deg.to_numpy() == pytest.approx([2.0, 4.0], abs=0.05)
+    assert flown.reference.tolist() == [2.0, 4.0]
+    assert flown.time_s.to_numpy() == pytest.approx([6.0, 6.0])
+
+
+def test_in_other_processes_too():
+    table = quiet("pitch_hold", {"hold.theta_ref": [2, 4]}, measure=level, duration=3.0, jobs=2)
+    assert table.reference.tolist() == [2, 4]
+    assert table.time_s.to_numpy() == pytest.approx([3.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("case", "options", "said"),
+    [
+        ({"hold.theta_rf": [1]}, {}, "no parameter 'theta_rf'; did you mean 'theta_ref'"),
+        ({"hld.theta_ref": [1]}, {}, "assigns no block to 'hld'; did you mean 'hold'"),
+        ({"hold.theta_ref": [1]}, {"measure": None}, "measure must be a function"),
+        ({"hold.theta_ref": [1]}, {"duration": 0.0}, "duration must be greater than 0"),
+    ],
+)
+def test_a_script_is_checked_before_the_work_begins(case, options, said, monkeypatch):
+    monkeypatch.setattr(batch, "run_parts", None)
+    with pytest.raises(ParameterError, match=said):
+        quiet("pitch_hold", case, **{"measure": level, **options})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("X = 1.0; print(X)", "builds no Simulation named sim"),
+        ("{build}; print(X)", "has no DURATION: give duration"),
+        ("{build}; DURATION = X; sim.run(1.0)", "runs when it is imported"),
+    ],
+)
+def test_a_script_that_cannot_be_flown_is_refused(text, said, tmp_path):
+    build = "from pathsim import Simulation; X = 1.0; sim = Simulation([], [], log=False)"
+    (tmp_path / "own.py").write_text(text.format(build=build))
+    with pytest.raises(ParameterError, match=said):
+        quiet(str(tmp_path / "own.py"), {"X": [1.0]}, measure=level)
+
+
+def test_a_function_does_it_all_itself():
+    for option in ({"measure": level}, {"duration": 1.0}):
+        with pytest.raises(ParameterError, match="goes with a script"):
+            quiet(noise, {"gain": [1.0]}, **option)
+
+
+def test_a_batch_of_a_script_is_resumed_for_the_same_script_only(tmp_path):
+    script = tmp_path / "own.py"
+    text = (
+        "from pathsim import Simulation\nX = 1.0\nDURATION = 0.1\n"
+        "sim = Simulation([], [], dt=0.1, log=False)\nY = 2 * X\n"
+    )
+    script.write_text(text)
+    options = {"measure": lambda m: {"y": m.Y}, "resume": tmp_path / "kept"}
+    assert quiet(script, {"X": [1.0, 2.0]}, **options).y.tolist() == [2.0, 4.0]
+    script.write_text(text.replace("2 * X", "3 * X"))
+    with pytest.raises(ParameterError, match="another"):
+        quiet(script, {"X": [1.0, 2.0]}, **options)

@@ -10,7 +10,8 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ._pathsim import activate
+from ._pathsim import Run, activate, other_run
+from .progress import progress_bar
 
 
 @dataclass
@@ -59,35 +60,34 @@ def in_real_time() -> Iterator[Pace]:
     """
     pace = Pace()
     _paces.append(pace)
-    usual = Simulation.run
 
     def run(
-        self: Simulation, duration: float = 10, reset: bool = False, adaptive: bool = True
+        usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
     ) -> dict[str, Any]:
         # before run_realtime: it takes the time and whether the run is active from before its reset
         if reset:
-            self.reset()
-        activate(self)
-        began, start = time.perf_counter(), self.time
+            sim.reset()
+        activate(sim)
+        began, start = time.perf_counter(), sim.time
 
         def tick() -> None:
             pace.ticks += 1
-            behind = time.perf_counter() - began - (self.time - start)
+            behind = time.perf_counter() - began - (sim.time - start)
             # after the last step the clock goes on
-            if behind > self.dt and self.time - start < duration:
+            if behind > sim.dt and sim.time - start < duration:
                 pace.late += 1
                 pace.worst = max(pace.worst, behind)
 
-        for _ in self.run_realtime(duration, False, adaptive, func_callback=tick):
-            pass
+        with progress_bar(duration) as bar:
+            for _ in sim.run_realtime(duration, False, adaptive, func_callback=tick):
+                bar.update(sim.time - start - bar.n)
         real = time.perf_counter() - began
-        pace.simulated += self.time - start
+        pace.simulated += sim.time - start
         pace.real += real
         return {"runtime_ms": 1000 * real}
 
-    Simulation.run = run
     try:
-        yield pace
+        with other_run(run):
+            yield pace
     finally:
-        Simulation.run = usual
         _paces.remove(pace)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
-import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pathsim import Simulation, StopSimulation
 
+from ..errors import ParameterError
 from . import _pathsim
+from ._pathsim import Run
 from .checks import number, positive
+from .progress import progress_bar
 from .realtime import is_real_time
 
 if TYPE_CHECKING:
@@ -18,8 +23,6 @@ if TYPE_CHECKING:
 
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
-_BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
-_SECONDS_BEFORE_BAR = 2.0
 
 
 def fly(
@@ -57,20 +60,11 @@ def fly(
     duration = number("duration", positive("duration", duration))
     if is_real_time():
         return sim.run(duration, reset)
+    if _wishes:
+        duration = _wishes[-1].take()
     start = 0.0 if reset else sim.time
     tracker = _pathsim.tracker(sim, duration)
-    with (
-        tracker,
-        _bar_class()(
-            total=duration,
-            unit=" s",
-            bar_format=_BAR,
-            leave=False,
-            delay=0.0 if progress else _SECONDS_BEFORE_BAR,
-            # without a console (pythonw) there is no stderr
-            disable=sys.stderr is None or (None if progress is None else not progress),
-        ) as bar,
-    ):
+    with tracker, progress_bar(duration, progress) as bar:
         adaptive = sim.engine.is_adaptive
         loop = _pathsim.run_loop(sim, duration, reset, adaptive, tracker)
         for made in loop:
@@ -84,16 +78,73 @@ def fly(
     return tracker.stats
 
 
-@functools.cache
-def _bar_class() -> type[tqdm]:
-    from tqdm import tqdm
+@contextlib.contextmanager
+def shown_runs() -> Iterator[None]:
+    """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
 
-    class Bar(tqdm):
-        # tqdm starts a thread that watches its bars. If Ctrl-C leaves tqdm's lock held, that thread
-        # blocks, and the process cannot end
-        monitor_interval = 0
+    def run(
+        usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
+    ) -> dict[str, Any]:
+        if sim.log:  # PathSim itself shows the progress
+            return usual(sim, duration, reset, adaptive)
+        start = 0.0 if reset else sim.time
+        tracker = _pathsim.tracker(sim, duration)
+        with tracker, progress_bar(duration) as bar:
+            for _ in _pathsim.run_loop(sim, duration, reset, adaptive, tracker):
+                bar.update(sim.time - start - bar.n)
+        return tracker.stats
 
-    return Bar
+    with _pathsim.other_run(run):
+        yield
+
+
+@contextlib.contextmanager
+def runs_of(duration: float | None) -> Iterator[None]:
+    """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
+
+    Raises
+    ------
+    ParameterError
+        when a second run begins, of which the duration does not tell
+    """
+    if duration is None:
+        yield
+        return
+    wish = _Wish(number("duration", positive("duration", duration)))
+
+    def run(
+        usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
+    ) -> dict[str, Any]:
+        return usual(sim, wish.take(), reset, adaptive)
+
+    _wishes.append(wish)
+    try:
+        with _pathsim.other_run(run):
+            yield
+    finally:
+        _wishes.remove(wish)
+
+
+@dataclass
+class _Wish:
+    """The duration that the one run of a script is to have."""
+
+    duration: float
+    taken: bool = False
+
+    def take(self) -> float:
+        if self.taken:
+            raise ParameterError(
+                f"the script runs more than once: which of its runs is to last "
+                f"{self.duration:g} s is not clear",
+                parameter="duration",
+                value=self.duration,
+            )
+        self.taken = True
+        return self.duration
+
+
+_wishes: list[_Wish] = []
 
 
 def _whole(steps: float) -> int:

@@ -17,12 +17,10 @@ from unittest.mock import patch
 from ..catalogue import find_diagram
 from . import pvm
 from .export import script_model
-from .generate import to_python
 from .markup import refuse_markup
+from .opening import trusted_code
 from .server import Server
 from .shape import Json
-from .toolboxes import registry_for
-from .trusted_models import digest, remember, require_trust
 
 
 def view(
@@ -80,10 +78,7 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
             return content
     content = pvm.read(path)
     refuse_markup(content, path)
-    to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
-    if trust:
-        remember(digest(content))
-    require_trust(content, path)
+    trusted_code(content, path, trust, trust_toolboxes)
     return content
 
 

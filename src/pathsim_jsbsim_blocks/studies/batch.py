@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import inspect
 import json
 import logging
@@ -15,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 import jsbsim
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, whole
+from .._core.checks import did_you_mean, nearest, positive, whole
 from .._core.extras import required
+from ..catalogue import find_diagram, load_diagram
 from ..errors import ParameterError
 from .grid import expand, plain
 from .workers import WORKER_DIED, run_parts
@@ -28,9 +30,11 @@ log = logging.getLogger(__name__)
 
 
 def run_batch(
-    build: Callable[..., Mapping[str, Any]],
+    build: Callable[..., Mapping[str, Any]] | str | Path,
     cases: Any,
     *,
+    measure: Callable[[Any], Mapping[str, Any]] | None = None,
+    duration: float | None = None,
     seed: int = 0,
     jobs: int = -1,
     resume: str | Path | None = None,
@@ -43,14 +47,23 @@ def run_batch(
 
     Parameters
     ----------
-    build : callable
-        called as ``build(**case)``: builds the diagram, runs it, and returns what it measured as a
-        dict of numbers or texts. A parameter ``seed`` receives the case's seed; the
+    build : callable, str or Path
+        a diagram of the catalogue by its name, or the path of a script: each case names blocks and
+        constants of it, ``{"hold.theta_ref": [2, 3, 4]}``, as ``load_diagram`` takes them. The
+        script is imported, its ``sim`` flown and ``measure`` called.
+        Or a function, called as ``build(**case)``: builds the diagram, runs it, and returns what it
+        measured as a dict of numbers or texts. A parameter ``seed`` receives the case's seed; the
         generators of `random` and of ``numpy.random`` are always seeded with it. It is sent to
         other processes: it must not refer to objects that live outside it, such as an aircraft
     cases : dict, DataFrame or list of dicts
         the parameters of each case; a dict of lists means their product, the last one fastest. A
         column ``seed`` replaces the seeds drawn
+    measure : callable, optional
+        of a script, with which it goes: called after the flight with the script's module, it
+        returns what ``build`` would: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent
+        to other processes too
+    duration : float, optional
+        of a script: simulated time to fly for, s; default is its ``DURATION``
     seed : int
         seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int
@@ -72,27 +85,108 @@ def run_batch(
     Raises
     ------
     ParameterError
-        before the work begins: no cases, a case that ``build`` does not take, NaN, a ``build`` that
+        before the work begins: no cases, a case that ``build`` does not take (of a script: a block,
+        parameter or constant that it does not have, naming the nearest), NaN, a ``build`` that
         cannot be sent to other processes, a file that cannot be written or belongs to another batch
     """
     pd = required("pandas", "studies")
     required("joblib", "studies")
 
     rows = _seeded(expand("cases", cases), whole("seed", seed, low=0))
-    takes_seed = _check(build, rows)
-    name = f"{getattr(build, '__module__', '')}.{getattr(build, '__qualname__', build)}"
+    identity: dict[str, Any] = {}
+    if isinstance(build, (str, Path)):
+        script = find_diagram(str(build)).absolute()
+        measure = _check_script(script, rows, measure, duration)
+        name = script.stem
+        identity = {
+            "script": hashlib.sha256(script.read_bytes()).hexdigest(),
+            "duration": duration,
+            "measure": _name(measure),
+        }
+        build, takes_seed = partial(_fly_script, script, measure, duration), False
+    else:
+        for option, value in (("measure", measure), ("duration", duration)):
+            if value is not None:
+                raise ParameterError(
+                    f"{option} goes with a script: the function build does it all",
+                    parameter=option,
+                    value=value,
+                )
+        takes_seed = _check(build, rows)
+        name = _name(build)
     found = run_parts(
         partial(_run_cases, build, takes_seed),
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
         title=f"run_batch {name.rpartition('.')[2]}, {len(rows)} cases",
-        job=lambda: {"build": name, "cases": rows, "jsbsim": jsbsim.__version__},
+        job=lambda: {"build": name, "cases": rows, "jsbsim": jsbsim.__version__, **identity},
         jobs=jobs,
         resume=resume,
         progress=progress,
     )
     return pd.DataFrame([{**row, **result} for row, result in zip(rows, found, strict=True)])
+
+
+def _name(function: Any) -> str:
+    return f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
+
+
+def _fly_script(
+    script: Path, measure: Callable[[Any], Mapping[str, Any]], duration: float | None, **case: Any
+) -> Mapping[str, Any]:
+    from .._core.running import fly
+
+    module = load_diagram(str(script), case)
+    fly(module.sim, module.DURATION if duration is None else duration, progress=False)
+    return measure(module)
+
+
+def _check_script(
+    script: Path, rows: list[dict[str, Any]], measure: Any, duration: Any
+) -> Callable[[Any], Mapping[str, Any]]:
+    """Refuse a script that cannot be flown and cases without effect on it; return ``measure``."""
+    from pathsim import Simulation
+
+    from .._core.template import SettingError
+
+    if not callable(measure):
+        raise ParameterError(
+            f"measure must be a function of the script's module, not {measure!r}",
+            parameter="measure",
+            value=measure,
+        )
+    _check_sent("measure", measure)
+    if duration is not None:
+        positive("duration", duration)
+    for names in {tuple(row) for row in rows}:
+        row = next(r for r in rows if tuple(r) == names)
+        try:
+            module = load_diagram(str(script), {n: row[n] for n in names if n != "seed"})
+        except SettingError:
+            raise
+        except Exception:
+            continue  # a value that cannot be ends its own case
+        if not isinstance(getattr(module, "sim", None), Simulation):
+            raise ParameterError(
+                f"{script.name} builds no Simulation named sim when it is imported",
+                parameter="build",
+                value=str(script),
+            )
+        if module.sim.time:
+            raise ParameterError(
+                f"{script.name} runs when it is imported: put the run under "
+                'if __name__ == "__main__":',
+                parameter="build",
+                value=str(script),
+            )
+        if duration is None and not hasattr(module, "DURATION"):
+            raise ParameterError(
+                f"{script.name} has no DURATION: give duration=...",
+                parameter="duration",
+                value=None,
+            )
+    return measure
 
 
 def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
@@ -108,8 +202,6 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     """Refuse what a worker cannot run; return whether ``build`` takes the seed."""
-    import joblib
-
     if not callable(build):
         raise ParameterError(
             f"build must be a function, not {build!r}", parameter="build", value=build
@@ -139,16 +231,23 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
                 raise ParameterError(
                     f"case {i} has no {key!r}, which build needs", parameter=key, value=None
                 )
+    _check_sent("build", build)
+    return takes_seed
+
+
+def _check_sent(parameter: str, function: Any) -> None:
+    """Refuse a function that cannot be sent to other processes."""
+    import joblib
+
     try:
-        pickle.dumps(joblib.wrap_non_picklable_objects(build))
+        pickle.dumps(joblib.wrap_non_picklable_objects(function))
     except Exception as error:
         raise ParameterError(
-            f"build cannot be sent to other processes: {error}; create everything it needs inside "
-            "it",
-            parameter="build",
-            value=build,
+            f"{parameter} cannot be sent to other processes: {error}; create everything it needs "
+            "inside it",
+            parameter=parameter,
+            value=function,
         ) from error
-    return takes_seed
 
 
 def _run_cases(

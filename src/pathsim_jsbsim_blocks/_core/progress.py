@@ -1,0 +1,41 @@
+"""The progress bar of runs."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+_BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
+_SECONDS_BEFORE_BAR = 2.0
+
+
+def progress_bar(duration: float, shown: bool | None = None) -> tqdm:
+    """A bar on stderr for a run of ``duration`` in s.
+
+    ``shown``: at once or never; default is after 2 s, where stderr is a terminal.
+    """
+    return _bar_class()(
+        total=duration,
+        unit=" s",
+        bar_format=_BAR,
+        leave=False,
+        delay=0.0 if shown else _SECONDS_BEFORE_BAR,
+        # without a console (pythonw) there is no stderr
+        disable=sys.stderr is None or (None if shown is None else not shown),
+    )
+
+
+@functools.cache
+def _bar_class() -> type[tqdm]:
+    from tqdm import tqdm
+
+    class Bar(tqdm):
+        # tqdm starts a thread that watches its bars. If Ctrl-C leaves tqdm's lock held, that thread
+        # blocks, and the process cannot end
+        monitor_interval = 0
+
+    return Bar

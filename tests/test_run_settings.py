@@ -1,0 +1,196 @@
+"""``pathsim-jsbsim run`` with other values, another duration, and PathView's models."""
+
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from plain_jsbsim import trimmed
+
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.cli import main
+
+USERS = """
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+from pathsim_jsbsim_blocks import fly
+slope = 2.0
+source = Source(lambda t: slope * t)
+scope = Scope(labels=["x [-]"])
+sim = Simulation([source, scope], [Connection(source, scope)], dt=0.5, log=False)
+if __name__ == "__main__":
+    {run}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
+def table(path):
+    with open(path, newline="") as file:
+        names, *rows = csv.reader(file)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
+    options = ["--set", "hold.theta_ref=4", "--set", "aircraft.speed=100", "--duration", "12"]
+    files = ["--csv", "x.csv", "--save", "x.png", "--track", "x.kml"]
+    assert main(["run", "pitch_hold", *options, *files]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"after 12 s, within 0.05 deg of 4 deg from [2-9]\.\d s on", said)
+    flown = table("x.csv")
+    assert flown["time [s]"][-1] == pytest.approx(12.0, abs=1e-9)
+    assert flown["pitch angle [deg]"][-1] == pytest.approx(4.0, abs=0.05)
+    # trimmed anew at the other speed
+    fdm = trimmed("c172p", 5000.0, 100.0)
+    assert flown["pitch angle [deg]"][0] == pytest.approx(fdm["attitude/theta-deg"], abs=1e-6)
+    assert {p.name for p in tmp_path.iterdir()} >= {"x.csv", "x.png", "x.kml"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--set", "hold.theta_rf=5"], "no parameter 'theta_rf'; did you mean 'theta_ref'"),
+        (["--set", "hold=5"], "'hold': it is of class PitchHold: set a parameter of it"),
+        (["--set", "hold.theta_ref"], "--set needs NAME=VALUE, such as hold.theta_ref=5"),
+        (["--set", "=5"], "cannot set ''"),
+        (["--set", "DURATION=1", "--set", "DURATION=2"], "DURATION is set twice, to 1 and 2"),
+        (["--set", "DURATION=1", "--duration", "2"], "DURATION is set twice, to 1 and 2"),
+        (["--duration", "-1"], "duration must be greater than 0"),
+        (["--duration", "nan"], "duration must be finite"),
+    ],
+)
+def test_a_setting_without_effect_ends_before_the_flight(options, said, capsys):
+    assert main(["run", "pitch_hold", *options]) == 1
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert captured.out == ""
+
+
+def test_a_study_takes_no_settings(capsys):
+    assert main(["run", "aoa_vs_cas", "--set", "x=1"]) == 1
+    assert main(["run", "aoa_vs_cas", "--duration", "1"]) == 1
+    assert capsys.readouterr().err.count("is no script: it takes no --") == 2
+
+
+@pytest.mark.parametrize("run", ["sim.run(3.0)", "fly(sim, 3.0)"])
+def test_the_run_of_a_users_script_takes_the_duration(run, tmp_path):
+    (tmp_path / "own.py").write_text(USERS.format(run=run))
+    options = ["--set", "slope=4", "--csv", "x.csv"]
+    assert main(["run", "own.py", "--duration", "5", *options]) == 0
+    flown = table("x.csv")
+    assert flown["time [s]"][-1] == 5.0
+    assert flown["x [-]"][-1] == 20.0
+    assert main(["run", "own.py", *options]) == 0
+    assert table("x.csv")["time [s]"][-1] == 3.0
+
+
+@pytest.mark.parametrize("run", ["sim.run(1); sim.run(2)", "fly(sim, 1); fly(sim, 2)"])
+def test_which_of_two_runs_is_meant_is_not_clear(run, tmp_path, capsys):
+    (tmp_path / "own.py").write_text(USERS.format(run=run))
+    assert main(["run", "own.py", "--duration", "5"]) == 1
+    assert "runs more than once: which of its runs is to last 5 s" in capsys.readouterr().err
+    assert main(["run", "own.py"]) == 0
+
+
+def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
+    model = str(diagram_folder() / "pitch_hold.pvm")
+    options = ["--set", "hold.theta_ref=2.5", "--duration", "2"]
+    assert main(["run", model, *options, "--csv", "model.csv"]) == 0
+    assert main(["run", "pitch_hold", *options, "--csv", "script.csv"]) == 0
+    model, script = table("model.csv"), table("script.csv")
+    assert model.keys() == script.keys()
+    assert all(np.array_equal(model[name], script[name]) for name in script)
+    assert sorted(p.name for p in tmp_path.glob("*.png")) == ["pitch_hold.png", "pitch_hold_2.png"]
+
+
+@pytest.fixture
+def outside(tmp_path):
+    """A model of somebody else, whose code leaves a trace."""
+    model = json.loads((diagram_folder() / "damped_oscillator.pvm").read_text())
+    model["codeContext"]["code"] += f"\nimport os; os.mkdir({str(tmp_path / 'owned')!r})"
+    (tmp_path / "outside.pvm").write_text(json.dumps(model))
+    return tmp_path / "outside.pvm"
+
+
+def test_a_model_from_outside_runs_after_the_users_word_only(outside, tmp_path, capsys):
+    assert main(["run", str(outside)]) == 2
+    assert "then pass --trust" in capsys.readouterr().err
+    assert not (tmp_path / "owned").exists()
+    assert main(["run", str(outside), "--trust"]) == 0
+    assert (tmp_path / "owned").exists()
+    (tmp_path / "owned").rmdir()
+    assert main(["run", str(outside)]) == 0
+
+
+def test_the_user_is_asked(outside, tmp_path, monkeypatch):
+    from pathsim_jsbsim_blocks import cli
+
+    monkeypatch.setattr(cli, "_says_yes", lambda error: True)
+    assert main(["run", str(outside)]) == 0
+    assert (tmp_path / "owned").exists()
+
+
+def test_a_failure_in_a_model_shows_the_line_of_its_script(outside, capsys):
+    model = json.loads(outside.read_text())
+    model["codeContext"]["code"] += "\nsum('text')"
+    outside.write_text(json.dumps(model))
+    assert main(["run", str(outside), "--trust"]) == 1
+    said = capsys.readouterr().err
+    assert "sum('text')" in said
+    assert said.endswith("outside.pvm failed\n")
+
+
+def test_no_such_model(capsys):
+    assert main(["run", "nonesuch.pvm"]) == 1
+    assert "nonesuch.pvm: cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("run", ["sim.run(40.0)", "fly(sim, 40.0)"])
+def test_long_runs_show_a_bar_at_a_terminal_only(run, tmp_path, monkeypatch):
+    from pathsim_jsbsim_blocks._core import progress
+
+    # the bar appears after 2 s of real time
+    monkeypatch.setattr(progress, "_SECONDS_BEFORE_BAR", 0.0)
+    (tmp_path / "own.py").write_text(USERS.format(run=run))
+    for terminal in (True, False):
+        shown = io.StringIO()
+        shown.isatty = lambda terminal=terminal: terminal
+        monkeypatch.setattr(sys, "stderr", shown)
+        assert main(["run", "own.py"]) == 0
+        assert ("/40.0 s in" in shown.getvalue()) == terminal
+
+
+def test_what_logs_its_progress_has_no_bar(tmp_path, monkeypatch):
+    from pathsim_jsbsim_blocks._core import progress
+
+    monkeypatch.setattr(progress, "_SECONDS_BEFORE_BAR", 0.0)
+    text = USERS.format(run="sim.run(40.0)").replace("log=False", "log=True")
+    (tmp_path / "own.py").write_text(text)
+    shown = io.StringIO()
+    shown.isatty = lambda: True
+    monkeypatch.setattr(sys, "stderr", shown)
+    assert main(["run", "own.py"]) == 0
+    assert "/40.0 s in" not in shown.getvalue()
+
+
+def test_the_command_changes_no_result(tmp_path):
+    """The bar's loop is PathSim's own: the same numbers as under ``python script.py``."""
+    text = USERS.format(run="sim.run(3.3); print(repr(scope.read()[1].sum()), sim.time)")
+    (tmp_path / "own.py").write_text(text)
+    said = [
+        subprocess.run(
+            [sys.executable, *command], capture_output=True, text=True, check=True, env=os.environ
+        ).stdout
+        for command in (["own.py"], ["-m", "pathsim_jsbsim_blocks.cli", "run", "own.py"])
+    ]
+    assert said[0] == said[1] != ""
