@@ -86,6 +86,9 @@ def test_the_block_in_a_diagram():
     block.target = "km/h"
     sim.run(0.1)
     assert scope.read()[1][0, -1] == pytest.approx(1.852 * np.sin(1.1))
+    block.set(source="degC", target="K")
+    sim.run(0.1)
+    assert scope.read()[1][0, -1] == pytest.approx(273.15 + np.sin(1.2))
 
 
 @pytest.mark.parametrize(

@@ -375,6 +375,9 @@ def test_it_logs_what_run_logs(caplog, stopped_at):
 
     with caplog.at_level(logging.INFO):
         assert lines(lambda sim: fly(sim, 2.0)) == lines(lambda sim: sim.run(2.0))
+        assert lines(lambda sim: (sim.run(0.5), fly(sim, 2.0, reset=True))) == lines(
+            lambda sim: (sim.run(0.5), sim.run(2.0, reset=True))
+        )
 
 
 def test_after_an_exception_it_goes_on():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, SinusoidalSource
+from pathsim.events import Schedule
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, ParameterError, fly
 from pathsim_jsbsim_blocks._core.realtime import in_real_time
@@ -211,6 +212,29 @@ def test_late_ticks_are_counted(receiver):
     # 11 steps took 0.55 s instead of 0.09 s
     assert 0 < pace.late <= pace.ticks
     assert pace.worst > 0.05
+
+
+def test_the_most_that_a_run_is_late(monkeypatch):
+    # a clock that only waiting moves on
+    now = [50.0]
+
+    def sleep(seconds):
+        now[0] += seconds
+
+    monkeypatch.setattr(time, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(time, "sleep", sleep)
+    source, scope = SinusoidalSource(), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
+    sim.run(1.0)
+    sim.add_event(Schedule(t_start=1.3, t_period=1e3, func_act=lambda t: sleep(0.25)))
+    with in_real_time() as pace:
+        sim.run(1.0)
+    assert pace.late == 1
+    # a step and a wait of 1 ms
+    assert pace.worst == pytest.approx(0.25, abs=0.012)
+    assert (pace.simulated, pace.real) == pytest.approx((1.0, 1.0), abs=0.012)
+    # 30 in a second, but for the one that is late
+    assert 20 < pace.ticks < 31
 
 
 def test_a_run_after_a_reset_or_a_stop_keeps_the_pace_too():

@@ -1,12 +1,20 @@
 """Own tests of each module, quick ones first.
 
 A key is the end of a module's path, or a folder with a slash; the longest that fits counts. A test
-file is looked for by its name in all of ``tests/``, so that neither list minds a move. What is no
-file is an option of pytest.
+file is looked for by its name in all of ``tests/`` but those in a browser, so that neither list
+minds a move. What is no file is an option of pytest. Left out are the command line, figures, and
+what only names or loads other modules.
 """
 
 OWN_TESTS = {
-    "_core/_pathsim": ["test_pathsim_seam.py", "test_sampling.py", "test_instants.py"],
+    "_core/_pathsim": [
+        "test_pathsim_seam.py",
+        "test_sampling.py",
+        "test_instants.py",
+        "test_running.py",
+        "-k",
+        "not interrupt_could_block and not in_the_seam_only",
+    ],
     "_core/sampling": ["test_sampling.py", "test_instants.py", "test_checkpoint.py"],
     "flight/fdm": [
         "test_promises.py",
@@ -30,12 +38,38 @@ OWN_TESTS = {
     "air/airspeed": ["test_airspeed.py"],
     "air/airspeed_blocks": ["test_airspeed.py", "test_promises.py"],
     "axes/": ["test_axes.py", "test_promises.py"],
-    "wind/turbulence": ["test_turbulence.py"],
-    "wind/gust": ["test_gust.py"],
-    "wind/": ["test_shear_microburst.py"],
+    "_core/checks": ["test_checks.py"],
+    "_core/continuous": ["test_laws.py", "test_diagrams.py"],
+    "_core/realtime": ["test_flightgear.py"],
+    "_core/running": ["test_running.py", "-k", "not interrupt_could_block"],
+    "_core/scopes": ["test_recorder.py", "test_formats.py", "test_plots.py"],
+    "_core/units": ["test_units.py", "test_gust.py"],
+    "flight/airframe": ["test_sealed.py", "test_points.py", "test_bad_input.py"],
+    "flight/algebraic": ["test_model.py"],
+    "flight/block": ["test_fdm_exact.py", "test_checkpoint.py", "test_life.py", "test_limits.py"],
+    "flight/channels": ["test_model.py"],
+    "flight/console": ["test_sealed.py"],
+    "flight/flightgear": ["test_flightgear.py"],
+    "flight/flown": ["test_model.py"],
+    "flight/linear": ["test_model.py"],
+    "flight/points": ["test_points.py"],
+    "flight/recording": ["test_recording.py"],
+    "linear/": ["test_modes.py", "test_model.py", "test_diagrams.py"],
+    "linear/identification": ["test_model.py"],
+    "studies/journal": ["test_journal.py"],
+    "studies/batch": ["test_batch.py"],
+    "studies/grid": ["test_sweep.py"],
+    "studies/published": ["test_published.py"],
+    "studies/sweep": ["test_sweep.py"],
+    "tracks/": ["test_formats.py", "test_recorder.py"],
+    "tracks/recorder": ["test_recorder.py"],
+    "units": ["test_units.py"],
+    "wind/turbulence": ["test_turbulence.py", "test_promises.py"],
+    "wind/gust": ["test_gust.py", "test_promises.py"],
+    "wind/": ["test_shear_microburst.py", "test_promises.py"],
     "_core/noise": ["test_turbulence.py", "test_sensor_actuator.py"],
-    "control/sensor": ["test_sensor_actuator.py"],
-    "control/actuator": ["test_sensor_actuator.py"],
+    "control/sensor": ["test_sensor_actuator.py", "test_promises.py"],
+    "control/actuator": ["test_sensor_actuator.py", "test_promises.py"],
     "control/response": ["test_response.py"],
     "control/": ["test_laws.py", "test_gains.py", "test_promises.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
@@ -55,4 +89,18 @@ OWN_TESTS = {
     "pathview/same": ["test_same.py", "test_names.py", "test_export.py", "test_convert.py"],
     "pathview/server": ["test_access.py", "test_view.py", "test_hosted_editor.py"],
     "pathview/_view": ["test_view.py", "test_hosted_editor.py"],
+}
+
+# modules that make a group of the sample beside the rest of their folder
+GROUPS = {
+    "_core/sampling": "sampling",
+    "_core/_pathsim": "sampling",
+    "flight/_newton": "trim",
+    "flight/_trim": "trim",
+    "flight/condition": "trim",
+    "flight/planet": "trim",
+    "flight/algebraic": "linear",
+    "flight/channels": "linear",
+    "flight/flown": "linear",
+    "flight/linear": "linear",
 }

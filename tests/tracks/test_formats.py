@@ -1,7 +1,9 @@
 """Each format is read back by another program's reader, and compared with the track."""
 
+import base64
 import datetime
 import json
+import math
 import re
 import sys
 from pathlib import Path
@@ -188,6 +190,46 @@ def test_a_report_is_one_page_of_moderate_size(tmp_path):
     assert not re.findall(r"(?:src|href)=\"(?!data:)", own)
     assert "http" not in own
     assert "<!--" not in own.replace("<!DOCTYPE", "")
+
+
+def test_a_report_holds_the_flights_east_north_and_up_of_the_first(tmp_path):
+    n = 30_001
+    time = np.linspace(0.0, 300.0, n)
+    still = np.zeros(n)
+    first = Track("a", "c172p", time, 47 + time / 3e4, 11 + still, 1e3 + time, still, still, still)
+    heading = (350 + time) % 360
+    # 0.01 deg further north and east, 100 ft higher
+    second = Track(
+        "b", "ov10", time, 47.01 + still, 11.01 + still, 1.1e3 + still, still, still + 5.0, heading
+    )
+    save_tracks(tmp_path / "flight.html", [first, second])
+    page = (tmp_path / "flight.html").read_text(encoding="utf-8").replace(get_plotlyjs(), "")
+    start = page.index('{"aircraft"')
+    a, b = json.JSONDecoder().raw_decode(page[start:])[0]["aircraft"]
+
+    def column(packed):
+        return np.frombuffer(base64.b64decode(packed), "<f4")
+
+    assert [column(a[key])[0] for key in ("east", "north", "up")] == [0.0, 0.0, 0.0]
+    assert column(a["time"])[-1] == 300.0
+    # every second of 30,001 samples
+    assert len(column(a["time"])) == 15_001
+    # WGS84's radii of curvature at 47 deg: 6,369,620 m along the meridian, 6,389,587 m across
+    north, east = math.radians(0.01) * 6369620, math.radians(0.01) * 6389587 * math.cos(0.8203)
+    for key, expected in (("north", north), ("east", east), ("up", 30.48)):
+        # m; the earth curves away by 0.15 m, and the meridians converge
+        assert column(b[key]) == pytest.approx(expected, abs=0.2), key
+    assert column(a["up"])[-1] == pytest.approx(300 * 0.3048, abs=0.2)
+    assert np.all(column(b["phi"]) == 5.0)
+    assert column(b["psi"])[-1] == pytest.approx(290.0)
+    # without the jump at north
+    signals = {signal["name"]: signal for signal in b["signals"]}
+    assert column(signals["heading"]["values"])[-1] == pytest.approx(650.0)
+    assert signals["heading"]["unit"] == "deg"
+    assert not {"latitude", "longitude"} & set(signals)
+    assert "thinned out to 20,000 for each aircraft" in page
+    save_tracks(tmp_path / "short.html", [first.thinned(1000)])
+    assert "thinned out" not in (tmp_path / "short.html").read_text(encoding="utf-8")
 
 
 def test_text_of_the_user_is_text_in_a_report(tmp_path):

@@ -143,20 +143,21 @@ def as_path(parameter: str, value: Any) -> Path:
 def writable(parameter: str, value: Any) -> Path:
     """``value`` as the path of a file that can be written, tried by opening it."""
     path = as_path(parameter, value)
-    if path.is_dir():
+    # os.path, because a name too long for the system is an error of Path's
+    if os.path.isdir(path):
         raise ParameterError(
             f"{parameter} must be a file, {str(path)!r} is a directory",
             parameter=parameter,
             value=str(path),
         )
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise ParameterError(
             f"no directory {str(path.parent)!r} to write {path.name!r} in",
             parameter=parameter,
             value=str(path),
         )
     new = not os.path.lexists(path)
-    if new or path.is_file():  # opening and closing a pipe would end its data
+    if new or os.path.isfile(path):  # opening and closing a pipe would end its data
         try:
             path.open("ab").close()
             if new:
