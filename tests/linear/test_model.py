@@ -1,6 +1,8 @@
 """Linear models against the flights that they stand for."""
 
+import contextlib
 import math
+import socket
 import warnings
 
 import numpy as np
@@ -11,6 +13,7 @@ from how_many import first
 from pathsim_jsbsim_blocks import (
     Aircraft,
     JSBSimFDM,
+    LinearAircraft,
     LinearisationError,
     ParameterError,
     TrimCondition,
@@ -63,7 +66,8 @@ def doublet_errors(name, model):
         if name_of_input in model.inputs:
             u = doublet(1200, port)
             response = flown(name, u) - still
-            predicted = model.simulate(u) - model.y0
+            moved = [list(RESPONSES).index(name) for name in model.inputs]
+            predicted = model.simulate(u[:, moved]) - model.y0
             for output in outputs:
                 i = model.outputs.index(output)
                 missed = response[:, i] - predicted[:, i]
@@ -217,6 +221,66 @@ def test_kinks_are_told():
     with pytest.warns(RuntimeWarning, match=r"A320: the response of \w+ to aileron is not linear"):
         model = plane("A320").linear_model(inputs=["aileron"])
     assert np.nanmax(model.kinks) > 0.1
+
+
+# the elevator of the c310 and the aileron of the Short_S23 are linear for the pulse only, and
+# the roll of the T38 shows its kink in a doublet, where the odd parts cancel
+@pytest.mark.parametrize(
+    ("name", "port", "output"),
+    first(
+        [("c310", "elevator", "theta"), ("T38", "aileron", "phi"), ("Short_S23", "aileron", "phi")]
+    ),
+)
+def test_what_a_doublet_shows_is_told(name, port, output):
+    with pytest.warns(RuntimeWarning, match=rf"{name}: the response of \w+ to {port} is not lin"):
+        model = plane(name).linear_model(inputs=[port])
+    at = model.outputs.index(output)
+    assert model.kinks[at, 0] > 0.1 or model.fit[at, 0] > 0.05
+    error = doublet_errors(name, model)[output]
+    assert error > 0.05
+
+
+@pytest.mark.long
+def test_an_aircraft_that_departs_is_refused():
+    with pytest.raises(LinearisationError, match="none fits the response of") as caught:
+        plane("DHC6").linear_model(inputs=["aileron", "rudder"])
+    assert caught.value.reason == "no fit"
+
+
+def test_motion_faster_than_the_samples_follows_at_once():
+    # the pitch rate of the Camel follows its elevator within four samples
+    with pytest.warns(RuntimeWarning, match="Camel"):
+        model = plane("Camel").linear_model(inputs=["elevator"])
+    assert doublet_errors("Camel", model)["q"] < 0.10
+
+
+def test_an_aircraft_without_engines_has_no_throttle():
+    glide = TrimCondition(altitude=5000, speed=50, mode="glide", solver="newton")
+    for method in ("flown", "algebraic"):
+        model = linear_model("SGS", glide, method)
+        assert model.inputs == ("elevator", "aileron", "rudder")
+        assert np.any(model.B, axis=0).all()
+    with pytest.raises(LinearisationError, match="it has no throttle") as caught:
+        linear_model("SGS", glide, inputs=["elevator", "throttle"])
+    assert (caught.value.reason, caught.value.name) == ("no response", "throttle")
+    block = LinearAircraft("SGS", condition=glide, method="algebraic")
+    assert block["throttle"].ports
+    assert not block.model.B[:, 3].any()
+
+
+def test_flightgear_sees_none_of_the_pulses():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.settimeout(0.05)
+        port = listening.getsockname()[1]
+        block = plane("c172p", flightgear=f"127.0.0.1:{port}")
+        with contextlib.suppress(TimeoutError):
+            while True:  # what the trim has sent
+                listening.recv(4096)
+        block.linear_model("algebraic", ["elevator"])
+        block.linear_model(inputs=["elevator"])
+        with pytest.raises(TimeoutError):
+            listening.recv(4096)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from typing import Any
 from ..errors import MissingExtraError
 
 
-def required(package: str, extra: str) -> Any:
-    """A package that is installed with an extra.
+def required(package: str, extra: str, name: str | None = None) -> Any:
+    """A package that is installed with an extra; its name, where it is not that of the module.
 
     Raises
     ------
@@ -21,4 +21,4 @@ def required(package: str, extra: str) -> Any:
     except ModuleNotFoundError as error:
         if error.name != package:
             raise
-        raise MissingExtraError(package, extra) from None
+        raise MissingExtraError(name or package, extra) from None

@@ -13,7 +13,7 @@ from .._core.checks import mapping
 from ..errors import ParameterError
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
-from .channels import RIGID, Channel, ignorable
+from .channels import RIGID, Channel, driven, ignorable
 
 if TYPE_CHECKING:
     from .block import FlightBlock
@@ -67,7 +67,7 @@ def algebraic_model(
     block = build()
     airframe = block.airframe
     ports, channels = block.channels()
-    wanted = find("inputs", [c.name for c in ports], inputs)
+    wanted = driven(airframe, ports, inputs)
     moved = [ports[i] for i in wanted]
     chosen = find("outputs", [c.name for c in channels], outputs)
     shown = [channels[i] for i in chosen]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import time
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import get_ident
 from typing import Any
 
@@ -36,7 +37,7 @@ from .algebraic import algebraic_model
 from .channels import Channel
 from .condition import TrimCondition
 from .console import capture_console, log
-from .flightgear import next_address
+from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
 
 # s; with longer steps than these JSBSim's integration is unstable
@@ -147,6 +148,16 @@ fill = filler(
 at_take_off: list[Callable[[FlightBlock], None]] = []
 
 
+@contextlib.contextmanager
+def _unobserved() -> Iterator[None]:
+    """Context in which nobody is told of a take-off."""
+    observers, at_take_off[:] = at_take_off[:], []
+    try:
+        yield
+    finally:
+        at_take_off[:] = observers
+
+
 class FlightBlock(NamedPorts, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
@@ -249,14 +260,21 @@ class FlightBlock(NamedPorts, SampledPlant):
         ----------
         method : str
             "flown": identified from small opposite pulses on each input, 8 s each, so that the
-            control system, actuators and engines are in it. "algebraic": central differences of
-            JSBSim's accelerations, the rigid aircraft with its engines at their steady state,
-            in some 20 ms
+            control system, actuators and engines are in it; a doublet on each input, another 8 s,
+            shows how far the model holds. "algebraic": central differences of JSBSim's
+            accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms
         inputs, outputs : list of str, optional
-            names of ports; default all
+            names of ports; default all that the aircraft has: one without engines has no throttle
         amplitude : dict, optional
             height of the pulse on an input, by its name, in its unit; default 0.005 for
-            surfaces, 0.001 for the throttle of a turbine and 0.01 for that of a piston engine
+            surfaces, 0.001 for the throttle of a turbine and 0.01 for that of a piston engine. The
+            doublet has twice this height, that of a throttle 0.01 by default
+
+        Warns
+        -----
+        RuntimeWarning
+            if a response to a doublet is not linear: its even part is above 10 % of the odd part,
+            or the model's error above 5 %; 25 % for the throttle, because few engines are linear
 
         Raises
         ------
@@ -302,9 +320,12 @@ class FlightBlock(NamedPorts, SampledPlant):
         return A, np.pad(B, beyond), C, np.pad(D, beyond)
 
     def _another(self) -> FlightBlock:
-        """A block with the same parameters and a fresh aircraft."""
+        """A sealed block with the same parameters and a fresh aircraft."""
         block = self._class()
-        return block(**{name: getattr(self, name) for name in inspect.signature(block).parameters})
+        parameters = {name: getattr(self, name) for name in inspect.signature(block).parameters}
+        sealed = {"allow_network": False, "allow_files": False, "flightgear": None}
+        with _unobserved(), sending_nowhere():
+            return block(**{**parameters, **sealed})
 
     def _connect(self) -> tuple[Write, Read]:
         """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..errors import LinearisationError
+from ..linear.model import find
 from .airframe import Airframe
 
 DEG = 180.0 / math.pi
@@ -85,6 +88,29 @@ def engine_channels(airframe: Airframe) -> list[Channel]:
             if airframe.has(name):
                 found.append(Channel(f"{quantity.partition('-')[0]}[{i}]", (name,), 1.0, unit))
     return found
+
+
+def driven(airframe: Airframe, ports: Sequence[Channel], inputs: Sequence[str] | None) -> list[int]:
+    """Numbers of the inputs wanted; by default all that the aircraft has.
+
+    Raises
+    ------
+    ParameterError
+        for something that is not a list of known names, each once
+    LinearisationError
+        for an input that the aircraft does not have, such as the throttle of a glider
+    """
+    wanted = find("inputs", [port.name for port in ports], inputs)
+    without = [i for i in wanted if not ports[i].properties]
+    if without and inputs is not None:
+        name = ports[without[0]].name
+        raise LinearisationError(
+            f"no linear model of {airframe.aircraft!r}: it has no {name}",
+            aircraft=airframe.aircraft,
+            reason="no response",
+            name=name,
+        )
+    return [i for i in wanted if i not in without]
 
 
 def ignorable(channel: Channel) -> bool:

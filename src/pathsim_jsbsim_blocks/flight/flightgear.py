@@ -17,7 +17,7 @@ HOST, PORT = "127.0.0.1", 5550
 # Hz of simulated time; FlightGear draws no faster
 _RATE = 60
 
-_addresses: list[Iterator[str]] = []
+_addresses: list[Iterator[str | None]] = []
 
 
 def address(parameter: str, value: Any) -> tuple[str, int]:
@@ -64,6 +64,16 @@ def sending_to(first: str) -> Iterator[None]:
     """
     host, port = address("flightgear", first)
     _addresses.append(f"{host}:{n}" for n in itertools.count(port))
+    try:
+        yield
+    finally:
+        _addresses.pop()
+
+
+@contextlib.contextmanager
+def sending_nowhere() -> Iterator[None]:
+    """Context in which aircraft blocks that are built do not send to FlightGear."""
+    _addresses.append(itertools.repeat(None))
     try:
         yield
     finally:

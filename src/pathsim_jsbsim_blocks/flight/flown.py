@@ -11,13 +11,14 @@ import numpy as np
 from .._core._pathsim import values
 from .._core.checks import did_you_mean, mapping, nearest, positive
 from ..errors import FlightError, LinearisationError, ParameterError
-from ..linear.identification import Realisation, realise
+from ..linear.identification import Realisation, realise, respond
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
 from .channels import (
     RIGID,
     Channel,
     acceleration,
+    driven,
     engine_channels,
     full_circle,
     ignorable,
@@ -41,14 +42,26 @@ _TURBINE_THROTTLE, _PISTON_THROTTLE = 1e-3, 1e-2
 # other inputs, by unit
 _AMPLITUDES = {"norm": 5e-3, "deg": 0.1, "rad": 1e-3, "ft/s": 0.1, "kt": 0.1}
 
-# responses below this fraction of the largest one of an output have no meaningful shape
-_HARDLY = 0.3
+# responses below this fraction of the largest one of an output have no meaningful shape. After a
+# doublet that of the airspeed to the throttle is small beside that to the elevator
+_HARDLY, _HARDLY_THROTTLE = 0.3, 0.05
+
+# a doublet follows the pulse, to see how far the model holds: s each way, times the pulse's
+# height, and of full travel for a throttle
+_WAY, _DOUBLET, _DOUBLET_THROTTLE = 1.0, 2.0, 0.01
 
 # relative to the size of a signal: no response at all
 _NOTHING = 1e-9
 
 # even over odd part of a response: worth a warning, and no linear response at all
 _KINKED, _BROKEN = 0.1, 0.5
+
+# error after a doublet that is worth a warning. Spools accelerate at a constant rate, and tables of
+# pistons have corners: few throttles are linear
+_MISSED, _MISSED_THROTTLE = 0.05, 0.25
+
+# growth, as the exponent, with which an aircraft is still near its trim after the pulse
+_GROWTH = 3.0
 
 # largest error of a model that is one
 _WORST_FIT = 0.3
@@ -66,7 +79,8 @@ def flown_model(
     """
     block = build()
     ports, channels = block.channels()
-    moved = find("inputs", [c.name for c in ports], inputs)
+    moved = driven(block.airframe, ports, inputs)
+    names = [ports[i].name for i in moved]
     chosen = find("outputs", [c.name for c in channels], outputs)
     heights = _heights(block.airframe, [ports[i] for i in moved], amplitude)
     engines = engine_channels(block.airframe)
@@ -77,13 +91,22 @@ def flown_model(
             signals.setdefault(block.airframe.canonical(name), channel)
     listed = list(signals.values())
     flights = _Flights(build, signals, block.T)
-    still = flights.fly(None, 0.0)
-    nothing = _NOTHING * (1.0 + np.abs(still).max(axis=0))
-    responses, kinks = [], []
-    for port, height in zip(moved, heights, strict=True):
-        up, down = flights.fly(port, height), flights.fly(port, -height)
-        odd, even = _rms(up - down), _rms(up + down - 2 * still)
-        if np.all(odd < nothing):
+    commands = [
+        flights.commands(
+            height,
+            _DOUBLET_THROTTLE
+            if _is_throttle(ports[i]) and ports[i].name not in mapping("amplitude", amplitude)
+            else _DOUBLET * height,
+        )
+        for i, height in zip(moved, heights, strict=True)
+    ]
+    still = flights.fly(block, None, np.zeros_like(commands[0]) if commands else np.zeros(0))
+    odd, even = [], []
+    for port, height, command in zip(moved, heights, commands, strict=True):
+        up, down = (flights.fly(build(), port, sign * command) for sign in (1, -1))
+        odd.append((up - down) / 2)
+        even.append((up + down) / 2 - still)
+        if np.all(_rms(odd[-1][: flights.pulsed]) < _nothing(still)):
             raise LinearisationError(
                 f"no linear model of {block.airframe.aircraft!r}: it does not respond to "
                 f"{ports[port].name!r} within +-{height:g}; leave that out of the inputs, or "
@@ -92,13 +115,13 @@ def flown_model(
                 reason="no response",
                 name=ports[port].name,
             )
-        responses.append((up - down) / (2 * height))
-        kinks.append(even / np.maximum(odd, nothing))
-    g, kinked = np.array(responses), np.array(kinks).T
+    pulsed = np.array([y[: flights.pulsed] for y in odd])
+    kinked = _ratio([y[: flights.pulsed] for y in even], pulsed, _nothing(still))
     # what answers alike to up and down does not answer in the first order
     mute = [i for i in range(len(listed)) if np.all(kinked[i] > _BROKEN)]
     rigid = [i for i, c in enumerate(listed) if c in RIGID and i not in mute]
-    _judge_inputs(block.airframe.aircraft, [ports[i].name for i in moved], kinked[rigid])
+    _judge_inputs(block.airframe.aircraft, names, kinked[rigid])
+    g = pulsed / np.reshape(heights, (-1, 1, 1))
     rms = np.sqrt((g**2).mean(axis=1)).T
     kinked[rms < _HARDLY * rms.max(axis=1, keepdims=True)] = np.nan
     kinked[mute] = np.nan
@@ -115,42 +138,92 @@ def flown_model(
         integrals=integrals,
         abrupt=[i for i, c in enumerate(listed) if acceleration(c) and i not in mute],
     )
-    model = _named(block, found, signals, chosen, moved, still[0], kinked)
-    _judge(model, [listed[i].name for i in rigid], kinked[rigid], found.error[rigid])
-    return model
+    throttle = np.array([_is_throttle(ports[i]) for i in moved])
+    doublets = _Doublets(
+        np.array(odd)[:, flights.pulsed :],
+        np.array(even)[:, flights.pulsed :],
+        respond(found, np.array(commands).T, block.T)[:, flights.pulsed :],
+        throttle,
+    )
+    missed, uneven = doublets.missed(), doublets.uneven()
+    missed[mute] = uneven[mute] = np.nan
+    shown = [listed[i].name for i in rigid]
+    _judge_fit(block.airframe.aircraft, names, shown, found.error[rigid])
+    # an unstable aircraft is far from its trim by now
+    if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
+        _judge_fit(block.airframe.aircraft, names, shown, doublets.missed_of_largest()[rigid])
+    kinked, error = np.fmax(kinked, uneven), np.fmax(found.error, missed)
+    _warn(block.airframe.aircraft, names, throttle, shown, kinked[rigid], error[rigid])
+    return _named(block, found, signals, chosen, moved, still[0], kinked, error)
+
+
+class _Doublets:
+    """Responses to the doublets, and what the model predicts: shape (inputs, samples, signals)."""
+
+    def __init__(
+        self, odd: np.ndarray, even: np.ndarray, predicted: np.ndarray, throttle: np.ndarray
+    ):
+        self._odd, self._even, self._predicted = odd, even, predicted
+        size = _rms(odd)
+        least = np.where(throttle, _HARDLY_THROTTLE, _HARDLY)[:, None]
+        self._hardly = (size < least * size.max(axis=0, initial=0.0)) | (size == 0.0)
+
+    def missed(self) -> np.ndarray:
+        """Error over response, shape (signals, inputs); NaN where a signal hardly responds."""
+        return self._over(_rms(self._odd - self._predicted), _rms(self._odd))
+
+    def missed_of_largest(self) -> np.ndarray:
+        """Error over the signal's largest response to any input, likewise."""
+        largest = np.broadcast_to(_rms(self._odd).max(axis=0, initial=0.0), self._hardly.shape)
+        return self._over(_rms(self._odd - self._predicted), largest)
+
+    def uneven(self) -> np.ndarray:
+        """Even part over odd part, likewise."""
+        return self._over(_rms(self._even), _rms(self._odd))
+
+    def _over(self, part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+        return np.where(self._hardly, np.nan, part / np.where(self._hardly, 1.0, whole)).T
 
 
 class _Flights:
-    """Flights with a pulse on one input each, and what is recorded of them."""
+    """Flights with a pulse on one input each and a doublet after it, and what is recorded."""
 
     def __init__(self, build: Callable[[], FlightBlock], signals: Mapping[str, Channel], T: float):
-        self._build = build
         self._signals = signals
         self.width = max(round(_PULSE / T), 1)
         self._n = round(_DURATION / T / self.width) * self.width
+        self._way = max(round(_WAY / T), 1)
+        # samples of the response to the pulse
+        self.pulsed = self._n + 1
 
-    def fly(self, port: int | None, height: float) -> np.ndarray:
+    def commands(self, height: float, doublet: float) -> np.ndarray:
+        """A pulse, and a doublet after its response, over all periods of a flight."""
+        u = np.zeros(2 * self._n)
+        u[: self.width] = height
+        u[self._n :][: self._way] = doublet
+        u[self._n + self._way :][: self._way] = -doublet
+        return u
+
+    def fly(self, plane: FlightBlock, port: int | None, commands: np.ndarray) -> np.ndarray:
         """Signals from the start of the pulse on, shape (samples, signals)."""
-        plane = self._build()
         readers = [plane.airframe.reader(name) for name in self._signals]
         u = values(plane.inputs)
         trimmed = plane.trimmed_inputs()
         u[: len(trimmed)] = trimmed
-        pulsed = list(u)
-        if port is not None:
-            pulsed[port] += height
-        y = np.empty((self._n + 1, len(readers)))
+        y = np.empty((len(commands) + 1, len(readers)))
         try:
             for k in range(1, _SETTLING + 1):
                 plane.advance(k, u)
             y[0] = [read() for read in readers]
-            for k in range(1, self._n + 1):
-                plane.advance(_SETTLING + k, pulsed if k <= self.width else u)
+            for k, command in enumerate(commands.tolist(), 1):
+                if port is not None:
+                    u[port] = trimmed[port] + command
+                plane.advance(_SETTLING + k, u)
                 y[k] = [read() for read in readers]
         except FlightError as error:
             raise LinearisationError(
                 f"no linear model of {plane.airframe.aircraft!r}: left to itself it does not "
-                f"stay in the air for {_DURATION:g} s: {error}",
+                f"stay in the air for {2 * _DURATION:g} s: {error}",
                 aircraft=plane.airframe.aircraft,
                 reason="no fit",
             ) from error
@@ -161,7 +234,22 @@ class _Flights:
 
 
 def _rms(x: np.ndarray) -> np.ndarray:
-    return np.sqrt((x**2).mean(axis=0))
+    """Over the samples, the last axis but one."""
+    return np.sqrt((x**2).mean(axis=-2))
+
+
+def _nothing(still: np.ndarray) -> np.ndarray:
+    """Size of a response of each signal that is none."""
+    return _NOTHING * (1.0 + np.abs(still).max(axis=0))
+
+
+def _ratio(even: Sequence[np.ndarray], odd: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Even over odd parts, shape (signals, inputs)."""
+    return (_rms(np.array(even)) / np.maximum(_rms(odd), least)).T
+
+
+def _is_throttle(port: Channel) -> bool:
+    return any(name.startswith("fcs/throttle-cmd") for name in port.properties)
 
 
 def _heights(
@@ -182,7 +270,7 @@ def _heights(
     for port in ports:
         if port.name in given:
             heights.append(positive(f"amplitude[{port.name!r}]", given[port.name]))
-        elif any(name.startswith("fcs/throttle-cmd") for name in port.properties):
+        elif _is_throttle(port):
             heights.append(_PISTON_THROTTLE if piston else _TURBINE_THROTTLE)
         elif port.unit in _AMPLITUDES:
             heights.append(_AMPLITUDES[port.unit])
@@ -209,29 +297,54 @@ def _judge_inputs(aircraft: str, inputs: Sequence[str], kinks: np.ndarray) -> No
             )
 
 
-def _judge(
-    model: LinearModel, signals: Sequence[str], kinks: np.ndarray, error: np.ndarray
+def _judge_fit(
+    aircraft: str, inputs: Sequence[str], signals: Sequence[str], error: np.ndarray
 ) -> None:
-    """Refuse a model that is none, and warn of one that holds for small motions only."""
-    i, j = divmod(int(np.argmax(error)), len(model.inputs))
-    if not error[i, j] < _WORST_FIT:
+    """Refuse a model that is none."""
+    i, j = _worst(error)
+    if error.size and not error[i, j] < _WORST_FIT:
         raise LinearisationError(
-            f"no linear model of {model.aircraft!r}: none fits the response of {signals[i]} to "
-            f"{model.inputs[j]} (error {error[i, j]:.0%}): it does not stay near its trim, or its "
+            f"no linear model of {aircraft!r}: none fits the response of {signals[i]} to "
+            f"{inputs[j]} (error {error[i, j]:.0%}): it does not stay near its trim, or its "
             "response is noise",
-            aircraft=model.aircraft,
+            aircraft=aircraft,
             reason="no fit",
-            name=model.inputs[j],
+            name=inputs[j],
         )
-    i, j = divmod(int(np.nanargmax(kinks)), len(model.inputs))
-    if kinks[i, j] > _KINKED:
+
+
+def _warn(
+    aircraft: str,
+    inputs: Sequence[str],
+    throttle: np.ndarray,
+    signals: Sequence[str],
+    kinks: np.ndarray,
+    error: np.ndarray,
+) -> None:
+    """Warn of a model that holds for small motions only."""
+    beyond = np.fmax(
+        kinks / np.where(throttle, _MISSED_THROTTLE, _KINKED),
+        error / np.where(throttle, _MISSED_THROTTLE, _MISSED),
+    )
+    i, j = _worst(beyond)
+    if beyond.size and beyond[i, j] > 1.0:
+        uneven = kinks[i, j] > _MISSED
+        said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
         warnings.warn(
-            f"{model.aircraft}: the response of {signals[i]} to {model.inputs[j]} is not linear: "
-            f"its even part is {kinks[i, j]:.0%} of the odd part. The linear model is the mean of "
-            "both sides; see its kinks",
+            f"{aircraft}: the response of {signals[i]} to {inputs[j]} is not linear: {said}the "
+            f"model's error after a doublet {error[i, j]:.0%}. The linear model is the mean of "
+            "both sides for small motions; see its kinks and fit",
             RuntimeWarning,
             stacklevel=4,
         )
+
+
+def _worst(x: np.ndarray) -> tuple[int, int]:
+    """Row and column of the largest, NaN being least."""
+    if not x.size:
+        return 0, 0
+    i, j = np.unravel_index(np.argmax(np.nan_to_num(x, nan=-1.0)), x.shape)
+    return int(i), int(j)
 
 
 def _named(
@@ -242,6 +355,7 @@ def _named(
     moved: list[int],
     start: np.ndarray,
     kinks: np.ndarray,
+    error: np.ndarray,
 ) -> LinearModel:
     """The model in the units of states and ports, with their names."""
     ports, channels = block.channels()
@@ -261,7 +375,7 @@ def _named(
             i = properties.index(block.airframe.canonical(channel.properties[0]))
             C[row] = channel.factor * found.C[i] / x_units
             D[row] = channel.factor * found.D[i]
-            fit[row], kink[row] = found.error[i], kinks[i]
+            fit[row], kink[row] = error[i], kinks[i]
     return LinearModel(
         aircraft=block.airframe.aircraft,
         condition=str(block.trim.condition),

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
@@ -165,7 +168,7 @@ class LinearAircraft(LinearModelBlock):
             root=root,
             create=create,
         )
-        super().__init__(plane.linear_model(method))
+        super().__init__(_with_ports(plane.linear_model(method), self.input_port_labels))
         self.aircraft = aircraft
         self.altitude = altitude
         self.speed = speed
@@ -182,3 +185,26 @@ class LinearAircraft(LinearModelBlock):
         self.method = method
         self.root = root
         self.create = create
+
+
+def _with_ports(model: LinearModel, names: Sequence[str]) -> LinearModel:
+    """The model with inputs of all these names: those it lacks, such as a throttle, do nothing."""
+    lacking = [name for name in names if name not in model.inputs]
+    if not lacking:
+        return model
+
+    def beyond(array: np.ndarray, value: float = 0.0) -> np.ndarray:
+        wide = [(0, 0)] * (array.ndim - 1) + [(0, len(lacking))]
+        return np.pad(array, wide, constant_values=value)
+
+    return replace(
+        model,
+        inputs=(*model.inputs, *lacking),
+        units={**dict.fromkeys(lacking, "norm"), **model.units},
+        B=beyond(model.B),
+        D=beyond(model.D),
+        u0=beyond(model.u0),
+        latency=beyond(model.latency, 1.0),
+        kinks=beyond(model.kinks, np.nan),
+        fit=beyond(model.fit, np.nan),
+    ).select(list(names))

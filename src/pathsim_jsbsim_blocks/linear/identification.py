@@ -34,6 +34,9 @@ _FASTEST = 0.15
 # fraction of its peak from which on a signal reacts, and of its largest peak from which on it does
 _REACTION, _RELEVANT = 1e-4, 1e-2
 
+# part of a signal's peak that the states may leave unexplained while the pulse acts
+_UNSEEN = 0.1
+
 # smallest independent part of a signal, relative to its rms, that makes it a state of its own
 _INDEPENDENT = 0.05
 
@@ -105,11 +108,16 @@ def realise(
     # what the pulse feeds through may come a sample late
     after = np.arange(2 * width, n, width)
     A, C, B = _search(g[:, :, core], T, width, after, judged)
-    jumps = [i for i in abrupt if i in core]
     D = np.zeros((p, m))
-    # what the states do not explain while the pulse acts
-    direct = _missed(g[:, :, core], A, B, C, T, width, np.arange(1, width + 1)).mean(axis=0)
-    D[jumps] = direct[[core.index(i) for i in jumps]]
+    # what the states do not explain until the search begins
+    missed = _missed(g[:, :, core], A, B, C, T, width, np.arange(1, 2 * width + 1))
+    jumping = np.isin(core, abrupt)[:, None]
+    peak = np.abs(g[:, :, core]).max(axis=1).T
+    # motion that has decayed by then follows the input at once, with the same integral
+    fast = np.abs(missed).max(axis=0) > _UNSEEN * peak
+    fast &= ~jumping & (peak > _RELEVANT * peak.max(axis=1, keepdims=True))
+    D[core] = np.where(jumping, missed[:width].mean(axis=0), 0.0)
+    D[core] += np.where(fast, missed.sum(axis=0) / width, 0.0)
     rows = {i: C[row] for row, i in enumerate(core)}
     for i in integrals:
         A, B, rows = _append_integral(A, B, rows, i, g, T, width, after)
@@ -190,12 +198,46 @@ def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _pulse_states(A: np.ndarray, T: float, width: int, instants: np.ndarray) -> np.ndarray:
     """States at sample instants after a pulse, for B = 1: shape (instants, n, n)."""
-    n = len(A)
     step, held = _held(A, T)
-    x = np.zeros((instants[-1] + 1, n, n))
-    for k in range(1, len(x)):
-        x[k] = step @ x[k - 1] + (held if k <= width else 0.0)
-    return x[instants]
+    x = np.zeros((len(instants), *A.shape))
+    state, now = np.zeros_like(A), 0
+    powers: dict[int, np.ndarray] = {}
+    for i, instant in enumerate(instants):
+        while now < min(instant, width):
+            state, now = step @ state + held, now + 1
+        if ahead := instant - now:
+            if ahead not in powers:
+                powers[ahead] = np.linalg.matrix_power(step, ahead)
+            state, now = powers[ahead] @ state, instant
+        x[i] = state
+    return x
+
+
+def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
+    """Responses at the sample instants to each input alone, held over each period.
+
+    Parameters
+    ----------
+    found : Realisation
+    u : array, shape (n, m)
+    T : float
+        sample period in s
+
+    Returns
+    -------
+    array, shape (m, n + 1, p)
+    """
+    step, held = _held(found.A, T)
+    into = held @ found.B
+    late = np.zeros_like(u)
+    for j, periods in enumerate(found.latency):
+        late[periods:, j] = u[: len(u) - periods, j]
+    x = np.zeros((len(u) + 1, *found.B.shape))
+    for k, now in enumerate(late):
+        x[k + 1] = step @ x[k] + into * now
+    y = found.C @ x
+    y[1:] += found.D * late[:, None, :]
+    return y.transpose(2, 0, 1)
 
 
 def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:

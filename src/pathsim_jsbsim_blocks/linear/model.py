@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from .._core.checks import as_path, did_you_mean, nearest
-from ..errors import FileError, MissingExtraError, ParameterError
+from .._core.extras import required
+from ..errors import FileError, ParameterError
 
 if TYPE_CHECKING:
     import control
@@ -73,11 +74,12 @@ class LinearModel:
     latency : array of int, shape (m,)
         periods by which each input acts late
     kinks : array, shape (p, m)
-        even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``: 0 for a linear
-        aircraft; NaN where an output hardly responds
+        even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``, the larger of
+        those after pulse and doublet: 0 for a linear aircraft; NaN where an output hardly responds
     fit : array, shape (p, m)
-        rms error against the responses that were flown, over the output's largest rms response to
-        any input; NaN for the algebraic method, which flies none
+        rms error against the responses that were flown, the larger of that after the pulse, over
+        the output's largest rms response to any input, and that after the doublet, over the
+        response itself where it is not small; NaN for the algebraic method, which flies none
     """
 
     aircraft: str
@@ -250,10 +252,7 @@ class LinearModel:
         MissingExtraError
             if python-control (extra ``analysis``) is not installed
         """
-        try:
-            import control
-        except ImportError:
-            raise MissingExtraError("python-control", "analysis") from None
+        control = required("control", "analysis", name="python-control")
         return control.StateSpace(
             self.A,
             self.B,
@@ -279,10 +278,7 @@ class LinearModel:
         MissingExtraError
             if pandas (extra ``studies``) is not installed
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise MissingExtraError("pandas", "studies") from None
+        pd = required("pandas", "studies")
         return pd.DataFrame(
             np.block([[self.A, self.B], [self.C, self.D]]),
             index=[*(f"d {name}/dt" for name in self.states), *self.outputs],
