@@ -67,7 +67,8 @@ def algebraic_model(
     block = build()
     airframe = block.airframe
     ports, channels = block.channels()
-    wanted = driven(airframe, ports, inputs)
+    wanted = find("inputs", [c.name for c in ports], inputs)
+    wanted = driven(airframe, ports, wanted, inputs is not None)
     moved = [ports[i] for i in wanted]
     chosen = find("outputs", [c.name for c in channels], outputs)
     shown = [channels[i] for i in chosen]

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..errors import LinearisationError
-from ..linear.model import find
 from .airframe import Airframe
 
 DEG = 180.0 / math.pi
@@ -90,19 +89,18 @@ def engine_channels(airframe: Airframe) -> list[Channel]:
     return found
 
 
-def driven(airframe: Airframe, ports: Sequence[Channel], inputs: Sequence[str] | None) -> list[int]:
-    """Numbers of the inputs wanted; by default all that the aircraft has.
+def driven(
+    airframe: Airframe, ports: Sequence[Channel], wanted: Sequence[int], by_name: bool
+) -> list[int]:
+    """Numbers of the inputs wanted that the aircraft has.
 
     Raises
     ------
-    ParameterError
-        for something that is not a list of known names, each once
     LinearisationError
-        for an input that the aircraft does not have, such as the throttle of a glider
+        for one that was asked for by name and that it does not have: the throttle of a glider
     """
-    wanted = find("inputs", [port.name for port in ports], inputs)
     without = [i for i in wanted if not ports[i].properties]
-    if without and inputs is not None:
+    if without and by_name:
         name = ports[without[0]].name
         raise LinearisationError(
             f"no linear model of {airframe.aircraft!r}: it has no {name}",

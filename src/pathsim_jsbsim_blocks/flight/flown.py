@@ -79,7 +79,8 @@ def flown_model(
     """
     block = build()
     ports, channels = block.channels()
-    moved = driven(block.airframe, ports, inputs)
+    wanted = find("inputs", [c.name for c in ports], inputs)
+    moved = driven(block.airframe, ports, wanted, inputs is not None)
     names = [ports[i].name for i in moved]
     chosen = find("outputs", [c.name for c in channels], outputs)
     heights = _heights(block.airframe, [ports[i] for i in moved], amplitude)
