@@ -26,8 +26,8 @@ SETUP = {
 }
 
 doublet = DoubletSource(amplitude=0.1, start=1.0, width=1.0, gap=1.0, polarity=-1)
-aircraft = Aircraft(aircraft="global5000", altitude=15000.0, speed=250.0, setup=SETUP)
-linear = LinearAircraft(aircraft="global5000", altitude=15000.0, speed=250.0, setup=SETUP)
+aircraft = Aircraft(aircraft="global5000", altitude=15000.0, speed=250.0, gear=1.0, setup=SETUP)
+linear = LinearAircraft(aircraft="global5000", altitude=15000.0, speed=250.0, gear=1.0, setup=SETUP)
 difference = Adder(operations="+-")
 attack = Scope(labels=["nonlinear [deg]", "linear [deg]"])
 rate = Scope(labels=["pitch rate, nonlinear [deg/s]", "pitch rate, linear [deg/s]"])

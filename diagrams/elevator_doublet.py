@@ -22,6 +22,7 @@ aircraft = Aircraft(
     aircraft="global5000",
     altitude=15000.0,
     speed=250.0,
+    gear=1.0,
     setup={
         "inertia/pointmass-weight-lbs[0]": 7586.0,
         "propulsion/tank[0]/contents-lbs": 4048.815,

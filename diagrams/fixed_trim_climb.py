@@ -24,6 +24,7 @@ aircraft = Aircraft(
     altitude=1000.0,
     speed=300.0,
     gamma=5.0,
+    gear=1.0,
     setup={
         "aero/alpha-min-rad": -0.06981317007977318,
         "aero/alpha-max-rad": 0.20943951023931953,

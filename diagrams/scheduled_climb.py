@@ -39,6 +39,7 @@ fdm = JSBSimFDM(
     trim_airspeed=300.0,
     trim_altitude=1000.0,
     trim_gamma=5.0,
+    gear=1.0,
     setup={
         "aero/alpha-min-rad": -0.06981317007977318,
         "aero/alpha-max-rad": 0.20943951023931953,

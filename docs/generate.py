@@ -144,7 +144,7 @@ def fleet_page():
     rows = list(fleet_table())
     trims = sum(row.verdict.startswith("trims") for row in rows)
     glides = sum(row.verdict.startswith("glides") for row in rows)
-    departs = sum("departs" in row.verdict for row in rows)
+    departs = sum("not steady" in row.verdict for row in rows)
     return (
         f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "

@@ -15,6 +15,7 @@ import math
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from .flight.condition import TrimCondition
 
 _Opened = TypeVar("_Opened")
-
-_FAST_FOR_GEAR = 200.0  # KCAS
 
 _GONE = "the working directory no longer exists: change to another one"
 
@@ -242,6 +241,15 @@ def _parser() -> argparse.ArgumentParser:
 
     sub = command("trim", _trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")
+    sub.add_argument(
+        "--steady",
+        type=float,
+        nargs="?",
+        const=10.0,
+        default=0.0,
+        metavar="SECONDS",
+        help="fly from the trim (default 10 s), controls held, and say how far it is from it then",
+    )
     trim_condition(sub)
 
     sub = command(
@@ -781,14 +789,17 @@ def _condition(args: argparse.Namespace) -> TrimCondition:
 
 def _trim(args: argparse.Namespace) -> None:
     from .flight._trim import UNITS, trim
-    from .flight.airframe import Airframe, has_retractable_gear
+    from .flight.airframe import Airframe
 
     setup, create = _values("set", args.set), _values("create", args.create)
     condition = _condition(args)
-    state = trim(Airframe(args.aircraft, root=args.root, create=create), condition, setup)
+    airframe = Airframe(args.aircraft, root=args.root, create=create)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        state = trim(airframe, condition, setup, steady=args.steady)
     print(f"{args.aircraft}: {condition}")
     rows: dict[str, Any] = {f.name: getattr(state, f.name) for f in dataclasses.fields(state)}
-    free = rows.pop("free")
+    free, drift = rows.pop("free"), rows.pop("drift")
     if math.isfinite(state.turn_radius):
         rows |= {"turn_rate": state.turn_rate, "turn_radius": state.turn_radius}
     units = {**UNITS, "turn_rate": "deg/s", "turn_radius": "ft"}
@@ -802,13 +813,14 @@ def _trim(args: argparse.Namespace) -> None:
             print(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
     if free:
         print(f"  {'free':<13} {', '.join(free)}")
-    if (
-        args.gear is None
-        and state.gear > 0.0
-        and state.speed > _FAST_FOR_GEAR
-        and has_retractable_gear(args.aircraft)
-    ):
-        print("  The landing gear is down, as the model has it: --gear 0 retracts it.")
+    if drift is not None:
+        print(
+            f"  {'steady' if state.steady else 'not steady'}: after {drift.duration:g} s with "
+            f"controls held {drift.height:+.2f} ft, {drift.speed:+.2f} kt, "
+            f"{drift.bank:+.2f} deg of bank"
+        )
+    for warning in said:
+        print(f"  {warning.message}")
 
 
 def _modes(args: argparse.Namespace) -> None:

@@ -95,7 +95,10 @@ class TrimError(BlocksError, RuntimeError):
     residuals : dict[str, float]
         accelerations in ft/s2 and rad/s2: without trim, or the best that the Newton search reached
     nearest : TrimCondition or None
-        the same at the nearest speed that trims, if one was looked for and found
+        the nearest that trims, if one was looked for and found: the same with ``solver="newton"``,
+        or at another speed
+    limit : float or None
+        the value at which it ran out (command, deg, ft/s), if the Newton search says so
     """
 
     def __init__(
@@ -107,6 +110,7 @@ class TrimError(BlocksError, RuntimeError):
         reason: str,
         residuals: Mapping[str, float],
         nearest: Any = None,
+        limit: float | None = None,
     ):
         super().__init__(message)
         self.aircraft = aircraft
@@ -114,6 +118,7 @@ class TrimError(BlocksError, RuntimeError):
         self.reason = reason
         self.residuals = dict(residuals)
         self.nearest = nearest
+        self.limit = limit
 
 
 class LinearisationError(BlocksError, RuntimeError):

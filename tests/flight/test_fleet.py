@@ -117,7 +117,7 @@ def test_an_aircraft_that_does_not_stay_level_is_no_success():
     # 20 deg of bank after 30 s
     (row,) = fleet_table(["DHC6"])
     assert row.drift < -100.0
-    assert row.verdict == "trims, then departs"
+    assert row.verdict == "trims, not steady"
 
 
 def test_rows_of_the_table():

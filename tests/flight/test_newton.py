@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -318,6 +319,121 @@ def test_the_command_prints_a_heading_below_360(capsys, more):
     [line] = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  psi ")]
     assert 0.0 <= float(line.split()[1]) < 360.0
     assert "-0.000000" not in line
+
+
+def test_a_steady_trim_is_told_from_one_that_departs():
+    def state(aircraft, **condition):
+        return trim(
+            Airframe(aircraft), TrimCondition(**condition), steady=10 if aircraft == "737" else 30
+        )
+
+    condition = {"altitude": 15000, "speed": 280, "gear": 0.0, "solver": "newton"}
+    jet = state("737", **condition)
+    assert jet.steady
+    height, bank, speed = flown(*found("737", **condition))
+    assert jet.drift == pytest.approx((10.0, height, speed, bank), abs=1e-9)
+    # unstable in pitch, and flown without its pilot
+    assert state("XB-70", altitude=5000, speed=192, gear=0.0).steady is False
+    assert trim(Airframe("737"), TrimCondition(**condition)).steady is None
+    assert state("c172p", speed=90, mode="none").drift is None
+
+
+def test_the_aircraft_that_is_asked_whether_it_is_steady_does_not_fly():
+    airframe = Airframe("737")
+    asked = trim(airframe, TrimCondition(altitude=15000, speed=280, gear=0), steady=5)
+    assert airframe.fdm.get_sim_time() == 0.0
+    _, state = (
+        Airframe("737"),
+        trim(Airframe("737"), TrimCondition(altitude=15000, speed=280, gear=0)),
+    )
+    assert dataclasses.replace(asked, drift=None) == state
+
+
+def test_a_gear_that_is_down_in_fast_flight_is_warned_of():
+    fast = {"altitude": 10000, "speed": 280}
+    with pytest.warns(RuntimeWarning, match="737 at 280 KCAS: the landing gear is down"):
+        trim(Airframe("737"), TrimCondition(**fast))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for aircraft, condition in (
+            ("737", {**fast, "gear": 0}),
+            ("737", {**fast, "gear": 1}),
+            ("737", {**fast, "speed": 199}),
+            ("737", {"altitude": 0, "mode": "ground"}),
+            ("787-8", {**fast, "gear": 0}),
+            ("c172p", {"speed": 90}),
+        ):
+            trim(Airframe(aircraft), TrimCondition(**condition))
+    with pytest.warns(RuntimeWarning, match="landing gear"):
+        Aircraft("737", **fast)
+
+
+def test_a_flight_is_trimmed_where_it_is():
+    plane = Aircraft(
+        "737",
+        altitude=10000,
+        speed=280,
+        gear=0,
+        heading=30,
+        gamma=2,
+        flaps=0.25,
+        setup={"propulsion/tank[0]/contents-lbs": 5000.0},
+        properties={"atmosphere/wind-north-fps": 10.0},
+    )
+    sim = Simulation([plane], dt=plane.T, log=False)
+    sim.run(20.0)
+    fdm, outputs = plane.fdm, plane.outputs.to_array()
+    state = plane.trim_here(gamma=0.0, solver="newton")
+    condition = state.condition
+    # the flight goes on, untouched
+    assert np.array_equal(outputs, plane.outputs.to_array())
+    assert plane.fdm is fdm
+    assert state.altitude == pytest.approx(fdm["position/h-sl-ft"], abs=1e-3)
+    assert state.speed == pytest.approx(fdm["velocities/vc-kts"], abs=1e-3)
+    # 20 s of fuel are burnt
+    assert state.weight == pytest.approx(fdm["inertia/weight-lbs"], abs=0.1)
+    assert state.weight < plane.trim.weight - 10.0
+    assert (state.gear, state.flaps) == pytest.approx((0.0, 0.25), abs=1e-6)
+    assert condition.wind_north == pytest.approx(10.0)
+    assert condition.latitude > 0.01
+    assert state.gamma == pytest.approx(0.0, abs=1e-6)
+    assert plane.trim_here(solver="newton").condition.gamma == pytest.approx(
+        math.degrees(math.asin(fdm["velocities/h-dot-fps"] / fdm["velocities/vt-fps"])), abs=1e-6
+    )
+    # what it found starts another block, which is steady
+    other = Aircraft("737", condition=condition)
+    Simulation([other], dt=other.T, log=False).run(10.0)
+    assert float(other.outputs["h"]) == pytest.approx(state.altitude, abs=5.0)
+    with pytest.raises(ParameterError, match="did you mean 'gamma'"):
+        plane.trim_here(gama=0.0)
+
+
+def test_what_only_the_newton_search_trims_is_said():
+    # JSBSim's search finds no thrust that settles
+    with pytest.raises(TrimError, match=r"It trims with solver='newton'") as error:
+        trim(Airframe("pc7"), TrimCondition(altitude=5000, speed=136, gear=0, solver="jsbsim"))
+    trim(Airframe("pc7"), error.value.nearest)
+
+
+@pytest.mark.parametrize(
+    ("condition", "limit"),
+    [
+        ({"altitude": 15000, "speed": 400, "gamma": 9}, 1.0),
+        ({"altitude": 15000, "speed": 250, "gamma": -20}, 0.0),
+        ({"altitude": 15000, "speed": 140, "alpha_max": 12}, 12.0),
+    ],
+)
+def test_a_failure_says_at_which_value_the_limit_is(condition, limit):
+    with pytest.raises(TrimError, match=f", {limit:g};") as error:
+        trim(Airframe("737"), TrimCondition(**condition, solver="newton"), hint=False)
+    assert error.value.limit == pytest.approx(limit)
+
+
+def test_the_command_says_whether_a_trim_is_steady(capsys):
+    assert main(["trim", "c172p", "--speed", "90", "--steady"]) == 0
+    assert "steady: after 10 s with controls held +" in capsys.readouterr().out
+    assert main(["trim", "XB-70", "--speed", "192", "--gear", "0", "--steady", "30"]) == 0
+    assert "not steady: after 30 s" in capsys.readouterr().out
 
 
 def test_the_command_says_that_the_gear_is_down(capsys):

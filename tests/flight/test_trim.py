@@ -555,7 +555,7 @@ def test_the_setup_of_a_block_is_written_after_that_of_its_condition():
 
 def test_every_quantity_has_a_unit():
     names = {f.name for kind in (TrimCondition, TrimState) for f in dataclasses.fields(kind)}
-    assert set(UNITS) == names - {"aircraft", "condition", "setup", "free", "solver"}
+    assert set(UNITS) == names - {"aircraft", "condition", "setup", "free", "solver", "drift"}
 
 
 def test_a_state_as_a_dict_and_as_a_table():

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import itertools
 import math
 import re
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jsbsim
 
-from .._core.checks import mapping
+from .._core.checks import mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
 from ._newton import Search, alpha_range
-from .airframe import ENGINE_RUNS, Airframe
+from .airframe import ENGINE_RUNS, Airframe, has_retractable_gear
 from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition
 from .console import messages
@@ -61,6 +63,35 @@ _REASONS = {
     "beta": "sideslip",
     "gamma": "path angle",
 }
+_ANGLES = ("alpha", "phi", "beta", "gamma")
+
+# how far an aircraft in steady flight may be from its trim, controls held
+_STEADY = {"height": 20.0, "speed": 6.0, "bank": 10.0}  # ft, kt, deg
+
+# KCAS, above which hardly any landing gear may be down
+_FAST_FOR_GEAR = 200.0
+
+
+class Drift(NamedTuple):
+    """How far an aircraft is from its trim after a flight with controls held.
+
+    Attributes
+    ----------
+    duration : float
+        s of flight
+    height : float
+        ft above the trimmed path
+    speed : float
+        kt calibrated above the trimmed speed
+    bank : float
+        deg to the right of the trimmed bank
+    """
+
+    duration: float
+    height: float
+    speed: float
+    bank: float
+
 
 # units of the fields of a condition and of a state, in the column order of study tables
 UNITS = {
@@ -133,6 +164,8 @@ class TrimState:
         positions, 0 (up) to 1 (down)
     free : tuple[str, ...]
         the quantities that the search has moved; the others were given
+    drift : Drift or None
+        how far it is from its trim after a flight with controls held, if `trim` was asked to fly
     """
 
     aircraft: str
@@ -172,6 +205,7 @@ class TrimState:
     gear: float
     flaps: float
     free: tuple[str, ...]
+    drift: Drift | None = None
 
     def to_dict(self) -> dict[str, float]:
         """The state's numbers by name; those of each engine as ``throttle[0]``."""
@@ -196,6 +230,14 @@ class TrimState:
         numbers = self.to_dict()
         units = [UNITS[name.partition("[")[0]] for name in numbers]
         return pandas.DataFrame({"value": numbers.values(), "unit": units}, index=list(numbers))
+
+    @property
+    def steady(self) -> bool | None:
+        """Whether the drift is within 20 ft, 6 kt and 10 deg; None without a drift."""
+        if self.drift is None:
+            return None
+        limits = _STEADY.items()
+        return all(abs(getattr(self.drift, name)) <= limit for name, limit in limits)
 
     @property
     def turn_rate(self) -> float:
@@ -260,6 +302,7 @@ def trim(
     setup: Mapping[str, float] | None = None,
     *,
     hint: bool = True,
+    steady: float = 0.0,
 ) -> TrimState:
     """Initialise an airframe at a condition and trim it.
 
@@ -279,7 +322,12 @@ def trim(
     setup : dict, optional
         further properties, written before the model is initialised and after the condition's
     hint : bool
-        after a failure look for the nearest speed that trims, which the error then names
+        after a failure look for the nearest speed that trims, which the error then names; warn of a
+        landing gear that is down above 200 KCAS where it retracts and the condition does not say so
+    steady : float
+        fly another aircraft of the same kind from its trim for this time in s, controls held (10
+        shows most departures, some take 30): the state's ``drift`` and ``steady`` say how it ends.
+        Modes "pull-up" and "none", which are not steady flight, have none
 
     Returns
     -------
@@ -307,8 +355,15 @@ def trim(
             parameter="condition",
             value=condition,
         )
+    steady = number("steady", steady, low=0.0)
     try:
-        return _trim(airframe, condition, setup)
+        found = _trim(airframe, condition, setup)
+        if hint:
+            _warn_of_gear(airframe, found)
+        if steady and condition.mode not in ("pull-up", "none"):
+            drift = _drift(airframe.twin(), condition, setup, steady)
+            found = dataclasses.replace(found, drift=drift)
+        return found
     except TrimError as error:
         nearest = None
         if hint:
@@ -317,14 +372,109 @@ def trim(
                 nearest = _nearest(airframe, condition, setup, error.reason)
         if nearest is None:
             raise
+        there = nearest.mach == condition.mach and nearest.speed == condition.speed
+        how = "with solver='newton'" if there else f"at {nearest.speed:.0f} KCAS there"
         raise TrimError(
-            f"{error}. It trims at {nearest.speed:.0f} KCAS there",
+            f"{error}. It trims {how}",
             aircraft=error.aircraft,
             condition=condition,
             reason=error.reason,
             residuals=error.residuals,
             nearest=nearest,
+            limit=error.limit,
         ) from None
+
+
+def _drift(
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    duration: float,
+) -> Drift:
+    """Trim and fly an airframe with controls held."""
+    start, fdm = _trim(airframe, condition, setup), airframe.fdm
+    climb = fdm["velocities/h-dot-fps"]
+    for _ in range(round(duration / airframe.dt)):
+        fdm.run()
+    end = state(airframe, condition)
+    return Drift(
+        duration=duration,
+        height=end.altitude - start.altitude - climb * duration,
+        speed=end.speed - start.speed,
+        bank=math.remainder(end.phi - start.phi, 360.0) if math.isfinite(end.phi) else math.nan,
+    )
+
+
+def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:
+    """Warn of a gear that retracts and is down in fast flight because no one has said."""
+    condition = found.condition
+    fast = found.gear > 0.0 and found.speed > _FAST_FOR_GEAR and condition.mode != "ground"
+    if condition.gear is None and fast and has_retractable_gear(airframe.aircraft, airframe.root):
+        warnings.warn(
+            f"{airframe.aircraft} at {found.speed:.0f} KCAS: the landing gear is down, as the "
+            "model has it; gear=0 retracts it, gear=1 says that it is meant",
+            RuntimeWarning,
+            stacklevel=3,
+        )
+
+
+# what the present flight says, rather than the setup with which it began
+_PRESENT = re.compile(
+    r"ic/(?!terrain)|propulsion/(tank.*/contents-lbs|(engine.*/)?set-running)$"
+    r"|inertia/pointmass-weight|(gear/gear|fcs/flap)-(cmd|pos)-norm$"
+)
+
+
+def here(
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    changes: Mapping[str, Any],
+) -> TrimCondition:
+    """The present flight of an airframe that began at a condition, as a condition with changes.
+
+    Raises
+    ------
+    ParameterError
+        for a change that no condition has
+    """
+    known = [field.name for field in dataclasses.fields(TrimCondition)]
+    for name in changes:
+        one_of("change", name, known)
+    fdm, now = airframe.fdm, state(airframe, condition)
+    mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
+    before = {**condition.setup, **mapping("setup", setup)}
+    present: dict[str, Any] = {
+        "altitude": now.altitude,
+        "speed": now.speed,
+        "mach": None,
+        # relative to the air, which JSBSim's own is not
+        "gamma": math.degrees(math.asin(fdm["velocities/h-dot-fps"] / now.tas)),
+        "heading": now.psi,
+        "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
+        "load_factor": 1.0,
+        "mode": mode,
+        "gear": min(max(now.gear, 0.0), 1.0),
+        "flaps": min(max(now.flaps, 0.0), 1.0),
+        # rounding errors of still air are none
+        "wind_north": round(fdm["atmosphere/total-wind-north-fps"], 9) + 0.0,
+        "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
+        "payload": _each(airframe, "inertia/pointmass-weight-lbs[{}]"),
+        "fuel": _each(airframe, "propulsion/tank[{}]/contents-lbs"),
+        "latitude": fdm["position/lat-geod-deg"],
+        "longitude": fdm["position/long-gc-deg"],
+        "engines_off": [
+            i for i in range(airframe.engines) if not fdm[f"propulsion/engine[{i}]/set-running"]
+        ],
+        "setup": {n: v for n, v in before.items() if not _PRESENT.match(airframe.canonical(n))},
+    }
+    return dataclasses.replace(condition, **{**present, **changes})
+
+
+def _each(airframe: Airframe, name: str) -> list[float]:
+    """A quantity of each tank or point mass."""
+    names = itertools.takewhile(airframe.has, map(name.format, itertools.count()))
+    return [airframe.fdm[name] for name in names]
 
 
 # factors of the speed at which a condition that fails is tried, and what a search for it may cost
@@ -340,7 +490,8 @@ def _nearest(
     """The condition at the nearest speed that trims; None if there is none or it cannot help."""
     helps = reason in ("thrust", "alpha limit", "elevator", "no convergence")
     powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
-    if not helps or not powered or condition.mode == "ground" or condition.balance == "speed":
+    still = condition.mode in ("ground", "none")
+    if still or not helps or not powered or condition.balance == "speed":
         return None
     airframe.renew()
     airframe.spent = True  # whatever follows, the next trim starts afresh
@@ -353,11 +504,13 @@ def _nearest_speed(airframe: Airframe, condition: TrimCondition) -> TrimConditio
     _initialise(airframe, condition, condition.heading)
     speed, effort = airframe.fdm[_STATE["speed"]], 0
 
-    def trims(knots: float) -> TrimCondition | None:
+    def trims(knots: float | None) -> TrimCondition | None:
         nonlocal effort
-        if knots <= 0.0:
-            return None
-        other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
+        other = condition
+        if knots is not None:
+            if knots <= 0.0:
+                return None
+            other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
         _initialise(airframe, other, other.heading)
         if not math.isfinite(airframe.fdm[_STATE["tas"]]):
             return None
@@ -367,6 +520,8 @@ def _nearest_speed(airframe: Airframe, condition: TrimCondition) -> TrimConditio
         touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
         return other if found.converged and not touches else None
 
+    if condition.searched_by == "jsbsim" and trims(None):
+        return dataclasses.replace(condition, solver="newton")
     for faster, slower in zip(_FASTER, _SLOWER, strict=True):
         for factor in (faster, slower):
             if effort > _EFFORT:
@@ -522,7 +677,10 @@ def _by_newton(airframe: Airframe, condition: TrimCondition) -> TrimState:
             airframe, condition, "ground", "a wheel or another contact point touches the ground"
         )
     reason = _REASONS.get(found.binding, found.binding) or "no convergence"
-    raise _failure(airframe, condition, reason, residuals=found.residuals)
+    limit = found.free.get(found.binding)
+    if limit is not None and found.binding in _ANGLES:
+        limit = math.degrees(limit)
+    raise _failure(airframe, condition, reason, residuals=found.residuals, limit=limit)
 
 
 def _not_finite(found: TrimState) -> list[str]:
@@ -566,7 +724,7 @@ def _propellers(airframe: Airframe, quantity: str) -> list[float]:
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:
     """Current state of an initialised airframe."""
     fdm = airframe.fdm
-    found = {name: fdm[source] for name, source in _STATE.items()}
+    found: dict[str, Any] = {name: fdm[source] for name, source in _STATE.items()}
     found |= {name: math.degrees(fdm[source]) for name, source in _RATES.items()}
     if found["psi"] > ALMOST_NORTH:
         found["psi"] = 0.0
@@ -701,6 +859,7 @@ def _failure(
     reason: str,
     why: str = "",
     residuals: Mapping[str, float] | None = None,
+    limit: float | None = None,
 ) -> TrimError:
     fdm = airframe.fdm
     reached = "without trim" if residuals is None else "at best"
@@ -716,13 +875,16 @@ def _failure(
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",
     }
+    why = why or limits.get(reason, f"the {reason} ran to the end of its range")
+    if limit is not None:
+        why += f", {limit + 0.0:.4g}"
     return TrimError(
-        f"aircraft {airframe.aircraft!r} does not trim at {condition}: "
-        f"{why or limits.get(reason, f'the {reason} ran to the end of its range')}; {reached} "
+        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} "
         + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
         + " (ft/s2, rad/s2)",
         aircraft=airframe.aircraft,
         condition=condition,
         reason=reason,
         residuals=residuals,
+        limit=limit,
     )

@@ -8,6 +8,7 @@ JSBSim's output goes to the logger ``pathsim_jsbsim_blocks.jsbsim``.
 from __future__ import annotations
 
 import contextlib
+import copy
 import itertools
 import math
 import os
@@ -238,6 +239,13 @@ class Airframe:
         written, self._written = self._written, {}
         self._open()
         self.write(written)
+
+    def twin(self) -> Airframe:
+        """Another airframe of the same model, with what `create` and `write` have set."""
+        other = copy.copy(self)
+        other._written = dict(self._written)
+        other.renew()
+        return other
 
     def _open(self) -> None:
         capture_console()

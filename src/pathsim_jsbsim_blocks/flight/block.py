@@ -31,7 +31,7 @@ from ..errors import (
     PropertyError,
 )
 from ..linear.model import LinearModel
-from ._trim import TrimState, trim
+from ._trim import TrimState, here, trim
 from .airframe import Airframe
 from .algebraic import algebraic_model
 from .channels import Channel
@@ -243,6 +243,31 @@ class FlightBlock(NamedPorts, SampledPlant):
     def trimmed_inputs(self) -> list[float]:
         """Values at the trim of the inputs in `channels`, the block's first."""
         raise NotImplementedError
+
+    def trim_here(self, **changes: Any) -> TrimState:
+        """Trim the flight as it is now, on an aircraft of its own: this one flies on untouched.
+
+        Altitude, airspeed, path angle through the air, heading, wind, place, gear, flaps, fuel,
+        payload and the engines that run are those of this moment, the rest is the block's
+        condition; modes "ground", "none" and "pull-up" become "full". The state's commands minus
+        those of the block's ``trim`` are what the inputs of an `Aircraft` would have to be; its
+        condition starts another block here.
+
+        Parameters
+        ----------
+        **changes
+            fields of `TrimCondition` that differ: ``gamma=0``, ``mode="turn"`` (the bank is then
+            that of this moment), ``solver="newton"``
+
+        Raises
+        ------
+        TrimError
+            if no trim is found
+        ParameterError
+            for an unknown field
+        """
+        condition = here(self.airframe, self.trim.condition, self.setup, changes)
+        return trim(self.airframe.twin(), condition)
 
     def linear_model(
         self,

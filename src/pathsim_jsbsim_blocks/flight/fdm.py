@@ -45,7 +45,8 @@ def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe
         property_ = airframe.canonical(name)
         if parameter == "input_properties" and property_ in _COMMANDS:
             raise PropertyError(
-                f"{name!r} cannot be an input: writing it trims the aircraft again at every sample",
+                f"{name!r} cannot be an input: writing it trims the aircraft again at every "
+                "sample; trim_here() of the block trims in flight",
                 aircraft=airframe.aircraft,
                 name=name,
             )

@@ -183,7 +183,7 @@ class FleetRow:
         if self.flight is not None and self.flight.condition.mode == "glide":
             steady = f"glides at {self.flight.trim.gamma:.1f} deg"
         if not abs(self.drift) < _STEADY:
-            steady += ", then departs"
+            steady += ", not steady"
         return steady + (f" with {created} created" if created else "")
 
 
