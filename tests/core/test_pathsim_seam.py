@@ -146,6 +146,15 @@ def test_the_loop_of_run_yields_after_every_step():
     assert seam.is_running(sim)
 
 
+def test_a_run_in_real_time_keeps_its_tracker():
+    assert hasattr(Simulation, "_run_loop"), "Simulation._run_loop is gone: real time needs it"
+    sim, ticks = Simulation([Scope()], [], dt=0.01, log=False), []
+    stats = seam.run_in_real_time(sim, 0.05, True, lambda: ticks.append(sim.time))
+    assert stats["total_steps"] == len(sim.blocks[0].recording_time) - 1
+    assert ticks
+    assert "_run_loop" not in vars(sim)
+
+
 class Calls(Block):
     """Notes the calls of a step, and raises an event in some of them."""
 
@@ -190,6 +199,36 @@ def test_a_step_makes_the_calls_of_timestep():
     found = steps(lambda sim: seam.fixed_step(sim, sim.dt))
     assert any(call[1] == "resolve" for call in found)
     assert found == expected, "Simulation.timestep has changed: _pathsim.fixed_step must follow it"
+
+
+def test_the_truth_value_of_what_a_diagram_has_is_whether_it_is_active():
+    for thing in (Event(), Scope(), Connection(Scope(), Scope())):
+        assert thing
+        thing._active = False
+        assert not thing, f"{type(thing).__name__}._active no longer says whether it is on"
+
+
+def test_a_step_samples_as_pathsim_does():
+    kept = []
+    own, switched, last = Calls("own", kept), Calls("switched off", kept), Scope()
+    sim = Simulation([own, switched, Amplifier(), last], [Connection(own, last)], dt=0.1, log=False)
+    last.sample = lambda t, dt: kept.append(("set on the block", "sample"))
+    step = seam.fixed_step(sim, 0.1)
+
+    def sampled():
+        kept.clear()
+        step()
+        return [name for name, call, *_ in kept if call == "sample"]
+
+    assert sampled() == ["own", "switched off", "set on the block"]
+    switched.off()
+    assert sampled() == ["own", "set on the block"]
+    added = Calls("added", kept)
+    sim.add_block(added)
+    assert sampled() == ["own", "set on the block", "added"]
+    # as while PathSim searches a periodic solution
+    sim._sampling_enabled = False
+    assert sampled() == []
 
 
 def test_pathsim_redirects_warnings_in_one_method():

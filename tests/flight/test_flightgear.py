@@ -242,8 +242,10 @@ def test_a_run_after_a_reset_or_a_stop_keeps_the_pace_too():
     sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
     sim.run(0.5)
     with in_real_time() as pace:
-        fly(sim, 0.2, reset=True)
+        statistics = fly(sim, 0.2, reset=True)
     assert sim.time == pytest.approx(0.2)
+    assert statistics["total_steps"] == statistics["successful_steps"] == 20
+    assert statistics["runtime_ms"] > 150
     assert pace.real > 0.15
     sim.stop()
     with in_real_time() as pace:

@@ -17,6 +17,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from pathsim import Connection, Simulation, Subsystem
+from pathsim.blocks import Block
 from pathsim.events import Event
 from pathsim.solvers._solver import Solver
 from pathsim.utils.logger import LoggerManager
@@ -80,6 +81,14 @@ def without_stages(engine: Solver) -> bool:
     step's end. (The buffers of implicit solvers start counting at once; the answer is no then.)
     """
     return engine._stage == _BEFORE_STAGES
+
+
+def show_without_stages(engine: Solver, register: Register, y: Sequence[float]) -> bool:
+    """`show`, if no solver stage was evaluated since the start of the step; tells whether."""
+    if engine._stage != _BEFORE_STAGES:
+        return False
+    register._data[: len(y)] = y
+    return True
 
 
 class ClockEvent(Event):
@@ -173,6 +182,25 @@ def other_run(
         Simulation.run = usual
 
 
+def run_in_real_time(
+    sim: Simulation, duration: float, adaptive: bool, tick: Callable[[], None]
+) -> dict[str, Any]:
+    """`Simulation.run_realtime` to its end; returns the statistics of the tracker that it hides."""
+    usual, trackers = sim._run_loop, []
+
+    def run_loop(*args: Any, tracker: ProgressTracker, **options: Any) -> Any:
+        trackers.append(tracker)
+        return usual(*args, tracker=tracker, **options)
+
+    sim._run_loop = run_loop
+    try:
+        for _ in sim.run_realtime(duration, False, adaptive, func_callback=tick):
+            pass
+    finally:
+        del sim._run_loop
+    return trackers[0].stats
+
+
 def fixed_step(sim: Simulation, dt: float) -> Callable[[], bool]:
     """A function that makes a step of ``dt`` as `Simulation.timestep` does, and tells success.
 
@@ -183,21 +211,23 @@ def fixed_step(sim: Simulation, dt: float) -> Callable[[], bool]:
     """
     graph = None
     levels: list[tuple[Any, Any]] | None = None
+    sampled: list[Block] = []
 
     def step() -> bool:
-        nonlocal graph, levels
+        nonlocal graph, levels, sampled
         if graph is not sim.graph:
-            graph, levels = sim.graph, _levels(sim)
+            graph, levels, sampled = sim.graph, _levels(sim), _sampled(sim)
         if levels is None or sim._graph_dirty or sim._blocks_dyn or sim.diagnostics is not None:
             success, *_ = sim.timestep(dt, adaptive=False)
             return success
         t = sim.time
+        # the truth value of an event, a block and a connection is its `_active`
         for event in sim.events:
-            if event:
+            if event._active:
                 event.buffer(t)
         for block in sim._blocks_evt:
             for event in block.events:
-                if event:
+                if event._active:
                     event.buffer(t)
         sim.engine.buffer(dt)
         t += dt
@@ -207,21 +237,21 @@ def fixed_step(sim: Simulation, dt: float) -> Callable[[], bool]:
         else:
             for blocks, connections in levels:
                 for block in blocks:
-                    if block:
+                    if block._active:
                         block.update(t)
                 for connection, transfers in connections:
-                    if connection:
+                    if connection._active:
                         for source, i, target, j in transfers:
                             target.inputs._data[j] = source.outputs._data[i]
         detected = []
         for event in sim.events:
-            if event:
+            if event._active:
                 found, _, ratio = event.detect(t)
                 if found:
                     detected.append((ratio, event))
         for block in sim._blocks_evt:
             for event in block.events:
-                if event:
+                if event._active:
                     found, _, ratio = event.detect(t)
                     if found:
                         detected.append((ratio, event))
@@ -229,7 +259,12 @@ def fixed_step(sim: Simulation, dt: float) -> Callable[[], bool]:
             for ratio, event in sorted(detected, key=itemgetter(0)):
                 event.resolve(sim.time + ratio * dt)
                 sim._update(t)
-        sim._sample(t, dt)
+        if sim._graph_dirty or graph is not sim.graph:
+            sim._sample(t, dt)
+        elif sim._sampling_enabled:
+            for block in sampled:
+                if block._active:
+                    block.sample(t, dt)
         sim.time = t
         return True
 
@@ -250,12 +285,24 @@ def _levels(sim: Simulation) -> list[tuple[Any, Any]] | None:
     ]
 
 
+def _sampled(sim: Simulation) -> list[Block]:
+    """Blocks that have a method `sample` of their own."""
+    return [
+        block for block in sim.blocks if getattr(block.sample, "__func__", None) is not Block.sample
+    ]
+
+
 def _transfers(connection: Connection) -> list[tuple[Any, Any, Any, Any]]:
     """Source block and port, target block and port, for each target of a connection."""
 
     def ports(indices: Any) -> Any:
-        # numpy takes a fifth of the time for one number instead of an array with one
-        return int(indices[0]) if len(indices) == 1 else indices
+        # numpy takes a fifth of the time for one number instead of an array with one, and a third
+        # for a slice
+        first = int(indices[0])
+        if len(indices) == 1:
+            return first
+        row = slice(first, first + len(indices))
+        return row if list(indices) == list(range(row.start, row.stop)) else indices
 
     source = connection.source
     i = ports(source._get_output_indices())

@@ -10,7 +10,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ._pathsim import Run, activate, other_run
+from ._pathsim import Run, activate, other_run, run_in_real_time
 from .progress import progress_bar
 
 
@@ -71,6 +71,7 @@ def in_real_time() -> Iterator[Pace]:
         began, start = time.perf_counter(), sim.time
 
         def tick() -> None:
+            bar.update(sim.time - start - bar.n)
             pace.ticks += 1
             behind = time.perf_counter() - began - (sim.time - start)
             # after the last step the clock goes on
@@ -79,12 +80,11 @@ def in_real_time() -> Iterator[Pace]:
                 pace.worst = max(pace.worst, behind)
 
         with progress_bar(duration) as bar:
-            for _ in sim.run_realtime(duration, False, adaptive, func_callback=tick):
-                bar.update(sim.time - start - bar.n)
+            stats = run_in_real_time(sim, duration, adaptive, tick)
         real = time.perf_counter() - began
         pace.simulated += sim.time - start
         pace.real += real
-        return {"runtime_ms": 1000 * real}
+        return stats
 
     try:
         with other_run(run):

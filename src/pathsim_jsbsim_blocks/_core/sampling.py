@@ -47,6 +47,7 @@ from ._pathsim import (
     ClockEvent,
     WiredRegister,
     show,
+    show_without_stages,
     step_begins,
     values,
     without_stages,
@@ -135,9 +136,13 @@ class SampleClock(ClockEvent):
     def go_on(self) -> None:
         """Wait for the sample after that waited for until now."""
         k, _, due_from, due_until, _, _ = self.instant
-        time = self.start + (k + 1) * self.period
-        slack = self._slack(time)
-        self.instant = k + 1, time, time - slack, time + slack, due_from, due_until
+        k += 1
+        period = self.period
+        time = self.start + k * period
+        slack, longest = 1e-13 + 1e-9 * time, 0.01 * period  # `_slack`, in line
+        if slack > longest:
+            slack = longest
+        self.instant = k, time, time - slack, time + slack, due_from, due_until
 
     def _slack(self, time: float) -> float:
         """How far the diagram's accumulated clock may be from an instant."""
@@ -164,7 +169,6 @@ class SampleClock(ClockEvent):
             block.start_step(t)
         self.step_start = t
         self.in_step = True
-        block.step_started(t)
 
     def estimate(self, t: float) -> float:
         return self.start + self._block.awaited * self.period - t
@@ -175,12 +179,11 @@ class SampleClock(ClockEvent):
             self.in_step = False
             self.settling = True
             return NOT_DETECTED
-        self.in_step = self.settling = False
+        self.in_step = False
+        block = self._block
         _, time, due_from, due_until, _, _ = self.instant
-        if t < due_from:
-            return NOT_DETECTED
-        self.settling = True
-        if self._block._acted_at == t <= due_until or self._block.has_acted(t):
+        self.settling = settling = t >= due_from
+        if not settling or block._acted_at == t <= due_until or block.has_acted(t):
             return NOT_DETECTED
         self.reached = t
         if t <= due_until:
@@ -191,15 +194,46 @@ class SampleClock(ClockEvent):
         self._block.act(self.reached)
 
 
+class PlantClock(SampleClock):
+    """Clock of a plant, which acts when a step starts that is evaluated at its end only."""
+
+    _block: SampledPlant
+
+    def buffer(self, t: float) -> None:
+        block = self._block
+        k, _, _, due_until, _, _ = self.instant
+        if block._acted_at == t <= due_until and block._sampled == k:
+            # as for any block
+            self.go_on()
+            results = block._results
+            results.pop(k - 1, None)
+            block._acted_at = None
+            self.step_start = t
+            self.in_step = True
+            # the step before had one evaluation, so this one has
+            k += 1
+            latched, u = block._latched
+            if latched == k and t + block._dt >= self.instant[2] and k not in results:
+                # an interrupt before the result is kept leaves it to be done
+                results[k] = block.advance(k, u)
+                return
+        else:
+            block.start_step(t)
+            self.step_start = t
+            self.in_step = True
+        block.step_started(t)
+
+
 class SampledBlock(Block):
     """Base of all blocks that act at a sample period T (s)."""
 
     linearizable = False
+    _clock: type[SampleClock] = SampleClock
 
     def __init__(self, T: float, first: int):
         super().__init__()
         self.T = _period(T)
-        self.clock = SampleClock(self, first)
+        self.clock = self._clock(self, first)
         self.events: list[Event] = [self.clock]
         self._engine: Any = None
         # the last step had solver stages, so the next one probably has them too
@@ -270,9 +304,6 @@ class SampledBlock(Block):
         engine = self._engine
         self.one_pass = not (self._stages or clock.nested or engine.is_adaptive)
         step_begins(engine)
-
-    def step_started(self, t: float) -> None:
-        """The block waits for the instant that this step may reach."""
 
     def _latest(self, t: float) -> int:
         """Index of the latest instant up to ``t`` of which there is a result."""
@@ -367,6 +398,8 @@ class SampledPlant(SampledBlock):
     returns the outputs). `advance` is called again for the same period if it was interrupted.
     """
 
+    _clock = PlantClock
+
     def __init__(self, T: float):
         super().__init__(T, first=1)
 
@@ -403,6 +436,7 @@ class SampledPlant(SampledBlock):
             self._latched = k, self.latch()
 
     def step_started(self, t: float) -> None:
+        """Act where the step that has started at ``t`` is evaluated at its end only."""
         k, _, due_from, _, _, _ = self.clock.instant
         results = self._results
         if k not in results:
@@ -411,7 +445,6 @@ class SampledPlant(SampledBlock):
                 u = self.latch()
                 self._latched = k, u
             if self.one_pass and t + self._dt >= due_from:
-                # an interrupt before the result is kept leaves it to be done
                 results[k] = self.advance(k, u)
 
     def update(self, t: float) -> None:
@@ -424,10 +457,9 @@ class SampledPlant(SampledBlock):
             and due_from <= t <= due_until
             and self._sampled < k
             and not self._resolved
-            and without_stages(self._engine)
+            and show_without_stages(self._engine, self.outputs, results[k])
         ):
             self._acted_at = t
-            show(self.outputs, results[k])
         else:
             shown = self._shown(t)
             if shown not in results:

@@ -229,7 +229,7 @@ class Aircraft(FlightBlock):
         gusts = [writer(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
         north = east = down = 0.0
         ports = list(_OUTPUTS.values())
-        readers = [self.airframe.reader(name) for name, _ in ports if name is not None]
+        read_all = self.airframe.reader_of(name for name, _ in ports if name is not None)
         first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
         scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
         # of elevator, aileron, rudder and throttle over their limits
@@ -258,7 +258,7 @@ class Aircraft(FlightBlock):
                 north, east, down = u[4:]
 
         def read() -> list[float]:
-            y = [get() for get in readers]
+            y = read_all()
             y[first_excess:first_excess] = excess
             for i, factor in scaled:
                 y[i] *= factor

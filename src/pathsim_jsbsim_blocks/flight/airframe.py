@@ -17,7 +17,7 @@ import shutil
 import tempfile
 import xml.etree.ElementTree as ET
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -458,6 +458,18 @@ class Airframe:
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`."""
         return self._node(name, "w", "written").set_double_value
+
+    def reader_of(self, names: Iterable[str]) -> Callable[[], list[float]]:
+        """A function that reads several properties at once; errors as in `reader`."""
+        nodes = [self._node(name, "r", "read") for name in names]
+        get = jsbsim.FGPropertyNode.get_double_value
+        return lambda: list(map(get, nodes))
+
+    def writer_of(self, names: Iterable[str]) -> Callable[[list[float]], Any]:
+        """A function that writes several properties at once; errors as in `writer`."""
+        nodes = [self._node(name, "w", "written") for name in names]
+        put = jsbsim.FGPropertyNode.set_double_value
+        return lambda values: list(map(put, nodes, values))
 
     def write(self, values: Mapping[str, float] | None, what: str = "properties") -> None:
         """Write a dict of properties in its order, all checked first.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import inspect
-import math
 import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import isfinite
 from threading import get_ident
 from typing import Any
 
@@ -389,8 +389,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._n_outputs = len(port_names(self.outputs))
         self._step, self._time_zero = dt, fdm.get_sim_time()
         # what `advance` uses, in one look-up
-        calls = fdm.run, fdm.get_sim_time, write, read, speed, height, nz
-        self._bound = *calls, self._time_zero, dt * self._substeps, 0.5 * dt
+        numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
+        self._bound = fdm.run, fdm.get_sim_time, write, read, speed, height, nz, numbers
         # index of the instant to which the aircraft is or was on its way
         self._begun = 0
         self._flown = array("d")
@@ -459,9 +459,9 @@ class FlightBlock(NamedPorts, SampledPlant):
                 parameter="inputs",
                 value=len(u),
             )
-        if not math.isfinite(sum(u)):
+        if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
-                if not math.isfinite(value):
+                if not isfinite(value):
                     self._fail(
                         f"input {port!r}",
                         port,
@@ -472,7 +472,8 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def advance(self, index: int, u: list[float]) -> list[float]:
         # in line, because a call or a look-up takes as long as reading an output
-        run, sim_time, write, read, speed, height, nz, time_zero, period, half_step = self._bound
+        run, sim_time, write, read, speed, height, nz, numbers = self._bound
+        substeps, time_zero, period, half_step = numbers
         if get_ident() != self._thread:
             # a diagram may go on in another thread, where JSBSim's console is another one
             self._thread = get_ident()
@@ -482,13 +483,13 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not done:
             self._begun = index
             write(u)
-        for _ in range(self._substeps - done):
+        for _ in range(substeps - done):
             run()
         if not -half_step <= sim_time() - time_zero - index * period <= half_step:
             self._fail_time(index)
         y = read()
         if not (
-            math.isfinite(sum(y) + speed()) and height() >= _UNDERGROUND and -_CRASH < nz() < _CRASH
+            isfinite(sum(y) + speed()) and height() >= _UNDERGROUND and -_CRASH < nz() < _CRASH
         ):
             self._check(y, self.clock.start + index * self.clock.period)
         if self.record_inputs is True:
@@ -518,7 +519,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         """End the flight at ``t`` if the aircraft cannot be flown on."""
         watched = {name: self.airframe.fdm[name] for name in _WATCHED}
         for name, value in [*zip(port_names(self.outputs), y, strict=False), *watched.items()]:
-            if not math.isfinite(value):
+            if not isfinite(value):
                 self._fail(f"state {name!r}", name, value, t)
         _, height, nz = _WATCHED
         if not -_CRASH < watched[nz] < _CRASH:

@@ -230,18 +230,11 @@ class JSBSimFDM(FlightBlock):
     def _connect(self) -> tuple[Write, Read]:
         _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
         _check_ports("output_properties", self.output_properties, self.outputs, self.airframe)
-        writers = [self.airframe.writer(name) for name in port_names(self.inputs)]
-        readers = [self.airframe.reader(name) for name in port_names(self.outputs)]
         self._trimmed = [
             self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
             for name in port_names(self.inputs)
         ]
-
-        def write(u: list[float]) -> None:
-            for put, value in zip(writers, u, strict=True):
-                put(value)
-
-        def read() -> list[float]:
-            return [get() for get in readers]
-
-        return write, read
+        return (
+            self.airframe.writer_of(port_names(self.inputs)),
+            self.airframe.reader_of(port_names(self.outputs)),
+        )
