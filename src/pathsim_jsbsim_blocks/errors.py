@@ -142,6 +142,27 @@ class LinearisationError(BlocksError, RuntimeError):
         self.name = name
 
 
+class DesignError(BlocksError, RuntimeError):
+    """No gains hold an aircraft at a condition.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    reason : str
+        "no throttle", "unstable" (no gains settle a step), or the reason for which there is no
+        linear model, as in `LinearisationError`
+    loop : str
+        "pitch", "roll", "heading", "altitude" or "speed"; empty if all are concerned
+    """
+
+    def __init__(self, message: str, *, aircraft: str, reason: str, loop: str = ""):
+        super().__init__(message)
+        self.aircraft = aircraft
+        self.reason = reason
+        self.loop = loop
+
+
 class FlightError(BlocksError, RuntimeError):
     """The flight cannot continue: an input or a state is not finite.
 

@@ -18,9 +18,6 @@ import numpy as np
 from .._core.checks import did_you_mean, nearest, number, one_of, positive, whole
 from ..errors import FileError, ParameterError
 
-# name of a table or of a file, or numbers by name
-Gains = str | Mapping[str, Any]
-
 FORMAT = "pathsim-jsbsim-blocks gains 1"
 TABLES = Path(__file__).parent / "tables"
 
@@ -334,6 +331,10 @@ class GainSchedule:
             ],
             dtype=float,
         )
+
+
+# name of a table or of a file, gains, or numbers by name
+Gains = str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 
 
 def _around(places: list[float], x: float) -> list[tuple[int, float]]:

@@ -1,0 +1,391 @@
+"""`design_gains`: the gains of all loops of an aircraft at one condition, with a report."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from .._core.checks import flag
+from ..control.gains import AircraftGains, AttitudeGains
+from ..errors import DesignError, FlightError, LinearisationError
+from ..flight import Airframe, TrimCondition, level_flight
+from ..flight.aircraft import Aircraft
+from ..linear.model import LinearModel
+from .envelope import envelope
+from .outer import (
+    Outcome,
+    damped,
+    design_altitude,
+    design_feed,
+    design_heading,
+    design_rudder,
+    design_speed,
+    design_yaw,
+    with_altitude,
+    with_speed,
+)
+from .plant import Plant
+from .search import PITCH, ROLL, Found, closed, design_attitude
+from .steps import STEPS, fly_step
+
+_INPUTS = ("elevator", "aileron", "rudder", "throttle")
+_OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
+
+_G = 32.174  # ft/s2
+
+# g, deg/s: load of a pitch reference that moves, and the limits of its rate
+_RAMP_LOAD, _RAMP_LOW, _RAMP_HIGH = 0.7, 2.0, 6.0
+
+# deg/s
+_ROLL_RAMP = 10.0
+
+# ft/s, of the airspeed, of the excess climb
+_CLIMB, _CLIMB_OF_SPEED, _CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
+
+# kt of the step that is designed for, and share of the throttle's travel that may hold it
+_FASTER, _ENOUGH = 10.0, 0.7
+
+# ft/s; less is no climb to speak of: the altitude is then designed for a descent
+_NO_CLIMB = 2.0
+
+
+@dataclass(frozen=True)
+class LoopReport:
+    """How good one loop is.
+
+    Attributes
+    ----------
+    loop : str
+        "pitch", "roll", "yaw", "heading", "speed" or "altitude"
+    crossover : float
+        rad/s
+    gain_margin, phase_margin : float
+        dB, deg
+    Ms, Ms_delayed : float
+        largest sensitivity |1 / (1 + L)|, and with 50 ms of delay more
+    settling, overshoot : float
+        of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
+        the rudder's loops
+    use : float
+        share of the command's remaining travel that the step uses
+    flown_settling, flown_overshoot : float
+        of the same step on the nonlinear aircraft; NaN where it was not flown
+    relaxed : str
+        what the loop does not meet of what is asked for; empty if it meets all
+    """
+
+    loop: str
+    crossover: float
+    gain_margin: float
+    phase_margin: float
+    Ms: float
+    Ms_delayed: float
+    settling: float
+    overshoot: float
+    use: float
+    flown_settling: float = math.nan
+    flown_overshoot: float = math.nan
+    relaxed: str = ""
+
+
+@dataclass(frozen=True)
+class DesignedGains(AircraftGains):
+    """Gains from `design_gains`, which every ``gains=`` takes, with the report of their design.
+
+    Parameters
+    ----------
+    pitch, roll : AttitudeGains
+    heading : HeadingGains
+    altitude : AltitudeGains
+    speed : SpeedGains
+    yaw : YawGains
+    envelope : EnvelopeLimits, optional
+    aircraft : str
+        the model's name
+    condition : TrimCondition
+        at which they were designed
+    report : tuple of LoopReport
+    """
+
+    aircraft: str = ""
+    condition: TrimCondition = field(default_factory=TrimCondition)
+    report: tuple[LoopReport, ...] = ()
+
+    @property
+    def gains(self) -> AircraftGains:
+        """The gains alone."""
+        return AircraftGains(
+            **{f.name: getattr(self, f.name) for f in dataclasses.fields(AircraftGains)}
+        )
+
+    def __str__(self) -> str:
+        return f"{self.aircraft}: {self.condition}\n{report_table(self.report)}"
+
+
+def report_table(report: tuple[LoopReport, ...]) -> str:
+    """The report as a table of fixed width."""
+    head = (
+        f"{'loop':<13}{'rad/s':>7}{'dB':>6}{'deg':>6}{'Ms':>6}{'+50 ms':>8}"
+        f"{'settles s':>11}{'flown s':>9}{'over':>7}{'flown':>7}{'use':>6}  relaxed"
+    )
+    rows = [head]
+    for r in report:
+
+        def cell(x: float, width: int, digits: int) -> str:
+            text = "" if math.isnan(x) else "-" if math.isinf(x) else f"{x:.{digits}f}"
+            return f"{text:>{width}}"
+
+        rows.append(
+            f"{r.loop:<13}{cell(r.crossover, 7, 2)}{cell(r.gain_margin, 6, 1)}"
+            f"{cell(r.phase_margin, 6, 0)}{cell(r.Ms, 6, 2)}{cell(r.Ms_delayed, 8, 2)}"
+            f"{cell(r.settling, 11, 1)}{cell(r.flown_settling, 9, 1)}{cell(r.overshoot, 7, 2)}"
+            f"{cell(r.flown_overshoot, 7, 2)}{cell(r.use, 6, 2)}  {r.relaxed}".rstrip()
+        )
+    return "\n".join(rows)
+
+
+def design_gains(
+    aircraft: str,
+    condition: TrimCondition | None = None,
+    *,
+    T: float = 1 / 120,
+    substeps: int = 1,
+    check: bool = True,
+    **options: Any,
+) -> DesignedGains:
+    """Gains of all loops of an aircraft at one condition of level flight, by loop shaping.
+
+    The linear model is identified from small pulses in flight, so that control system, actuators,
+    engines and sampling are in it. The loops are shaped one after the other, each with those before
+    it closed: pitch, roll, rudder, heading, airspeed, altitude. A search
+    over crossover, phase margin and integral time keeps the candidates with a sensitivity peak Ms
+    of at most 1.4, 1.8 with 50 ms of delay more, 7 dB and 45 deg, and flies their steps on the
+    linear model with ramps and limits. Where no candidate meets all, the margins are relaxed in
+    steps and the report says so.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the JSBSim model
+    condition : TrimCondition, optional
+        level flight; default: where `level_flight` trims it
+    T : float
+        sample period of the loops in s
+    substeps : int
+        JSBSim steps per sample period
+    check : bool
+        fly the steps in pitch and roll on the nonlinear aircraft too
+    **options
+        ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
+        of `Aircraft`
+
+    Returns
+    -------
+    DesignedGains
+        with the margins, predicted and flown steps in ``report``; ``gains=`` of every hold takes it
+
+    Raises
+    ------
+    DesignError
+        for an aircraft that cannot be held, with the reason
+    TrimError
+        if it does not trim there
+    AircraftError, PropertyError, ParameterError
+        for unknown names and values that cannot be
+
+    References
+    ----------
+    Astrom, Murray: *Feedback Systems*, 2nd ed., 2021, chapters 11 and 12 (loop shaping, Ms).
+
+    Examples
+    --------
+    >>> gains = design_gains("A320", TrimCondition(altitude=5000, speed=281, gear=0.0))
+    >>> max(loop.Ms for loop in gains.report) < 1.9
+    True
+    """
+    flag("check", check)
+    if condition is None:
+        found = level_flight(aircraft, options.get("root"))
+        condition = found.condition
+        options = {"create": found.create, **options}
+
+    def fresh() -> Aircraft:
+        return Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)
+
+    plane = fresh()
+    trim = plane.trim
+    if not trim.throttle:
+        raise DesignError(
+            f"no gains for {aircraft!r}: it has no engine to hold an airspeed with",
+            aircraft=aircraft,
+            reason="no throttle",
+            loop="speed",
+        )
+    model = _model(plane)
+    vt = float(model.x0[model.states.index("vt")])
+
+    def airframe() -> Airframe:
+        return Airframe(
+            aircraft,
+            T / substeps,
+            root=options.get("root"),
+            empty_cg_x=condition.empty_cg_x,
+            create=options.get("create"),
+        )
+
+    limits = envelope(
+        airframe,
+        replace(condition, setup={**condition.setup, **(options.get("setup") or {})}),
+        trim,
+        trim.speed,
+    ).limits
+    designed = _loops(aircraft, condition, model, trim, vt, limits)
+    return _flown(fresh, designed) if check else designed
+
+
+def _model(plane: Aircraft) -> LinearModel:
+    try:
+        with warnings.catch_warnings():
+            # kinks at the trim; the steps are flown on the aircraft itself
+            warnings.simplefilter("ignore", RuntimeWarning)
+            return plane.linear_model(inputs=_INPUTS, outputs=_OUTPUTS)
+    except LinearisationError as error:
+        name = plane.airframe.aircraft
+        raise DesignError(
+            f"no gains for {name!r}: {error}",
+            aircraft=name,
+            reason=error.reason,
+            loop={"elevator": "pitch", "aileron": "roll", "throttle": "speed"}.get(error.name, ""),
+        ) from error
+
+
+def _loops(
+    aircraft: str,
+    condition: TrimCondition,
+    model: LinearModel,
+    trim: Any,
+    vt: float,
+    limits: Any,
+) -> DesignedGains:
+    """Shape one loop after the other."""
+    plant = Plant.of(model)
+    report: list[LoopReport] = []
+
+    def refuse(loop: str, why: str) -> DesignError:
+        return DesignError(
+            f"no gains for {aircraft!r} at {condition}: {why}",
+            aircraft=aircraft,
+            reason="unstable",
+            loop=loop,
+        )
+
+    def note(loop: str, found: Found | Outcome | None) -> None:
+        if found is not None and found.margins:
+            m = found.margins
+            report.append(
+                LoopReport(
+                    loop,
+                    m["crossover"],
+                    m["gain"],
+                    m["phase"],
+                    m["Ms"],
+                    m["Ms_delayed"],
+                    found.settling,
+                    found.overshoot,
+                    found.use,
+                    relaxed=found.relaxed,
+                )
+            )
+
+    ramp = min(max(math.degrees(_RAMP_LOAD * _G / vt), _RAMP_LOW), _RAMP_HIGH)
+    low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
+    found = design_attitude(plant, PITCH, ramp, (low - trim.elevator, high - trim.elevator))
+    if found is None or not math.isfinite(found.settling):
+        raise refuse("pitch", "no gains of the elevator settle a step in pitch")
+    note("pitch", found)
+    pitch = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
+    plant = closed(plant, PITCH, found, "theta_cmd")
+
+    # the rudder is shaped for the turn, and the roll loop once more with the rudder's
+    rudder = 1.0 - abs(trim.rudder)
+    travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
+    damper = yaw = design_yaw(plant, rudder)
+    for last in (False, True):
+        found = design_attitude(damped(plant, yaw), ROLL, _ROLL_RAMP, travel)
+        if found is None or not math.isfinite(found.settling):
+            raise refuse("roll", "no gains of the ailerons settle a step in roll")
+        if not last:
+            yaw, outcome = design_rudder(closed(plant, ROLL, found, "phi_cmd"), damper, rudder, vt)
+    note("roll", found)
+    note("yaw", outcome)
+    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, _ROLL_RAMP)
+    rolls_in = found.settling
+    plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
+
+    heading, outcome = design_heading(plant, _ROLL_RAMP, rolls_in, vt)
+    note("heading", outcome)
+    if heading is None:
+        raise refuse("heading", "no gains from the heading to the bank settle a turn")
+
+    throttle = trim.throttle[0]
+    room = (-throttle, 1.0 - throttle)
+    feed, per_knot = design_feed(plant, room)
+    step = _FASTER if per_knot * _FASTER < _ENOUGH * room[1] else -_FASTER
+    hdot_max = min(
+        _CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * max(limits.climb_max, _NO_CLIMB)
+    )
+    # the airspeed with the attitude held, the altitude, the airspeed with the altitude held
+    speed, outcome = design_speed(plant, room, feed, step)
+    if speed is None:
+        raise refuse("speed", "no gains of the throttle hold the airspeed")
+    altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max)
+    if altitude is None:
+        raise refuse("altitude", "no gains from the rate of climb to the pitch angle are stable")
+    speed, outcome = design_speed(with_altitude(plant, altitude), room, feed, step)
+    if speed is None or not math.isfinite(outcome.settling):
+        raise refuse("speed", f"no gains of the throttle settle a step of {step:g} kt")
+    altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max)
+    if altitude is None or not math.isfinite(climbing.settling):
+        raise refuse("altitude", "no gains from the rate of climb to the pitch angle settle")
+    note("speed", outcome)
+    note("altitude", climbing)
+    return DesignedGains(
+        pitch=pitch,
+        roll=roll,
+        heading=heading,
+        altitude=altitude,
+        speed=speed,
+        yaw=yaw,
+        envelope=limits,
+        aircraft=aircraft,
+        condition=condition,
+        report=tuple(report),
+    )
+
+
+def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:
+    """The report with the steps in pitch and roll flown on the nonlinear aircraft."""
+    report = []
+    for row in designed.report:
+        if row.loop in ("pitch", "roll"):
+            try:
+                flown = fly_step(fresh, designed, STEPS[row.loop], seconds=10.0).quality
+            except FlightError as error:
+                raise DesignError(
+                    f"no gains for {designed.aircraft!r} at {designed.condition}: "
+                    f"the step in {row.loop} ends the flight: {error}",
+                    aircraft=designed.aircraft,
+                    reason="unstable",
+                    loop=row.loop,
+                ) from error
+            row = replace(
+                row,
+                flown_settling=math.inf if math.isnan(flown.settling) else flown.settling,
+                flown_overshoot=flown.overshoot,
+            )
+        report.append(row)
+    return replace(designed, report=tuple(report))

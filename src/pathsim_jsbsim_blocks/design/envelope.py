@@ -1,0 +1,134 @@
+"""What an aircraft can fly at one altitude and airspeed: stall, climb and descent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..control.gains import EnvelopeLimits
+from ..errors import AircraftError, TrimError
+from ..flight import Airframe, TrimCondition, TrimState, trim
+
+# share of the largest lift at which the angle of attack is limited, and the highest limit, deg
+_LIFT, _ALPHA = 0.92, 20.0
+
+# over the speed of level flight at that angle of attack
+_ABOVE = 1.1
+
+# where the slowest trim is looked for, from that speed up to the trim's
+_SLOWEST = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)
+
+# throttles to try for the climb, shares of the remaining travel
+_CLIMBS = (1.0, 0.7, 0.4)
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """The limits, and whether they were found by a trim or are extrapolated.
+
+    Attributes
+    ----------
+    limits : EnvelopeLimits
+    stall : float
+        angle of attack of the largest lift, deg
+    load_factor : float
+        largest lift at this airspeed over the weight, g
+    """
+
+    limits: EnvelopeLimits
+    stall: float
+    load_factor: float
+
+
+def envelope(
+    fresh: Callable[[], Airframe], condition: TrimCondition, trimmed: TrimState, speed: float
+) -> Envelope:
+    """Measure the limits with airframes of its own.
+
+    The lift over the angle of attack is computed by JSBSim with the controls of the trim; climb
+    and descent are trims at full throttle and at idle.
+
+    Parameters
+    ----------
+    fresh : callable
+        makes an airframe
+    condition : TrimCondition
+        of level flight
+    trimmed : TrimState
+        what was found there
+    speed : float
+        KCAS
+    """
+    airframe = fresh()
+    state = trim(airframe, condition, hint=False)
+    vt = airframe.fdm["velocities/vt-fps"]
+    alpha, lift = _lift(airframe, math.floor(state.alpha))
+    peak = int(np.argmax(np.append(np.diff(lift) <= 0.0, True)))
+    limit = float(np.interp(_LIFT * lift[peak], lift[: peak + 1], alpha[: peak + 1]))
+    limit = max(min(limit, _ALPHA), state.alpha + 1.0)
+    at_limit = float(np.interp(limit, alpha, lift))
+    slowest = min(_ABOVE * speed / math.sqrt(max(at_limit, 1.0)), speed)
+    throttle = trimmed.throttle[0]
+    climb = 0.0
+    for share in _CLIMBS:
+        found = _rate(fresh, condition, throttle + share * (1.0 - throttle), vt)
+        if found is not None:
+            climb = found / share
+            break
+    descent = _rate(fresh, condition, 0.0, vt)
+    return Envelope(
+        EnvelopeLimits(
+            alpha_max=limit,
+            vc_min=_trimmable(fresh, condition, slowest, speed),
+            climb_max=max(climb, 0.0),
+            descent_max=max(-descent if descent is not None else climb, 1.0),
+        ),
+        float(alpha[peak]),
+        float(lift[peak]),
+    )
+
+
+def _lift(airframe: Airframe, start: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lift over weight at angles of attack from ``start`` deg on, at the speed of the trim."""
+    fdm = airframe.fdm
+    weight = fdm["inertia/weight-lbs"]
+    alpha = np.arange(start, 41.0)
+    lift = np.empty(len(alpha))
+    fdm.set_trim_status(True)
+    try:
+        for i, a in enumerate(alpha):
+            fdm["ic/alpha-deg"] = float(a)
+            airframe.run_ic()
+            lift[i] = fdm["forces/fwz-aero-lbs"] / weight
+    finally:
+        fdm.set_trim_status(False)
+    return alpha, lift
+
+
+def _trimmable(
+    fresh: Callable[[], Airframe], condition: TrimCondition, low: float, high: float
+) -> float:
+    """The lowest of some airspeeds in KCAS at which level flight trims: elevator, thrust."""
+    for share in _SLOWEST:
+        speed = low + share * (high - low)
+        try:
+            trim(fresh(), replace(condition, speed=speed, mach=None), hint=False)
+        except (TrimError, AircraftError):
+            continue
+        return speed
+    return high
+
+
+def _rate(
+    fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float, vt: float
+) -> float | None:
+    """Rate of climb in ft/s at a throttle and the same airspeed, or None without a trim."""
+    there = replace(condition, throttle=throttle, solver="newton")
+    try:
+        found = trim(fresh(), there, hint=False)
+    except (TrimError, AircraftError):
+        return None
+    return vt * math.sin(math.radians(found.gamma))

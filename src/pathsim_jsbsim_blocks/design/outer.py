@@ -1,0 +1,448 @@
+"""The loops around the attitude: yaw damper, turn coordination, heading, airspeed, altitude."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
+from .margins import Margins, margins
+from .plant import Plant
+from .search import OMEGA, REQUIREMENTS, at, integral, settled
+
+# periods of the loop in one step of a slow response
+_COARSE = 6
+
+_G = 32.174  # ft/s2
+
+# 1/s; a slower divergence is left to the loops around
+_DIVERGES = 0.03
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was found for one loop besides its gains."""
+
+    margins: dict[str, float]
+    settling: float = math.nan
+    overshoot: float = math.nan
+    use: float = math.nan
+    relaxed: str = ""
+
+
+def levels(m: Margins) -> np.ndarray:
+    """Number of the first requirement that each loop meets."""
+    found = np.full(len(m.Ms), len(REQUIREMENTS))
+    for i, requirement in reversed(list(enumerate(REQUIREMENTS))):
+        found[requirement.met(m)] = i
+    return found
+
+
+def said(level: int, *more: str) -> str:
+    """What was relaxed, in words."""
+    margins_ = [] if level == 0 else [str(REQUIREMENTS[level])]
+    return "; ".join([*margins_, *(text for text in more if text)])
+
+
+# --- yaw damper ----------------------------------------------------------------------------------
+
+# the Dutch roll is damped to this; a model that has as much needs no damper
+_DAMPED = 0.35
+_TAU = 2.0
+_YAW_SHARES = np.geomspace(0.03, 1.5, 24)
+
+
+def design_yaw(plant: Plant, room: float) -> YawGains:
+    """Rudder from washed-out yaw rate: the lowest gain that damps the Dutch roll."""
+    bare = dutch_roll(plant)
+    if bare is None or bare[1] >= _DAMPED:
+        return YawGains(K=0.0, tau=_TAU)
+    g = plant.response(OMEGA, "rudder")["r"]
+    fade = math.exp(-plant.T / _TAU)
+    z = np.exp(1j * OMEGA * plant.T)
+    washed = (z - 1.0) / (z - fade) * g
+    k = int(np.argmin(np.abs(OMEGA - bare[0])))
+    K = -np.sign(washed[k].real) * _YAW_SHARES / np.abs(g[k])
+    # 10 deg/s of yaw should not need all of the rudder
+    K = K[np.abs(K) * 10.0 <= 0.9 * room]
+    if not len(K):
+        return YawGains(K=0.0, tau=_TAU)
+    found = margins(OMEGA, -K[:, None] * washed)
+    level = levels(found)
+    best = None
+    for i in np.flatnonzero(level == 0):
+        mode = dutch_roll(damped(plant, YawGains(K=float(K[i]), tau=_TAU)))
+        damping = 1.0 if mode is None else mode[1]
+        if best is None or damping > best[0]:
+            best = damping, i
+        if damping >= _DAMPED:
+            break
+    if best is None or best[0] < bare[1] + 0.02:
+        return YawGains(K=0.0, tau=_TAU)
+    return YawGains(K=float(K[best[1]]), tau=_TAU)
+
+
+def dutch_roll(plant: Plant) -> tuple[float, float] | None:
+    """Frequency in rad/s and damping ratio of the oscillation that moves the sideslip most."""
+    poles, vectors = np.linalg.eig(plant.A)
+    s = np.log(np.where(np.abs(poles) < 1e-9, 1e-9, poles)) / plant.T
+    slip = np.abs(plant.row("beta") @ vectors)
+    turn = np.abs(plant.row("r") @ vectors)
+    other = np.abs(plant.row("q") @ vectors) + 1e-12
+    lateral = (slip + turn) / (slip + turn + other)
+    w = np.abs(s)
+    wanted = (s.imag > 0.2) & (w > 0.3) & (w < 15.0) & (lateral > 0.5)
+    if not wanted.any():
+        return None
+    # as a kick of the rudder excites it
+    size = np.abs(np.linalg.pinv(vectors) @ plant.column("rudder"))
+    i = int(np.argmax(np.where(wanted, slip * size, -1.0)))
+    return float(w[i]), float(-s[i].real / w[i])
+
+
+def damped(plant: Plant, gains: YawGains) -> Plant:
+    """The plant with the rudder's loops closed; ``rudder`` stays an input, added to theirs."""
+    T = plant.T
+    slow = 1.0 - math.exp(-T / gains.tau)
+    return plant.close(
+        "rudder",
+        law=np.array([[1.0 - slow, 0.0], [0.0, 1.0], [-gains.K, 1.0]]),
+        read={"r": np.array([slow, 0.0]), "beta": np.array([0.0, -gains.Ki * T])},
+        through={"r": gains.K, "beta": -gains.Kp, "rudder": 1.0},
+        reference="rudder",
+    )
+
+
+_SLIP_DAMPERS = np.array([0.0, 0.5, 1.0, 1.5, 2.2, 3.2])
+_SLIP_GAINS = np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5])
+_SLIP_TIMES = np.array([0.7, 1.2, 2.0, 4.0, math.inf])
+
+# deg of bank, and rad/s up to which a turn is entered with it
+_TURN, _ENTRY = 25.0, 0.6
+
+
+def design_rudder(
+    plant: Plant, damper: YawGains, room: float, vt: float
+) -> tuple[YawGains, Outcome | None]:
+    """Rudder from yaw rate and sideslip, so that a bank turns the aircraft and nothing else.
+
+    ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
+    """
+    T = plant.T
+    rudder, bank = plant.response(OMEGA, "rudder"), plant.response(OMEGA, "phi_cmd")
+    fade = math.exp(-T / damper.tau)
+    z = np.exp(1j * OMEGA * T)
+    wash = (z - 1.0) / (z - fade)
+    sign = float(np.sign(rudder["beta"][0].real))
+    slip = np.abs(rudder["beta"][:60]).max()
+    K = damper.K * _SLIP_DAMPERS
+    if damper.K == 0.0:
+        K = np.array([0.0])
+    K, P, time = (x.ravel() for x in np.meshgrid(K, _SLIP_GAINS, _SLIP_TIMES, indexing="ij"))
+    P = P * sign * 4.0 / slip
+    fits = np.abs(K) * 10.0 + np.abs(P) * 5.0 <= 0.9 * room
+    K, P = K[fits], P[fits]
+    Ki = P / time[fits]
+    on_slip = P[:, None] + Ki[:, None] * integral(OMEGA, T)
+    on_rate = K[:, None] * wash
+    found = margins(OMEGA, on_slip * rudder["beta"] - on_rate * rudder["r"])
+    command = (on_rate * bank["r"] - on_slip * bank["beta"]) / (
+        1.0 + on_slip * rudder["beta"] - on_rate * rudder["r"]
+    )
+    beta = np.abs(bank["beta"] + command * rudder["beta"])
+    psi = np.abs((bank["psi"] + command * rudder["psi"]) * OMEGA * vt / _G)
+    entry = 1.0 / np.hypot(1.0, OMEGA / _ENTRY)
+    score = (
+        _TURN * (beta * entry).max(axis=1)
+        + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
+        + 0.5 * (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
+    )
+    score[levels(found) > 0] = np.inf
+    for i in np.argsort(score)[:30]:
+        gains = YawGains(K=float(K[i]), tau=damper.tau, Kp=float(P[i]), Ki=float(Ki[i]))
+        if not math.isfinite(score[i]):
+            break
+        if damped(plant, gains).growth() < _DIVERGES:
+            use = (abs(gains.K) * 10.0 + abs(gains.Kp) * 5.0) / room
+            shown = at(found, i) if use else {}
+            return gains, Outcome(shown, use=use)
+    return damper, None
+
+
+def _pi(
+    G: np.ndarray, T: float, crossovers: np.ndarray, phases: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Kp and Ki with a crossover and a phase margin each, where both are not negative."""
+    w, pm = (x.ravel() for x in np.meshgrid(crossovers, phases, indexing="ij"))
+    size = np.exp(np.interp(np.log(w), np.log(OMEGA), np.log(np.abs(G))))
+    angle = np.interp(np.log(w), np.log(OMEGA), np.unwrap(np.angle(G)))
+    wanted = -np.exp(1j * pm) / (size * np.exp(1j * angle))
+    term = integral(w, T)
+    Ki = wanted.imag / term.imag
+    Kp = wanted.real - Ki * term.real
+    # an integral alone, or a gain alone, where the phase asks for it
+    alone = Kp < 0.0
+    Ki = np.where(alone, 1.0 / (size * np.abs(term)), Ki)
+    Kp = np.where(alone, 0.0, Kp)
+    good = (Ki >= 0.0) & np.isfinite(Ki)
+    return Kp[good], Ki[good]
+
+
+# --- heading -------------------------------------------------------------------------------------
+
+
+def design_heading(
+    plant: Plant, ramp: float, settling: float, vt: float, bank_max: float = 25.0
+) -> tuple[HeadingGains | None, Outcome]:
+    """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``."""
+    turn = _G / vt  # psi-dot per phi, 1/s
+    fast = min(0.25, 0.7 / max(settling if math.isfinite(settling) else 5.0, 0.5))
+    Kp = np.clip(fast / turn * np.geomspace(0.25, 1.6, 14), 0.3, 6.0)
+    G = plant.response(OMEGA, "phi_cmd")["psi"]
+    found = margins(OMEGA, Kp[:, None] * G)
+    level = levels(found)
+    p = plant.slower(_COARSE)
+    T, seconds, step = p.T, 60.0, 30.0
+    c, f, B = p.row("psi"), p.row("phi"), p.column("phi_cmd")[:, None]
+    x, cmd = np.zeros((len(p.A), len(Kp))), np.zeros(len(Kp))
+    y = np.empty((round(seconds / T), len(Kp)))
+    bank = np.zeros(len(Kp))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(len(y)):
+            y[k] = c @ x
+            phi = f @ x
+            bank = np.maximum(bank, np.abs(phi))
+            wanted = np.clip(Kp * (step - y[k]), -bank_max, bank_max)
+            cmd = cmd + np.clip(wanted - cmd, -ramp * T, ramp * T)
+            x = p.A @ x + B * cmd
+    time = settled(y - step, 0.5, T)
+    over = np.maximum((y - step).max(axis=0), 0.0)
+    score = time + 200.0 * np.maximum(over - 0.25, 0.0) + 10.0 * level
+    score = np.where(np.isfinite(score), score, 1e6 + over)
+    i = int(np.argmin(score))
+    if level[i] == len(REQUIREMENTS) or not math.isfinite(time[i]):
+        return None, Outcome(at(found, i), float(time[i]), float(over[i]))
+    return HeadingGains(Kp=float(Kp[i])), Outcome(
+        at(found, i),
+        float(time[i]),
+        float(over[i]),
+        float(bank[i] / bank_max),
+        said(level[i], f"overshoot {over[i]:.1f} deg" if over[i] > 0.5 else ""),
+    )
+
+
+# --- airspeed ------------------------------------------------------------------------------------
+
+# kt: an error that may use all of the throttle's remaining travel
+_GUST = 12.0
+_TF = 0.5
+_SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
+_SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 60.0])
+_SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
+
+
+def design_speed(
+    plant: Plant, room: tuple[float, float], Kc: float, step: float
+) -> tuple[SpeedGains | None, Outcome]:
+    """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held."""
+    T = plant.T
+    g = plant.response(OMEGA, "throttle")
+    G = g["vc"]
+    travel = min(-room[0], room[1])
+    share, time_ = (x.ravel() for x in np.meshgrid(_SPEED_SHARES, _SPEED_TIMES, indexing="ij"))
+    Kp = share * travel / _GUST
+    Ki = Kp / time_
+    alpha = -math.expm1(-T / _TF)
+    z = np.exp(1j * OMEGA * T)
+    slope = alpha / (1 - (1 - alpha) / z) * (1 - 1 / z) / T
+    L = (Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)) * G - Kc * g["hdot"]
+    found = margins(OMEGA, L)
+    level = levels(found)
+    pick = np.flatnonzero(level < len(REQUIREMENTS))
+    if not len(pick):
+        return None, Outcome(at(found, 0))
+    k, r = (x.ravel() for x in np.meshgrid(pick, np.arange(len(_SPEED_RAMPS)), indexing="ij"))
+    ramp = _SPEED_RAMPS[r]
+    p = plant.slower(_COARSE)
+    c, climb, B = p.row("vc"), p.row("hdot"), p.column("throttle")[:, None]
+    dt, seconds = p.T, 100.0
+    a = -math.expm1(-dt / _TF)
+    n = len(k)
+    x, total, slow, ref = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n), np.zeros(n)
+    y, peak = np.empty((round(seconds / dt), n)), np.zeros(n)
+    unwind = np.minimum(dt / time_[k], 0.5)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(len(y)):
+            y[j] = c @ x
+            slow = slow + a * (y[j] - slow)
+            ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
+            v = Kp[k] * (ref - slow) + total + Kc * (climb @ x)
+            u = np.clip(v, room[0], room[1])
+            peak = np.maximum(peak, np.abs(v))
+            total += Ki[k] * dt * (ref - y[j]) + unwind * (u - v)
+            x = p.A @ x + B * u
+    time = settled(y - step, 0.5, dt)
+    late = np.abs(y[-round(20.0 / dt) :] - step).max(axis=0)
+    over = np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0)
+    score = (
+        np.maximum(time, 12.0)
+        + 30.0 * np.maximum(over - 0.25, 0.0)
+        + 60.0 * np.maximum(late - 0.02, 0.0)
+        + 8.0 * level[k]
+        + 10.0 * share[k]
+        + 5.0 * peak / travel
+    )
+    score = np.where(np.isfinite(score), score, 1e6 + late)
+    i = int(np.argmin(score))
+    j = k[i]
+    kp = float(Kp[j])
+    gains = SpeedGains(
+        Kp=kp,
+        Ki=float(Ki[j]),
+        Kd=-kp * _TF,
+        Tf=_TF,
+        b=1.0,
+        ramp=float(ramp[i]),
+        Kc=Kc,
+    )
+    return gains, Outcome(
+        at(found, j),
+        float(time[i]),
+        float(over[i]),
+        float(peak[i] / travel),
+        said(level[j], "" if math.isfinite(time[i]) else "settling"),
+    )
+
+
+# ft/s: a rate of climb whose feed-forward may use all of the throttle's remaining travel
+_RISE = 40.0
+
+
+def design_feed(plant: Plant, room: tuple[float, float]) -> tuple[float, float]:
+    """Throttle per rate of climb that keeps the airspeed, s/ft, and throttle per kt, both slow.
+
+    ``plant`` has the pitch loop closed.
+    """
+    w = np.array([0.05])
+    throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
+    need = -theta["vc"] / throttle["vc"]
+    climb = theta["hdot"] + need * throttle["hdot"]
+    most = min(-room[0], room[1]) / _RISE
+    gain = float(np.abs(plant.response(np.array([OMEGA[0]]), "throttle")["vc"])[0])
+    return float(np.clip((need / climb).real[0], 0.0, most)), 1.0 / gain
+
+
+def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
+    """The plant with the airspeed loop closed."""
+    T = plant.T
+    a = -math.expm1(-T / gains.Tf)
+    law = np.array(
+        [
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0],
+            [0.0, -a / T, 1.0 - a],
+            [1.0, gains.Kd * a / T, -gains.Kd * (1.0 - a)],
+        ]
+    )
+    return plant.close(
+        "throttle",
+        law=law,
+        read={
+            "vc": np.array([-gains.Ki * T, 1.0, a / T]),
+            "vc_cmd": np.array([gains.Ki * T, 0.0, 0.0]),
+        },
+        through={
+            "vc": -gains.Kp - gains.Kd * a / T,
+            "hdot": gains.Kc,
+            "vc_cmd": gains.Kp * gains.b,
+        },
+        reference="vc_cmd",
+    )
+
+
+# --- altitude ------------------------------------------------------------------------------------
+
+
+def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
+    """The plant with the altitude loop closed; ``theta_cmd`` is no input any more."""
+    Ki = gains.Ki * plant.T
+    return plant.close(
+        "theta_cmd",
+        law=np.array([[1.0], [1.0]]),
+        read={"h": np.array([-Ki * gains.Kh]), "hdot": np.array([-Ki])},
+        through={"h": -gains.Kp * gains.Kh, "hdot": -gains.Kp},
+    )
+
+
+_CLIMB_CROSSOVERS = np.geomspace(0.15, 1.2, 9)
+_CLIMB_PHASES = np.radians([60.0, 68.0, 76.0, 84.0, 92.0])
+_CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 6.0])
+
+
+def design_altitude(
+    plant: Plant, ramp: float, hdot_max: float, step: float = 500.0
+) -> tuple[AltitudeGains | None, Outcome]:
+    """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed."""
+    T = plant.T
+    g = plant.response(OMEGA, "theta_cmd")
+    Kp, Ki = _pi(g["hdot"], T, _CLIMB_CROSSOVERS, _CLIMB_PHASES)
+    if not len(Kp):
+        return None, Outcome({})
+    sums = integral(OMEGA, T)
+    wc = margins(OMEGA, (Kp[:, None] + Ki[:, None] * sums) * g["hdot"]).crossover
+    k, r = (x.ravel() for x in np.meshgrid(np.arange(len(Kp)), _CLIMB_RATIOS, indexing="ij"))
+    Kp, Ki, Kh = Kp[k], Ki[k], np.minimum(wc[k] / r, 0.3)
+    L = (Kp[:, None] + Ki[:, None] * sums) * (g["hdot"] + Kh[:, None] * g["h"])
+    found = margins(OMEGA, L)
+    level = levels(found)
+    pick = np.flatnonzero(level < len(REQUIREMENTS))
+    if not len(pick):
+        return None, Outcome(at(found, 0))
+    p = plant.slower(_COARSE)
+    dt, seconds = p.T, 30.0 + 1.6 * step / hdot_max
+    rows = np.array([p.row("h"), p.row("hdot"), p.row("vc")])
+    B = p.column("theta_cmd")[:, None]
+    n = len(pick)
+    x, total, cmd = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n)
+    y, speed, peak = np.empty((round(seconds / dt), n)), np.zeros(n), np.zeros(n)
+    kp, ki, kh = Kp[pick], Ki[pick], Kh[pick]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(len(y)):
+            h, hdot, vc = rows @ x
+            y[j] = h
+            speed = np.maximum(speed, np.abs(vc))
+            wanted = np.clip(kh * (step - h), -hdot_max, hdot_max)
+            target = kp * (wanted - hdot) + total
+            total += ki * dt * (wanted - hdot)
+            cmd = cmd + np.clip(target - cmd, -ramp * dt, ramp * dt)
+            peak = np.maximum(peak, np.abs(cmd))
+            x = p.A @ x + B * cmd
+    time = settled(y - step, 10.0, dt)
+    over = np.maximum((y - step).max(axis=0), 0.0)
+    late = np.abs(y[-round(5.0 / dt) :] - step).max(axis=0)
+    score = (
+        time
+        + 5.0 * np.maximum(over - 2.0, 0.0)
+        + 10.0 * np.maximum(late - 1.0, 0.0)
+        + 6.0 * level[pick]
+        + 6.0 * found.crossover[pick]
+        + 2.0 * speed
+        + np.maximum(peak - 8.0, 0.0)
+    )
+    score = np.where(np.isfinite(score), score, 1e6 + late)
+    i = int(np.argmin(score))
+    j = pick[i]
+    gains = AltitudeGains(Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max)
+    return gains, Outcome(
+        at(found, j),
+        float(time[i]),
+        float(over[i]),
+        float(peak[i] / 10.0),
+        said(
+            level[j],
+            "" if math.isfinite(time[i]) else "settling",
+            f"overshoot {over[i]:.1f} ft" if over[i] > 5.0 else "",
+        ),
+    )

@@ -1,0 +1,142 @@
+"""Steps of the references flown on the nonlinear aircraft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..control.autopilot import Autopilot
+from ..control.gains import AircraftGains, GainSchedule
+from ..control.response import ResponseQuality, response_quality
+from ..flight.aircraft import Aircraft
+
+# s of flight before the step: the first step after a trim disturbs turbines
+BEFORE = 2.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of one reference.
+
+    Attributes
+    ----------
+    port : str
+        of the `Autopilot`
+    output : str
+        of the `Aircraft`
+    size, tolerance : float
+        in the unit of the output
+    seconds : float
+        of flight after the step
+    modes : dict
+        further inputs of the autopilot
+    """
+
+    port: str
+    output: str
+    size: float
+    tolerance: float
+    seconds: float
+    modes: dict[str, float]
+
+
+STEPS = {
+    "pitch": Step("theta_ref", "theta", 5.0, 0.5, 30.0, {"pitch_mode": 1.0}),
+    "roll": Step("phi_ref", "phi", 20.0, 1.0, 30.0, {"roll_mode": 1.0}),
+    "heading": Step("psi_ref", "psi", 30.0, 0.5, 120.0, {}),
+    "altitude": Step("h_ref", "h", 500.0, 10.0, 120.0, {}),
+    "speed": Step("vc_ref", "vc", 10.0, 0.5, 120.0, {}),
+}
+
+
+@dataclass(frozen=True)
+class Flown:
+    """One step, flown.
+
+    Attributes
+    ----------
+    quality : ResponseQuality
+    time : array
+        s from the step on
+    outputs : dict
+        of the aircraft, arrays by name
+    stop : float
+        longest time in s for which a command was at the end of its travel
+    """
+
+    quality: ResponseQuality
+    time: np.ndarray
+    outputs: dict[str, np.ndarray]
+    stop: float
+
+
+def fly_step(
+    fresh: Callable[[], Aircraft],
+    gains: AircraftGains | GainSchedule,
+    step: Step,
+    size: float | None = None,
+    seconds: float | None = None,
+) -> Flown:
+    """Fly a step in a plain loop of an aircraft and the autopilot.
+
+    Parameters
+    ----------
+    fresh : callable
+        makes a trimmed aircraft
+    gains : AircraftGains or GainSchedule
+    step : Step
+    size, seconds : float, optional
+        instead of the step's own
+
+    Raises
+    ------
+    FlightError
+        if the flight ends
+    """
+    size = step.size if size is None else size
+    plane = fresh()
+    T = plane.T
+    autopilot = Autopilot(gains=gains, T=T)
+    state = autopilot.initial_state()
+    ports, names = autopilot.input_port_labels, list(Aircraft.output_port_labels)
+    wired = [(ports[name], i) for i, name in enumerate(names) if name in ports]
+    u = [0.0] * len(ports)
+    for name, value in step.modes.items():
+        u[ports[name]] = value
+    before = round(BEFORE / T)
+    n = before + round((step.seconds if seconds is None else seconds) / T)
+    rows = np.empty((n + 1, len(names)))
+    y: Sequence[float] = plane.outputs.to_array().tolist()
+    command = [0.0] * len(plane.input_port_labels)
+    for k in range(n + 1):
+        rows[k] = y
+        if k == n:
+            break
+        for port, i in wired:
+            u[port] = y[i]
+        if k == before:
+            # from where it is: the reference found at engagement stays
+            u[ports[step.port]] = size
+        out, state = autopilot.law(u, state)
+        command[:4] = out[:4]
+        y = plane.advance(k + 1, command)
+    outputs = dict(zip(names, rows[before:].T, strict=True))
+    outputs["psi"] = np.unwrap(outputs["psi"], period=360.0)
+    time = np.arange(n + 1 - before) * T
+    found = rows[0, names.index(step.output)]
+    signal = outputs[step.output]
+    if step.output == "psi":
+        found += 360.0 * round((signal[0] - found) / 360.0)
+    reference = np.full(len(time), found + size)
+    reference[0] = found
+    quality = response_quality(time, signal, reference, tolerance=step.tolerance, last=5.0)
+    stops = [outputs[name] != 0.0 for name in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")]
+    return Flown(quality, time, outputs, max(_longest(s) for s in stops) * T)
+
+
+def _longest(flags: np.ndarray) -> int:
+    """Length of the longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
+    return int(np.max(edges[1::2] - edges[::2], initial=0))

@@ -1,0 +1,116 @@
+"""Designed gains, flown on the nonlinear aircraft; and aircraft that are refused."""
+
+import math
+
+import numpy as np
+import pytest
+from fleet_conditions import FLYING
+
+from pathsim_jsbsim_blocks import Aircraft, PitchHold, TrimCondition
+from pathsim_jsbsim_blocks.control.gains import AircraftGains
+from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
+from pathsim_jsbsim_blocks.design.search import REQUIREMENTS
+from pathsim_jsbsim_blocks.errors import DesignError, ParameterError, TrimError
+
+# a piston engine, an airliner, a fighter with control laws of its own
+SOME = ("c172p", "A320", "f16")
+
+
+def condition(name):
+    altitude, speed, gear, create = FLYING[name]
+    frozen = {"propulsion/fuel_freeze": 1.0}
+    return (
+        TrimCondition(altitude=altitude, speed=speed, gear=gear, setup=frozen),
+        dict.fromkeys(create, 0.0),
+    )
+
+
+@pytest.fixture(scope="module", params=SOME)
+def designed(request):
+    there, create = condition(request.param)
+    return design_gains(request.param, there, create=create)
+
+
+def test_the_steps_are_as_asked_for(designed):
+    report = {row.loop: row for row in designed.report}
+    # the nonlinear aircraft, in a plain loop with the blocks' laws
+    assert report["pitch"].flown_settling <= 4.0
+    assert report["pitch"].flown_overshoot <= 0.05 * 5.0
+    assert report["roll"].flown_settling <= 5.0
+    for loop in ("pitch", "roll"):
+        assert report[loop].settling == pytest.approx(report[loop].flown_settling, rel=0.15)
+
+
+def test_the_margins_are_as_asked_for(designed):
+    wanted = REQUIREMENTS[0]
+    assert {row.loop for row in designed.report} >= {
+        "pitch",
+        "roll",
+        "heading",
+        "speed",
+        "altitude",
+    }
+    for row in designed.report:
+        if row.relaxed:
+            continue
+        assert row.Ms <= wanted.Ms
+        assert row.Ms_delayed <= wanted.Ms_delayed
+        assert row.gain_margin >= wanted.gain
+        assert row.phase_margin >= wanted.phase
+        # a phase margin follows from Ms
+        assert row.phase_margin >= 2 * math.degrees(math.asin(0.5 / row.Ms)) - 0.5
+
+
+def test_the_envelope_surrounds_the_trim(designed):
+    there, create = condition(designed.aircraft)
+    plane = Aircraft(designed.aircraft, condition=there, create=create)
+    limits = designed.envelope
+    assert plane.trim.alpha < limits.alpha_max <= 20.0
+    assert 0.4 * there.speed < limits.vc_min < there.speed
+    assert designed.altitude.hdot_max <= 0.8 * limits.climb_max
+    # the slowest speed trims below the limit of the angle of attack
+    slow = TrimCondition(
+        altitude=there.altitude, speed=limits.vc_min, gear=there.gear, setup=there.setup
+    )
+    at_limit = Aircraft(designed.aircraft, condition=slow, create=create).trim
+    assert plane.trim.alpha < at_limit.alpha < limits.alpha_max + 0.5
+
+
+def test_a_hold_takes_them_as_they_are(designed):
+    assert isinstance(designed, DesignedGains)
+    assert PitchHold(gains=designed).gains is designed
+    assert type(designed.gains) is AircraftGains
+    assert designed.gains.pitch == designed.pitch
+    text = str(designed)
+    assert designed.aircraft in text
+    assert all(row.loop in text for row in designed.report)
+
+
+def test_hysteresis_of_the_elevator_is_refused():
+    there, create = condition("c172x")
+    with pytest.raises(DesignError, match="does not respond to 'elevator'") as error:
+        design_gains("c172x", there, create=create)
+    assert error.value.aircraft == "c172x"
+    assert error.value.reason == "no response"
+    assert error.value.loop == "pitch"
+
+
+def test_an_aircraft_that_does_not_trim_is_refused():
+    with pytest.raises(TrimError):
+        design_gains("c172p", TrimCondition(altitude=5000, speed=30))
+
+
+def test_check_is_a_flag():
+    with pytest.raises(ParameterError):
+        design_gains("c172p", check="no")
+
+
+def test_the_climb_is_what_full_throttle_gives():
+    # flown: the pitch angle of the trimmed climb found by bisection, at full throttle
+    designed = design_gains("737", TrimCondition(altitude=5000, speed=260, gear=0.0), check=False)
+    plane = Aircraft(
+        "737",
+        condition=TrimCondition(altitude=5000, speed=260, gear=0.0, throttle=1.0, gamma=10.0),
+    )
+    climb = plane.outputs["vt"] * np.sin(np.radians(plane.outputs["gamma"]))
+    assert designed.envelope.climb_max == pytest.approx(climb, rel=0.02)

@@ -1,0 +1,181 @@
+"""The sampled plant and loops closed around it, against plain loops with the library's own laws."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks import Aircraft
+from pathsim_jsbsim_blocks.control.gains import AltitudeGains, AttitudeGains, SpeedGains, YawGains
+from pathsim_jsbsim_blocks.control.loops import (
+    AltitudeLoop,
+    SpeedLoop,
+    WashoutLoop,
+    pitch_loop,
+    roll_loop,
+)
+from pathsim_jsbsim_blocks.design import outer, search
+from pathsim_jsbsim_blocks.design.plant import Plant
+
+T = 1 / 120
+OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
+FAR = (-1e9, 1e9)
+
+
+@pytest.fixture(scope="module")
+def model():
+    plane = Aircraft("737", altitude=5000.0, speed=260.0, gear=0.0)
+    return plane.linear_model(inputs=["elevator", "aileron", "rudder", "throttle"], outputs=OUTPUTS)
+
+
+@pytest.fixture(scope="module")
+def plant(model):
+    return Plant.of(model)
+
+
+def fly(plant, u):
+    """Outputs for inputs of shape (n, m)."""
+    x, y = np.zeros(len(plant.A)), []
+    for row in u:
+        y.append(plant.C @ x)
+        x = plant.A @ x + plant.B @ row
+    return np.array(y)
+
+
+def test_the_plant_is_the_linear_model(model, plant):
+    u = np.random.default_rng(1).normal(0.0, 0.02, (400, 4))
+    model = dataclasses.replace(model, D=np.zeros_like(model.D))
+    expected = model.simulate(u + model.u0)[:-1] - model.y0
+    assert fly(plant, u) == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_frequency_response_is_that_of_the_model_with_its_delay(model, plant):
+    omega = np.array([0.1, 1.0, 5.0])
+    theta = OUTPUTS.index("theta")
+    expected = model.frequency_response(omega)[:, theta, 0]
+    found = plant.response(omega, "elevator")["theta"]
+    # the hold is a delay of half a period to the second order of omega T
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
+def stepped(plant, input_, size, n):
+    u = np.zeros((n, len(plant.inputs)))
+    u[1:, plant.inputs.index(input_)] = size
+    return fly(plant, u)
+
+
+def law_flown(plant, actuator, law, n):
+    """A plain loop of the plant and a law, from outputs by name to a command."""
+    x, y = np.zeros(len(plant.A)), []
+    b = plant.column(actuator)
+    for k in range(n):
+        row = plant.C @ x
+        y.append(row)
+        x = plant.A @ x + b * law(k, dict(zip(plant.outputs, row, strict=True)))
+    return np.array(y)
+
+
+GAINS = AttitudeGains(Kp=0.2, Ki=0.15, Kr=0.05, b=0.4, ramp=1e6)
+FOUND = search.Found(0.2, 0.15, 0.05, 0.4, {}, 0.0, 0.0, 0.0, 0.0, "")
+
+
+@pytest.mark.parametrize(
+    ("loop", "make", "angle", "rate", "actuator"),
+    [
+        (search.PITCH, pitch_loop, "theta", "q", "elevator"),
+        (search.ROLL, roll_loop, "phi", "p", "aileron"),
+    ],
+)
+def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, make, angle, rate, actuator):
+    law, state, commands = make(T, GAINS, FAR), None, []
+
+    def fly_law(k, y):
+        nonlocal state
+        state = law.START if state is None else state
+        target = 1.0 if k else 0.0
+        command, _, state = law.sample(state, y[angle], y[rate], target, 0.0, 0.0, False)
+        commands.append(command)
+        return command
+
+    expected = law_flown(plant, actuator, fly_law, 600)
+    found = stepped(search.closed(plant, loop, FOUND, "reference"), "reference", 1.0, 600)
+    assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=1e-9)
+    y, peak = search.attitude_steps(
+        plant,
+        loop,
+        1e6,
+        FAR,
+        *(np.array([x]) for x in (GAINS.Kp, GAINS.Ki, GAINS.Kr, GAINS.b)),
+        600 * T,
+    )
+    assert y[:, 0] / loop.step == pytest.approx(expected[:, OUTPUTS.index(angle)], abs=1e-9)
+    assert peak[0] / loop.step == pytest.approx(np.abs(commands).max(), rel=1e-9)
+
+
+def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):
+    gains = SpeedGains(Kp=0.04, Ki=0.002, Kd=-0.02, Tf=0.5, b=1.0, ramp=1e6, Kc=0.004)
+    law, state = SpeedLoop(T, gains, FAR), SpeedLoop.START
+
+    def fly_law(k, y):
+        nonlocal state
+        target = 2.0 if k else 0.0
+        command, _, state = law.sample(state, y["vc"], y["hdot"], target, 0.0, 0.0, False)
+        return command
+
+    expected = law_flown(plant, "throttle", fly_law, 1200)
+    found = stepped(outer.with_speed(plant, gains), "vc_cmd", 2.0, 1200)
+    # the filter of the acceleration starts with the first sample
+    assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=2e-3)
+
+
+def test_a_closed_yaw_damper_is_the_law_that_is_flown(plant):
+    gains = YawGains(K=0.05, tau=2.0)
+    law, state = WashoutLoop(T, gains, FAR), WashoutLoop.START
+    kick = np.where(np.arange(600) < 60, 0.01, 0.0)
+
+    def fly_law(k, y):
+        nonlocal state
+        command, state = law.sample(state, y["r"], False)
+        return command + kick[k]
+
+    expected = law_flown(plant, "rudder", fly_law, 600)
+    closed = outer.damped(plant, gains)
+    u = np.zeros((600, len(closed.inputs)))
+    u[:, closed.inputs.index("rudder")] = kick
+    assert fly(closed, u)[:, : len(OUTPUTS)] == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_closed_altitude_loop_is_the_law_that_is_flown(plant):
+    gains = AltitudeGains(Kh=0.15, Kp=0.05, Ki=0.04, hdot_max=1e6)
+    held = search.closed(plant, search.PITCH, FOUND, "theta_cmd")
+    law, state = AltitudeLoop(T, gains, None, -1e6, 1e6), AltitudeLoop.START
+    nudge = np.where(np.arange(1200) < 120, 0.5, 0.0)
+
+    def fly_law(k, y):
+        nonlocal state
+        command, _, state = law.sample(state, y["h"], y["hdot"], 0.0, 0.0, 0.0)
+        return command + nudge[k]
+
+    expected = law_flown(held, "theta_cmd", fly_law, 1200)
+    # the same disturbance at the elevator's reference: 0 without it
+    assert np.abs(expected[:, OUTPUTS.index("h")]).max() > 1.0
+    closed = outer.with_altitude(held, gains)
+    assert "theta_cmd" not in closed.inputs
+    column = held.column("theta_cmd")
+    x, y = np.zeros(len(closed.A)), []
+    for k in range(1200):
+        y.append(closed.C @ x)
+        x = closed.A @ x
+        x[: len(column)] += column * nudge[k]
+    assert np.array(y)[:, : len(OUTPUTS)] == pytest.approx(expected[:, : len(OUTPUTS)], abs=1e-9)
+
+
+def test_a_slower_plant_holds_its_inputs(plant):
+    n = 6
+    u = np.repeat(np.random.default_rng(2).normal(0.0, 0.02, (40, 4)), n, axis=0)
+    assert fly(plant.slower(n), u[::n]) == pytest.approx(fly(plant, u)[::n], abs=1e-9)
+
+
+def test_settling_is_the_last_time_outside():
+    error = np.array([[2.0, 0.1, 2.0], [0.5, 0.1, 2.0], [2.0, 0.1, 2.0], [0.5, 0.1, 2.0]])
+    assert search.settled(error, 1.0, 0.5).tolist() == [1.5, 0.0, np.inf]
