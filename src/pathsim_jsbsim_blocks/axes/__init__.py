@@ -28,3 +28,4 @@ from .earth import (
     ned_to_geodetic,
     ned_vector_to_ecef,
 )
+from .navigation import great_circle, place

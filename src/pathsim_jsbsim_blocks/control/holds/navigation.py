@@ -1,0 +1,502 @@
+"""Holds that follow a path over the ground: course, waypoints, glide slope."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from ..._core.checks import number, positive, whole
+from ..._core.tunable import TunableLaw
+from ...axes.navigation import (
+    GreatCircle,
+    Place,
+    Track,
+    circle_through,
+    distance,
+    great_circle,
+    motion,
+    place,
+    point,
+)
+from ...errors import ParameterError
+from ..controller import Authority, fill
+from ..gains import Gains, loop_gains
+from ..loops import (
+    HeadingLoop,
+    ReferenceLoop,
+    State,
+    limits,
+    optional,
+    pitch_loop,
+    roll_loop,
+    wrap,
+)
+from ..pid import PID
+
+# the package and PathView export these names
+__all__ = ["CourseHold", "GlideslopeHold"]
+
+_G = 32.174  # ft/s2, standard gravity
+_RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
+_SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
+# crossover of the heading loop over that of the loop around it; 4 would be critically damped
+_SEPARATION = 3.5
+_SHARPEST = 120.0  # deg: turns beyond are not begun earlier than this one
+_CAPTURE = 0.35  # deg above the glide path: half of full scale on an ILS indicator
+
+
+class _Ground(NamedTuple):
+    """Motion over the ground; the course is the heading plus a smoothed drift angle."""
+
+    here: Place | None = None
+    drift: float = 0.0
+    speed: float = 0.0
+    known: bool = False
+
+    def next(self, here: Place, psi: float, share: float, T: float) -> _Ground:
+        if self.here is None:
+            return _Ground(here)
+        north, east = motion(self.here, here)
+        speed = math.hypot(north, east) / T
+        if speed == 0.0:
+            return self._replace(here=here)
+        drift = wrap(math.degrees(math.atan2(east, north)) - psi)
+        if not self.known:
+            return _Ground(here, drift, speed, True)
+        return _Ground(
+            here,
+            wrap(self.drift + share * wrap(drift - self.drift)),
+            self.speed + share * (speed - self.speed),
+            True,
+        )
+
+
+@fill
+class CourseHold(TunableLaw):
+    """Holds the course over the ground, or flies along waypoints, with the ailerons.
+
+    .. math::
+        \\chi_\\mathrm{cmd} = \\chi_\\mathrm{leg} - \\arctan\\frac{d}{\\tau V_g}, \\quad
+        \\phi_\\mathrm{cmd} = K_p e + K_i \\int e \\, dt, \\quad
+        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi), \\quad
+        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+
+    with the cross-track error d, the ground speed V_g, the course over the ground chi, and the roll
+    loop of ``RollHold`` inside, sampled at T. The ground track is measured, so that a wind is
+    corrected for without being known.
+
+    Leg 0 leads from the position found at engagement to the first waypoint, leg k from waypoint k
+    to the next; all are great circles. A turn begins before its waypoint, so that it ends on the
+    next leg (fly-by). The last leg is flown on beyond its end. While it is off, the block keeps its
+    leg; on leg 0 it leads from the position of the next engagement. To fly with an ``Autopilot``,
+    wire ``phi_cmd`` to its ``phi_ref``, with ``roll_mode`` at 1.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``HeadingHold``
+    chi_ref : float, optional
+        course to hold in deg from true north, without waypoints; default: the value at engagement
+    waypoints : list of (float, float), optional
+        geodetic latitude and longitude of each, deg
+    leg : int
+        leg that is active at the start; 1 captures the line from the first to the second waypoint
+    lookahead : float, optional
+        time constant tau of the cross-track error in s; default 3.5 times that of the heading loop,
+        V_g / (g Kp)
+    intercept : float
+        largest angle at which it closes on a leg, deg
+    bank_max : float
+        largest bank reference in deg
+    authority : float or pair
+        largest aileron increment, of full travel
+    %(T)s
+
+    Inputs
+    ------
+    lat, lon
+        geodetic latitude and longitude in deg
+    psi, phi, p
+        true heading and roll angle in deg, roll rate in deg/s
+    chi_ref
+        deg, added to the parameter; without meaning along waypoints
+    off
+        0 engaged; otherwise the ailerons are frozen
+    ail_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+
+    Outputs
+    -------
+    aileron
+        increment of the aileron command; positive rolls right
+    phi_cmd
+        bank reference on its ramp, deg
+    chi
+        course over the ground in deg, [0, 360); the heading at the first sample
+    chi_cmd
+        course demanded, deg, [0, 360)
+    across
+        cross-track error in ft, positive to the right of the leg; 0 without waypoints
+    to_go
+        distance along the leg to its waypoint in ft, negative beyond the last; 0 without waypoints
+    leg
+        number of the active leg
+
+    %(raises)s
+    """
+
+    measured = ("lat", "lon", "psi", "phi", "p")
+    input_port_labels = {
+        "lat": 0,
+        "lon": 1,
+        "psi": 2,
+        "phi": 3,
+        "p": 4,
+        "chi_ref": 5,
+        "off": 6,
+        "ail_sat": 7,
+    }
+    output_port_labels = {
+        "aileron": 0,
+        "phi_cmd": 1,
+        "chi": 2,
+        "chi_cmd": 3,
+        "across": 4,
+        "to_go": 5,
+        "leg": 6,
+    }
+
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        chi_ref: float | None = None,
+        waypoints: list[tuple[float, float]] | None = None,
+        leg: int = 0,
+        lookahead: float | None = None,
+        intercept: float = 45.0,
+        bank_max: float = 25.0,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
+        super().__init__(T)
+        self.gains = gains
+        self.chi_ref = chi_ref
+        self.waypoints = waypoints
+        self.leg = leg
+        self.lookahead = lookahead
+        self.intercept = intercept
+        self.bank_max = bank_max
+        self.authority = authority
+        self.configure()
+
+    def build(self) -> None:
+        T = self.clock.period
+        heading, roll = loop_gains(self.gains, "heading", "roll")
+        self._chi_ref = optional("chi_ref", self.chi_ref)
+        self._route = _Route(self.waypoints, self.leg)
+        if self._route.waypoints and self._chi_ref is not None:
+            raise ParameterError(
+                "give a course or waypoints, not both: along waypoints the course is that of the "
+                "leg",
+                parameter="chi_ref",
+                value=self.chi_ref,
+            )
+        self._tau = None if self.lookahead is None else positive("lookahead", self.lookahead)
+        self._intercept = number("intercept", self.intercept, above=0.0, high=90.0)
+        bank_max = number("bank_max", self.bank_max, above=0.0, high=80.0)
+        self._heading = HeadingLoop(T, heading, bank_max)
+        self._roll = roll_loop(T, roll, limits("authority", self.authority))
+        self._share = -math.expm1(-T / _SMOOTHING)
+        self._centripetal = _G * math.tan(math.radians(bank_max))
+        self._roll_in = bank_max / roll.ramp
+
+    def initial_state(self) -> State:
+        return _Ground(), None, None, None, HeadingLoop.START, ReferenceLoop.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        lat, lon, psi, phi, p, chi_ref, off, ail_sat = u[:8]
+        ground, found, leg, direct, heading, roll = state
+        leg = self._route.start if leg is None else leg
+        here = place(lat, lon)
+        ground = ground.next(here, psi, self._share, self.clock.period)
+        chi = (psi + ground.drift) % 360.0
+        # the course is known from the second sample on
+        engaged = not off and ground.known
+
+        across = to_go = 0.0
+        chi_cmd, bank = chi, None
+        if self._route.waypoints:
+            leg, direct, track = self._along(here, chi, ground.speed, leg, direct, engaged)
+            across, to_go = track.across, track.to_go
+            tau = self._tau or _SEPARATION * self._lag(ground.speed)
+            closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
+            target = track.course - min(max(closing, -self._intercept), self._intercept)
+        else:
+            found = found if engaged and found is not None else chi
+            target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
+        if engaged:
+            bank, heading = self._heading.sample(heading, chi, target, 0.0)
+            chi_cmd = target % 360.0
+        else:
+            found, heading = None, HeadingLoop.START
+        aileron, phi_cmd, roll = self._roll.sample(roll, phi, p, bank, 0.0, ail_sat, off != 0.0)
+        return (
+            [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
+            (ground, found, leg, direct, heading, roll),
+        )
+
+    def _lag(self, speed: float) -> float:
+        """Time constant of the heading loop, s."""
+        gain = abs(self._heading.pid.Kp)
+        return speed / (_G * gain) if gain else math.inf
+
+    def _along(
+        self,
+        here: Place,
+        chi: float,
+        speed: float,
+        leg: int,
+        direct: GreatCircle | None,
+        engaged: bool,
+    ) -> tuple[int, GreatCircle | None, Track]:
+        """Active leg, leg 0 once it is engaged, and where the aircraft is on the active one."""
+        route = self._route
+        leg = min(leg, route.last)
+        if leg == 0:
+            first = route.waypoints[0]
+            direct = direct if engaged and direct else circle_through(here, first)
+            if direct is None and route.last:
+                leg = 1
+        circle = route.legs[leg - 1] if leg else direct
+        if circle is None:  # at the only waypoint
+            return leg, None, Track(0.0, 0.0, chi)
+        track = circle.track(here)
+        turns = engaged and leg < route.last
+        if turns and track.to_go <= self._ahead(speed, leg, track.course):
+            leg += 1
+            track = route.legs[leg - 1].track(here)
+        return leg, direct, track
+
+    def _ahead(self, speed: float, leg: int, course: float) -> float:
+        """Distance before a waypoint at which the turn begins, ft.
+
+        An arc at the largest bank would be tangent to both legs; rolling into it and out of it
+        takes time.
+        """
+        turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
+        radius = speed * speed / self._centripetal
+        lead = min(turn / self.bank_max, 1.0) * (self._roll_in + self._lag(speed)) / 2
+        return radius * math.tan(math.radians(turn / 2)) + lead * speed
+
+
+class _Route:
+    """Waypoints, the great circles between them, and their courses at the start."""
+
+    def __init__(self, waypoints: Any, leg: Any):
+        points = waypoints if waypoints is not None else []
+        if hasattr(points, "tolist"):
+            points = points.tolist()
+        if not isinstance(points, (list, tuple)) or (waypoints is not None and not points):
+            raise ParameterError(
+                f"waypoints must be a list of (latitude, longitude) in deg, not {waypoints!r}",
+                parameter="waypoints",
+                value=waypoints,
+            )
+        try:
+            self.waypoints = [place(*point("waypoints", p)) for p in points]
+            self.legs = [great_circle(a, b) for a, b in pairwise(points)]
+        except ParameterError as error:
+            raise ParameterError(str(error), parameter="waypoints", value=waypoints) from None
+        # of leg k + 1 where it begins
+        self.courses = [
+            leg.track(here).course for leg, here in zip(self.legs, self.waypoints, strict=False)
+        ]
+        self.last = len(self.legs)
+        self.start = whole("leg", leg, low=0)
+        if self.start > self.last:
+            raise ParameterError(
+                f"leg must be at most {self.last}: {len(points)} waypoints have no leg "
+                f"{self.start}",
+                parameter="leg",
+                value=leg,
+            )
+
+
+@fill
+class GlideslopeHold(TunableLaw):
+    """Follows a glide path down to a runway with the elevator; captures it from below.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} = -V_c \\tan\\gamma - K_h \\, \\Delta h, \\quad
+        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt, \\quad
+        \\theta_\\mathrm{min} \\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
+
+    with the height Delta h above the path, the speed V_c of closing on the threshold, and the pitch
+    loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
+    the ground at the runway, which passes above the threshold; the Earth's surface falls away below
+    it. Until it is captured, the altitude found at engagement is held. It is captured where it
+    demands a lower rate of climb than the altitude does, on the way to the threshold and not more
+    than 0.35 deg above the path. There is no flare.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``AltitudeHold``
+    threshold : (float, float)
+        geodetic latitude and longitude of the runway's threshold, deg
+    elevation : float
+        height of the threshold above sea level, ft
+    angle : float
+        glide path angle gamma, deg
+    crossing_height : float
+        height of the path above the threshold, ft
+    hdot_max : float, optional
+        largest correction of the rate of climb, ft/s; default is the gain table's
+    theta_min : float
+        lowest pitch reference in deg
+    theta_max : float
+        highest pitch reference in deg
+    authority : float or pair
+        largest elevator increment, of full travel
+    %(T)s
+
+    Inputs
+    ------
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    lat, lon
+        geodetic latitude and longitude in deg
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    off
+        0 engaged; otherwise the elevator is frozen
+    elev_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+
+    Outputs
+    -------
+    elevator
+        increment of the elevator command; positive is nose **down**
+    theta_cmd
+        pitch reference on its ramp, deg
+    hdot_cmd
+        rate of climb demanded, ft/s; 0 while off
+    gs_deg
+        deviation seen from the path's foot, deg, positive above the path
+    gs_ft
+        height above the path, ft
+    dist
+        distance to the threshold in ft, negative beyond it once the path is captured
+    captured
+        1 from the capture on, otherwise 0
+
+    %(raises)s
+    """
+
+    measured = ("h", "hdot", "lat", "lon", "theta", "q")
+    input_port_labels = {
+        "h": 0,
+        "hdot": 1,
+        "lat": 2,
+        "lon": 3,
+        "theta": 4,
+        "q": 5,
+        "off": 6,
+        "elev_sat": 7,
+    }
+    output_port_labels = {
+        "elevator": 0,
+        "theta_cmd": 1,
+        "hdot_cmd": 2,
+        "gs_deg": 3,
+        "gs_ft": 4,
+        "dist": 5,
+        "captured": 6,
+    }
+
+    def __init__(
+        self,
+        gains: Gains = "c172p",
+        threshold: tuple[float, float] = (0.0, 0.0),
+        elevation: float = 0.0,
+        angle: float = 3.0,
+        crossing_height: float = 50.0,
+        hdot_max: float | None = None,
+        theta_min: float = -10.0,
+        theta_max: float = 15.0,
+        authority: Authority = 1.0,
+        T: float = 1 / 120,
+    ) -> None:
+        super().__init__(T)
+        self.gains = gains
+        self.threshold = threshold
+        self.elevation = elevation
+        self.angle = angle
+        self.crossing_height = crossing_height
+        self.hdot_max = hdot_max
+        self.theta_min = theta_min
+        self.theta_max = theta_max
+        self.authority = authority
+        self.configure()
+
+    def build(self) -> None:
+        T = self.clock.period
+        altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
+        self._threshold = place(*point("threshold", self.threshold))
+        self._elevation = number("elevation", self.elevation)
+        self._angle = number("angle", self.angle, above=0.0, high=20.0)
+        self._slope = math.tan(math.radians(self._angle))
+        self._foot = number("crossing_height", self.crossing_height, low=0.0) / self._slope
+        self._Kh = altitude.Kh
+        self._hdot_max = (
+            altitude.hdot_max if self.hdot_max is None else positive("hdot_max", self.hdot_max)
+        )
+        low, high = number("theta_min", self.theta_min), number("theta_max", self.theta_max)
+        self._climb = PID(T, Kp=altitude.Kp, Ki=altitude.Ki, low=low, high=high)
+        self._pitch = pitch_loop(T, pitch, limits("authority", self.authority))
+        self._share = -math.expm1(-T / _SMOOTHING)
+
+    def initial_state(self) -> State:
+        # distance and speed of closing, None while unknown; altitude to hold; captured
+        return None, None, 0.0, False, PID.START, ReferenceLoop.START
+
+    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+        h, hdot, lat, lon, theta, q, off, elev_sat = u[:8]
+        before, speed, found, captured, climb, pitch = state
+        away = distance(place(lat, lon), self._threshold)
+        rate = 0.0 if before is None else (before - away) / self.clock.period
+        if before is not None:
+            speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
+        dist = -away if captured and rate < 0.0 else away
+        along = dist + self._foot
+        # above the level of the threshold, as a straight line sees it
+        height = h - self._elevation - along * along / (2.0 * _RADIUS)
+        above = height - along * self._slope
+        degrees = math.degrees(math.atan2(height, along)) - self._angle
+
+        target, hdot_cmd = None, 0.0
+        if off:
+            captured, climb = False, PID.START
+        else:
+            if climb[0] <= 0.0:
+                found, climb = h, PID.holding(ReferenceLoop.reference(pitch, theta))
+            hdot_cmd = self._limited(found - h)
+            if speed is not None:
+                descent = self._limited(-above) - speed * self._slope
+                lower = rate > 0.0 and descent <= hdot_cmd and degrees <= _CAPTURE
+                captured = captured or lower
+                hdot_cmd = descent if captured else hdot_cmd
+            target, climb = self._climb.sample(climb, hdot_cmd, hdot)
+        elevator, theta_cmd, pitch = self._pitch.sample(
+            pitch, theta, q, target, 0.0, elev_sat, off != 0.0
+        )
+        return (
+            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
+            (away, speed, found, captured, climb, pitch),
+        )
+
+    def _limited(self, error: float) -> float:
+        """Rate of climb demanded for an error of altitude."""
+        return min(max(self._Kh * error, -self._hdot_max), self._hdot_max)

@@ -1,0 +1,314 @@
+"""Course, waypoints and glide slope, flown in wind, against pymap3d's geodesy.
+
+The limits are about twice what is measured (docs/navigation.md).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from flights import POINTS, Record, T, wrap
+from how_many import first
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope, Source
+from pymap3d import geodetic2aer, geodetic2ned
+from pymap3d.vincenty import vdist
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AirspeedHold,
+    AltitudeHold,
+    BlocksError,
+    CourseHold,
+    GlideslopeHold,
+    fly,
+)
+from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
+
+NMI = 1.0 / 60.0  # deg of latitude, nearly
+APPROACH = {
+    "c172p": {"altitude": 1500.0, "speed": 80.0},
+    "737": {"altitude": 1500.0, "speed": 160.0, "gear": 1.0, "flaps": 0.5},
+}
+
+
+def flown(plane, seconds, *holds, wind=(0.0, 0.0), ports=None):
+    """Fly with some holds and an autothrottle; the signals of aircraft and holds by port name."""
+    holds = [*holds, AirspeedHold(gains=plane.aircraft)]
+    air = [Constant(speed) for speed in wind]
+    scopes = {block: Scope() for block in (plane, *holds)}
+    blocks = [*scopes, *scopes.values(), *air]
+    wires = [
+        Connection(source, plane[port])
+        for source, port in zip(air, ("wind_north", "wind_east"), strict=True)
+    ]
+    for block, scope in scopes.items():
+        n = len(block.output_port_labels)
+        wires.append(Connection(block[:n], scope[:n]))
+    for hold in holds:
+        for port in hold.input_port_labels:
+            if port in plane.output_port_labels:
+                wires.append(Connection(plane[port], hold[port]))
+            elif ports and port in ports and isinstance(hold, (CourseHold, GlideslopeHold)):
+                blocks.append(Source(ports[port]))
+                wires.append(Connection(blocks[-1], hold[port]))
+        command = next(p for p in hold.output_port_labels if p in plane.input_port_labels)
+        wires.append(Connection(hold[command], plane[command]))
+    fly(Simulation(blocks, wires, dt=T, log=False), seconds)
+    record = Record()
+    for block, scope in reversed(scopes.items()):
+        t, y = scope.read()
+        record.update(zip(block.output_port_labels, y, strict=True))
+    record["t"] = t
+    return record
+
+
+def ground_course(flight):
+    """Course and speed over the ground from the positions, deg and ft/s."""
+    lat, lon = flight["lat"], flight["lon"]
+    north, east, _ = geodetic2ned(lat[1:], lon[1:], 0.0, lat[:-1], lon[:-1], 0.0, _ellipsoid())
+    return np.degrees(np.arctan2(east, north)) % 360.0, np.hypot(north, east) / T
+
+
+def beside(flight, start, end):
+    """Cross-track error in ft by the geodesic from the start, for a leg of a few miles."""
+    _, course = vdist(*start, *end, _ellipsoid())
+    out, bearing = vdist(*start, flight["lat"], flight["lon"], _ellipsoid())
+    return out * np.sin(np.radians(bearing - course))
+
+
+@pytest.mark.parametrize(
+    ("name", "wind", "drift"), [("c172p", (-10.0, 30.0), 10.0), ("737", (20.0, 60.0), 5.0)]
+)
+def test_the_course_over_the_ground_is_held_in_wind(name, wind, drift):
+    plane = Aircraft(name, **{**POINTS[name], "heading": 0.0})
+    ports = {"chi_ref": lambda t: 20.0 * (t > 40.0)}
+    flight = flown(
+        plane, 80.0, CourseHold(name, chi_ref=350.0), AltitudeHold(name), wind=wind, ports=ports
+    )
+    course, _ = ground_course(flight)
+    # the drift angle is smoothed over 2 s, so that in steady flight it is that of the positions
+    for end, reference in ((40.0, 350.0), (80.0, 10.0)):
+        late = (flight["t"][1:] > end - 4.0) & (flight["t"][1:] < end)
+        assert np.max(np.abs(wrap(course[late] - reference))) < 0.5
+        assert np.max(np.abs(wrap(flight["chi"][1:][late] - course[late]))) < 0.1
+    assert abs(wrap(flight["psi"][-1] - 10.0)) > drift
+    assert flight["chi_cmd"][-1] == pytest.approx(10.0)
+    for nothing in ("across", "to_go", "leg"):
+        assert not flight[nothing].any()
+
+
+def test_by_default_the_course_found_is_held():
+    # trimmed in a crosswind: the course is not the heading
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0, heading=30.0),
+        20.0,
+        CourseHold("c172p"),
+        AltitudeHold("c172p"),
+        wind=(0.0, 30.0),
+    )
+    course, _ = ground_course(flight)
+    found = flight["chi_cmd"][1]
+    assert found == pytest.approx(course[0], abs=1e-3)
+    assert flight["chi"][0] == flight["psi"][0]
+    assert wrap(course[-1] - found) == pytest.approx(0.0, abs=0.3)
+
+
+# 25 deg of bank are a circle of 1900 and 20,000 ft
+ROUTES = {
+    "c172p": (1.0, 240.0, (-10.0, 15.0), 250.0, 40.0),
+    "737": (8.0, 400.0, (30.0, -40.0), 400.0, 110.0),
+}
+
+
+@pytest.mark.parametrize("name", first(ROUTES))
+def test_waypoints_in_wind(name):
+    size, seconds, wind, overshoot, time = ROUTES[name]
+    lat, lon = 47.0, 11.0
+    east = size * NMI / math.cos(math.radians(lat))
+    route = [
+        (lat + size * NMI, lon),
+        (lat + size * NMI, lon + 2 * east),
+        (lat - 2 * size * NMI, lon + 4 * east),
+    ]
+    plane = Aircraft(
+        name,
+        **{**POINTS[name], "heading": 0.0},
+        setup={"ic/lat-geod-deg": lat, "ic/long-gc-deg": lon},
+    )
+    flight = flown(plane, seconds, CourseHold(name, waypoints=route), AltitudeHold(name), wind=wind)
+    assert list(np.unique(flight["leg"])) == [0.0, 1.0, 2.0]
+    assert np.all(np.diff(flight["leg"]) >= 0.0)
+    starts = [(lat, lon), *route]
+    for leg in range(3):
+        here = Record({key: y[flight["leg"] == leg] for key, y in flight.items()})
+        # the block's cross-track error and distance to go are those of the geodesics
+        across = beside(here, starts[leg], starts[leg + 1])
+        assert np.max(np.abs(across - here["across"])) < 3.0
+        away, _ = vdist(here["lat"][-1], here["lon"][-1], *starts[leg + 1], _ellipsoid())
+        assert math.hypot(here["to_go"][-1], here["across"][-1]) == pytest.approx(away, rel=1e-4)
+        if not leg:
+            continue
+        # from the inside of the turn onto the leg
+        assert abs(here["across"][0]) > 100.0
+        side = np.sign(here["across"][0])
+        assert np.min(side * here["across"]) > -overshoot
+        settled = here["t"] > here["t"][0] + time
+        assert np.max(np.abs(here["across"][settled])) < 60.0
+        assert np.max(np.abs(here["phi"])) < 26.0
+
+
+def test_a_leg_is_captured_from_the_side_at_the_intercept_angle():
+    # 6000 ft left of a line to the east
+    route = [(47.0, 11.0), (47.0, 11.5)]
+    plane = Aircraft(
+        "c172p",
+        **{**POINTS["c172p"], "heading": 90.0},
+        setup={"ic/lat-geod-deg": 47.0 + 6000.0 / 364_800.0, "ic/long-gc-deg": 11.0},
+    )
+    flight = flown(
+        plane,
+        110.0,
+        CourseHold("c172p", waypoints=route, leg=1, intercept=30.0),
+        AltitudeHold("c172p"),
+    )
+    course, _ = ground_course(flight)
+    assert flight["across"][0] == pytest.approx(-6000.0, rel=0.01)
+    assert np.max(course) == pytest.approx(120.0, abs=1.0)
+    assert np.max(flight["across"]) < 30.0
+    assert np.max(np.abs(flight["across"][-1200:])) < 60.0
+    assert set(flight["leg"]) == {1.0}
+
+
+def test_a_single_waypoint_is_flown_to_and_beyond():
+    there = (NMI, NMI)
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0),
+        70.0,
+        CourseHold("c172p", waypoints=[there]),
+        AltitudeHold("c172p"),
+    )
+    nearest, _ = vdist(flight["lat"], flight["lon"], *there, _ellipsoid())
+    assert np.min(nearest) < 60.0
+    passed = np.argmin(nearest)
+    assert flight["to_go"][passed] == pytest.approx(0.0, abs=30.0)
+    assert flight["to_go"][-1] < -1000.0
+    assert set(flight["leg"]) == {0.0}
+
+
+def test_off_keeps_the_leg_and_engagement_does_not_jump():
+    route = [(0.6 * NMI, 0.0), (0.6 * NMI, NMI), (2 * NMI, 2 * NMI)]
+
+    def off(t):
+        return float(t < 2.0 - T / 2 or 20.0 - T / 2 < t < 30.0 - T / 2)
+
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0),
+        40.0,
+        CourseHold("c172p", waypoints=route),
+        AltitudeHold("c172p"),
+        ports={"off": off},
+    )
+    t, u, leg = flight["t"], flight["aileron"], flight["leg"]
+    idle = np.array([off(x) > 0.0 for x in t])
+    for k in np.flatnonzero(np.diff(idle.astype(int)) == -1):  # last sample off
+        assert abs(u[k + 1] - u[k]) < 1e-12
+        assert leg[k + 1] >= leg[k]
+    assert np.all(np.diff(u[(t > 20.0) & idle]) == 0.0)
+    assert np.ptp(leg[idle & (t > 20.0)]) == 0.0
+    # leg 0 begins where it is engaged
+    engaged = np.flatnonzero(~idle)[0]
+    assert flight["across"][engaged] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("wind", first([((-25.0, 15.0),), ((0.0, 0.0),)]))
+@pytest.mark.parametrize("name", first(["737", "c172p"]))
+def test_glide_slope_from_capture_to_200_ft(name, wind):
+    threshold, elevation, angle = (4.6 * NMI + 47.0, 11.0), 300.0, 3.0
+    plane = Aircraft(
+        name, **APPROACH[name], setup={"ic/lat-geod-deg": 47.0, "ic/long-gc-deg": 11.0}
+    )
+    flight = flown(
+        plane,
+        {"c172p": 225.0, "737": 115.0}[name],
+        GlideslopeHold(name, threshold=threshold, elevation=elevation, angle=angle),
+        CourseHold(name, waypoints=[threshold]),
+        wind=wind,
+    )
+    capture = np.flatnonzero(flight["captured"])[0]
+    assert np.all(flight["captured"][capture:] == 1.0)
+    assert np.max(np.abs(flight["h"][:capture] - 1500.0)) < 40.0
+    assert flight["gs_ft"][capture] < 0.0  # from below
+    end = np.flatnonzero(flight["h"] < elevation + 200.0)
+    end = end[0] if len(end) else len(flight["t"]) - 1
+    assert flight["h"][end] < elevation + 500.0
+    # 20 s after the capture, seen from the path's foot: the line of sight of pymap3d
+    path = slice(capture + 2400, end)
+    foot = 50.0 / math.tan(math.radians(angle))
+    north = threshold[0] + foot / 364_800.0  # ft per deg of latitude at 47 deg
+    _, elevation_angle, _ = geodetic2aer(
+        *(flight[key][path] for key in ("lat", "lon", "h")), north, 11.0, elevation, _ellipsoid()
+    )
+    assert np.max(np.abs(elevation_angle - angle)) < 0.05
+    assert np.max(np.abs(elevation_angle - angle - flight["gs_deg"][path])) < 0.01
+    assert np.max(np.abs(flight["gs_ft"][path])) < 25.0
+    assert np.max(np.abs(np.diff(flight["theta_cmd"]))) < 4.001 * T  # the ramp of the pitch loop
+
+
+def test_a_glide_slope_is_not_captured_from_above_nor_flying_away():
+    for threshold in ((2.0 * NMI, 0.0), (-4.0 * NMI, 0.0)):
+        flight = flown(
+            Aircraft("c172p", altitude=1500.0, speed=80.0),
+            15.0,
+            GlideslopeHold("c172p", threshold=threshold),
+        )
+        assert not flight["captured"].any()
+        assert np.max(np.abs(flight["h"] - 1500.0)) < 0.1
+
+
+def test_beyond_the_threshold_the_distance_is_negative():
+    hold = GlideslopeHold("c172p", threshold=(0.0, 0.0), crossing_height=0.0)
+    state = hold.initial_state()
+    found = []
+    for k in range(400):  # along the path at 100 ft/s, a second per sample, through the threshold
+        north = -20_000.0 + 100.0 * k * T * 120
+        h = max(-north * math.tan(math.radians(3.0)) + north**2 / (2 * 20.9e6), 0.0)
+        u = [h, -5.0, north / 362_700.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        y, state = hold.law(u, state)
+        found.append(dict(zip(hold.output_port_labels, y, strict=True)))
+    assert found[100]["dist"] == pytest.approx(10_000.0, rel=1e-3)
+    assert found[100]["gs_ft"] == pytest.approx(0.0, abs=2.0)
+    assert found[-1]["captured"] == 1.0
+    assert found[-1]["dist"] == pytest.approx(-19_900.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("block", "given", "parameter"),
+    [
+        (CourseHold, {"waypoints": []}, "waypoints"),
+        (CourseHold, {"waypoints": (47.0, 11.0)}, "waypoints"),
+        (CourseHold, {"waypoints": [(91.0, 11.0)]}, "waypoints"),
+        (CourseHold, {"waypoints": [(47.0, 11.0), (47.0, 11.0)]}, "waypoints"),
+        (CourseHold, {"waypoints": [(47.0, "east")]}, "waypoints"),
+        (CourseHold, {"waypoints": [(47.0, 11.0)], "leg": 1}, "leg"),
+        (CourseHold, {"leg": 1}, "leg"),
+        (CourseHold, {"leg": -1}, "leg"),
+        (CourseHold, {"waypoints": [(47.0, 11.0)], "chi_ref": 30.0}, "chi_ref"),
+        (CourseHold, {"lookahead": 0.0}, "lookahead"),
+        (CourseHold, {"intercept": 91.0}, "intercept"),
+        (CourseHold, {"bank_max": 90.0}, "bank_max"),
+        (GlideslopeHold, {"threshold": 47.0}, "threshold"),
+        (GlideslopeHold, {"threshold": (-91.0, 0.0)}, "threshold: latitude"),
+        (GlideslopeHold, {"angle": 0.0}, "angle"),
+        (GlideslopeHold, {"angle": 45.0}, "angle"),
+        (GlideslopeHold, {"crossing_height": -1.0}, "crossing_height"),
+        (GlideslopeHold, {"elevation": math.nan}, "elevation"),
+        (GlideslopeHold, {"hdot_max": 0.0}, "hdot_max"),
+    ],
+)
+def test_bad_parameters_are_refused(block, given, parameter):
+    with pytest.raises(BlocksError) as caught:
+        block(**given)
+    assert caught.value.parameter == parameter
