@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from pathsim.blocks import Function
-
-from ._core.ports import NamedPorts
+from ._core.ports import NamedFunction
 from ._core.units import conversion
 
 __all__ = ["UnitConversion", "conversion"]
 
 
-class UnitConversion(NamedPorts, Function):
+class UnitConversion(NamedFunction):
     """Converts a signal from one unit to another, by exact factors.
 
     Aircraft have ft, ft/s, kt and deg at their ports, air-data blocks SI.

@@ -217,6 +217,14 @@ def test_an_input_without_response_is_refused():
     assert caught.value.name == "elevator"
 
 
+def test_without_inputs_there_is_only_the_algebraic_model():
+    block = plane("737")
+    with pytest.raises(LinearisationError, match="no input to move"):
+        block.linear_model(inputs=[])
+    model = block.linear_model("algebraic", inputs=[])
+    assert model.B.shape == (len(model.states), 0)
+
+
 def test_kinks_are_told():
     with pytest.warns(RuntimeWarning, match=r"A320: the response of \w+ to aileron is not linear"):
         model = plane("A320").linear_model(inputs=["aileron"])

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import inspect
 import reprlib
+from collections.abc import Callable
 from typing import Any
 
-from pathsim.blocks import Block
+import numpy as np
+from pathsim.blocks import Block, Function
+from pathsim.optim.operator import Operator
 
 from ..errors import BlocksError, ParameterError
 from ._pathsim import port_names
 from .checks import did_you_mean, nearest
+
+# relative to an input's value, and the least
+_STEP = 1e-6
 
 
 class NamedPorts(Block):
@@ -69,3 +75,27 @@ class NamedPorts(Block):
     def _put(self, values: dict[str, Any]) -> None:
         for name, value in values.items():
             setattr(self, name, value)
+
+
+class NamedFunction(NamedPorts, Function):
+    """Base of the blocks without a state: a function of the inputs, given as floats."""
+
+    def __init__(self, func: Callable[..., Any]) -> None:
+        # past the constructors of pathsim-flight's classes, which take no function
+        Function.__init__(self, func)
+
+        # Function's own operator gives a tuple, which PathSim cannot differentiate
+        def outputs(u: np.ndarray) -> np.ndarray:
+            return np.atleast_1d(func(*u.tolist()))
+
+        def slopes(u: np.ndarray) -> np.ndarray:
+            # PathSim's steps are of a thousandth: too wide for a latitude
+            steps = _STEP * np.maximum(np.abs(u), 1.0)
+            return np.column_stack(
+                [
+                    (outputs(u + step) - outputs(u - step)) / (2 * step.max())
+                    for step in np.diag(steps)
+                ]
+            )
+
+        self.op_alg = Operator(outputs, slopes)

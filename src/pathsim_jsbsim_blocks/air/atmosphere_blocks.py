@@ -8,13 +8,10 @@ from itertools import pairwise
 from math import sqrt
 from typing import Any
 
-import numpy as np
 import pathsim_flight.atmosphere as flight
-from pathsim.blocks import Function
-from pathsim.optim.operator import Operator
 
 from .._core.checks import finite, one_of
-from .._core.ports import NamedPorts
+from .._core.ports import NamedFunction
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
     A0,
@@ -35,17 +32,14 @@ from .atmosphere import (
 OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
 
-class AirDataBlock(NamedPorts, Function):
+class AirDataBlock(NamedFunction):
     """Algebraic block with an ``altitude`` port and a rule for altitudes out of range.
 
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
     """
 
     def __init__(self, altitude_kind: str = "geometric", out_of_range: str = "extrapolate"):
-        # past the constructors of pathsim-flight's classes, which take no parameters
-        Function.__init__(self, self._outputs)
-        # an array, which PathSim can differentiate, where Function's own operator gives a tuple
-        self.op_alg = Operator(lambda inputs: np.atleast_1d(self._outputs(*inputs.tolist())))
+        NamedFunction.__init__(self, self._outputs)
         self.altitude_kind = altitude_kind
         self.out_of_range = out_of_range
         self._warned = False

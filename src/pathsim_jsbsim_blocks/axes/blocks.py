@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pathsim.blocks import Function
-
 from .._core.checks import number
 from .._core.docs import filler
-from .._core.ports import NamedPorts
+from .._core.ports import NamedFunction
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 
@@ -30,7 +28,7 @@ _fill = filler(
 
 
 @_fill
-class WindToBody(NamedPorts, Function):
+class WindToBody(NamedFunction):
     """Drag, side force and lift to forces along the body axes.
 
     .. math::
@@ -65,7 +63,7 @@ class WindToBody(NamedPorts, Function):
 
 
 @_fill
-class BodyToWind(NamedPorts, Function):
+class BodyToWind(NamedFunction):
     """Forces along the body axes to drag, side force and lift.
 
     .. math::
@@ -101,7 +99,7 @@ class BodyToWind(NamedPorts, Function):
 
 
 @_fill
-class NEDToBody(NamedPorts, Function):
+class NEDToBody(NamedFunction):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
     Through psi about the down axis, then theta about y, then phi about x. The exact inverse of
@@ -129,7 +127,7 @@ class NEDToBody(NamedPorts, Function):
 
 
 @_fill
-class BodyToNED(NamedPorts, Function):
+class BodyToNED(NamedFunction):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
     The exact inverse of `NEDToBody`. For example, it gives the ground velocity from u, v, w.
@@ -156,7 +154,7 @@ class BodyToNED(NamedPorts, Function):
 
 
 @_fill
-class GeodeticToNED(NamedPorts, Function):
+class GeodeticToNED(NamedFunction):
     """Position north, east and down of a reference point, such as a runway threshold.
 
     The axes are tangent to JSBSim's ellipsoid (WGS84) at the reference.

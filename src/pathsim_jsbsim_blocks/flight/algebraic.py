@@ -182,7 +182,8 @@ class _Differences:
             up, down = self._at(port=j, by=_COMMAND), self._at(port=j, by=-_COMMAND)
             odd.append((up - down) / (2 * _COMMAND))
             even.append((up + down - 2 * self._still) / (2 * _COMMAND))
-        return np.array(odd).T.reshape(-1, len(odd)), np.array(even).T.reshape(-1, len(even))
+        shape = len(odd), len(self._readers)
+        return np.reshape(odd, shape).T, np.reshape(even, shape).T
 
     def _at(self, state: int = -1, port: int = -1, by: float = 0.0) -> np.ndarray:
         for j, (write, value, _) in enumerate(self._states):

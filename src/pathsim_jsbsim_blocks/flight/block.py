@@ -299,7 +299,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         -----
         RuntimeWarning
             if a response to a doublet is not linear: its even part is above 10 % of the odd part,
-            or the model's error above 5 %; 25 % for the throttle, because few engines are linear
+            or the model's error above 5 %; 25 % for the throttle, because few engines are linear,
+            and for the even part of airspeed and altitude, because drag is even
 
         Raises
         ------

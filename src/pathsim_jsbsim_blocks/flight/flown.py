@@ -56,9 +56,10 @@ _NOTHING = 1e-9
 # even over odd part of a response: worth a warning, and no linear response at all
 _KINKED, _BROKEN = 0.1, 0.5
 
-# error after a doublet that is worth a warning. Spools accelerate at a constant rate, and tables of
-# pistons have corners: few throttles are linear
-_MISSED, _MISSED_THROTTLE = 0.05, 0.25
+# error after a doublet that is worth a warning; and even part or error where few aircraft are
+# linear: with the throttle, because spools accelerate at a constant rate and tables of pistons have
+# corners, and in airspeed and altitude, because drag grows with both deflections
+_MISSED, _UNEVEN = 0.05, 0.25
 
 # growth, as the exponent, with which an aircraft is still near its trim after the pulse
 _GROWTH = 3.0
@@ -82,6 +83,13 @@ def flown_model(
     wanted = find("inputs", [c.name for c in ports], inputs)
     moved = driven(block.airframe, ports, wanted, inputs is not None)
     names = [ports[i].name for i in moved]
+    if not moved:
+        raise LinearisationError(
+            f"no linear model of {block.airframe.aircraft!r}: there is no input to move; give the "
+            "block inputs, or use method='algebraic'",
+            aircraft=block.airframe.aircraft,
+            reason="no response",
+        )
     chosen = find("outputs", [c.name for c in channels], outputs)
     heights = _heights(block.airframe, [ports[i] for i in moved], amplitude)
     engines = engine_channels(block.airframe)
@@ -101,7 +109,7 @@ def flown_model(
         )
         for i, height in zip(moved, heights, strict=True)
     ]
-    still = flights.fly(block, None, np.zeros_like(commands[0]) if commands else np.zeros(0))
+    still = flights.fly(block, None, np.zeros_like(commands[0]))
     odd, even = [], []
     for port, height, command in zip(moved, heights, commands, strict=True):
         up, down = (flights.fly(build(), port, sign * command) for sign in (1, -1))
@@ -323,9 +331,10 @@ def _warn(
     error: np.ndarray,
 ) -> None:
     """Warn of a model that holds for small motions only."""
+    drag = np.isin(signals, ["vt", "h"])[:, None]
     beyond = np.fmax(
-        kinks / np.where(throttle, _MISSED_THROTTLE, _KINKED),
-        error / np.where(throttle, _MISSED_THROTTLE, _MISSED),
+        kinks / np.where(throttle | drag, _UNEVEN, _KINKED),
+        error / np.where(throttle, _UNEVEN, _MISSED),
     )
     i, j = _worst(beyond)
     if beyond.size and beyond[i, j] > 1.0:

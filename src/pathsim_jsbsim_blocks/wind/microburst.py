@@ -7,10 +7,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from pathsim.blocks import Function
 
 from .._core.checks import finite, number, positive
-from .._core.ports import NamedPorts
+from .._core.ports import NamedFunction
 from ..axes.earth import geodetic_to_ned
 
 # height of the strongest outflow over the two scales of height
@@ -79,7 +78,7 @@ def oseguera_bowles(
     return spread * north, spread * east, down
 
 
-class Microburst(NamedPorts, Function):
+class Microburst(NamedFunction):
     """Downburst of Oseguera and Bowles at a place on the ground, for the aircraft's wind ports.
 
     .. math::

@@ -6,10 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-from pathsim.blocks import Function
 
 from .._core.checks import finite, number
-from .._core.ports import NamedPorts
+from .._core.ports import NamedFunction
 from .._core.units import conversion
 
 _KNOT, _ = conversion("kt", "ft/s")
@@ -59,7 +58,7 @@ def _roughness(value: Any) -> float:
     return number("roughness", value, above=0.0, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
 
 
-class WindShear(NamedPorts, Function):
+class WindShear(NamedFunction):
     """Mean wind that grows with the logarithm of the height, for the aircraft's wind ports.
 
     .. math::

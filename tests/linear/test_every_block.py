@@ -1,0 +1,88 @@
+"""PathSim's `to_statespace` on every public block, against differences of the block's outputs."""
+
+import inspect
+
+import numpy as np
+import pytest
+from pathsim.blocks import Block
+
+import pathsim_jsbsim_blocks
+from pathsim_jsbsim_blocks import (
+    BodyToNED,
+    BodyToWind,
+    GeodeticToNED,
+    JSBSimFDM,
+    Microburst,
+    NEDToBody,
+    UnitConversion,
+    WindShear,
+    WindToBody,
+)
+
+BLOCKS = [
+    block
+    for name in pathsim_jsbsim_blocks.__all__
+    if inspect.isclass(block := getattr(pathsim_jsbsim_blocks, name)) and issubclass(block, Block)
+]
+
+# without these it has none
+PORTS = {
+    "input_properties": ["fcs/elevator-cmd-norm"],
+    "output_properties": ["attitude/theta-deg"],
+    "trim_airspeed": 260,
+    "trim_altitude": 5000,
+}
+
+
+@pytest.mark.parametrize("kind", BLOCKS, ids=lambda kind: kind.__name__)
+def test_it_has_a_linear_model(kind):
+    block = kind(**PORTS) if kind is JSBSimFDM else kind()
+    A, B, C, D = block.to_statespace(0.0)
+    (p, m), n = D.shape, len(A)
+    assert (m, p) == (len(block.inputs), len(block.outputs))
+    assert (A.shape, B.shape, C.shape) == ((n, n), (n, m), (p, n))
+    for matrix in (A, B, C, D):
+        assert np.all(np.isfinite(matrix))
+
+
+@pytest.mark.parametrize(
+    ("block", "u"),
+    [
+        (BodyToNED(), [250.0, 3.0, 12.0, 4.0, 3.0, 70.0]),
+        (NEDToBody(), [250.0, 3.0, 12.0, 4.0, 3.0, 70.0]),
+        (BodyToWind(), [-300.0, 20.0, -2400.0, 4.0, 2.0]),
+        (WindToBody(), [300.0, 20.0, 2400.0, 4.0, 2.0]),
+        (GeodeticToNED(lat0=47.0, lon0=8.0), [47.01, 8.02, 1500.0]),
+        (WindShear(direction=30.0), [200.0]),
+        (Microburst(lat0=47.0, lon0=8.0), [47.01, 8.01, 500.0]),
+        (UnitConversion("degF", "K"), [60.0]),
+    ],
+    ids=lambda x: type(x).__name__,
+)
+def test_without_a_state_it_is_the_slope_of_the_outputs(block, u):
+    def outputs(values):
+        block.inputs.update_from_array(values)
+        block.update(0.0)
+        return block.outputs.to_array().copy()
+
+    u = np.array(u)
+    outputs(u)
+    _, _, _, D = block.to_statespace(0.0)
+    for j in range(len(u)):
+        step = np.zeros(len(u))
+        step[j] = 4e-6 * max(1.0, abs(u[j]))
+        slope = (outputs(u + step) - outputs(u - step)) / (2 * step[j])
+        np.testing.assert_allclose(D[:, j], slope, rtol=2e-3, atol=1e-3 * np.abs(slope).max())
+
+
+def test_a_linearised_block_takes_small_steps_as_before():
+    block = BodyToNED()
+    u = np.array([250.0, 3.0, 12.0, 4.0, 3.0, 70.0])
+    block.inputs.update_from_array(u)
+    block.linearize(0.0)
+    block.inputs.update_from_array(u + 0.01)
+    block.update(0.0)
+    linear = block.outputs.to_array().copy()
+    block.delinearize()
+    block.update(0.0)
+    np.testing.assert_allclose(linear, block.outputs.to_array(), atol=1e-4)
