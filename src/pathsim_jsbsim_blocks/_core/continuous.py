@@ -14,6 +14,9 @@ _STEP = 1e-6
 # relative difference of two slopes beyond which a law is not smooth
 _BROKEN = 0.2
 
+# samples after which a law's state is complete
+_ENGAGING = 4
+
 Law = Callable[[list[float], Any], tuple[list[float], Any]]
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -34,6 +37,15 @@ def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: 
         if the law has no continuous equivalent
     """
     x, rebuild = _flat(state)
+    for _ in range(_ENGAGING):
+        after = law(u, state)[1]
+        now, x_rebuild = _flat(after)
+        if len(now) == len(x):
+            break
+        # the state of a law that has just engaged is not complete
+        state, x, rebuild = after, now, x_rebuild
+    else:
+        raise LinearizationError(f"{name} has no continuous equivalent in this state")
 
     def step(values: np.ndarray) -> np.ndarray:
         y, after = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
@@ -68,6 +80,9 @@ def _slope(step: Callable[[np.ndarray], np.ndarray], here: np.ndarray, i: int) -
 
     h = _STEP * max(1.0, abs(here[i]))
     above, middle, below = beside(h), step(here), beside(-h)
+    if not above.shape == middle.shape == below.shape:
+        # a switch that makes the law forget
+        return np.zeros_like(middle)
     wide = (above - below) / (2 * h)
     narrow = (beside(h / 2) - beside(-h / 2)) / h
     smooth = np.abs(wide - narrow) <= _BROKEN * np.maximum(np.abs(wide), np.abs(narrow)) + 1e-9
