@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from pathsim import Connection
 from pathsim.blocks import Scope
+from pymap3d import geodetic2ned
 
+from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
@@ -19,6 +21,7 @@ PANELS = {
     "yaw_damper": 3,
     "autopilot_mission": 5,
     "pitch_hold_primitives": 3,
+    "approach_737": 4,
 }
 
 
@@ -55,6 +58,28 @@ def test_pitch_hold(flown):
     _, vc = signal(diagram.flight, "calibrated airspeed")
     assert h[-1] - h[0] == pytest.approx(93.0, abs=1.0)
     assert vc[-1] == pytest.approx(83.1, abs=0.1)
+
+
+def test_approach_737(flown):
+    diagram = flown("approach_737")
+    _, (distance, altitude) = diagram.position.read()
+    time, (across, above) = diagram.deviation.read()
+    _, (vc, psi, chi) = diagram.flight.read()
+    assert time[-1] == pytest.approx(290.0, abs=2.0)
+    assert altitude[-1] == pytest.approx(700.0, abs=0.2)
+    # 150 ft above the crossing height, on a path of 3 deg
+    assert distance[-1] == pytest.approx(150.0 / np.tan(np.radians(3.0)), abs=20.0)
+    place = diagram.aircraft.outputs["lat"], diagram.aircraft.outputs["lon"]
+    north, east, _ = geodetic2ned(*place, 0.0, *diagram.THRESHOLD, 0.0, _ellipsoid())
+    assert np.hypot(north, east) == pytest.approx(distance[-1], abs=0.1)
+    assert -north == pytest.approx(across[-1], abs=1.0)  # the runway leads to the east
+    assert across.min() > -1.0
+    final = distance < 5 * 6076.12
+    assert np.abs(across[final]).max() < 5.0
+    assert np.abs(above[final]).max() < 10.0
+    assert vc[0] == pytest.approx(170.0, abs=0.1)
+    assert vc[-1] == pytest.approx(150.0, abs=0.6)
+    assert chi[-1] - psi[-1] == pytest.approx(5.5, abs=0.5)
 
 
 def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
