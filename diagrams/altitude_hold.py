@@ -53,7 +53,15 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(climb, controls, title="c172p: altitude hold, 500 ft up")
+    return time_histories(
+        climb,
+        controls,
+        title="c172p: altitude hold, 500 ft up",
+        references={
+            "altitude": lambda time: 5000.0 + 500.0 * (time >= 5.0),
+            "calibrated airspeed": 90.0,
+        },
+    )
 
 
 if __name__ == "__main__":

@@ -73,7 +73,15 @@ def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
     drawing = time_histories(
-        flight, attitude, controls, title="737: a mission in moderate turbulence"
+        flight,
+        attitude,
+        controls,
+        title="737: a mission in moderate turbulence",
+        references={
+            "altitude": lambda time: 10000.0 + 1500.0 * (time >= 20.0) - 500.0 * (time >= 180.0),
+            "heading": lambda time: 90.0 + 60.0 * (time >= 60.0),
+            "calibrated airspeed": lambda time: 280.0 + 15.0 * (time >= 130.0),
+        },
     )
     drawing.axes[-1].set_ylim(-0.7, 1.1)  # room for the legend
     drawing.axes[-1].legend(ncols=3, loc="upper right", fontsize="small")

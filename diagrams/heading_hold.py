@@ -66,7 +66,13 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(heading, bank, flight, title="c172p: heading hold, 350 to 10 deg")
+    return time_histories(
+        heading,
+        bank,
+        flight,
+        title="c172p: heading hold, 350 to 10 deg",
+        references={"heading": 10.0},
+    )
 
 
 if __name__ == "__main__":

@@ -106,9 +106,13 @@ def figure():
     )
     for panel, place in zip(drawing.axes[1:3], ("upper right", "lower right"), strict=True):
         panel.legend(ncols=3, loc=place, fontsize="small")
-    drawing.axes[-1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
-    drawing.axes[-1].set_ylabel("difference [lbf]")
-    drawing.axes[-1].legend(ncols=6, loc="upper right", fontsize="small")
+    noise = drawing.axes[-1]
+    for curve in noise.lines:
+        curve.set_ydata(abs(curve.get_ydata()))
+        curve.set(linestyle="none", marker=".", markersize=2)
+    noise.set(yscale="log", ylim=(1e-17, 1e-9), ylabel="|difference| [lbf]")
+    noise.axhline(1e-11, color="k", linestyle=":", label="bound")
+    noise.legend(ncols=7, loc="upper right", fontsize="small", markerscale=4)
     return drawing
 
 

@@ -103,7 +103,7 @@ def gallery():
 
 {rest.strip().replace("``", "`")}
 
-![Time histories of {name}](pictures/{name}.png)
+[![Time histories of {name}](pictures/{name}.png)](pictures/{name}.png)
 {track(name)}{family(name)}
 :::{{dropdown}} The diagram in PathView
 [![The diagram {name} in PathView](pictures/{name}_pathview.png)](pictures/{name}_pathview.png)
@@ -136,7 +136,7 @@ def family(name):
 def track(name):
     """The ground track of a diagram that draws one."""
     file = f"pictures/{name}_track.png"
-    return f"\n![Ground track of {name}]({file})\n" if (DOCS / file).is_file() else ""
+    return f"\n[![Ground track of {name}]({file})]({file})\n" if (DOCS / file).is_file() else ""
 
 
 def fleet_page():

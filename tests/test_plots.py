@@ -54,8 +54,22 @@ def test_one_panel_for_each_unit(scope):
     assert plain.get_xlabel() == "time [s]"
     assert figure.get_suptitle() == "a flight"
     assert height.get_lines()[0].get_ydata()[-1] == pytest.approx(103.0)
-    # an angle that wraps round leaves a gap, not a line across the panel
-    assert np.isnan(angles.get_lines()[1].get_ydata()).sum() == 1
+    # a heading goes on through north, without a line across the panel
+    assert angles.get_lines()[1].get_ydata() == pytest.approx(np.arange(350.0, 381.0))
+
+
+def test_references_are_drawn_in_the_panel_of_their_signal(scope):
+    figure = time_histories(scope, references={"height": 101.0, "pitch [deg]": lambda t: 2 * t + 1})
+    height, angles, plain = figure.axes
+    assert height.get_lines()[1].get_ydata() == pytest.approx(np.full(31, 101.0))
+    assert height.get_ylabel() == "height\n[ft]"
+    assert [t.get_text() for t in height.get_legend().get_texts()] == ["reference"]
+    _, pitch = signal(scope, "pitch")
+    assert angles.get_lines()[2].get_ydata() == pytest.approx(pitch + 1)
+    assert angles.get_legend().get_texts()[2].get_text() == "pitch: reference"
+    assert len(plain.get_lines()) == 1
+    with pytest.raises(ParameterError, match="did you mean 'height'"):
+        time_histories(scope, references={"hight": 1.0})
 
 
 def test_signal_by_its_label(scope):

@@ -7,7 +7,7 @@
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 diagram = load_diagram("rudder_kick")
-diagram.sim.run(diagram.DURATION)
+diagram.sim.run(20.0)  # as long as the published flight
 diagram.figure()
 
 # %%

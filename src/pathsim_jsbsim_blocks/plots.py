@@ -10,7 +10,7 @@ import contextlib
 import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,20 +76,33 @@ def _inline() -> bool:
 
 
 @exact_curves()
-def time_histories(*scopes: Scope, title: str = "") -> Figure:
+def time_histories(
+    *scopes: Scope,
+    title: str = "",
+    references: Mapping[str, float | Callable[[np.ndarray], ArrayLike]] | None = None,
+) -> Figure:
     """Time histories of scopes, one panel for each unit.
 
     Parameters
     ----------
     *scopes : pathsim.blocks.Scope
         with recorded data and labels of the form ``"pitch angle [deg]"``; consecutive signals of
-        one scope with the same unit share a panel
+        one scope with the same unit share a panel. Headings are unwound: a turn through north
+        goes on above 360 deg or below 0
     title : str
         headline of the figure
+    references : dict, optional
+        from the label of a signal, with or without its unit, to what it should be, in the same
+        unit: a number, or a function of the times (array) in s. Drawn dotted, in its panel
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        for a reference of a signal that no scope has; the message names the nearest
     """
     panels: list[tuple[str, list]] = []
     for scope in scopes:
@@ -99,8 +112,10 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
             label, unit = _label(scope, i)
             if first or panels[-1][0] != unit:
                 panels.append((unit, []))
-            panels[-1][1].append((time, y, label))
+            panels[-1][1].append((time, _unwound(y) if unit == "deg" else y, label))
             first = False
+    names = [label for _, signals in panels for _, _, label in signals]
+    wanted = {names[_index(names, label)]: y for label, y in (references or {}).items()}
     figure, axes = subplots(
         len(panels),
         1,
@@ -114,9 +129,17 @@ def time_histories(*scopes: Scope, title: str = "") -> Figure:
         for (time, y, label), dashes in zip(
             signals, itertools.cycle(["-", "--", "-.", ":"]), strict=False
         ):
-            ax.plot(time, _unwound(y) if unit == "deg" else y, dashes, label=label, linewidth=1.3)
+            ax.plot(time, y, dashes, label=label, linewidth=1.3)
         _readable(ax, np.concatenate([y for _, y, _ in signals]))
+        for time, _, label in signals:
+            if label in wanted:
+                y = wanted.pop(label)
+                asked = y(time) if callable(y) else np.full_like(time, y)
+                name = "reference" if len(signals) == 1 else f"{label}: reference"
+                ax.plot(time, asked, "k:", label=name, linewidth=1.1)
         if len(signals) == 1:
+            if len(ax.lines) > 1:
+                ax.legend(ax.lines[1:], ["reference"], loc="best", fontsize="small")
             ax.set_ylabel(f"{signals[0][2]}\n[{unit}]" if unit else signals[0][2])
         else:
             ax.set_ylabel(f"[{unit}]" if unit else "")
@@ -487,9 +510,10 @@ def _axis(name: str, unit: str) -> str:
 
 
 def _unwound(y: np.ndarray) -> np.ndarray:
-    """The curve with a gap where an angle wraps around, instead of a line across the panel."""
+    """An angle in deg that goes on where it wraps around."""
     y = np.array(y, dtype=float)
-    y[1:][np.abs(np.diff(y)) > 180.0] = np.nan
+    finite = np.isfinite(y)
+    y[finite] = np.unwrap(y[finite], period=360.0)
     return y
 
 

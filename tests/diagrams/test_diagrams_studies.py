@@ -34,7 +34,7 @@ def at(times, scope):
 
 def test_rudder_kick():
     diagram = load_diagram("rudder_kick")
-    diagram.sim.run(diagram.DURATION)
+    diagram.sim.run(20.0)
     table = pd.read_csv(DATA / "07_rudder_kick.csv")
     assert diagram.sim.time == pytest.approx(table.t_s.iloc[-1])
     beta, phi = at(table.t_s, diagram.response)
@@ -46,6 +46,14 @@ def test_rudder_kick():
     aileron, rudder = at(flown.t_s - DT, diagram.commands)
     np.testing.assert_allclose(aileron, flown["fcs/aileron-cmd-norm"], **SAME)
     np.testing.assert_allclose(rudder, flown["fcs/rudder-cmd-norm"], **SAME)
+    # the rest of the flight: the bank levels out and the heading turns back
+    diagram.sim.run(diagram.DURATION - 20.0)
+    time, (beta, phi) = diagram.response.read()
+    assert beta[time > 10.0] == pytest.approx(13.5, abs=0.3)
+    assert phi[-1] == pytest.approx(24.7, abs=0.05)
+    assert np.degrees(np.unwrap(np.radians(diagram.heading.read()[1][0]))).min() == pytest.approx(
+        338.7, abs=0.05
+    )
 
 
 def compare_climb(diagram, table):

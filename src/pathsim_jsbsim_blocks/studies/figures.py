@@ -56,6 +56,12 @@ def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
     return rows
 
 
+def _of(table: pd.DataFrame, title: str) -> str:
+    """The title with the aircraft in front, where the table knows it."""
+    aircraft = table.attrs.get("aircraft")
+    return f"{aircraft}: {title}" if aircraft else title[0].upper() + title[1:]
+
+
 def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Angle of attack and elevator deflection in trim against airspeed, in three panels.
 
@@ -102,7 +108,9 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     figure.legend(
         *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small"
     )
-    figure.suptitle(title or "Trim: angle of attack, and elevator (trailing edge down positive)")
+    figure.suptitle(
+        title or _of(table, "trim: angle of attack, and elevator (trailing edge down positive)")
+    )
     return figure
 
 
@@ -198,7 +206,9 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
             ncols=5,
             fontsize="small",
         )
-    figure.suptitle(title or f"Trim envelope: {len(trimmed)} of {len(table)} points trim")
+    figure.suptitle(
+        title or _of(table, f"trim envelope, {len(trimmed)} of {len(table)} points trim")
+    )
     return figure
 
 
@@ -252,7 +262,7 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
         alpha = ax.twinx()
         alpha.plot(rows.thrust_angle_deg, rows.alpha_deg, "--", color="C2")
         alpha.set_ylabel("angle of attack [deg]", color="C2")
-    figure.suptitle(title or "Thrust in trim against the angle of the engines")
+    figure.suptitle(title or _of(table, "thrust in trim against the angle of the engines"))
     return figure
 
 
@@ -294,8 +304,6 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
         ax.set_ylabel(label)
         ax.grid(alpha=0.4)
     first = table.iloc[0]
-    figure.suptitle(
-        title
-        or f"Steady climb at {first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
-    )
+    climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
+    figure.suptitle(title or _of(table, f"steady climb at {climb}"))
     return figure

@@ -114,7 +114,7 @@ def trim_sweep(
         progress=progress,
     )
     found = [column(name) for name in _FOUND] + outputs
-    return pd.concat(
+    table = pd.concat(
         [
             pd.DataFrame(requested(conditions, points)),
             pd.DataFrame(rows, columns=["trimmed", "reason"]),
@@ -124,6 +124,8 @@ def trim_sweep(
         ],
         axis=1,
     )
+    table.attrs["aircraft"] = aircraft  # for the titles of figures
+    return table
 
 
 def _names(outputs: Sequence[str]) -> list[str]:
