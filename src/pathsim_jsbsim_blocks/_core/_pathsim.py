@@ -20,6 +20,7 @@ from pathsim import Connection, Simulation, Subsystem
 from pathsim.blocks import Block
 from pathsim.events import Event
 from pathsim.solvers._solver import Solver
+from pathsim.utils.graph import Graph
 from pathsim.utils.logger import LoggerManager
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
@@ -144,6 +145,43 @@ def _events(subsystem: Subsystem) -> list[Event]:
 
 
 Subsystem.events = property(_events, doc=Subsystem.events.__doc__)
+
+
+# called with the simulation when a run begins, of any kind
+before_runs: list[Callable[[Simulation], None]] = []
+
+
+def _announce_runs() -> None:
+    loop = Simulation._run_loop
+    if hasattr(loop, "__wrapped__"):  # this package was imported anew
+        loop = loop.__wrapped__
+
+    @functools.wraps(loop)
+    def announced(self: Simulation, *args: Any, **kwargs: Any) -> Any:
+        for call in before_runs:
+            call(self)
+        return loop(self, *args, **kwargs)
+
+    Simulation._run_loop = announced
+
+
+_announce_runs()
+
+
+def explain_conflicts(refusal: Callable[[Sequence[Connection]], ValueError | None]) -> None:
+    """Let ``refusal`` say which connections PathSim refuses as conflicting."""
+    check = Graph._validate_connections
+    if hasattr(check, "__wrapped__"):
+        check = check.__wrapped__
+
+    @functools.wraps(check)
+    def explained(self: Graph) -> None:
+        try:
+            check(self)
+        except ValueError as error:
+            raise refusal(self.connections) or error from None
+
+    Graph._validate_connections = explained
 
 
 def tracker(sim: Simulation, duration: float) -> ProgressTracker:

@@ -12,6 +12,7 @@ from pathsim.blocks import Block, Function
 from pathsim.optim.operator import Operator
 
 from ..errors import BlocksError, ParameterError
+from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
 from ._pathsim import port_names
 from .checks import did_you_mean, nearest
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 from ._pathsim import port_names
@@ -44,6 +45,8 @@ class TunableLaw(NamedPorts, SampledLaw):
     configured = False
     # inputs that must be connected
     measured: tuple[str, ...] = ()
+    # outputs that must be connected, and the input that can switch each off; "" if none can
+    commands: Mapping[str, str] = {}
     _wires_seen = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:

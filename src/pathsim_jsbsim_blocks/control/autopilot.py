@@ -97,6 +97,8 @@ class Autopilot(TunableLaw):
     """
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
+    # an aircraft may have a yaw damper of its own
+    commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
     input_port_labels = {
         name: i
         for i, name in enumerate(

@@ -63,6 +63,7 @@ class RollHold(TunableLaw):
     """
 
     measured = ("phi", "p")
+    commands = {"aileron": "off"}
     input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
@@ -142,6 +143,7 @@ class HeadingHold(TunableLaw):
     """
 
     measured = ("psi", "phi", "p")
+    commands = {"aileron": "off"}
     input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
@@ -215,6 +217,7 @@ class YawDamper(TunableLaw):
     """
 
     measured = ("r",)
+    commands = {"rudder": "off"}
     input_port_labels = {"r": 0, "off": 1}
     output_port_labels = {"rudder": 0}
 

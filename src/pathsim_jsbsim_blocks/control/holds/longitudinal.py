@@ -64,6 +64,7 @@ class PitchHold(TunableLaw):
     """
 
     measured = ("theta", "q")
+    commands = {"elevator": "off"}
     input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
@@ -154,6 +155,7 @@ class AltitudeHold(TunableLaw):
     """
 
     measured = ("h", "hdot", "theta", "q")
+    commands = {"elevator": "off"}
     input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5, "elev_sat": 6}
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
 
@@ -250,6 +252,7 @@ class AirspeedHold(TunableLaw):
     """
 
     measured = ("vc", "hdot")
+    commands = {"throttle": "off"}
     input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 

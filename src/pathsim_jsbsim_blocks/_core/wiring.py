@@ -1,0 +1,141 @@
+"""Mistakes in the wiring of a diagram, named by block and port.
+
+PathSim refuses two wires into one port without a name, and runs on with the others.
+"""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from types import FrameType
+from typing import Any
+from weakref import WeakKeyDictionary
+
+from pathsim import Connection, Simulation, Subsystem
+from pathsim.blocks import Block
+from pathsim.utils.register import Register
+
+from ..errors import ParameterError
+from ._pathsim import before_runs, explain_conflicts, port_names
+
+_OURS = (__name__.partition(".")[0], "pathsim")
+
+_told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
+
+
+def warn_of_wiring(sim: Simulation) -> None:
+    """Warn of each mistake once in the life of a diagram, at the user's line."""
+    told = _told.setdefault(sim, set())
+    for message in dict.fromkeys(_mistakes(sim)):
+        if message not in told:
+            told.add(message)
+            level = next((n for n, frame in enumerate(_frames(), 0) if _is_users(frame)), 1)
+            warnings.warn(message, RuntimeWarning, stacklevel=level)
+
+
+before_runs.append(warn_of_wiring)
+
+
+def _mistakes(sim: Simulation) -> Iterator[str]:
+    blocks, connections = _contents(sim)
+    known = {id(block) for block in blocks}
+    starts: set[tuple[int, int]] = set()
+    ends: dict[tuple[int, int], tuple[Block, int]] = {}
+    for connection in connections:
+        source = connection.source.block
+        outputs = _numbers(connection.source.ports, source.outputs)
+        starts |= {(id(source), i) for i in outputs}
+        if not (connection and source):
+            continue  # switched off: another wire may take its place
+        for reference in connection.targets:
+            target = reference.block
+            for i, j in zip(outputs, _numbers(reference.ports, target.inputs), strict=True):
+                for block in (source, target):
+                    if id(block) not in known:
+                        known.add(id(block))
+                        yield (
+                            f"{_name(block)} is wired ({_port(source, i, source.outputs)} to "
+                            f"{_port(target, j, target.inputs)}), but it is not among the blocks "
+                            "of the simulation: it does nothing"
+                        )
+                other, k = ends.setdefault((id(target), j), (source, i))
+                if (other, k) != (source, i):
+                    # by name and by number; the same words twice PathSim refuses
+                    yield f"{_conflict(other, k, source, i, target, j)}. One of them has no effect"
+    for block in blocks:
+        commands: Mapping[str, str] = getattr(block, "commands", {})
+        for command, switch in commands.items():
+            (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
+            if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
+                yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
+
+
+def _conflict(one: Block, i: int, other: Block, k: int, target: Block, j: int) -> str:
+    return (
+        f"two wires lead into {_port(target, j, target.inputs)}, from "
+        f"{_port(one, i, one.outputs)} and {_port(other, k, other.outputs)}: use an Adder"
+    )
+
+
+def refusal(connections: Sequence[Connection]) -> ParameterError | None:
+    """Names of blocks and ports for PathSim's refusal of two wires into one port."""
+    ends: dict[tuple[int, int | str], tuple[Block, int]] = {}
+    for connection in connections:
+        source = connection.source.block
+        outputs = _numbers(connection.source.ports, source.outputs)
+        for reference in connection.targets:
+            target = reference.block
+            numbers = _numbers(reference.ports, target.inputs)
+            for i, port, j in zip(outputs, reference.ports, numbers, strict=True):
+                if (id(target), port) in ends:
+                    message = _conflict(*ends[id(target), port], source, i, target, j)
+                    return ParameterError(message, parameter="connections", value=connection)
+                ends[id(target), port] = source, i
+    return None
+
+
+explain_conflicts(refusal)
+
+
+def _contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:
+    """Blocks and connections, those in subsystems included."""
+    blocks, connections = list(diagram.blocks), list(diagram.connections)
+    for block in diagram.blocks:
+        if isinstance(block, Subsystem):
+            inner = _contents(block)
+            blocks += [block.interface, *inner[0]]
+            connections += inner[1]
+    return blocks, connections
+
+
+def _numbers(ports: list[Any], register: Register) -> list[Any]:
+    # a look-up by the register itself would mark the port as wired
+    return [port_names(register).get(port, port) for port in ports]
+
+
+def _port(block: Block, number: int, register: Register) -> str:
+    names = {i: name for name, i in port_names(register).items()}
+    return f"{_name(block)}[{names.get(number, number)!r}]"
+
+
+def _name(block: Block) -> str:
+    """The user's variable of a block; its class where there is none."""
+    for frame in filter(_is_users, _frames()):
+        for variables in (frame.f_locals, frame.f_globals):
+            for name, value in list(variables.items()):
+                if value is block and not name.startswith("_"):
+                    return name
+    return type(block).__name__
+
+
+def _frames() -> Iterator[FrameType]:
+    """The callers' frames, the innermost first."""
+    frame = inspect.currentframe()
+    while frame is not None:
+        yield frame
+        frame = frame.f_back
+
+
+def _is_users(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0] not in _OURS

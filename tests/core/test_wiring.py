@@ -1,0 +1,203 @@
+"""Mistakes in the wiring are named, and nothing else is."""
+
+import warnings
+
+import pytest
+from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim.blocks import Adder, Amplifier, Constant, Scope, Source
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    Autopilot,
+    DiscretePID,
+    ParameterError,
+    PitchHold,
+    YawDamper,
+    fly,
+)
+from pathsim_jsbsim_blocks.catalogue import diagram_names, load_diagram
+
+# what a hold needs from the aircraft
+MEASURED = {"theta": "theta", "q": "q", "elev_sat": "elev_sat"}
+
+
+def said(sim, run=None):
+    """The warnings of a run."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        (run or (lambda: sim.run(0.05)))()
+    assert all(w.category is RuntimeWarning for w in caught)
+    return [str(w.message) for w in caught]
+
+
+def test_the_command_of_a_hold_that_goes_nowhere():
+    plane, hold, scope = Aircraft(), PitchHold(theta_ref=3.0), Scope()
+    wires = [Connection(plane[a], hold[b]) for a, b in MEASURED.items()]
+    sim = Simulation(
+        [plane, hold, scope],
+        [*wires, Connection(hold["theta_cmd"], scope)],
+        dt=1 / 120,
+        log=False,
+    )
+    assert said(sim) == ["hold['elevator'] goes nowhere: no wire leads from it"]
+    assert said(sim) == []
+    assert said(sim, lambda: sim.run(0.05, reset=True)) == []
+
+
+def test_the_warning_is_at_the_line_that_runs():
+    source, amplifier = Constant(1.0), Amplifier(2.0)
+    for run in (
+        lambda sim: sim.run(0.1),
+        lambda sim: fly(sim, 0.1),
+        lambda sim: list(sim.run_streaming(0.1)),
+    ):
+        sim = Simulation([amplifier], [Connection(source, amplifier)], log=False)
+        with pytest.warns(RuntimeWarning, match="source is wired") as caught:
+            run(sim)
+        assert [w.filename for w in caught] == [__file__]
+
+
+def test_a_wired_block_that_is_not_in_the_simulation():
+    source, amplifier, scope = Constant(1.0), Amplifier(2.0), Scope()
+    sim = Simulation(
+        [amplifier], [Connection(source, amplifier), Connection(amplifier, scope)], log=False
+    )
+    assert said(sim) == [
+        "source is wired (source['out'] to amplifier[0]), but it is not among the blocks of the "
+        "simulation: it does nothing",
+        "scope is wired (amplifier[0] to scope[0]), but it is not among the blocks of the "
+        "simulation: it does nothing",
+    ]
+    assert said(sim) == []
+
+
+def test_blocks_that_are_added_before_the_run_are_in_it():
+    source, scope = Constant(1.0), Scope()
+    sim = Simulation([], [Connection(source, scope)], log=False)
+    sim.add_block(source)
+    sim.add_block(scope)
+    assert said(sim) == []
+
+
+def test_two_wires_into_one_port():
+    plane, kick, other = Aircraft(), Constant(0.01), Constant(0.02)
+    for port in ("elevator", 0):
+        with pytest.raises(ParameterError) as caught:
+            Simulation(
+                [plane, kick, other],
+                [Connection(kick, plane[port]), Connection(other, plane[port])],
+                log=False,
+            )
+        assert str(caught.value) == (
+            "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder"
+        )
+
+
+def test_two_wires_into_one_port_by_name_and_by_number():
+    plane, kick, other = Aircraft(), Constant(0.01), Constant(0.02)
+    sim = Simulation(
+        [plane, kick, other],
+        [Connection(kick, plane["elevator"]), Connection(other, plane[0])],
+        dt=1 / 120,
+        log=False,
+    )
+    assert said(sim) == [
+        "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder. "
+        "One of them has no effect"
+    ]
+
+
+def test_in_vector_wires():
+    one, mux, scope = Constant(1.0), Source(lambda t: (t, t)), Scope()
+    wires = [Connection(mux[0, 1], scope[0, 1]), Connection(one, scope[1])]
+    with pytest.raises(ValueError, match=r"into scope\[1\], from mux\[1\] and one\['out'\]"):
+        Simulation([one, mux, scope], wires, log=False)
+
+
+def test_inside_a_subsystem():
+    inside, first, second = Interface(), Amplifier(1.0), Amplifier(2.0)
+    box = Subsystem(
+        [inside, first],
+        [Connection(inside, first), Connection(second, inside[1]), Connection(first, inside)],
+    )
+    outside, scope = Constant(1.0), Scope()
+    wires = [Connection(outside, box), Connection(box, scope)]
+    assert said(Simulation([outside, box, scope], wires, log=False)) == [
+        "second is wired (second[0] to inside[1]), but it is not among the blocks of the "
+        "simulation: it does nothing"
+    ]
+    with pytest.raises(ParameterError, match=r"into inside\[0\], from first\[0\] and second\[0\]"):
+        Subsystem([inside, first, second], [Connection(first, inside), Connection(second, inside)])
+
+
+def test_a_block_without_a_variable_is_called_by_its_class():
+    blocks = [Constant(1.0), Constant(2.0), Scope()]
+    wires = [Connection(blocks[0], blocks[2]), Connection(blocks[1], blocks[2])]
+    with pytest.raises(ParameterError, match=r"Scope\[0\], from Constant\['out'\] and Constant"):
+        Simulation(blocks, wires, log=False)
+
+
+def test_a_wire_added_later_is_seen_at_the_next_run():
+    stranger, one, scope = Constant(1.0), Constant(2.0), Scope()
+    sim = Simulation([one, scope], [Connection(one, scope)], log=False)
+    assert said(sim) == []
+    sim.add_connection(Connection(stranger, scope[1]))
+    assert len(said(sim)) == 1
+    sim.add_connection(Connection(stranger, scope[0]))
+    with pytest.raises(ParameterError, match=r"into scope\[0\]"):
+        sim.run(0.1)
+
+
+def test_what_is_switched_off_leaves_its_place():
+    one, two, plane = Constant(0.1), Constant(0.2), Aircraft()
+    wires = [Connection(one, plane["elevator"]), Connection(two, plane[0])]
+    wires[1].off()
+    sim = Simulation([one, two, plane], wires, dt=1 / 120, log=False)
+    assert said(sim) == []
+    wires[1].on()
+    two.off()
+    assert said(sim) == []
+
+
+def autopilot(*switches):
+    """Messages on an autopilot that drives nothing, with loops switched off."""
+    plane, pilot, one = Aircraft(), Autopilot(), Constant(1.0)
+    names = ["theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc"]
+    wires = [Connection(plane[n], pilot[n]) for n in names]
+    wires += [Connection(one, pilot[s]) for s in switches]
+    return said(Simulation([plane, pilot, one], wires, dt=1 / 120, log=False))
+
+
+def test_a_loop_that_is_switched_off_needs_no_wire():
+    nowhere = "pilot[{!r}] goes nowhere: no wire leads from it"
+    assert autopilot() == [nowhere.format(n) for n in ("elevator", "aileron", "throttle")]
+    assert autopilot("speed_off", "pitch_off") == [nowhere.format("aileron")]
+
+
+def test_other_controllers_and_holds_that_drive_anything_are_left_alone():
+    plane, damper, gain, pid = Aircraft(), YawDamper(), Amplifier(1.0), DiscretePID()
+    sim = Simulation(
+        [plane, damper, gain, pid],
+        [
+            Connection(plane["r"], damper["r"]),
+            Connection(plane["theta"], pid["y"]),
+            Connection(damper["rudder"], gain),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    assert said(sim) == []
+
+
+@pytest.mark.parametrize("name", diagram_names())
+def test_no_diagram_of_the_catalogue_has_a_mistake(name):
+    diagram = load_diagram(name)
+    assert said(diagram.sim, lambda: fly(diagram.sim, 2 * diagram.sim.dt)) == []
+
+
+def test_looking_at_the_wiring_wires_nothing():
+    plane, hold, adder = Aircraft(), PitchHold(), Adder()
+    sim = Simulation(
+        [plane, hold, adder], [Connection(hold["elevator"], adder)], dt=1 / 120, log=False
+    )
+    assert said(sim) == ["PitchHold measures 0 where no wire comes in: theta, q"]
