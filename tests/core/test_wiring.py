@@ -16,6 +16,7 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.catalogue import diagram_names, load_diagram
+from pathsim_jsbsim_blocks.control import holds
 
 # what a hold needs from the aircraft
 MEASURED = {"theta": "theta", "q": "q", "elev_sat": "elev_sat"}
@@ -187,6 +188,13 @@ def test_other_controllers_and_holds_that_drive_anything_are_left_alone():
         log=False,
     )
     assert said(sim) == []
+
+
+def test_every_hold_names_the_command_that_it_gives():
+    for name in holds.__all__:
+        block = getattr(holds, name)
+        assert [*block.commands] == [*block.output_port_labels][:1]
+        assert {*block.commands.values()} <= {*block.input_port_labels}
 
 
 @pytest.mark.parametrize("name", diagram_names())

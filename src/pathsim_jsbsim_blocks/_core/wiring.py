@@ -5,7 +5,7 @@ PathSim refuses two wires into one port without a name, and runs on with the oth
 
 from __future__ import annotations
 
-import inspect
+import traceback
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from types import FrameType
@@ -30,8 +30,8 @@ def warn_of_wiring(sim: Simulation) -> None:
     for message in dict.fromkeys(_mistakes(sim)):
         if message not in told:
             told.add(message)
-            level = next((n for n, frame in enumerate(_frames(), 0) if _is_users(frame)), 1)
-            warnings.warn(message, RuntimeWarning, stacklevel=level)
+            user = next(filter(_is_users, _frames()))
+            warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
 
 
 before_runs.append(warn_of_wiring)
@@ -130,11 +130,8 @@ def _name(block: Block) -> str:
 
 
 def _frames() -> Iterator[FrameType]:
-    """The callers' frames, the innermost first."""
-    frame = inspect.currentframe()
-    while frame is not None:
-        yield frame
-        frame = frame.f_back
+    """Frames of the callers, the innermost first: they hold the names that the user gave."""
+    return (frame for frame, _ in traceback.walk_stack(None))
 
 
 def _is_users(frame: FrameType) -> bool:

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
+from pathsim.utils.register import Register
+
+from .._core._pathsim import port_names
+from ..errors import PropertyError
+from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
 from .channels import ALMOST_NORTH, DEG, Channel, unit_of
 from .condition import TrimCondition
+from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind, check_ports, listed
 
 _EXCESS = (None, 1.0)
 
@@ -80,6 +87,16 @@ class Aircraft(FlightBlock):
         own (0)
     longitude : float, optional
         likewise in deg, east positive
+    input_properties : list of str, optional
+        further inputs, which come after the fixed ones: short names ("flaps", "gear", "speedbrake",
+        "spoilers", "brakes", "left_brake", "right_brake", "steering", and "throttle[0]",
+        "throttle[1]", ... for single engines) or properties of JSBSim. Each is an **increment** on
+        the value after the trim, in the property's unit, so that 0 changes nothing: -1 at "gear"
+        retracts a gear that is down. Short names are commands in 0 to 1 (steering -1 to 1), and the
+        sum is limited to that; "throttle[1]" comes on top of ``throttle``
+    output_properties : list of str, optional
+        further outputs, after the fixed ones: "flaps", "gear", "speedbrake", "spoilers" (positions,
+        0 to 1), "throttle[0]", "thrust[0]" (lbf), or properties of JSBSim in their unit
 
     Inputs
     ------
@@ -167,6 +184,8 @@ class Aircraft(FlightBlock):
         flightgear: str | None = None,
         latitude: float | None = None,
         longitude: float | None = None,
+        input_properties: Sequence[str] | None = None,
+        output_properties: Sequence[str] | None = None,
     ) -> None:
         super().__init__(
             T,
@@ -196,6 +215,12 @@ class Aircraft(FlightBlock):
         self.flaps = flaps
         self.latitude = latitude
         self.longitude = longitude
+        self.input_properties = listed("input_properties", input_properties)
+        self.output_properties = listed("output_properties", output_properties)
+        if self.input_properties:
+            self.inputs = _register(self.input_port_labels, self.input_properties)
+        if self.output_properties:
+            self.outputs = _register(self.output_port_labels, self.output_properties)
         self.take_off()
 
     def _model(self) -> str:
@@ -209,7 +234,24 @@ class Aircraft(FlightBlock):
             if name is None
             else Channel(port, (name,), factor, {DEG: "deg/s"}.get(factor) or unit_of(name))
             for port, (name, factor) in _OUTPUTS.items()
+        ] + [
+            Channel(port, names, 1.0, unit_of(names[0]))
+            for port in self._further(self.outputs)
+            for names in [behind(port, SHORT_OUTPUTS)]
         ]
+
+    def _further(self, ports: Register) -> list[str]:
+        """Names of the ports after the fixed ones."""
+        fixed = self.input_port_labels if ports is self.inputs else self.output_port_labels
+        return list(port_names(ports))[len(fixed) :]
+
+    def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
+        return super()._no_port(
+            f"{message}{'' if message.endswith('?') else '.'} Other properties are ports with "
+            "input_properties=[...] and output_properties=[...], or of JSBSimFDM",
+            port,
+            close,
+        )
 
     def trimmed_inputs(self) -> list[float]:
         return [0.0] * len(self.channels()[0])
@@ -222,14 +264,29 @@ class Aircraft(FlightBlock):
             (writer(_INPUTS["aileron"]), state.aileron, -1.0, 1.0),
             (writer(_INPUTS["rudder"]), state.rudder, -1.0, 1.0),
         ]
+        self._check_further()
+        added = [
+            (port, behind(name, SHORT_INPUTS))
+            for port, name in enumerate(self._further(self.inputs), len(self.input_port_labels))
+        ]
+        canonical = self.airframe.canonical
+        # of single engines; port 0 is the elevator
+        own = {canonical(names[0]): port for port, names in added}
+        engines = [f"fcs/throttle-cmd-norm[{i}]" for i in range(len(state.throttle))]
         throttles = [
-            (writer(f"fcs/throttle-cmd-norm[{i}]"), throttle)
-            for i, throttle in enumerate(state.throttle)
+            (writer(name), throttle, own.get(canonical(name), 0))
+            for name, throttle in zip(engines, state.throttle, strict=True)
+        ]
+        single = {port for _, _, port in throttles}
+        further = [
+            _Further(port, names, self.airframe) for port, names in added if port not in single
         ]
         gusts = [writer(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
         north = east = down = 0.0
         ports = list(_OUTPUTS.values())
-        read_all = self.airframe.reader_of(name for name, _ in ports if name is not None)
+        names = [name for name, _ in ports if name is not None]
+        names += [behind(name, SHORT_OUTPUTS)[0] for name in self._further(self.outputs)]
+        read_all = self.airframe.reader_of(names)
         first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
         scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
         # of elevator, aileron, rudder and throttle over their limits
@@ -245,17 +302,21 @@ class Aircraft(FlightBlock):
                     limited = high
                 put(limited)
                 excess[i] = command - limited
-            for put, trimmed in throttles:
+            for put, trimmed, port in throttles:
                 command = trimmed + u[3]
+                if port:
+                    command += u[port]
                 limited = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
                 put(limited)
                 excess[3] = command - limited
             # a gust among the block's properties stays where no wire comes in
             if u[4] != north or u[5] != east or u[6] != down:
-                for put, speed, before in zip(gusts, u[4:], (north, east, down), strict=True):
+                for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):
                     if speed != before:
                         put(speed)
-                north, east, down = u[4:]
+                north, east, down = u[4:7]
+            for command_ in further:
+                command_.move(u)
 
         def read() -> list[float]:
             y = read_all()
@@ -267,6 +328,52 @@ class Aircraft(FlightBlock):
             return y
 
         return write, read
+
+    def _check_further(self) -> None:
+        canonical = self.airframe.canonical
+        fixed = {canonical(name): port for port, name in _INPUTS.items()}
+        fixed.update(
+            (canonical(f"atmosphere/gust-{port[5:]}-fps"), port)
+            for port in self.input_port_labels
+            if port.startswith("wind_")
+        )
+        for parameter, ports, short, taken in (
+            ("input_properties", self.inputs, SHORT_INPUTS, fixed),
+            ("output_properties", self.outputs, SHORT_OUTPUTS, {}),
+        ):
+            names = getattr(self, parameter)
+            check_ports(parameter, names, self._further(ports), self.airframe, short, taken)
+
+
+class _Further:
+    """An input for further properties: increments on what they are after the trim."""
+
+    def __init__(self, port: int, names: Sequence[str], airframe: Airframe):
+        self._port = port
+        self._writers = [airframe.writer(name) for name in names]
+        self._readers = [
+            airframe.reader(name) if "r" in airframe.access(name) else (lambda: 0.0)
+            for name in names
+        ]
+        command = names in SHORT_INPUTS.values()
+        self._high = 1.0 if command else math.inf
+        self._low = -1.0 if names == SHORT_INPUTS["steering"] else 0.0 if command else -math.inf
+        # from the first value other than 0 on
+        self._start: list[float] | None = None
+
+    def move(self, u: list[float]) -> None:
+        increment = u[self._port]
+        if self._start is None:
+            if increment == 0.0:
+                return
+            self._start = [read() for read in self._readers]
+        for put, start in zip(self._writers, self._start, strict=True):
+            put(min(max(start + increment, self._low), self._high))
+
+
+def _register(fixed: Mapping[str, int], further: Sequence[str]) -> Register:
+    names = [*fixed, *further]
+    return Register(len(names), {name: i for i, name in enumerate(names)})
 
 
 def _range(trim: float) -> tuple[float, float]:

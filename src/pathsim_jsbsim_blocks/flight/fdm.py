@@ -3,68 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from pathsim.utils.register import Register
 
 from .._core._pathsim import port_names
-from ..errors import ParameterError, PropertyError
-from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
 from .channels import Channel, unit_of
 from .condition import TrimCondition
-
-# writing these starts JSBSim's trim search, which ends the process if it finds none
-_COMMANDS = ("simulation/do_simple_trim",)
-
-
-def _names(parameter: str, names: Sequence[str] | None) -> list[str]:
-    if names is None:
-        return []
-    if isinstance(names, str) or not isinstance(names, Sequence):
-        raise ParameterError(
-            f"{parameter} must be a list of property names, not {names!r}",
-            parameter=parameter,
-            value=names,
-        )
-    for i, name in enumerate(names):
-        if not isinstance(name, str):
-            raise ParameterError(
-                f"{parameter}[{i}] must be a property's name, not {name!r}",
-                parameter=parameter,
-                value=names,
-            )
-    return list(names)
-
-
-def _check_ports(parameter: str, names: Any, ports: Register, airframe: Airframe) -> None:
-    """Refuse a property at two ports, of which one would have no effect, and changed ports."""
-    names = _names(parameter, names)
-    listed: dict[str, str] = {}
-    for name in names:
-        property_ = airframe.canonical(name)
-        if parameter == "input_properties" and property_ in _COMMANDS:
-            raise PropertyError(
-                f"{name!r} cannot be an input: writing it trims the aircraft again at every "
-                "sample; trim_here() of the block trims in flight",
-                aircraft=airframe.aircraft,
-                name=name,
-            )
-        if property_ in listed:
-            other = listed[property_]
-            raise ParameterError(
-                f"{parameter} lists {name!r} twice"
-                + (f", first as {other!r}" if other != name else ""),
-                parameter=parameter,
-                value=names,
-            )
-        listed[property_] = name
-    if names != list(port_names(ports)):
-        raise ParameterError(
-            f"{parameter} cannot change, they are the block's ports: build another block",
-            parameter=parameter,
-            value=names,
-        )
+from .property_ports import check_ports, listed
 
 
 @fill
@@ -187,8 +133,8 @@ class JSBSimFDM(FlightBlock):
             gravity=gravity,
             flightgear=flightgear,
         )
-        self.input_properties = _names("input_properties", input_properties)
-        self.output_properties = _names("output_properties", output_properties)
+        self.input_properties = listed("input_properties", input_properties)
+        self.output_properties = listed("output_properties", output_properties)
         self.aircraft_model = aircraft_model
         self.trim_airspeed = trim_airspeed
         self.trim_altitude = trim_altitude
@@ -228,8 +174,11 @@ class JSBSimFDM(FlightBlock):
         return self._trimmed
 
     def _connect(self) -> tuple[Write, Read]:
-        _check_ports("input_properties", self.input_properties, self.inputs, self.airframe)
-        _check_ports("output_properties", self.output_properties, self.outputs, self.airframe)
+        for parameter, ports in (
+            ("input_properties", self.inputs),
+            ("output_properties", self.outputs),
+        ):
+            check_ports(parameter, getattr(self, parameter), [*port_names(ports)], self.airframe)
         self._trimmed = [
             self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
             for name in port_names(self.inputs)

@@ -147,6 +147,7 @@ class CourseHold(TunableLaw):
     """
 
     measured = ("lat", "lon", "psi", "phi", "p")
+    commands = {"aileron": "off"}
     input_port_labels = {
         "lat": 0,
         "lon": 1,
@@ -396,6 +397,7 @@ class GlideslopeHold(TunableLaw):
     """
 
     measured = ("h", "hdot", "lat", "lon", "theta", "q")
+    commands = {"elevator": "off"}
     input_port_labels = {
         "h": 0,
         "hdot": 1,

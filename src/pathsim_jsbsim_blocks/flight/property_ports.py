@@ -1,0 +1,135 @@
+"""Properties of JSBSim as ports of a block: lists of names, checked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..errors import ParameterError, PropertyError
+from .airframe import Airframe
+
+# writing these starts JSBSim's trim search, which ends the process if it finds none
+_COMMANDS = ("simulation/do_simple_trim",)
+
+# names that stand for properties, as inputs and as outputs; [i] is the number of an engine
+SHORT_INPUTS: Mapping[str, tuple[str, ...]] = {
+    "flaps": ("fcs/flap-cmd-norm",),
+    "gear": ("gear/gear-cmd-norm",),
+    "speedbrake": ("fcs/speedbrake-cmd-norm",),
+    "spoilers": ("fcs/spoiler-cmd-norm",),
+    "brakes": ("fcs/left-brake-cmd-norm", "fcs/right-brake-cmd-norm", "fcs/center-brake-cmd-norm"),
+    "left_brake": ("fcs/left-brake-cmd-norm",),
+    "right_brake": ("fcs/right-brake-cmd-norm",),
+    "steering": ("fcs/steer-cmd-norm",),
+    "throttle[i]": ("fcs/throttle-cmd-norm[i]",),
+}
+SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
+    "flaps": ("fcs/flap-pos-norm",),
+    "gear": ("gear/gear-pos-norm",),
+    "speedbrake": ("fcs/speedbrake-pos-norm",),
+    "spoilers": ("fcs/spoiler-pos-norm",),
+    "throttle[i]": ("fcs/throttle-pos-norm[i]",),
+    "thrust[i]": ("propulsion/engine[i]/thrust-lbs",),
+}
+
+
+def listed(parameter: str, names: Sequence[str] | None) -> list[str]:
+    """A list of names; none for None.
+
+    Raises
+    ------
+    ParameterError
+        for anything else
+    """
+    if names is None:
+        return []
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise ParameterError(
+            f"{parameter} must be a list of property names, not {names!r}",
+            parameter=parameter,
+            value=names,
+        )
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            raise ParameterError(
+                f"{parameter}[{i}] must be a property's name, not {name!r}",
+                parameter=parameter,
+                value=names,
+            )
+    return list(names)
+
+
+def behind(name: str, short: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """The properties that a name stands for; itself if it is not a short one."""
+    index = re.search(r"\[(\d+)\]$", name)
+    if index is None:
+        return short.get(name, (name,))
+    pattern = short.get(f"{name[: index.start()]}[i]", (name,))
+    return tuple(p.replace("[i]", index[0]) for p in pattern)
+
+
+def check_ports(
+    parameter: str,
+    names: Any,
+    ports: Sequence[str],
+    airframe: Airframe,
+    short: Mapping[str, tuple[str, ...]] = {},
+    taken: Mapping[str, str] = {},
+) -> None:
+    """Refuse what cannot be the ports of a block.
+
+    Parameters
+    ----------
+    parameter : str
+        name of the list, for messages
+    names : list of str
+        the list
+    ports : sequence of str
+        the names of the block's ports; a list that has changed since is refused
+    airframe : Airframe
+        the aircraft
+    short : dict
+        names that stand for properties
+    taken : dict
+        ports that write properties already, by the property
+
+    Raises
+    ------
+    PropertyError
+        for a property that is unknown or cannot be used so
+    ParameterError
+        for a property at two ports, of which one would have no effect, and for changed ports
+    """
+    names = listed(parameter, names)
+    seen: dict[str, str] = {}
+    for name in names:
+        for property_ in map(airframe.canonical, behind(name, short)):
+            if parameter == "input_properties" and property_ in _COMMANDS:
+                raise PropertyError(
+                    f"{name!r} cannot be an input: writing it trims the aircraft again at every "
+                    "sample",
+                    aircraft=airframe.aircraft,
+                    name=name,
+                )
+            if property_ in taken:
+                raise ParameterError(
+                    f"{parameter} lists {name!r}, which port {taken[property_]!r} writes already",
+                    parameter=parameter,
+                    value=names,
+                )
+            if property_ in seen:
+                other = seen[property_]
+                raise ParameterError(
+                    f"{parameter} lists {name!r} twice"
+                    + (f", first as {other!r}" if other != name else ""),
+                    parameter=parameter,
+                    value=names,
+                )
+            seen[property_] = name
+    if names != list(ports):
+        raise ParameterError(
+            f"{parameter} cannot change, they are the block's ports: build another block",
+            parameter=parameter,
+            value=names,
+        )

@@ -1,0 +1,239 @@
+"""Properties of JSBSim as further ports of `Aircraft`: flaps, gear, single engines, any other."""
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope, Source, StepSource
+from plain_jsbsim import FLIGHTS, fly, trimmed
+
+from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, ParameterError, PropertyError
+from pathsim_jsbsim_blocks import fly as run
+from pathsim_jsbsim_blocks.flight.property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
+
+T = 1 / 120
+ALTITUDE, SPEED = FLIGHTS["737"]
+THRUSTS = [f"propulsion/engine[{i}]/thrust-lbs" for i in (0, 1)]
+
+
+def airliner(**options):
+    return Aircraft("737", altitude=ALTITUDE, speed=SPEED, gear=0.0, **options)
+
+
+def flown(plane, wires, shown, duration):
+    """Outputs of a flight with sources at ports, and its diagram."""
+    scope = Scope()
+    sim = Simulation(
+        [plane, scope, *wires.values()],
+        [Connection(source, plane[port]) for port, source in wires.items()]
+        + [Connection(plane[port], scope[i]) for i, port in enumerate(shown)],
+        dt=T,
+        log=False,
+    )
+    run(sim, duration)
+    return scope.read()[1], sim
+
+
+def test_the_flight_is_bit_for_bit_that_of_a_plain_loop():
+    setup = {"gear/gear-cmd-norm": 0.0}
+    fdm = trimmed("737", ALTITUDE, SPEED, setup=setup)
+    written = ["fcs/flap-cmd-norm", "fcs/throttle-cmd-norm[1]", "fcs/throttle-cmd-norm"]
+    read = ["attitude/phi-deg", "fcs/flap-pos-norm", *THRUSTS]
+    rng = np.random.default_rng(2)
+    flaps, right, both = rng.uniform(0.1, 0.6, 240), *rng.uniform(-0.05, 0.05, (2, 240))
+    at = lambda x: Source(lambda t: x[min(round(t / T), 239)])  # noqa: E731
+    plane = airliner(
+        input_properties=["flaps", "throttle[1]"],
+        output_properties=["flaps", "propulsion/engine/thrust-lbs", "thrust[1]"],
+    )
+    throttle = plane.trim.throttle
+    commands = np.array([flaps, throttle[1] + both + right, throttle[0] + both]).T
+    expected = fly(fdm, written, commands, read)
+    data, _ = flown(
+        plane,
+        {"flaps": at(flaps), "throttle[1]": at(right), "throttle": at(both)},
+        ["phi", "flaps", "propulsion/engine/thrust-lbs", "thrust[1]"],
+        2.0,
+    )
+    assert np.array_equal(data.T, expected)
+    assert abs(data[2, -1] - data[3, -1]) > 10.0  # lbf
+
+
+def test_ports_without_a_wire_change_nothing():
+    names = [n for n in SHORT_INPUTS if "[" not in n and "_brake" not in n]
+    plain, _ = flown(airliner(), {}, ["h", "theta", "vc"], 1.0)
+    more = airliner(
+        input_properties=[*names, "throttle[0]", "fcs/pitch-trim-cmd-norm"],
+        output_properties=[n.replace("[i]", "[0]") for n in SHORT_OUTPUTS],
+    )
+    assert np.array_equal(flown(more, {}, ["h", "theta", "vc"], 1.0)[0], plain)
+
+
+def test_ports_come_after_the_fixed_ones_in_the_order_given():
+    plane = airliner(input_properties=["speedbrake", "flaps"], output_properties=["gear", "flaps"])
+    assert list(plane.inputs._mapping) == [*Aircraft.input_port_labels, "speedbrake", "flaps"]
+    assert list(plane.outputs._mapping) == [*Aircraft.output_port_labels, "gear", "flaps"]
+    assert list(plane.inputs._mapping.values()) == list(range(9))
+
+
+def test_inputs_are_increments_on_the_trim_and_limited_to_the_range():
+    plane = Aircraft("737", altitude=5000.0, speed=190.0, gear=1.0, input_properties=["gear"])
+    flown(plane, {"gear": StepSource(-3.0, 0.1)}, ["h"], 0.2)
+    assert plane.fdm["gear/gear-cmd-norm"] == 0.0
+    plane = airliner(
+        flaps=0.5, input_properties=["flaps", "steering", "brakes", "fcs/speedbrake-cmd-norm"]
+    )
+    wires = {"flaps": 0.2, "steering": -5.0, "brakes": 0.25, "fcs/speedbrake-cmd-norm": 2.0}
+    flown(plane, {port: Constant(x) for port, x in wires.items()}, ["h"], 0.1)
+    assert plane.fdm["fcs/flap-cmd-norm"] == pytest.approx(0.7)
+    assert plane.fdm["fcs/steer-cmd-norm"] == -1.0
+    assert plane.fdm["fcs/speedbrake-cmd-norm"] == 1.0
+    sides = ("left", "right", "center")
+    assert [plane.fdm[f"fcs/{side}-brake-cmd-norm"] for side in sides] == [0.25] * 3
+
+
+def test_any_property_is_moved_from_where_the_trim_left_it():
+    name = "inertia/pointmass-weight-lbs[1]"
+    plane = Aircraft("c172p", speed=90.0, properties={name: 100.0}, input_properties=[name])
+    flown(plane, {name: StepSource(80.0, 0.1)}, ["h"], 0.3)
+    assert plane.fdm[name] == 180.0
+
+
+def test_an_engine_that_is_pulled_back_yaws_the_aircraft_towards_it():
+    plane = airliner(input_properties=["throttle[1]"], output_properties=THRUSTS)
+    step = StepSource(-plane.trim.throttle[1], 0.5)
+    (r, *thrust), _ = flown(plane, {"throttle[1]": step}, ["r", *THRUSTS], 6.0)
+    assert thrust[0][-1] > 4 * thrust[1][-1]
+    assert r.max() > 0.1  # engine 1 is the right one
+
+
+def test_it_flies_the_same_after_a_reset():
+    plane = airliner(input_properties=["flaps"], output_properties=["flaps"])
+    first, sim = flown(plane, {"flaps": StepSource(0.4, 0.2)}, ["h", "flaps"], 1.0)
+    assert first[1][-1] > 0.01
+    scope = next(b for b in sim.blocks if isinstance(b, Scope))
+    sim.run(1.0, reset=True)
+    assert np.array_equal(scope.read()[1][:, : first.shape[1]], first)
+
+
+def test_a_checkpoint_goes_on(tmp_path):
+    def diagram():
+        plane = airliner(
+            input_properties=["flaps"], output_properties=["flaps"], record_inputs=True
+        )
+        return plane, flown(plane, {"flaps": Source(lambda t: 0.5 * t)}, ["h"], 0.5)[1]
+
+    plane, sim = diagram()
+    sim.save_checkpoint(str(tmp_path / "here"))
+    sim.run(0.5)
+    same, later = diagram()
+    later.run(0.1)
+    later.load_checkpoint(str(tmp_path / "here"))
+    later.run(0.5)
+    assert np.array_equal(same.outputs.to_array(), plane.outputs.to_array())
+    assert same.outputs["flaps"] > 0.02
+    other = airliner(output_properties=["flaps"], record_inputs=True)
+    sim = flown(other, {}, ["h"], 0.1)[1]
+    sim.save_checkpoint(str(tmp_path / "other"))
+    with pytest.raises(ParameterError, match="of another flight"):
+        flown(airliner(record_inputs=True), {}, ["h"], 0.1)[1].load_checkpoint(
+            str(tmp_path / "other")
+        )
+
+
+@pytest.mark.parametrize("method", ["algebraic", "flown"])
+def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(method):
+    plane = Aircraft(
+        "737",
+        altitude=ALTITUDE,
+        speed=SPEED,
+        gear=0.0,
+        input_properties=["flaps"],
+        output_properties=["velocities/u-fps", "gear"],
+    )
+    model = plane.linear_model(method)
+    assert model.inputs == ("elevator", "aileron", "rudder", "throttle")
+    assert model.outputs[-2:] == ("velocities/u-fps", "gear")
+    # u = V cos(alpha) in symmetric flight
+    u, vt = model.outputs.index("velocities/u-fps"), model.outputs.index("vt")
+    x = [model.states.index("vt")]
+    assert model.C[u, x] == pytest.approx(
+        model.C[vt, x] * np.cos(np.radians(plane.trim.alpha)), rel=0.01
+    )
+    assert not model.C[-1].any()
+    if method == "flown":
+        _, B, C, D = plane.to_statespace(0.0)
+        assert (B.shape[1], C.shape[0], D.shape) == (8, 24, (24, 8))
+        assert not B[:, 7].any()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "said"),
+    [
+        ({"input_properties": ["flap"]}, PropertyError, "no property 'flap'; did you mean"),
+        ({"output_properties": ["thrst[0]"]}, PropertyError, "no property 'thrst"),
+        ({"input_properties": ["throttle[2]"]}, PropertyError, r"'fcs/throttle-cmd-norm\[2\]'"),
+        ({"input_properties": ["attitude/theta-deg"]}, PropertyError, "cannot be written"),
+        ({"input_properties": ["simulation/do_simple_trim"]}, PropertyError, "trims the aircraft"),
+        ({"input_properties": ["simulation/dt"]}, PropertyError, "cannot be written"),
+        (
+            {"input_properties": ["fcs/elevator-cmd-norm"]},
+            ParameterError,
+            "which port 'elevator' writes already",
+        ),
+        (
+            {"input_properties": ["atmosphere/gust-down-fps"]},
+            ParameterError,
+            "which port 'wind_down' writes already",
+        ),
+        (
+            {"input_properties": ["left_brake", "brakes"]},
+            ParameterError,
+            "lists 'brakes' twice, first as 'left_brake'",
+        ),
+        (
+            {"input_properties": ["throttle[0]", "fcs/throttle-cmd-norm"]},
+            ParameterError,
+            "twice, first as 'throttle",
+        ),
+        ({"output_properties": ["gear", "gear"]}, ParameterError, "lists 'gear' twice"),
+        ({"output_properties": "gear"}, ParameterError, "must be a list of property names"),
+        ({"input_properties": [1]}, ParameterError, r"input_properties\[0\] must be a property"),
+    ],
+)
+def test_names_are_checked_when_the_block_is_built(options, error, said):
+    with pytest.raises(error, match=said):
+        airliner(**options)
+
+
+def test_the_lists_cannot_change():
+    plane = airliner(output_properties=["flaps"])
+    plane.output_properties = ["gear"]
+    with pytest.raises(ParameterError, match="output_properties cannot change"):
+        plane.reset()
+
+
+@pytest.mark.parametrize("name", ["propulsion/engine/thrust-lbs", "flaps"])
+def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
+    with pytest.raises(PropertyError, match=r"no port .*output_properties=.*JSBSimFDM"):
+        airliner()[name]
+
+
+def test_short_names_are_properties_of_every_engine():
+    assert behind("throttle[3]", SHORT_INPUTS) == ("fcs/throttle-cmd-norm[3]",)
+    assert behind("thrust[0]", SHORT_OUTPUTS) == ("propulsion/engine[0]/thrust-lbs",)
+    assert behind("throttle", SHORT_INPUTS) == ("throttle",)
+    assert behind("propulsion/tank[1]/contents-lbs", SHORT_OUTPUTS) == (
+        "propulsion/tank[1]/contents-lbs",
+    )
+
+
+def test_both_aircraft_blocks_show_the_same():
+    fdm = JSBSimFDM(
+        output_properties=THRUSTS,
+        aircraft_model="737",
+        trim_airspeed=SPEED,
+        trim_altitude=ALTITUDE,
+        gear=0.0,
+    )
+    plane = airliner(output_properties=THRUSTS)
+    assert [plane.outputs[n] for n in THRUSTS] == [fdm.outputs[n] for n in THRUSTS]
