@@ -25,6 +25,7 @@ PRINTED = {
     ("ft/s2", "m/s2"): 3.048e-1,
     ("g", "m/s2"): 9.80665,
     ("deg", "rad"): 1.745329e-2,
+    ("deg/s", "rad/s"): 1.745329e-2,
     ("rpm", "rad/s"): 1.047198e-1,
     ("lb", "kg"): 4.5359237e-1,
     ("slug", "kg"): 1.459390e1,
@@ -61,6 +62,16 @@ def test_factors_are_those_printed(source, target):
 def test_temperatures_have_an_offset(value, unit, kelvin):
     factor, offset = conversion(unit, "K")
     assert factor * value + offset == pytest.approx(kelvin, rel=1e-12)
+
+
+def test_every_unit_is_compared():
+    # prefixes of SI, and temperatures, which stand above
+    others = {"km", "kN", "kW", "hPa", "K", "degC", "degF", "degR"}
+    compared = others.union(*PRINTED)
+    assert {unit for units in UNITS.values() for unit in units} == compared
+    for unit, base, factor in (("km", "m", 1e3), ("kN", "N", 1e3), ("kW", "W", 1e3)):
+        assert conversion(unit, base) == (factor, 0.0)
+    assert conversion("hPa", "Pa") == (100.0, 0.0)
 
 
 def test_there_and_back():

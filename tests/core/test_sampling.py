@@ -297,13 +297,15 @@ def test_depth_is_found_however_pathsim_hands_the_solver_down(depth, moved, monk
 
 @pytest.mark.parametrize("depth", [0, 1, 2])
 @pytest.mark.parametrize("crossings", [0, 1])
-def test_a_rejected_step_does_not_change_what_was_latched(depth, crossings):
+@pytest.mark.parametrize("states", [0, 1])
+def test_a_rejected_step_does_not_change_what_was_latched(depth, crossings, states):
     # stages and rejected steps leave other values on the way into a subsystem
-    plant, source, integrator = Count(0.01), Source(lambda t: 0.05 * math.sin(3 * t)), Integrator()
+    plant, source = Count(0.01), Source(lambda t: 0.05 * math.sin(3 * t))
     system = inside(plant, depth)
+    integrators = [Integrator() for _ in range(states)]
     sim = Simulation(
-        [source, system, integrator],
-        [Connection(source, system, integrator)],
+        [source, system, *integrators],
+        [Connection(source, system, *integrators)],
         [ZeroCrossing(lambda t: math.sin(47 * t + 1))] * crossings,
         dt=0.01,
         Solver=RKDP54,

@@ -73,7 +73,7 @@ OWN_TESTS = {
     "control/actuator": ["test_sensor_actuator.py", "test_promises.py"],
     "control/holds/navigation": ["test_navigation.py", "test_promises.py"],
     "control/response": ["test_response.py"],
-    "control/": ["test_laws.py", "test_gains.py", "test_promises.py"],
+    "control/": ["test_laws.py", "test_promises.py", "test_gains.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
     "_core/tunable": ["test_gains.py", "test_pid.py", "test_autopilot.py"],
     "pathview/": ["test_names.py", "test_export.py", "test_convert.py"],

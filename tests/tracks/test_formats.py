@@ -143,6 +143,7 @@ def test_google_earth_by_an_independent_reader(tmp_path):
         START + datetime.timedelta(seconds=t) for t in track.time
     ]
     text = (tmp_path / "flight.kml").read_text(encoding="utf-8")
+    assert re.match(r"<\?xml version=.1\.0. encoding=.utf-8.\?>", text, re.IGNORECASE)
     assert "<displayName>calibrated airspeed [kt]</displayName>" in text
     assert text.count("<gx:value>") == 4 * (121 + 5)
 
