@@ -67,6 +67,12 @@ def test_unsaturated_law_is_its_transfer_function(Tf, sign):
     assert np.max(np.abs(u - by_transfer_functions(r, y, rate, **gains))) < 1e-10
 
 
+def test_gains_are_given_by_name():
+    assert PID(T=T, Kp=2.0).Kp == 2.0
+    with pytest.raises(TypeError):
+        PID(T, 2.0)
+
+
 def test_feed_forward_adds_to_the_output():
     r, y = np.random.default_rng(5).normal(size=(2, 200))
     feed = np.sin(np.arange(200) / 20)

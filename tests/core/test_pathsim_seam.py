@@ -4,7 +4,9 @@ A diagram of PathSim's own blocks must go on to work then; the last tests run on
 """
 
 import ast
+import logging
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -236,6 +238,23 @@ def test_pathsim_redirects_warnings_in_one_method():
         "LoggerManager._setup_root_logger is gone: keep_warnings_visible wraps it"
     )
     assert hasattr(LoggerManager, "_initialized")
+
+
+@pytest.mark.parametrize("by_pathsim", [True, False])
+def test_warnings_are_given_back_where_pathsim_took_them(by_pathsim, monkeypatch):
+    monkeypatch.setattr(LoggerManager, "_setup_root_logger", lambda self: None)
+    monkeypatch.setattr(LoggerManager, "_initialized", by_pathsim)
+    for logger in (logging.root, logging.getLogger("py.warnings")):
+        monkeypatch.setattr(logger, "handlers", [])
+    shown = warnings.showwarning
+    logging.captureWarnings(True)
+    try:
+        taken = warnings.showwarning
+        assert taken is not shown
+        seam.keep_warnings_visible()
+        assert warnings.showwarning is (shown if by_pathsim else taken)
+    finally:
+        logging.captureWarnings(False)
 
 
 def test_a_diagram_of_scopes_runs():

@@ -40,7 +40,7 @@ OWN_TESTS = {
     "axes/navigation": ["test_great_circle.py"],
     "axes/": ["test_axes.py", "test_promises.py"],
     "_core/checks": ["test_checks.py"],
-    "_core/continuous": ["test_laws.py", "test_diagrams.py"],
+    "_core/continuous": ["test_continuous.py"],
     "_core/realtime": ["test_flightgear.py"],
     "_core/running": ["test_running.py", "-k", "not interrupt_could_block"],
     "_core/scopes": ["test_recorder.py", "test_formats.py", "test_plots.py"],

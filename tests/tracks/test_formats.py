@@ -300,6 +300,9 @@ def test_times_without_a_zone_are_utc(tmp_path):
     )
 
 
+COLUMNS = ("time", "lat", "lon", "h", "theta", "phi", "psi")
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [
@@ -309,9 +312,12 @@ def test_times_without_a_zone_are_utc(tmp_path):
         ({"time": [0.0, 0.0]}, "time must increase"),
         ({"signals": {"a": [1.0]}}, "a has the shape"),
         ({"psi": "north"}, "psi must be a real number"),
+        ({"signals": {"a": [[0.0, 1.0]]}}, r"a has the shape \(1, 2\)"),
+        ({key: [[0.0, 1.0]] for key in COLUMNS}, r"time has the shape \(1, 2\)"),
+        ({key: [] for key in COLUMNS}, r"time has the shape \(0,\)"),
     ],
 )
 def test_a_track_checks_its_columns(change, text):
-    columns = {n: [0.0, 1.0] for n in ("time", "lat", "lon", "h", "theta", "phi", "psi")}
+    columns = {key: [0.0, 1.0] for key in COLUMNS}
     with pytest.raises(ParameterError, match=text):
         Track("one", "c172p", **{**columns, **change})
