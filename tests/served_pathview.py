@@ -31,13 +31,15 @@ class Served:
         self.home, self.temporary = folder / "home", folder / "tmp"
         self.home.mkdir()
         self.temporary.mkdir()
+        # the address must come at once, also through a pipe
+        environment = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
         self.process = subprocess.Popen(
             [*COMMAND, *arguments],
             cwd=self.home,
             text=True,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            env={**os.environ, "TMPDIR": str(self.temporary), **(env or {})},
+            env={**environment, "TMPDIR": str(self.temporary), **(env or {})},
         )
         line = self.process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)/\S*", line)

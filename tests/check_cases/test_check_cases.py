@@ -238,11 +238,28 @@ def test_a_figure_shows_the_flight_in_its_band():
         "velocity east",
         "velocity down",
     ]
+    # two columns with one time axis, named below
+    assert [ax.get_xlabel() for ax in figure.axes] == [""] * 4 + ["time [s]"] * 2
+    figure.axes[0].set_xlim(3.0, 4.0)
+    assert figure.axes[-1].get_xlim() == (3.0, 4.0)
     mine, single, *edges = figure.axes[0].lines
     # the start of the multi-step integrators: g dt^2 / 12
     assert mine.get_ydata()[-1] == pytest.approx(32.1 / 100**2 / 12, rel=0.01)
     assert abs(single.get_ydata()).max() < 1e-5
     assert [edge.get_ydata()[0] for edge in edges] == [-4.638e-4, 4.638e-4]
+
+
+def test_a_figure_leaves_out_in_what_the_simulators_agree():
+    # a ball thrown east at the equator: latitude, roll angle, roll and yaw rate are 0, heading is
+    # 90 deg and velocity north 0, but for 3e-13
+    figure = comparison_figure(9, *flown(9, 100))
+    assert [ax.get_visible() for ax in figure.axes] == [True] * 7 + [False]
+    assert [bool(ax.get_xlabel()) for ax in figure.axes] == [False] * 5 + [True] * 2 + [False]
+
+
+def test_a_comparison_cannot_be_changed():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        compare(1, *flown(1, 100))[0].worst = 0.0
 
 
 def test_what_cannot_be_compared_is_refused():

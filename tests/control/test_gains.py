@@ -22,6 +22,7 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import (
     GAINS,
+    AircraftGains,
     AttitudeGains,
     DesignPoint,
     EnvelopeLimits,
@@ -234,3 +235,13 @@ def test_the_page_shows_the_gains_that_are_flown():
         for gain, value in dataclasses.asdict(getattr(gains, loop.name)).items()
     }
     assert shown == flown
+
+
+@pytest.mark.parametrize(
+    "kind", [AttitudeGains, YawGains, EnvelopeLimits, DesignPoint, GainSchedule, AircraftGains]
+)
+def test_gains_cannot_be_changed_in_place(kind):
+    # blocks share them, and tell a change by another object
+    name = dataclasses.fields(kind)[0].name
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        setattr(object.__new__(kind), name, 1.0)

@@ -373,6 +373,29 @@ def test_after_an_exception_the_next_run_goes_on_exactly(method, last, depth, st
         assert total_k == pytest.approx(expected[round(t / T)])
 
 
+def test_a_plant_acts_in_the_step_that_ends_at_its_instant():
+    plant, _, sim = counting(ramp(), dt=T / 4)
+    acted = []
+    for _ in range(8):
+        sim.run(T / 4)
+        acted.append(len(plant.latched))
+    assert plant.one_pass
+    assert acted == [0, 0, 0, 1, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize("method", ["update", "sample"])
+def test_shorter_steps_after_an_exception_change_nothing(method):
+    fault = Fault(0.5, method)
+    plant, scope, sim = counting(ramp(), fault)
+    with pytest.raises(RuntimeError, match="on purpose"):
+        sim.run(1.0)
+    sim.dt = T / 4
+    sim.run(0.6)
+    assert [u for _, u in plant.latched] == pytest.approx([k * T for k in range(10)])
+    time, (_, y) = scope.read()
+    assert y.tolist() == [int(t / T + 1e-6) for t in time]
+
+
 @pytest.mark.parametrize("states", [0, 1])
 def test_an_interrupted_advance_is_done_again(states):
     plant, _, sim = counting(ramp(), *(Integrator() for _ in range(states)))

@@ -331,7 +331,7 @@ def main() -> int:
             ).hexdigest()
             outcome, taken, failed = kept.get(digest, ""), 0.0, ""
             if not outcome:
-                limit = 60 + 4 * baseline.get(tuple(tests), 200)
+                limit = 40 + 4 * baseline.get(tuple(tests), 20)
                 (tree / module).write_text(mutated)
                 outcome, taken, failed = run_tests(tree, tests, limit)
                 (tree / module).write_text(source)

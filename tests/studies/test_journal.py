@@ -38,6 +38,13 @@ def test_a_line_that_is_still_json_is_refused_too(tmp_path, before, after):
         run(resume=path)
 
 
+def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
+    for path in (tmp_path / "none" / "x", tmp_path / ("x" * 300), tmp_path):
+        with pytest.raises(ParameterError, match="cannot write") as error:
+            Journal(path, "thirds", {})
+        assert error.value.parameter == "resume"
+
+
 def test_a_carriage_return_loses_no_finished_part(tmp_path):
     path = tmp_path / "thirds.jsonl"
     run(resume=path)

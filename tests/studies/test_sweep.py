@@ -12,7 +12,7 @@ import plain_jsbsim
 import pytest
 from how_many import first
 
-from pathsim_jsbsim_blocks import AircraftError, ParameterError, PropertyError
+from pathsim_jsbsim_blocks import AircraftError, ParameterError, PropertyError, TrimCondition
 from pathsim_jsbsim_blocks.errors import MissingExtraError
 from pathsim_jsbsim_blocks.studies import sweep, trim_sweep
 
@@ -271,3 +271,10 @@ def test_without_the_extra_the_error_names_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match=r'pip install "pathsim-jsbsim-blocks\[studies\]"'):
         quiet("737", {"speed": [200]})
+
+
+def test_points_share_an_aircraft_up_to_the_size_of_a_chunk():
+    points = [TrimCondition(altitude=1000.0 * i, speed=90) for i in range(5)]
+    other = [TrimCondition(altitude=1000, speed=90, empty_cg_x=41.0)]
+    assert sweep._chunks(points + other, 2) == [points[:2], points[2:4], points[4:], other]
+    assert sweep._chunks(points + other, 9) == [points, other]

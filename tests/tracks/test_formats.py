@@ -293,6 +293,13 @@ def test_a_missing_package_names_its_extra(package, ending, tmp_path, monkeypatc
     assert error.value.extra == "tracks"
 
 
+def test_a_flight_starts_at_noon_of_an_equinox(tmp_path):
+    save_tracks(tmp_path / "flight.acmi", [climbing_turn()])
+    assert "ReferenceTime=2024-03-20T12:00:00.000Z" in (tmp_path / "flight.acmi").read_text(
+        encoding="utf-8-sig"
+    )
+
+
 def test_times_without_a_zone_are_utc(tmp_path):
     save_tracks(tmp_path / "flight.acmi", [climbing_turn()], START.replace(tzinfo=None))
     assert "ReferenceTime=2025-06-01T09:30:00.000Z" in (tmp_path / "flight.acmi").read_text(

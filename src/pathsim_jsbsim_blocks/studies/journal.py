@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ class Journal:
         digest = hashlib.sha256(json.dumps(job, sort_keys=True).encode()).hexdigest()
         header = _line({"format": _FORMAT, "version": _VERSION, "study": title, "key": digest})
         self.finished: dict[int, list] = {}
-        if self.path.exists() and not self.path.is_file():
+        if os.path.exists(self.path) and not os.path.isfile(self.path):
             raise ParameterError(
                 f"cannot write {str(path)!r}: it is not a file", parameter="resume", value=str(path)
             )
