@@ -281,7 +281,8 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("study", _study, "run a trim study: its table, its figure")
     sub.add_argument(
         "name",
-        help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, thrust_vectoring or trim_envelope",
+        help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, modes_over_speed, thrust_vectoring "
+        "or trim_envelope",
     )
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table")

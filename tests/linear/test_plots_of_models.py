@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from test_modes import LATERAL, model
 
-from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.linear import LinearModel
-from pathsim_jsbsim_blocks.plots import bode, pole_map
+from pathsim_jsbsim_blocks.plots import bode, pole_map, root_locus, step_response
 
 
 @pytest.fixture(autouse=True)
@@ -59,3 +59,33 @@ def test_simulate_holds_and_delays():
 def test_an_unknown_name_is_refused():
     with pytest.raises(ParameterError, match="no 'ailern'; did you mean 'aileron'"):
         bode(lag(), "p", "ailern")
+
+
+def test_a_step_is_drawn_as_it_is_flown():
+    # u0 and u of the model are those of the aircraft, whose flight is not touched
+    plane, twin = (Aircraft("737", altitude=5000, speed=260, gear=0.0) for _ in range(2))
+    built = plane.linear_model("algebraic", ["elevator"])
+    (ax,) = step_response(built, plane, "elevator", "q", 0.01, duration=3.0).axes
+    drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+    flown = [twin.outputs[Aircraft.output_port_labels["q"]]]
+    for k in range(1, 361):
+        y = twin.advance(k, [0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        flown.append(y[Aircraft.output_port_labels["q"]])
+    np.testing.assert_array_equal(drawn["aircraft"][:, 1], flown)
+    np.testing.assert_allclose(drawn["aircraft"][:, 0], np.arange(361) / 120)
+    apart = np.abs(drawn["linear model"][:, 1] - flown).max()
+    assert 0.0 < apart < 0.05 * np.ptp(flown)
+    assert plane.samples == 0
+    with pytest.raises(ParameterError, match="did you mean 'elevator'"):
+        step_response(built, plane, "elevater", "q", 0.01)
+
+
+def test_a_root_locus_has_the_poles_of_each_model():
+    models = [model([[-k]], ("p",)) for k in (1.0, 2.0, 4.0)]
+    figure = root_locus(models, [100, 200, 400], "airspeed [kt]")
+    (points, *_) = figure.axes[0].collections
+    assert sorted(points.get_offsets()[:, 0].tolist()) == [-4.0, -2.0, -1.0]
+    assert points.get_array().tolist() == [100, 200, 400]
+    assert figure.axes[-1].get_ylabel() == "airspeed [kt]"
+    with pytest.raises(ParameterError, match="one number for each of the 3 models"):
+        root_locus(models, [1, 2])

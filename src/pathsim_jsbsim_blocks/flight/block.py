@@ -30,7 +30,7 @@ from ..errors import (
     ParameterError,
     PropertyError,
 )
-from ..linear.model import LinearModel
+from ..linear.model import LinearModel, find
 from ._trim import TrimState, here, trim
 from .airframe import Airframe
 from .algebraic import algebraic_model
@@ -321,6 +321,43 @@ class FlightBlock(NamedPorts, SampledPlant):
             )
         make = flown_model if method == "flown" else algebraic_model
         return make(self._another, inputs, outputs, amplitude)
+
+    def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
+        """An output over increments on an input, the other inputs as trimmed.
+
+        It is flown from the trim by an aircraft of its own: this flight is not touched.
+
+        Parameters
+        ----------
+        input, output : str
+            names of ports
+        increments : list of float
+            added to the trimmed input over each period, in its unit
+
+        Returns
+        -------
+        array, shape (n + 1,)
+            the output at the sample instants, the trim first, in its unit
+
+        Raises
+        ------
+        ParameterError
+            for an unknown port, naming the nearest
+        FlightError
+            if the aircraft cannot be flown on
+        """
+        plane = self._another()
+        ports, channels = plane.channels()
+        (i,) = find("input", [c.name for c in ports], [input])
+        (o,) = find("output", [c.name for c in channels], [output])
+        u = values(plane.inputs)
+        trimmed = plane.trimmed_inputs()
+        u[: len(trimmed)] = trimmed
+        y = [values(plane.outputs)[o]]
+        for k, increment in enumerate(np.asarray(increments, dtype=float).tolist(), 1):
+            u[i] = trimmed[i] + increment
+            y.append(plane.advance(k, u)[o])
+        return np.array(y)
 
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the flown model about the trim, at any time of the flight.

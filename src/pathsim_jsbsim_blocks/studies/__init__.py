@@ -4,7 +4,8 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 """
 
 from .batch import run_batch
-from .figures import alpha_elevator_chart, climb_chart, envelope_map, thrust_chart
+from .figures import alpha_elevator_chart, climb_chart, envelope_map, modes_chart, thrust_chart
+from .modes import modes_over_speed
 from .published import (
     STUDIES,
     Study,

@@ -21,7 +21,7 @@ _MARKERS = "osD^vPX*"
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
 # columns of text
-_WORDS = {"case", "reason"}
+_WORDS = {"aircraft", "case", "reason"}
 
 
 def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
@@ -306,4 +306,61 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     first = table.iloc[0]
     climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
     figure.suptitle(title or _of(table, f"steady climb at {climb}"))
+    return figure
+
+
+def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
+    """Frequency and damping ratio of the oscillations, and the real poles, against airspeed.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `modes_over_speed`; one column of panels for each aircraft
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
+    """
+    from .modes import MODES, column
+
+    trimmed = _trimmed(
+        table,
+        "modes_chart",
+        "modes_over_speed",
+        "aircraft",
+        "requested_speed_kcas",
+        *(f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")),
+    )
+    flown = list(trimmed.groupby("aircraft", sort=False))
+    figure, axes = subplots(
+        3, len(flown), squeeze=False, sharex="col", figsize=(5.5 * len(flown), 8.5),
+        layout="constrained",
+    )  # fmt: skip
+    for (name, rows), (frequency, damping, real) in zip(flown, axes.T, strict=True):
+        for i, mode in enumerate(MODES):
+            pole = rows[f"{column(mode)}_real"] + 1j * rows[f"{column(mode)}_imag"]
+            swings = pole.to_numpy().imag > 0.0
+            speed, pole = rows.requested_speed_kcas.to_numpy(), pole.to_numpy()
+            style = {"marker": "o", "markersize": 3, "color": f"C{i}", "label": mode}
+            if swings.any():
+                size = np.where(swings, np.abs(pole), np.nan)
+                frequency.semilogy(speed, size, **style)
+                damping.plot(speed, -pole.real / size, **style)
+            if (~swings & np.isfinite(pole)).any():
+                real.plot(speed, np.where(swings, np.nan, pole.real), **style)
+        frequency.set_title(name)
+        frequency.set_ylabel("natural frequency [rad/s]")
+        damping.set_ylabel("damping ratio [-]")
+        real.set_ylabel("real poles [1/s]")
+        real.set_xlabel("calibrated airspeed [kt]")
+        for ax in (frequency, damping, real):
+            ax.grid(alpha=0.4)
+            if ax.lines:
+                ax.legend(fontsize="small")
+    figure.suptitle(
+        title or f"Modes in level flight at {table.requested_altitude_ft.iloc[0]:,.0f} ft"
+    )
     return figure

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..flight.airframe import Airframe, empty_weight_cg
 from . import figures
+from .modes import modes_over_speed
 from .sweep import trim_sweep
 
 if TYPE_CHECKING:
@@ -274,6 +275,7 @@ STUDIES = {
     "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart, False),
     "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart, True),
     "climb_schedule": Study(climb_schedule, figures.climb_chart, False),
+    "modes_over_speed": Study(modes_over_speed, figures.modes_chart, False),
     "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart, False),
     "trim_envelope": Study(trim_envelope, figures.envelope_map, True),
 }

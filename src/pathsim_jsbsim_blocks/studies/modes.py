@@ -1,0 +1,159 @@
+"""Natural modes over airspeed: a linear model at each point of a sweep."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import jsbsim
+import numpy as np
+
+from .._core.checks import number
+from .._core.extras import required
+from ..errors import LinearisationError, ParameterError, TrimError
+from ..flight.airframe import Airframe, has_retractable_gear
+from ..flight.condition import TrimCondition
+from .workers import WORKER_DIED, run_parts
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# aircraft of the study: KCAS
+_SWEEPS = {"c172p": range(60, 121, 5), "737": range(190, 341, 10)}
+
+# columns of the table; the second short period is the slower one of two real poles
+MODES = ("short period", "short period 2", "phugoid", "Dutch roll", "roll", "spiral")
+
+
+def modes_over_speed(
+    *,
+    aircraft: str | None = None,
+    altitude: float = 5000.0,
+    speeds: Iterable[float] | None = None,
+    jobs: int = -1,
+    resume: str | Path | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
+    """Natural modes of a light aircraft and an airliner in level flight, against airspeed.
+
+    A c172p from 60 to 120 KCAS and a 737 from 190 to 340 KCAS at 5000 ft, flown linear models
+    (`Aircraft.linear_model`), retractable gear up, fuel frozen.
+
+    Parameters
+    ----------
+    aircraft : str, optional
+        name of one model instead of both
+    altitude : float
+        ft
+    speeds : iterable of float, optional
+        KCAS; default is the aircraft's own range in this study
+    jobs, resume, progress
+        as in `trim_sweep`
+
+    Returns
+    -------
+    pandas.DataFrame
+        one row for each point: ``aircraft``, ``requested_altitude_ft``, ``requested_speed_kcas``,
+        ``trimmed``, ``reason`` (why there is no trim or no linear model, else empty), ``warning``
+        (where the aircraft is not linear, else empty), and for each mode the real part
+        (``phugoid_real``, 1/s) and the imaginary part (``phugoid_imag``, rad/s) of its pole, NaN
+        where there is no such mode. A short period that is two real poles is ``short_period`` and
+        the slower ``short_period_2``
+
+    Raises
+    ------
+    ParameterError
+        before the work begins: speeds without an aircraft that has none here, values that are not
+        possible, a file that cannot be written or belongs to another study
+    AircraftError
+        before the work begins: unknown aircraft
+    """
+    pd = required("pandas", "studies")
+    required("joblib", "studies")
+    altitude = number("altitude", altitude)
+    if aircraft is None and speeds is not None:
+        raise ParameterError(
+            "speeds are those of one aircraft: name it", parameter="speeds", value=speeds
+        )
+    if aircraft is not None and speeds is None and aircraft not in _SWEEPS:
+        Airframe(aircraft)
+        raise ParameterError(
+            f"speeds: give those of {aircraft!r}; the study knows {' and '.join(_SWEEPS)}",
+            parameter="speeds",
+            value=None,
+        )
+    given = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
+    points = [
+        {
+            "aircraft": name,
+            "altitude": altitude,
+            "speed": float(speed),
+            "gear": 0.0 if has_retractable_gear(name) else None,
+        }
+        for name in (_SWEEPS if aircraft is None else [aircraft])
+        for speed in (_SWEEPS[name] if given is None else given)
+    ]
+    if not points:
+        raise ParameterError("speeds is empty", parameter="speeds", value=speeds)
+    rows = run_parts(
+        _modes_at,
+        [[point] for point in points],
+        died={"trimmed": False, "reason": WORKER_DIED},
+        describe=lambda point: f"{point['aircraft']} at {point['speed']:g} KCAS",
+        title=f"modes_over_speed, {len(points)} points",
+        job=lambda: {"study": "modes_over_speed", "points": points, "jsbsim": jsbsim.__version__},
+        jobs=jobs,
+        resume=resume,
+        progress=progress,
+    )
+    columns = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
+    return pd.DataFrame(
+        {
+            "aircraft": [point["aircraft"] for point in points],
+            "requested_altitude_ft": [point["altitude"] for point in points],
+            "requested_speed_kcas": [point["speed"] for point in points],
+            "trimmed": [row["trimmed"] for row in rows],
+            "reason": [row["reason"] for row in rows],
+            "warning": [row.get("warning", "") for row in rows],
+            **{c: np.array([row.get(c, np.nan) for row in rows], dtype=float) for c in columns},
+        }
+    )
+
+
+def column(mode: str) -> str:
+    """Name of a mode in columns."""
+    return mode.lower().replace(" ", "_")
+
+
+def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Poles of the modes at each point."""
+    from ..flight.linear import linear_model
+
+    rows = []
+    for point in points:
+        condition = TrimCondition(
+            altitude=point["altitude"],
+            speed=point["speed"],
+            gear=point["gear"],
+            setup={"propulsion/fuel_freeze": 1.0},
+        )
+        row: dict[str, Any] = {"trimmed": True, "reason": "", "warning": ""}
+        rows.append(row)
+        try:
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always", RuntimeWarning)
+                modes = linear_model(point["aircraft"], condition).modes()
+        except TrimError as error:
+            row.update(trimmed=False, reason=error.reason)
+        except LinearisationError as error:
+            row["reason"] = str(error)
+        else:
+            row["warning"] = "; ".join(str(x.message) for x in said)
+            for mode in modes:  # the fastest first
+                name = column(mode.name)
+                if name == "short_period" and f"{name}_real" in row:
+                    name = "short_period_2"
+                row[f"{name}_real"], row[f"{name}_imag"] = mode.pole.real, mode.pole.imag
+    return rows
