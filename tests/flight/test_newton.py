@@ -471,6 +471,29 @@ def test_the_published_envelope_is_met_point_by_point(start):
                 trim(airframe, condition, hint=False)
 
 
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "speeds"),
+    [("737", 15000, (250, 260, 420, 270)), ("c172p", 5000, (90, 95, 30, 100))],
+)
+def test_a_warm_start_finds_what_a_cold_one_finds(aircraft, altitude, speeds):
+    airframe = Airframe(aircraft)
+    for speed in speeds:
+        condition = TrimCondition(altitude=altitude, speed=speed, gear=1, solver="newton", gamma=1)
+        states = []
+        for there, warm in ((airframe, True), (Airframe(aircraft), False)):
+            try:
+                states.append(trim(there, condition, hint=False, warm=warm))
+            except TrimError as error:
+                states.append(error.reason)
+        ours, cold = states
+        if isinstance(cold, str):
+            assert ours == cold
+            continue
+        for name in ("alpha", "theta", "phi", "pitch_trim", "aileron", "rudder"):
+            assert getattr(ours, name) == pytest.approx(getattr(cold, name), abs=1e-9), name
+        assert ours.throttle == pytest.approx(cold.throttle, abs=1e-9)
+
+
 def test_a_sweep_is_the_same_whatever_its_order_and_chunks():
     speeds = [200, 120, 300, 250, 420]
     grid = {"altitude": 15000, "solver": "newton", "gamma": 2}

@@ -61,8 +61,10 @@ _THRUST_TOLERANCE = 1e-3  # lbf
 _POLISHED = 1e-5
 _SETTLED = 1e-6
 
-# a step that promises to leave more than this of the residuals ends the search
+# a step that promises to leave more than this of the residuals ends the search; with a quantity at
+# the end of its range, which is where most failures end, more is asked for
 _HOPE = 0.98
+_HOPE_AT_LIMIT = 0.9
 
 _ITERATIONS = 30
 _READINGS = 30  # of one state, until a flight control system with memory has settled
@@ -78,6 +80,24 @@ _ROW = 40
 _ROWS = 60
 
 
+class Seed(NamedTuple):
+    """Where a search found its trim, for the next one near it.
+
+    Attributes
+    ----------
+    free : dict
+        as of `Found`
+    slopes : array
+        of the residuals by these, in tolerances
+    has_memory : bool
+        whether the flight control system takes more than one reading to settle
+    """
+
+    free: Mapping[str, float]
+    slopes: np.ndarray
+    has_memory: bool
+
+
 class Found(NamedTuple):
     """Where a search ended.
 
@@ -91,12 +111,15 @@ class Found(NamedTuple):
         the one at the end of its range that holds the search back; empty if none is
     residuals : dict
         ft/s2 and rad/s2
+    seed : Seed or None
+        for the next search, if this one has converged
     """
 
     converged: bool
     free: Mapping[str, float]
     binding: str
     residuals: Mapping[str, float]
+    seed: Seed | None
 
 
 def alpha_range(airframe: Airframe) -> tuple[float, float]:
@@ -138,8 +161,8 @@ class Search:
             self._used.append(len(self._names))
             self._tolerances = np.append(self._tolerances, _THRUST_TOLERANCE)
         self._read = [airframe.reader(source) for source, _ in RESIDUALS.values()]
-        self._write = {
-            name: airframe.writer(name)
+        self._write = [
+            airframe.writer(name)
             for name in (
                 *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
                 *_VELOCITIES,
@@ -148,6 +171,22 @@ class Search:
                     for name in ("pitch-trim", "elevator", "aileron", "rudder")
                 ),
             )
+        ]
+        # what the search does not move
+        self._given = {
+            "speed": self._speed,
+            "throttle": condition.throttle or 0.0,
+            **dict.fromkeys(("pitch_trim", "aileron", "rudder"), 0.0),
+            "elevator": fdm["fcs/elevator-cmd-norm"],
+            **{
+                name: math.radians(angle)
+                for name, angle in (
+                    ("beta", condition.beta),
+                    ("gamma", condition.gamma),
+                    ("phi", condition.bank),
+                    ("psi", condition.heading),
+                )
+            },
         }
         self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
         self._thrusts = [airframe.reader(f"propulsion/engine[{i}]/thrust-lbs") for i in engines]
@@ -189,36 +228,62 @@ class Search:
             names.append("throttle")
         return {name: ranges[name] for name in names}
 
-    def find(self) -> Found:
-        """Search from one first guess after the other."""
+    def find(self, seed: Seed | None = None) -> Found:
+        """Search from a seed, and without success from one first guess after the other.
+
+        With a seed the result is the same, to the precision of the search.
+        """
         time = self._fdm.get_sim_time()
-        best: tuple[float, np.ndarray, np.ndarray] | None = None
+        x, slopes = self._from(seed) if seed else (None, None)
+        if x is None:
+            x, slopes = self._from_guesses()
+        has_memory, self._has_memory = self._has_memory, True
+        # the last state written need not be the best
+        r = self._settled(x)
+        converged = self._size(r) <= 1.0
+        self._fdm.set_sim_time(time)
+        free = dict(zip(self._ranges, x.tolist(), strict=True))
+        return Found(
+            converged=converged,
+            free=free,
+            binding="" if converged else self._binding(x),
+            residuals=dict(zip(self._names, (r * self._tolerances).tolist(), strict=False)),
+            seed=Seed(free, slopes, has_memory) if converged and slopes is not None else None,
+        )
+
+    def _from(self, seed: Seed) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Where the search from a seed ends; None if it does not find a trim to full precision."""
+        if "elevator" in seed.free:
+            self._without_pitch_trim()
+        if list(seed.free) != list(self._ranges) or len(seed.slopes) != len(self._used):
+            return None, None
+        self._has_memory = seed.has_memory
+        x = np.clip(list(seed.free.values()), *self._limits)
+        x, r, slopes = self._descend(x, seed.slopes)
+        if self._size(r) <= _POLISHED:
+            return x, slopes
+        self._ranges = self._free()
+        self._has_memory = True
+        self.steps = 0
+        return None, None
+
+    def _from_guesses(self) -> tuple[np.ndarray, np.ndarray | None]:
+        """Where the best of the searches from the first guesses ends."""
+        best: tuple[float, np.ndarray, np.ndarray | None] | None = None
         low, high = self._limits
         start = np.clip([r.start for r in self._ranges.values()], low, high)
         self._try_out(start)
-        names = list(self._ranges)
         for alpha in _ALPHAS:
             x = start.copy()
-            x[names.index("alpha")] = math.radians(alpha)
-            x, r = self._descend(np.clip(x, low, high))
+            x[list(self._ranges).index("alpha")] = math.radians(alpha)
+            x, r, slopes = self._descend(np.clip(x, low, high))
             size = self._size(r)
             if best is None or size < best[0]:
-                best = size, x, r
+                best = size, x, slopes
             if best[0] <= 1.0 or self.steps > _BUDGET or self._at_limit(best[1]).any():
                 break
         assert best is not None
-        size, x, _ = best
-        self._has_memory = True
-        # the last state written need not be the best
-        r = self._settled(x)
-        size = self._size(r)
-        self._fdm.set_sim_time(time)
-        return Found(
-            converged=size <= 1.0,
-            free=dict(zip(names, x.tolist(), strict=True)),
-            binding="" if size <= 1.0 else self._binding(x),
-            residuals=dict(zip(self._names, (r * self._tolerances).tolist(), strict=False)),
-        )
+        return best[1:]
 
     def _try_out(self, x: np.ndarray) -> None:
         """Find out whether the model has pitch trim, and whether its controls have filters."""
@@ -230,11 +295,14 @@ class Search:
         first, second = self._accelerations(), self._accelerations()
         self._has_memory = not self._size(second - first) <= _SETTLED
         if self._size(second - before) <= _SETTLED:
-            # without pitch trim: the elevator
-            self._ranges = {
-                "elevator" if name == "pitch_trim" else name: quantity
-                for name, quantity in self._ranges.items()
-            }
+            self._without_pitch_trim()
+
+    def _without_pitch_trim(self) -> None:
+        """Move the elevator instead of the pitch trim."""
+        self._ranges = {
+            "elevator" if name == "pitch_trim" else name: quantity
+            for name, quantity in self._ranges.items()
+        }
 
     def _at_limit(self, x: np.ndarray) -> np.ndarray:
         low, high = self._limits
@@ -247,15 +315,16 @@ class Search:
 
     def _size(self, r: np.ndarray) -> float:
         """Largest of the residuals that count, in tolerances."""
-        size = float(np.max(np.abs(r[self._used])))
+        size = float(np.abs(r[self._used]).max())
         return size if math.isfinite(size) else math.inf
 
-    def _descend(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss-Newton from ``x``: where it ends and the residuals there, in tolerances."""
+    def _descend(
+        self, x: np.ndarray, slopes: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Gauss-Newton from ``x``: where it ends, residuals in tolerances, and slopes there."""
         low, high = self._limits
         r = self._settled(x)
         norm = self._norm(r)
-        slopes: np.ndarray | None = None
         for _ in range(_ITERATIONS):
             if self._size(r) <= _POLISHED or not math.isfinite(norm) or self.steps > _BUDGET:
                 break
@@ -265,8 +334,9 @@ class Search:
                 if not np.all(np.isfinite(slopes)):
                     break
             full = self._step(x, r[self._used], slopes)
-            best = float(np.linalg.norm(r[self._used] + slopes @ full))
-            if best > _HOPE * norm:
+            left = r[self._used] + slopes @ full
+            hope = _HOPE_AT_LIMIT if self._at_limit(x + full).any() else _HOPE
+            if math.sqrt(left @ left) > hope * norm:
                 if fresh:
                     break
                 slopes = None
@@ -283,17 +353,18 @@ class Search:
                 slopes = None
                 continue
             moved = (y - x) / self._strides
-            if shorter < 0.3 * norm:
+            if shorter < 0.5 * norm:
                 # Broyden's update in the scaled unknowns
                 gap = (ry - r)[self._used] - slopes @ (y - x)
                 slopes = slopes + np.outer(gap, moved / self._strides) / (moved @ moved)
             else:
                 slopes = None
             x, r, norm = y, ry, shorter
-        return x, r
+        return x, r, slopes
 
     def _norm(self, r: np.ndarray) -> float:
-        norm = float(np.linalg.norm(r[self._used]))
+        used = r[self._used]
+        norm = math.sqrt(used @ used)
         return norm if math.isfinite(norm) else math.inf
 
     def _slopes(self, x: np.ndarray, r: np.ndarray) -> np.ndarray:
@@ -308,23 +379,19 @@ class Search:
 
     def _step(self, x: np.ndarray, r: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """The step of Newton, or the best one within limits and strides."""
-        low = np.maximum(self._limits[0] - x, -self._strides)
-        high = np.minimum(self._limits[1] - x, self._strides)
         try:
             step = np.linalg.solve(slopes, -r)
         except np.linalg.LinAlgError:
             step = np.full(len(x), math.inf)
-        if not np.all((low <= step) & (step <= high)):
-            from scipy.optimize import lsq_linear  # half of the time to import a trim
-
-            scaled = slopes * self._strides
-            # at a limit the interval would be empty
-            bounds = (
-                np.minimum(low / self._strides, -1e-12),
-                np.maximum(high / self._strides, 1e-12),
-            )
-            step = lsq_linear(scaled, -r, bounds=bounds, method="bvls").x * self._strides
-        return step
+        low = np.maximum(self._limits[0] - x, -self._strides)
+        high = np.minimum(self._limits[1] - x, self._strides)
+        if ((low <= step) & (step <= high)).all():
+            return step
+        scaled = slopes * self._strides
+        # at a limit the interval would be empty
+        low = np.minimum(low / self._strides, -1e-12)
+        high = np.maximum(high / self._strides, 1e-12)
+        return _bounded(scaled, -r, low, high) * self._strides
 
     def _settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""
@@ -349,13 +416,10 @@ class Search:
     def _put(self, x: np.ndarray) -> tuple[float, ...]:
         """Write state and controls; returns the throttles."""
         condition, write = self._condition, self._write
-        values = dict(zip(self._ranges, x.tolist(), strict=True))
-        v = values.get("speed", self._speed)
-        alpha = values["alpha"]
-        beta = values.get("beta", math.radians(condition.beta))
-        gamma = values.get("gamma", math.radians(condition.gamma))
-        phi = values.get("phi", math.radians(condition.bank))
-        psi = math.radians(condition.heading)
+        values = {**self._given, **dict(zip(self._ranges, x.tolist(), strict=True))}
+        v, alpha, beta, phi, gamma, throttle = (
+            values[name] for name in ("speed", "alpha", "beta", "phi", "gamma", "throttle")
+        )
         theta = _theta(alpha, beta, phi, gamma)
         p = q = r = 0.0
         if condition.mode == "turn":
@@ -365,27 +429,19 @@ class Search:
             r = rate * math.cos(theta) * math.cos(phi)
         elif condition.mode == "pull-up":
             q = self._gravity * (condition.load_factor - math.cos(gamma)) / v
-        u = v * math.cos(alpha) * math.cos(beta)
-        w = v * math.sin(alpha) * math.cos(beta)
-        ground = u, v * math.sin(beta), w
+        across = v * math.cos(beta)
+        ground = across * math.cos(alpha), v * math.sin(beta), across * math.sin(alpha)
         if self._wind is not None:
-            wind = _to_body(phi, theta, psi) @ self._wind
+            wind = _to_body(phi, theta, values["psi"]) @ self._wind
             ground = tuple((wind + ground).tolist())
             # the wind turns in the axes of an aircraft that turns
             self._target = -np.cross([p, q, r], wind)
-        write["ic/psi-true-rad"](psi)
-        write["ic/theta-rad"](theta)
-        write["ic/phi-rad"](phi)
-        for name, value in zip(_VELOCITIES, (*ground, p, q, r), strict=True):
-            write[name](value)
-        write["fcs/pitch-trim-cmd-norm"](values.get("pitch_trim", 0.0))
-        if "elevator" in values:
-            write["fcs/elevator-cmd-norm"](values["elevator"])
-        write["fcs/aileron-cmd-norm"](values.get("aileron", 0.0))
-        write["fcs/rudder-cmd-norm"](values.get("rudder", 0.0))
-        throttle = values.get("throttle", condition.throttle or 0.0)
-        for write_throttle in self._throttles:
-            write_throttle(throttle)
+        controls = (values[name] for name in ("pitch_trim", "elevator", "aileron", "rudder"))
+        state = values["psi"], theta, phi, *ground, p, q, r
+        for put, value in zip(write, (*state, *controls), strict=True):
+            put(value)
+        for put in self._throttles:
+            put(throttle)
         return (throttle,)
 
     def _accelerations(self) -> np.ndarray:
@@ -446,6 +502,30 @@ class Search:
         self.steps += _STEADY_STATE * len(self._throttles)
         for governor in self._governors:
             self._fdm[governor] = 1.0
+
+
+def _bounded(a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Least squares of a x - b within limits."""
+    # what lsq_linear finds in 0.3 ms, for the usual case that takes no search for what is limited
+    x = np.linalg.lstsq(a, b, rcond=None)[0]
+    at = np.clip(x, low, high)
+    held = at != x
+    for _ in range(len(x)):
+        free = ~held
+        x = at.copy()
+        x[free] = np.linalg.lstsq(a[:, free], b - a[:, held] @ at[held], rcond=None)[0]
+        beyond = (x < low) | (x > high)
+        if not beyond.any():
+            break
+        at = np.clip(x, low, high)
+        held |= beyond
+    # the optimum, if each limit holds back
+    uphill = a.T @ (a @ x - b)
+    if (uphill[held & (at == low)] >= 0.0).all() and (uphill[held & (at == high)] <= 0.0).all():
+        return x
+    from scipy.optimize import lsq_linear  # half of the time to import a trim
+
+    return lsq_linear(a, b, bounds=(low, high), method="bvls").x
 
 
 def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:

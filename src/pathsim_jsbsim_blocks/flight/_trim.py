@@ -18,7 +18,7 @@ import jsbsim
 from .._core.checks import mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
-from ._newton import Search, alpha_range
+from ._newton import Search, Seed, alpha_range
 from .airframe import ENGINE_RUNS, Airframe, has_retractable_gear
 from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition
@@ -283,6 +283,7 @@ _STATE = {
     "gear": "gear/gear-pos-norm",
     "flaps": "fcs/flap-pos-norm",
 }
+_NUMBERS = [f.name for f in dataclasses.fields(TrimState) if f.name in UNITS]
 _RATES = {axis: f"velocities/{axis}-rad_sec" for axis in "pqr"}
 
 # what JSBSim's search moves in each mode (FGTrim::SetMode)
@@ -303,6 +304,7 @@ def trim(
     *,
     hint: bool = True,
     steady: float = 0.0,
+    warm: bool = False,
 ) -> TrimState:
     """Initialise an airframe at a condition and trim it.
 
@@ -328,6 +330,9 @@ def trim(
         fly another aircraft of the same kind from its trim for this time in s, controls held (10
         shows most departures, some take 30): the state's ``drift`` and ``steady`` say how it ends.
         Modes "pull-up" and "none", which are not steady flight, have none
+    warm : bool
+        let the Newton search start where the last one on this airframe found its trim. The result
+        is the same, sooner: if it does not get there to full precision, it starts again cold
 
     Returns
     -------
@@ -357,7 +362,7 @@ def trim(
         )
     steady = number("steady", steady, low=0.0)
     try:
-        found = _trim(airframe, condition, setup)
+        found = _trim(airframe, condition, setup, warm)
         if hint:
             _warn_of_gear(airframe, found)
         if steady and condition.mode not in ("pull-up", "none"):
@@ -579,11 +584,15 @@ def _properties(
 
 
 def _trim(
-    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    warm: bool = False,
 ) -> TrimState:
     if airframe.spent or (airframe.used and condition.mode == "ground"):
         airframe.renew()
     used = airframe.used
+    seed, airframe.seed = airframe.seed if warm else None, None
     airframe.lower_ground()
     written = _properties(airframe, condition, setup)
     # without a search nothing needs the condition's own speed and attitude
@@ -599,8 +608,15 @@ def _trim(
     with airframe.engines_stopped():
         _initialise(airframe, condition, condition.heading, initial)
         if not (used and _not_finite(state(airframe, condition))):
-            return _search(airframe, condition)
-    # the previous flight left NaN or inf in the executive; this call renews it
+            try:
+                return _search(airframe, condition, seed)
+            except TrimError as error:
+                by_newton = condition.searched_by == "newton"
+                if error.reason != "no convergence" or not (used and by_newton):
+                    raise
+    # the previous flight left NaN or inf in the executive, or engines from which a search with
+    # constant-speed propellers does not converge: this call renews it
+    airframe.spent = True
     return _trim(airframe, condition, setup)
 
 
@@ -627,14 +643,14 @@ def _stopped(
     return frozenset(stopped)  # type: ignore[arg-type]
 
 
-def _search(airframe: Airframe, condition: TrimCondition) -> TrimState:
+def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> TrimState:
     """Trim an initialised airframe."""
     if condition.mode != "none":
         _refuse_hopeless(airframe, condition)
     dead = airframe.stopped and condition.solver is None
     flies = condition.mode not in ("ground", "none")
     if condition.searched_by == "newton" or (dead and flies):
-        return _by_newton(airframe, condition)
+        return _by_newton(airframe, condition, seed)
     if condition.mode != "none":
         _find(airframe, condition)
     if condition.mode == "turn":
@@ -652,19 +668,19 @@ def _search(airframe: Airframe, condition: TrimCondition) -> TrimState:
     return found
 
 
-def _by_newton(airframe: Airframe, condition: TrimCondition) -> TrimState:
+def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> TrimState:
     """Trim an initialised airframe with the Newton search."""
     if len(airframe.stopped) == airframe.engines and condition.balance == "throttle":
         airframe.spent = False
         raise _failure(airframe, condition, "thrust")
-    search = Search(airframe, condition)
-    found = search.find()
+    found = Search(airframe, condition).find(seed)
     touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
     if found.converged and not touches:
         changes: dict[str, Any] = {"free": tuple(found.free), **found.residuals}
         reached = dataclasses.replace(state(airframe, condition), **changes)
         if not _not_finite(reached):
             airframe.spent = False
+            airframe.seed = found.seed
             return reached
     for name in ("pitch-trim", "elevator", "aileron", "rudder"):
         airframe.fdm[f"fcs/{name}-cmd-norm"] = 0.0
@@ -685,11 +701,11 @@ def _by_newton(airframe: Airframe, condition: TrimCondition) -> TrimState:
 
 def _not_finite(found: TrimState) -> list[str]:
     """Names of the fields of a state that are not finite."""
+    fields = vars(found)
     return [
         name
-        for name in UNITS
-        if hasattr(found, name)
-        for value in [getattr(found, name)]
+        for name in _NUMBERS
+        for value in [fields[name]]
         if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))
     ]
 
@@ -706,7 +722,7 @@ def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
             f"Mach {mach:.3g}: propellers give thrust below Mach 1 only",
         )
     # the search may still make other fields, such as thrust, finite
-    if broken := [name for name in _not_finite(state(airframe, condition)) if name in _LIMITS]:
+    if broken := [name for name in _LIMITS if not math.isfinite(fdm[_STATE[name]])]:
         raise _failure(
             airframe,
             condition,

@@ -19,7 +19,7 @@ import xml.etree.ElementTree as ET
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jsbsim
 
@@ -29,6 +29,9 @@ from .console import SEALED_PATH, capture_console, messages
 from .flightgear import address, directive
 from .integrators import integrator_properties
 from .planet import gravity_properties, planet_xml
+
+if TYPE_CHECKING:
+    from ._newton import Seed
 
 
 def aircraft_folder(root: str | None = None) -> Path:
@@ -187,6 +190,8 @@ class Airframe:
     used, spent : bool
         whether a search has run on the executive, and whether one left it unusable as a starting
         point; `pathsim_jsbsim_blocks.flight.trim` sets and checks them
+    seed : Seed or None
+        where the last Newton search found its trim
     stopped : frozenset of int
         engines that do not run, set by a trim
 
@@ -250,6 +255,7 @@ class Airframe:
     def _open(self) -> None:
         capture_console()
         self.used = self.spent = False
+        self.seed: Seed | None = None
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
         if not self._network:
             self.fdm.disable_input()
@@ -274,7 +280,8 @@ class Airframe:
         self._properties = self.fdm.get_property_manager()
         self._choose_outputs()
         self._names: list[str] | None = None
-        # a trim map writes the same few properties at every point
+        # a trim map reads and writes the same few properties at every point
+        self._readers: dict[str, Callable[[], float]] = {}
         self._writers: dict[str, Callable[[float], Any]] = {}
         self._created: set[str] = set()
         self._ground_before: float | None = None
@@ -453,11 +460,15 @@ class Airframe:
         PropertyError
             if the name is malformed or unknown, or the property cannot be read
         """
-        return self._node(name, "r", "read").get_double_value
+        if name not in self._readers:
+            self._readers[name] = self._node(name, "r", "read").get_double_value
+        return self._readers[name]
 
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`."""
-        return self._node(name, "w", "written").set_double_value
+        if name not in self._writers:
+            self._writers[name] = self._node(name, "w", "written").set_double_value
+        return self._writers[name]
 
     def reader_of(self, names: Iterable[str]) -> Callable[[], list[float]]:
         """A function that reads several properties at once; errors as in `reader`."""
@@ -481,11 +492,8 @@ class Airframe:
             fuel than a tank holds
         """
         values = mapping(what, values)
-        for name in values:
-            if name not in self._writers:
-                self._writers[name] = self.writer(name)
         items = [
-            (self._writers[name], number(f"{what}[{name!r}]", value))
+            (self.writer(name), number(f"{what}[{name!r}]", value))
             for name, value in values.items()
         ]
         for write, value in items:

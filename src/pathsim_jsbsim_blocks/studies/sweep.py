@@ -177,7 +177,7 @@ def _trim_points(
     rows: list[dict[str, Any]] = []
     for condition in conditions:
         try:
-            state = trim(airframe, condition, hint=False)
+            state = trim(airframe, condition, hint=False, warm=True)
         except TrimError as error:
             rows.append({"trimmed": False, "reason": error.reason})
         else:
