@@ -58,8 +58,27 @@ def server(models):
         yield server
 
 
+@pytest.fixture(scope="session")
+def profile(browser, server):
+    """A browser profile that has opened the editor: PathView's worker process runs."""
+    with Editor(browser, server.address, server.url) as first:
+        first.page.goto(server.url())
+        first.page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=120_000)
+        yield first.context
+
+
 @pytest.fixture
-def editor(browser, server):
+def editor(profile, browser, server):
+    """The editor in a page of its own: the cookie is there, and the worker process runs."""
+    before = set(profile.pages)
+    editor = Editor(browser, server.address, server.url, profile)
+    yield editor
+    for page in set(profile.pages) - before:
+        page.close()
+
+
+@pytest.fixture
+def fresh_editor(browser, server):
     """The editor in a fresh browser profile."""
     with Editor(browser, server.address, server.url) as editor:
         yield editor

@@ -12,14 +12,14 @@ TIMED_OUT = "Execution timed out"
 
 
 class Editor:
-    """One page in a fresh browser profile.
+    """A page in a fresh browser profile, or in the one that is given.
 
     ``url`` gives the address of a model, with the server's token.
     """
 
-    def __init__(self, browser, address, url=None):
+    def __init__(self, browser, address, url=None, profile=None):
         self.address, self.url = address, url
-        self.context = browser.new_context(
+        self.context = profile or browser.new_context(
             viewport={"width": 1600, "height": 1000}, accept_downloads=True
         )
         self.page = self.context.new_page()

@@ -65,6 +65,12 @@ NAMES = sorted(
 )
 
 
+@pytest.fixture
+def editor(fresh_editor):
+    """No name is left of another diagram."""
+    return fresh_editor
+
+
 @pytest.mark.parametrize("name", first(NAMES, 2))
 def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")

@@ -96,6 +96,12 @@ def picture(request, editor):
     return take
 
 
+@pytest.fixture
+def editor(fresh_editor):
+    """Nothing is left of other tests."""
+    return fresh_editor
+
+
 def by_hand():
     """The same diagram as a script, flown."""
     plane = Aircraft("c172p", altitude=5000.0, speed=90.0)

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -58,6 +59,12 @@ if __name__ == "__main__":
     Sim.run(duration=T)
     Sim.plot()
 '''
+
+
+@pytest.fixture
+def editor(fresh_editor):
+    """No name is left of another script."""
+    return fresh_editor
 
 
 def test_a_script_with_everything(tmp_path, models, editor):

@@ -114,8 +114,7 @@ class Elsewhere:
 
 
 @pytest.fixture(params=["127.0.0.1", "localhost"])  # the same site, and another one
-def elsewhere(request, editor):
-    editor.page.unroute_all()
+def elsewhere(request):
     elsewhere = Elsewhere(request.param)
     yield elsewhere
     elsewhere.close()
@@ -188,6 +187,7 @@ def test_a_note_runs_nothing(note, editor, models):
 
 @pytest.mark.parametrize("path", first(PAGES))
 def test_another_page_cannot_make_the_editor_load_its_model(path, editor, elsewhere, model):
+    editor.page.unroute_all()
     elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
     editor.open(model)
     for query in (
@@ -207,6 +207,7 @@ def test_another_page_cannot_make_the_editor_load_its_model(path, editor, elsewh
 
 def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, tmp_path):
     where = tmp_path / "ran"
+    editor.page.unroute_all()
     editor.open(model)
     session = editor.page.evaluate("localStorage.getItem('flask-session-id')")
     code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
@@ -246,7 +247,10 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
     assert editor.run() == "Simulation completed successfully"
 
 
-def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(browser, editor, model):
+def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(
+    browser, fresh_editor, model
+):
+    editor = fresh_editor
     stranger = browser.new_context()
     page = stranger.new_page()
     for path in (*PAGES, f"/editor?model=/model/{model}", "/editor?token=x", "/api/health"):
@@ -265,7 +269,9 @@ def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(brow
     assert not editor.errors
 
 
-def test_opened_from_another_page_the_printed_address_works(editor, elsewhere, model):
+def test_opened_from_another_page_the_printed_address_works(fresh_editor, elsewhere, model):
+    editor = fresh_editor
+    editor.page.unroute_all()
     elsewhere.pages["/terminal"] = f'<a href="{editor.url(model)}">PathView</a>'
     editor.page.goto(f"{elsewhere.address}/terminal")
     editor.page.click("a")

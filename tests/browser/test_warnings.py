@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from pathsim_jsbsim_blocks.pathview import export_script
 
 SCRIPT = """
@@ -36,6 +38,12 @@ SAID = [
     "outside of the standard atmosphere's range",
     "UserWarning: the model's own",
 ]
+
+
+@pytest.fixture
+def editor(fresh_editor):
+    """Python shows a warning once in a process."""
+    return fresh_editor
 
 
 def test_each_warning_is_in_the_console_once(tmp_path, models, editor):

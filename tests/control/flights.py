@@ -16,6 +16,7 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
+from pathsim_jsbsim_blocks import fly as fly_diagram
 
 T = 1 / 120
 POINTS = {
@@ -101,7 +102,7 @@ def fly(plane, seconds, ports=None, pulse=None, events=(), sensors=None, unwired
         else:
             connections.append(Connection(autopilot[name], plane[name]))
     sim = Simulation(blocks, connections, list(events), dt=T, log=False)
-    sim.run(seconds)
+    fly_diagram(sim, seconds)
     return record(scope, commands)
 
 
@@ -134,7 +135,7 @@ def fly_holds(plane, seconds, vertical="altitude", lateral="heading", ports=None
             connections.append(Connection(hold[name], *to))
     connections.append(Connection(plane[: len(STATES)], scope[: len(STATES)]))
     sim = Simulation(blocks, connections, dt=T, log=False)
-    sim.run(seconds)
+    fly_diagram(sim, seconds)
     return record(scope, commands)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 BODY = [f"forces/fb{i}-aero-lbs" for i in "xyz"]
@@ -19,7 +20,7 @@ def flown():
     assert diagram.sim.time == 0.0
     live = []
     for _ in range(30):
-        diagram.sim.run(diagram.DURATION / 30)
+        fly(diagram.sim, diagram.DURATION / 30)
         live.append(
             [diagram.fdm.fdm[name] for name in [*BODY, *WIND]]
             + [*diagram.to_body.outputs.to_array(), *diagram.to_wind.outputs.to_array()]

@@ -8,6 +8,7 @@ from pathsim import Connection
 from pathsim.blocks import Scope
 from pymap3d import geodetic2ned
 
+from pathsim_jsbsim_blocks import fly as fly_diagram
 from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
@@ -34,7 +35,7 @@ def flown():
         if name not in flights:
             flights[name] = load_diagram(name)
             assert flights[name].sim.time == 0.0  # importing does not run it
-            flights[name].sim.run(flights[name].DURATION)
+            fly_diagram(flights[name].sim, flights[name].DURATION)
         return flights[name]
 
     return fly
@@ -148,7 +149,7 @@ def mission():
     diagram.sim.add_block(saturation)
     outputs = ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
     diagram.sim.add_connection(Connection(diagram.aircraft[outputs], saturation[:4]))
-    diagram.sim.run(diagram.DURATION)
+    fly_diagram(diagram.sim, diagram.DURATION)
     return diagram, saturation.read()[1]
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
@@ -26,7 +27,7 @@ def table(name):
 
 def flown(name):
     module = load_diagram(name)
-    module.sim.run(module.DURATION)
+    fly(module.sim, module.DURATION)
     return module
 
 

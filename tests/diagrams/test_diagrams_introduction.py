@@ -3,13 +3,14 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
 
 def flown(name):
     module = load_diagram(name)
-    module.sim.run(module.DURATION)
+    fly(module.sim, module.DURATION)
     return module
 
 

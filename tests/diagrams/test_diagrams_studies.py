@@ -12,6 +12,7 @@ import pandas as pd
 import plain_jsbsim
 import pytest
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.studies import climb_schedule
 
@@ -34,7 +35,7 @@ def at(times, scope):
 
 def test_rudder_kick():
     diagram = load_diagram("rudder_kick")
-    diagram.sim.run(20.0)
+    fly(diagram.sim, 20.0)
     table = pd.read_csv(DATA / "07_rudder_kick.csv")
     assert diagram.sim.time == pytest.approx(table.t_s.iloc[-1])
     beta, phi = at(table.t_s, diagram.response)
@@ -67,7 +68,7 @@ def compare_climb(diagram, table):
 
 def test_scheduled_climb_begins_as_the_loop():
     diagram = load_diagram("scheduled_climb")
-    diagram.sim.run(60.0)
+    fly(diagram.sim, 60.0)
     table = pd.read_csv(DATA / "10_climb_scheduled_trim.csv")
     compare_climb(diagram, table[table.t_s <= 60.0])
 
@@ -75,7 +76,7 @@ def test_scheduled_climb_begins_as_the_loop():
 @pytest.mark.long
 def test_scheduled_climb():
     diagram = load_diagram("scheduled_climb")
-    diagram.sim.run(diagram.DURATION)
+    fly(diagram.sim, diagram.DURATION)
     table = pd.read_csv(DATA / "10_climb_scheduled_trim.csv")
     compare_climb(diagram, table)
 
@@ -107,7 +108,7 @@ def test_the_tables_of_the_scheduled_climb_are_those_of_the_study():
 
 def test_fixed_trim_climb():
     diagram = load_diagram("fixed_trim_climb")
-    diagram.sim.run(diagram.DURATION / 3)
+    fly(diagram.sim, diagram.DURATION / 3)
     table = pd.read_csv(DATA / "10_climb_fixed_trim.csv")
     compare_climb(diagram, table[table.t_s <= diagram.DURATION / 3])
     trim = diagram.aircraft.trim

@@ -7,6 +7,7 @@ import pytest
 from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import DrydenTurbulence
+from pathsim_jsbsim_blocks import fly as fly_diagram
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 pytestmark = pytest.mark.matrix
@@ -16,7 +17,7 @@ GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]
 
 def flown(name, duration=None):
     module = load_diagram(name)
-    module.sim.run(duration or module.DURATION)
+    fly_diagram(module.sim, duration or module.DURATION)
     return module
 
 

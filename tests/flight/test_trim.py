@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from how_many import first
 from plain_jsbsim import trimmed
 
 from pathsim_jsbsim_blocks import (
@@ -380,12 +381,14 @@ for condition in eval(sys.argv[2]):
 
 @pytest.mark.parametrize(
     ("aircraft", "conditions", "said"),
-    [
-        # JSBSim's search for a ground attitude reads invalid memory, which ends the process
-        ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
-        ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
-        ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
-    ],
+    first(
+        [
+            # JSBSim's search for a ground attitude reads invalid memory, which ends the process
+            ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
+            ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
+            ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
+        ]
+    ),
 )
 def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, conditions, said):
     done = subprocess.run(

@@ -10,6 +10,7 @@ import pytest
 from how_many import families_once, first
 from pathsim import Subsystem
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 from pathsim_jsbsim_blocks.pathview.script import Script
@@ -44,7 +45,7 @@ def traces(path, monkeypatch, longest=math.inf, part=1.0):
         np.random.seed(1)  # noqa: NPY002 (the models draw from the global one)
         script = Script(path)
         duration = eval(compile(_duration(script), "duration", "eval"), script.namespace)
-        script.simulation.run(min(part * duration, longest))
+        fly(script.simulation, min(part * duration, longest))
     return duration, [b.read() for b in recorders(script.simulation.blocks)]
 
 
