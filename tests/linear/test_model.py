@@ -20,6 +20,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
+from pathsim_jsbsim_blocks.linear.identification import _coordinates
 
 # what each input is for
 RESPONSES = {
@@ -231,6 +232,13 @@ def test_kinks_are_told():
     assert np.nanmax(model.kinks) > 0.1
 
 
+def test_the_kinks_of_linear_surfaces_are_none():
+    # the c172p's surfaces act by tables that are linear about 0, its propeller does not
+    kinks = plane("c172p").linear_model("algebraic").kinks[0]
+    assert np.all(kinks[:3] < 1e-6)
+    assert 1e-6 < kinks[3] < 0.1
+
+
 # the elevator of the c310 and the aileron of the Short_S23 are linear for the pulse only, and
 # the roll of the T38 shows its kink in a doublet, where the odd parts cancel
 @pytest.mark.parametrize(
@@ -380,3 +388,16 @@ def test_the_process_does_not_die_of_an_aircraft_without_engines():
         warnings.simplefilter("error")
         with pytest.raises(Exception, match="does not trim"):
             linear_model("SGS", TrimCondition(altitude=3000, speed=50))
+
+
+def test_states_are_outputs_and_what_completes_them():
+    C = np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]])
+    rows, signals = _coordinates(C, [0, 1, 3, 2])
+    # not the multiple of another row, nor one of zeros
+    assert signals == [0, 2, -1]
+    assert rows[:2].tolist() == [[1.0, 1.0, 0.0], [0.0, 0.0, 3.0]]
+    assert abs(rows[2]) == pytest.approx([0.5**0.5, 0.5**0.5, 0.0])
+    assert rows[:2] @ rows[2] == pytest.approx([0.0, 0.0], abs=1e-12)
+    rows, signals = _coordinates(C, [])
+    assert rows @ rows.T == pytest.approx(np.eye(3))
+    assert signals == [-1, -1, -1]

@@ -31,7 +31,7 @@ OWN_TESTS = {
     "check_cases/": ["test_check_cases.py"],
     "flight/_trim": ["test_trim.py", "test_newton.py"],
     "flight/_newton": ["test_newton.py"],
-    "flight/condition": ["test_trim.py", "test_promises.py"],
+    "flight/condition": ["test_promises.py", "test_newton.py", "test_trim.py"],
     "sources": ["test_sources.py", "test_promises.py"],
     "air/atmosphere": ["test_atmosphere.py", "test_atmosphere_blocks.py"],
     "air/atmosphere_blocks": ["test_atmosphere_blocks.py", "test_airspeed.py", "test_promises.py"],
