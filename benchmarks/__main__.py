@@ -10,9 +10,10 @@ import autopilot
 import batches
 import fdm_block
 import import_time
+import linear_model
 import trim_sweep
 from report import HEADER
 
 print(HEADER)
-for benchmark in (fdm_block, autopilot, air_data, trim_sweep, batches, import_time):
+for benchmark in (fdm_block, autopilot, air_data, trim_sweep, linear_model, batches, import_time):
     benchmark.rows()

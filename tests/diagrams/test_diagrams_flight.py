@@ -130,3 +130,22 @@ def test_aileron_turn_is_no_ten_degree_turn():
     assert np.unwrap(psi, period=360.0)[-1] - 90.0 == pytest.approx(-286, abs=0.5)
     _, h = signal(module.scope, "altitude")
     assert h[0] - h[-1] == pytest.approx(808, abs=0.5)
+
+
+def test_dutch_roll():
+    module = flown("dutch_roll")
+    system = module.sim.to_statespace(
+        inputs=[module.rudder_less[0]], outputs=[module.without["beta"]]
+    )
+    poles = np.linalg.eigvals(system.A)
+    _, slips = module.slip.read()
+    for expected, beta in zip((0.16, 0.37, 0.58), slips, strict=True):
+        # least squares of a sum of four exponentials (Prony) at 10 Hz after the pulse
+        y = beta[204:984:12] - beta[0]
+        past = np.column_stack([y[3 - i : len(y) - 1 - i] for i in range(4)])
+        weights = np.linalg.lstsq(past, y[4:], rcond=None)[0]
+        roots = np.log(np.roots([1.0, *-weights]).astype(complex)) / 0.1
+        pole = max((x for x in roots if x.imag > 0.5), key=lambda x: x.real)
+        assert -pole.real / abs(pole) == pytest.approx(expected, abs=0.01)
+        # the linear model of the diagram has that pair too: the delay of sampling is a lag there
+        assert np.abs(poles - pole).min() < 0.01 * abs(pole)

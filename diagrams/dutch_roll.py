@@ -1,0 +1,77 @@
+"""Dutch roll of a 737 with the gain of its yaw damper at 0, 1 and 2.
+
+Three of 737 at 5000 ft and 260 KCAS, gear up, get the same rudder pulse, 0.1 from 1 s to 1.5 s. The
+damper inside the model moves the rudder by the yaw rate in rad/s: by 0.0175 of travel for 1 deg/s.
+What a gain outside adds to it takes it away in one aircraft and doubles it in another.
+
+Expected: the damping ratio is 0.16 without a damper, 0.37 as the model is built, 0.58 with twice
+the gain, and the natural frequency stays at 2.0 rad/s. The linear model of the diagram
+(``sim.to_statespace``) has the same three pairs of poles.
+
+Source: our own, on the 737 of JSBSim.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, Scope, StepSource
+
+from pathsim_jsbsim_blocks import Aircraft
+
+DURATION = 15.0  # s
+
+pulse = StepSource(amplitude=[0.1, 0.0], tau=[1.0, 1.5])
+without = Aircraft(aircraft="737", altitude=5000.0, speed=260.0, gear=0.0)
+built_in = Aircraft(aircraft="737", altitude=5000.0, speed=260.0, gear=0.0)
+doubled = Aircraft(aircraft="737", altitude=5000.0, speed=260.0, gear=0.0)
+less = Amplifier(gain=-0.01745)
+more = Amplifier(gain=0.01745)
+rudder_less = Adder("++")
+rudder_more = Adder("++")
+slip = Scope(
+    labels=["sideslip angle, 0 [deg]", "sideslip angle, 1 [deg]", "sideslip angle, 2 [deg]"]
+)
+yaw = Scope(labels=["yaw rate, 0 [deg/s]", "yaw rate, 1 [deg/s]", "yaw rate, 2 [deg/s]"])
+roll = Scope(labels=["roll angle, 0 [deg]", "roll angle, 1 [deg]", "roll angle, 2 [deg]"])
+
+sim = Simulation(
+    [pulse, without, built_in, doubled, less, more, rudder_less, rudder_more, slip, yaw, roll],
+    [
+        Connection(pulse, rudder_less[0], built_in["rudder"], rudder_more[0]),
+        Connection(less, rudder_less[1]),
+        Connection(more, rudder_more[1]),
+        Connection(rudder_less, without["rudder"]),
+        Connection(rudder_more, doubled["rudder"]),
+        Connection(without["r"], less, yaw[0]),
+        Connection(built_in["r"], yaw[1]),
+        Connection(doubled["r"], more, yaw[2]),
+        Connection(without["beta"], slip[0]),
+        Connection(built_in["beta"], slip[1]),
+        Connection(doubled["beta"], slip[2]),
+        Connection(without["phi"], roll[0]),
+        Connection(built_in["phi"], roll[1]),
+        Connection(doubled["phi"], roll[2]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(
+        slip, yaw, roll, title="737: rudder pulse, gain of the yaw damper at 0, 1 and 2"
+    )
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show, signal
+
+    sim.run(DURATION)
+    for gain in (0, 1, 2):
+        time, beta = signal(slip, f"sideslip angle, {gain}")
+        late = time > 5.0
+        print(
+            f"gain {gain}: sideslip up to {abs(beta).max():.2f} deg, after 5 s up to "
+            f"{abs(beta[late] - beta[-1]).max():.3f} deg"
+        )
+    show(figure(), "dutch_roll")
