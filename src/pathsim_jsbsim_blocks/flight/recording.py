@@ -11,7 +11,7 @@ import numpy as np
 from ..tracks.track import POSITION, Track
 from . import block
 from .block import FlightBlock
-from .channels import DEG
+from .channels import ALMOST_NORTH, DEG
 
 # label: property and factor; one that a model lacks is left out
 _SIGNALS = {
@@ -105,6 +105,9 @@ class Recording:
             label: column * _SIGNALS[label][1]
             for label, column in zip(self._labels, rows.T[1:], strict=True)
         }
+        # as at the port
+        heading = columns[POSITION["psi"]]
+        heading[heading > ALMOST_NORTH] = 0.0
         return Track(
             name,
             self.block.airframe.aircraft,
