@@ -23,6 +23,7 @@ PANELS = {
     "autopilot_mission": 5,
     "pitch_hold_primitives": 3,
     "approach_737": 4,
+    "fleet_pitch_hold": 2,
 }
 
 
@@ -59,6 +60,22 @@ def test_pitch_hold(flown):
     _, vc = signal(diagram.flight, "calibrated airspeed")
     assert h[-1] - h[0] == pytest.approx(93.0, abs=1.0)
     assert vc[-1] == pytest.approx(83.1, abs=0.1)
+
+
+def test_fleet_pitch_hold(flown):
+    diagram = flown("fleet_pitch_hold")
+    time, pitches = diagram.pitch.read()
+    after = {}
+    for name, theta in zip(diagram.qualities(), pitches, strict=True):
+        error = theta - theta[0] - 5.0
+        after[name] = settled(time, error, 0.5) - 1.0
+        assert np.max(error) < 0.05 * 5.0, name
+        assert np.abs(error[-120:]).max() < 0.1, name
+        # the same by response_quality, which interpolates
+        assert after[name] == pytest.approx(diagram.qualities()[name].settling, abs=1.01 * T)
+    assert after["c172p"] == pytest.approx(1.9, abs=0.1)
+    assert after["A320"] == pytest.approx(3.1, abs=0.1)
+    assert max(after.values()) == after["A320"]
 
 
 def test_approach_737(flown):

@@ -1,0 +1,157 @@
+"""One pitch hold, six aircraft: 5 deg up, from a Cessna 172 to a Boeing 747.
+
+Each aircraft is trimmed in level flight: a light aircraft, three airliners, a business jet and a
+supersonic trainer. ``PitchHold`` raises the nose of each by 5 deg at 1 s; the throttles stay where
+the trims left them. The gains of the first three are the tables that bear their names; those of the
+others were designed from their linear models.
+
+Expected: each is within 0.5 deg after 1.9 s (c172p) to 3.1 s (A320), with an overshoot of at most
+3.2 %, and within 0.1 deg at the end.
+
+Source: our own.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, StepSource
+
+from pathsim_jsbsim_blocks import Aircraft, PitchHold
+
+DURATION = 15.0  # s
+STEP = 5.0  # deg
+START = 1.0  # s
+
+c172p = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+b737 = Aircraft(aircraft="737", altitude=10000.0, speed=280.0, gear=0.0)
+global5000 = Aircraft(aircraft="global5000", altitude=15000.0, speed=250.0, gear=0.0)
+a320 = Aircraft(aircraft="A320", altitude=5000.0, speed=281.0, gear=0.0)
+b747 = Aircraft(aircraft="B747", altitude=5000.0, speed=268.0, gear=0.0)
+t38 = Aircraft(aircraft="T38", altitude=5000.0, speed=223.0, gear=0.0)
+hold_c172p = PitchHold(gains="c172p")
+hold_b737 = PitchHold(gains="737")
+hold_global5000 = PitchHold(gains="global5000")
+hold_a320 = PitchHold(gains={"Kp": 0.28, "Ki": 0.118, "Kr": 0.0554, "b": 0.8, "ramp": 2.54})
+hold_b747 = PitchHold(gains={"Kp": 0.573, "Ki": 0.344, "Kr": 0.169, "b": 0.8, "ramp": 2.66})
+hold_t38 = PitchHold(gains={"Kp": 0.194, "Ki": 0.202, "Kr": 0.0608, "b": 0.2, "ramp": 3.19})
+step = StepSource(amplitude=STEP, tau=START)
+pitch = Scope(
+    labels=[
+        "c172p [deg]",
+        "737 [deg]",
+        "global5000 [deg]",
+        "A320 [deg]",
+        "B747 [deg]",
+        "T38 [deg]",
+    ]
+)
+elevator = Scope(
+    labels=[
+        "elevator of c172p [-]",
+        "elevator of 737 [-]",
+        "elevator of global5000 [-]",
+        "elevator of A320 [-]",
+        "elevator of B747 [-]",
+        "elevator of T38 [-]",
+    ]
+)
+
+sim = Simulation(
+    [
+        c172p,
+        b737,
+        global5000,
+        a320,
+        b747,
+        t38,
+        hold_c172p,
+        hold_b737,
+        hold_global5000,
+        hold_a320,
+        hold_b747,
+        hold_t38,
+        step,
+        pitch,
+        elevator,
+    ],
+    [
+        Connection(
+            step,
+            hold_c172p["theta_ref"],
+            hold_b737["theta_ref"],
+            hold_global5000["theta_ref"],
+            hold_a320["theta_ref"],
+            hold_b747["theta_ref"],
+            hold_t38["theta_ref"],
+        ),
+        Connection(c172p["theta"], hold_c172p["theta"], pitch[0]),
+        Connection(c172p["q"], hold_c172p["q"]),
+        Connection(c172p["elev_sat"], hold_c172p["elev_sat"]),
+        Connection(hold_c172p["elevator"], c172p["elevator"], elevator[0]),
+        Connection(b737["theta"], hold_b737["theta"], pitch[1]),
+        Connection(b737["q"], hold_b737["q"]),
+        Connection(b737["elev_sat"], hold_b737["elev_sat"]),
+        Connection(hold_b737["elevator"], b737["elevator"], elevator[1]),
+        Connection(global5000["theta"], hold_global5000["theta"], pitch[2]),
+        Connection(global5000["q"], hold_global5000["q"]),
+        Connection(global5000["elev_sat"], hold_global5000["elev_sat"]),
+        Connection(hold_global5000["elevator"], global5000["elevator"], elevator[2]),
+        Connection(a320["theta"], hold_a320["theta"], pitch[3]),
+        Connection(a320["q"], hold_a320["q"]),
+        Connection(a320["elev_sat"], hold_a320["elev_sat"]),
+        Connection(hold_a320["elevator"], a320["elevator"], elevator[3]),
+        Connection(b747["theta"], hold_b747["theta"], pitch[4]),
+        Connection(b747["q"], hold_b747["q"]),
+        Connection(b747["elev_sat"], hold_b747["elev_sat"]),
+        Connection(hold_b747["elevator"], b747["elevator"], elevator[4]),
+        Connection(t38["theta"], hold_t38["theta"], pitch[5]),
+        Connection(t38["q"], hold_t38["q"]),
+        Connection(t38["elev_sat"], hold_t38["elev_sat"]),
+        Connection(hold_t38["elevator"], t38["elevator"], elevator[5]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def qualities():
+    """Settling to 0.5 deg and overshoot of each aircraft, from the step on."""
+    from pathsim_jsbsim_blocks.control import response_quality
+
+    time, pitches = pitch.read()
+    names = [label.split()[0] for label in pitch.labels]
+    return {
+        name: response_quality(time, theta, theta[0] + STEP * (time >= START - 1e-9), tolerance=0.5)
+        for name, theta in zip(names, pitches, strict=True)
+    }
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+
+    time, pitches = pitch.read()
+    _, elevators = elevator.read()
+    drawing, (top, bottom) = subplots(2, 1, sharex=True, layout="constrained", figsize=(9, 7))
+    with exact_curves():
+        for name, theta, u in zip(qualities(), pitches, elevators, strict=True):
+            top.plot(time, theta - theta[0], label=name)
+            bottom.plot(time, u)
+    top.axhspan(STEP - 0.5, STEP + 0.5, color="0.9")
+    top.set_ylabel("pitch angle above the trim [deg]")
+    top.legend(loc="lower right", fontsize="small", ncols=2)
+    bottom.set_ylabel("elevator increment [-]")
+    bottom.set_xlabel("time [s]")
+    for ax in (top, bottom):
+        ax.grid(alpha=0.4)
+    drawing.suptitle("six aircraft: 5 deg of pitch")
+    return drawing
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    for name, found in qualities().items():
+        print(
+            f"{name:>10}: within 0.5 deg after {found.settling:.1f} s, overshoot "
+            f"{found.overshoot_percent:.1f} %, at the end {found.steady_error:.3f} deg off"
+        )
+    show(figure(), "fleet_pitch_hold")
