@@ -69,7 +69,19 @@ def wrap(angle):
     return (angle + 180.0) % 360.0 - 180.0
 
 
-def fly(plane, seconds, ports=None, pulse=None, events=(), sensors=None, unwired=(), **parameters):
+PROTECTION = ("alpha", "beta")  # ports of the protection and of coordinated turns
+
+
+def fly(
+    plane,
+    seconds,
+    ports=None,
+    pulse=None,
+    events=(),
+    sensors=None,
+    unwired=PROTECTION,
+    **parameters,
+):
     """Fly the autopilot; ``ports`` and ``pulse`` (by actuator) are functions of time.
 
     ``sensors`` is a block between the aircraft's outputs and the autopilot; ``unwired`` are inputs
@@ -122,7 +134,7 @@ def fly_holds(plane, seconds, vertical="altitude", lateral="heading", ports=None
     blocks, connections = [plane, *holds, scope, commands], []
     for hold in holds:
         for name in hold.input_port_labels:
-            if name in STATES:
+            if name in STATES and name not in PROTECTION:
                 connections.append(Connection(plane[name], hold[name]))
             elif name in (ports or {}):
                 signal = ports[name]

@@ -118,7 +118,7 @@ def test_authority_is_one_number_or_two():
     hold = PitchHold(authority=(-0.1, 0.3), theta_ref=90.0, gains={"Kp": 10.0, "Ki": 0.0})
     state = hold.initial_state()
     for _ in range(3):
-        (elevator, _), state = hold.law([0.0] * 5, state)
+        (elevator, _), state = hold.law([0.0] * len(hold.input_port_labels), state)
     assert elevator == -0.1  # nose up
 
 
@@ -213,7 +213,13 @@ def test_schedules_that_cannot_be(schedule):
     with pytest.raises(ParameterError, match="index of one of 3 points"):
         GainSchedule("737", points, nominal=3)
     with pytest.raises(ParameterError, match="envelope limits, or none"):
-        GainSchedule("737", (DesignPoint(0.0, 200.0, GAINS["737"]), *points))
+        GainSchedule(
+            "737",
+            (
+                DesignPoint(0.0, 200.0, dataclasses.replace(GAINS["737"], envelope=None)),
+                *points,
+            ),
+        )
     with pytest.raises(ParameterError, match="AircraftGains"):
         DesignPoint(0.0, 200.0, "737")
 

@@ -302,6 +302,27 @@ def test_yaw_damper(wires):
     assert not laws(YawDamper(gains={"K": 0.0, "tau": tau}, T=T), **wires)["rudder"].any()
 
 
+def test_turn_coordination(wires):
+    K, tau, Kp, Ki, limit = 0.02, 1.5, 0.03, 0.06, 0.05
+    block = YawDamper(gains={"K": K, "tau": tau, "Kp": Kp, "Ki": Ki}, authority=limit, T=T)
+    beta = wander(np.random.default_rng(5), 0.8)
+    u, last, engaged = np.empty(N), 0.0, False
+    for k in range(N):
+        r = wires["r"][k]
+        if OFF[k]:
+            last *= math.exp(-T / tau)
+        else:
+            if not engaged:  # go on from the output: the integral cancels the sideslip found
+                mean, integral = r - last / K, Kp * beta[k]
+            v = K * (r - mean) - Kp * beta[k] + integral
+            last = clip(v, -limit, limit)
+            mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
+            if not (last != v and np.sign(v) == -np.sign(beta[k])):  # no further into the limit
+                integral -= Ki * T * beta[k]
+        u[k], engaged = last, not OFF[k]
+    assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
+
+
 GAINS = {
     "pitch": ATTITUDE,
     "roll": {**ATTITUDE, "Kr": 0.01},

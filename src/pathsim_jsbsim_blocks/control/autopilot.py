@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
-from .._core.tunable import TunableLaw
-from .controller import Authority, fill
-from .gains import Gains, loop_gains
+import math
+
+from .controller import LOW, SLOW, Authority, Hold, fill, protection_from
+from .gains import Gains
 from .loops import (
     AltitudeLoop,
     HeadingLoop,
     ReferenceLoop,
     SpeedLoop,
     State,
-    WashoutLoop,
+    YawLoop,
     limits,
     optional,
     pitch_loop,
     roll_loop,
 )
+from .protection import Protection, true_airspeed
 
 
 @fill
-class Autopilot(TunableLaw):
+class Autopilot(Hold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
     ``AirspeedHold`` and ``YawDamper``, sampled at T. With every port at 0 it holds the altitude,
     heading and airspeed found at engagement. Mode changes are bumpless; a mode that takes over
     holds the values it finds, plus its reference port.
+
+    With the port ``alpha`` wired, and a gain table that has limits of the flight envelope, no
+    reference leads into the stall: the pitch angle gives way before the angle of attack exceeds
+    its limit; the airspeed demanded is at least the lowest; a climb is limited to what the thrust
+    sustains, and becomes a descent at too low an airspeed.
 
     Parameters
     ----------
@@ -62,6 +69,8 @@ class Autopilot(TunableLaw):
     throttle_authority : float or pair
         largest throttle increment, of full travel
     %(T)s
+    %(reference)s
+    %(alpha_max)s
 
     Inputs
     ------
@@ -72,7 +81,7 @@ class Autopilot(TunableLaw):
     h, hdot, vc
         altitude in ft, rate of climb in ft/s, calibrated airspeed in kt
     theta_ref, h_ref, phi_ref, psi_ref, vc_ref
-        added to the parameters, same units
+        added to the parameters, same units; see ``reference``
     pitch_mode
         0 altitude hold; otherwise pitch hold
     roll_mode
@@ -83,6 +92,10 @@ class Autopilot(TunableLaw):
         0 engaged; otherwise the rudder increment decays to 0
     elev_sat, ail_sat, thr_sat
         ``Aircraft`` outputs of these names, for anti-windup
+    alpha
+        angle of attack in deg; without a wire (0) there is no protection from the stall
+    beta
+        angle of sideslip in deg; without a wire (0) turns are not coordinated
 
     Outputs
     -------
@@ -126,6 +139,8 @@ class Autopilot(TunableLaw):
                 "elev_sat",
                 "ail_sat",
                 "thr_sat",
+                "alpha",
+                "beta",
             )
         )
     }
@@ -162,6 +177,8 @@ class Autopilot(TunableLaw):
         rudder_authority: Authority = 1.0,
         throttle_authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
+        alpha_max: float | None = None,
     ) -> None:
         super().__init__(T)
         self.gains = gains
@@ -178,23 +195,32 @@ class Autopilot(TunableLaw):
         self.aileron_authority = aileron_authority
         self.rudder_authority = rudder_authority
         self.throttle_authority = throttle_authority
+        self.reference = reference
+        self.alpha_max = alpha_max
         self.configure()
 
     def build(self) -> None:
         T = self.clock.period
-        pitch, roll, heading, altitude, speed, yaw = loop_gains(
-            self.gains, "pitch", "roll", "heading", "altitude", "speed", "yaw"
+        pitch, roll, heading, altitude, speed, yaw, envelope = self.gains_of(
+            "pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"
         )
         self._targets = [
             optional(name, getattr(self, name))
             for name in ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
         ]
-        self._pitch = pitch_loop(T, pitch, limits("elevator_authority", self.elevator_authority))
-        self._roll = roll_loop(T, roll, limits("aileron_authority", self.aileron_authority))
-        self._speed = SpeedLoop(T, speed, limits("throttle_authority", self.throttle_authority))
-        self._yaw = WashoutLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
+        self._pitch = pitch_loop(
+            T, pitch, limits("elevator_authority", self.elevator_authority), self._loop
+        )
+        self._roll = roll_loop(
+            T, roll, limits("aileron_authority", self.aileron_authority), self._loop
+        )
+        self._speed = SpeedLoop(
+            T, speed, limits("throttle_authority", self.throttle_authority), self._loop
+        )
+        self._yaw = YawLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
         self._heading = HeadingLoop(T, heading, self.bank_max)
         self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
+        self._protection = protection_from(T, self.alpha_max, envelope)
 
     def initial_state(self) -> State:
         return (
@@ -203,7 +229,8 @@ class Autopilot(TunableLaw):
             HeadingLoop.START,
             ReferenceLoop.START,
             SpeedLoop.START,
-            WashoutLoop.START,
+            YawLoop.START,
+            (Protection.START, 0.0),
         )
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
@@ -231,12 +258,54 @@ class Autopilot(TunableLaw):
             elev_sat,
             ail_sat,
             thr_sat,
-        ) = u[:23]
-        altitude, pitch, heading, roll, speed, yaw = state
+            alpha,
+            beta,
+        ) = u[:25]
+        altitude, pitch, heading, roll, speed, yaw, (guard, cut) = state
         theta_target, h_target, phi_target, psi_target, vc_target = self._targets
+        if self._absolute:
+            theta_target, theta_ref = self.target("theta_ref", theta_ref, theta_target)
+            h_target, h_ref = self.target("h_ref", h_ref, h_target)
+            phi_target, phi_ref = self.target("phi_ref", phi_ref, phi_target)
+            psi_target, psi_ref = self.target("psi_ref", psi_ref, psi_target)
+            vc_target, vc_ref = self.target("vc_ref", vc_ref, vc_target)
+        elif h_ref > h or vc_ref > vc:
+            if h_ref > h >= LOW:
+                self.doubt("h_ref", h_ref, h, "ft")
+            elif vc_ref > vc >= SLOW:
+                self.doubt("vc_ref", vc_ref, vc, "kt")
+        if self._schedule is not None:
+            self.follow(
+                vc,
+                h,
+                pitch=self._pitch,
+                roll=self._roll,
+                heading=self._heading,
+                altitude=self._altitude,
+                speed=self._speed,
+                yaw=self._yaw,
+                envelope=self._protection,
+            )
+        theta_max, climb, boost = math.inf, math.inf, 0.0
+        protection = self._protection if alpha else None
+        if protection is not None:
+            theta_max, climb, boost, guard = protection.sample(
+                guard,
+                theta,
+                alpha,
+                h,
+                hdot,
+                vc,
+                thr_sat > 0.0,
+                ReferenceLoop.reference(speed, vc),
+                pitch_mode != 0.0,
+            )
+            found = vc if speed[2][0] <= 0.0 else speed[0]
+            wanted = (found if vc_target is None else vc_target) + vc_ref
+            vc_ref += max(protection.vc_min - wanted, 0.0)
 
         throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0
+            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0, boost
         )
         hdot_cmd = 0.0
         if pitch_mode or pitch_off:
@@ -250,7 +319,13 @@ class Autopilot(TunableLaw):
                 h_target,
                 h_ref,
                 ReferenceLoop.reference(pitch, theta),
-                _share_of_climb(vc, vc_cmd),
+                1.0 if protection is not None else _share_of_climb(vc, vc_cmd),
+                climb,
+                cut,
+            )
+        if protection is not None:
+            pitch, theta_ref, cut = protection.limit(
+                pitch, theta, theta_target, theta_ref, theta_max, true_airspeed(vc, h)
             )
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0
@@ -261,14 +336,19 @@ class Autopilot(TunableLaw):
         else:
             phi_ref = 0.0
             phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
+        if protection is not None:
+            found = phi if roll[2][0] <= 0.0 else roll[0]
+            wanted = (found if phi_target is None else phi_target) + phi_ref
+            most = protection.bank(guard, h)
+            phi_ref += min(max(wanted, -most), most) - wanted
         aileron, phi_cmd, roll = self._roll.sample(
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0
         )
 
-        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0)
+        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0, beta)
         return (
             [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
-            (altitude, pitch, heading, roll, speed, yaw),
+            (altitude, pitch, heading, roll, speed, yaw, (guard, cut)),
         )
 
 

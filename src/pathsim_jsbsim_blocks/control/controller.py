@@ -1,11 +1,23 @@
-"""What the controller blocks share: the form of an authority, and sections of their pages."""
+"""What the controller blocks share: references, schedules, and sections of their pages."""
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
+from .._core._pathsim import port_names
+from .._core.checks import one_of
 from .._core.docs import filler
+from .._core.tunable import TunableLaw
+from .gains import EnvelopeLimits, loop_gains, schedule_of
+from .loops import ReferenceLoop, ScheduledLoop, optional
+from .protection import Protection
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
+
+# ft and kt; from these on an increment that is larger than the measured value is doubted
+LOW, SLOW = 1000.0, 30.0
 
 # docstring sections shared by the holds
 fill = filler(
@@ -13,10 +25,83 @@ fill = filler(
     T : float
         sample period in s
     """,
+    reference="""
+    reference : str
+        what a wired reference port is: "increment", added to the parameter or to the value found
+        at engagement (0 changes nothing), or "absolute", the reference itself
+    """,
+    alpha_max="""
+    alpha_max : float, optional
+        largest angle of attack in deg, with the port ``alpha`` wired; default is the gain table's
+    """,
+    vc="""
+    vc
+        calibrated airspeed in kt, for gains that depend on it; without a wire (0) the gains are
+        those of the table's nominal point
+    """,
     raises="""
     Raises
     ------
     ParameterError
         for an unknown gain table or gain, naming the nearest, and for invalid numbers
+    FileError
+        for a gain table's file that cannot be read
     """,
 )
+
+
+class Hold(TunableLaw):
+    """Base of the holds: references by increment or absolute, and gains over the airspeed.
+
+    A port that asks by increment for more than the measured value, as 5500 on ``h_ref`` at 5000 ft
+    does, is warned of once: it is meant to be absolute.
+    """
+
+    reference = "increment"
+    _doubted = False
+
+    def gains_of(self, *loops: str) -> tuple[Any, ...]:
+        """Gains of the loops, at the nominal point of a schedule."""
+        self._schedule = schedule_of(self.gains)
+        self._loop = ReferenceLoop if self._schedule is None else ScheduledLoop
+        self._absolute = one_of("reference", self.reference, ("increment", "absolute")) != (
+            "increment"
+        )
+        return loop_gains(self.gains, *loops)
+
+    def target(self, port: str, value: float, parameter: float | None) -> tuple[Any, float]:
+        """Reference and increment from the value at a port, which may be absolute."""
+        if self._absolute and port_names(self.inputs)[port] in self.inputs.wired:
+            return value, 0.0
+        return parameter, value
+
+    def doubt(self, port: str, value: float, measured: float, unit: str) -> None:
+        """Warn once of an increment that is larger than the measured value."""
+        if self._absolute or self._doubted:
+            return
+        self._doubted = True
+        warnings.warn(
+            f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
+            f"{measured + value:.0f} {unit}; reference='absolute' makes the port the reference "
+            "itself",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+
+    def follow(self, vc: float, h: float | None = None, **loops: Any) -> None:
+        """Let loops have the gains of the schedule at an airspeed and altitude."""
+        assert self._schedule is not None
+        row = self._schedule.row(vc, h)
+        for loop, start, end in self._schedule.columns:
+            if loops.get(loop) is not None:
+                loops[loop].retune(*row[start:end])
+
+
+def protection_from(
+    T: float, alpha_max: float | None, envelope: EnvelopeLimits | None
+) -> Protection | None:
+    """The protection from the stall; None without an angle of attack to keep."""
+    own = optional("alpha_max", alpha_max)
+    if own is None and envelope is None:
+        return None
+    return Protection(T, own, envelope)

@@ -288,10 +288,22 @@ class GainSchedule:
         weights = self._weights(h, vc)
         if len(weights) == 1:
             return self.points[weights[0][0]].gains
-        row = sum(share * self._rows[i] for i, share in weights).tolist()
+        row = self.row(vc, h)
         return AircraftGains(
-            **{loop: _LOOPS[loop](*row[start:end]) for loop, start, end in self._columns}
+            **{loop: _LOOPS[loop](*row[start:end]) for loop, start, end in self.columns}
         )
+
+    def row(self, vc: float, h: float | None = None) -> list[float]:
+        """All numbers at an airspeed and altitude, loop by loop as in `columns`.
+
+        Without an altitude it is the nominal point's; at an airspeed of 0 the nominal point.
+        """
+        nominal = self.points[self.nominal]
+        if vc == 0.0:
+            return self._rows[self.nominal].tolist()
+        weights = self._weights(nominal.altitude if h is None else h, vc)
+        row: np.ndarray = sum(share * self._rows[i] for i, share in weights)
+        return row.tolist()
 
     def _weights(self, h: float, vc: float) -> list[tuple[int, float]]:
         """Points around an altitude and airspeed, and the share of each."""
@@ -313,7 +325,7 @@ class GainSchedule:
         return altitudes, speeds, first
 
     @functools.cached_property
-    def _columns(self) -> list[tuple[str, int, int]]:
+    def columns(self) -> list[tuple[str, int, int]]:
         """Where the numbers of each loop stand in a row."""
         columns, end = [], 0
         for loop, kind in _LOOPS.items():
@@ -326,7 +338,7 @@ class GainSchedule:
     def _rows(self) -> np.ndarray:
         return np.array(
             [
-                [x for loop, _, _ in self._columns for x in vars(getattr(p.gains, loop)).values()]
+                [x for loop, _, _ in self.columns for x in vars(getattr(p.gains, loop)).values()]
                 for p in self.points
             ],
             dtype=float,
@@ -355,7 +367,8 @@ GAINS = {
         heading=HeadingGains(Kp=1.5, Ki=0.001),
         altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
         speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7, Kc=0.0035),
-        yaw=YawGains(K=0.020),
+        yaw=YawGains(K=0.020, Kp=0.12, Ki=0.08),
+        envelope=EnvelopeLimits(alpha_max=13.0, vc_min=54.0, climb_max=19.0, descent_max=17.0),
     ),
     "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
@@ -363,7 +376,8 @@ GAINS = {
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.14, Kp=0.027, Ki=0.049, hdot_max=25.0),
         speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5, Kc=0.007),
-        yaw=YawGains(K=0.0),
+        yaw=YawGains(K=0.0, Kp=0.01, Ki=0.003),
+        envelope=EnvelopeLimits(alpha_max=11.5, vc_min=178.0, climb_max=90.0, descent_max=48.0),
     ),
     "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; the model has its own yaw damper
         pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
@@ -371,7 +385,8 @@ GAINS = {
         heading=HeadingGains(Kp=3.0, Ki=0.001),
         altitude=AltitudeGains(Kh=0.15, Kp=0.027, Ki=0.049, hdot_max=25.0),
         speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=1.0, ramp=1.5, Kc=0.007),
-        yaw=YawGains(K=0.0),
+        yaw=YawGains(K=0.0, Kp=0.01, Ki=0.005),
+        envelope=EnvelopeLimits(alpha_max=11.5, vc_min=180.0, climb_max=61.0, descent_max=49.0),
     ),
 }
 

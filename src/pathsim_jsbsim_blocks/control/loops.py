@@ -86,6 +86,27 @@ class ReferenceLoop:
         return self.sign * u, reference, (found, reference, law)
 
 
+class ScheduledLoop(ReferenceLoop):
+    """A `ReferenceLoop` whose gains may change at every sample without moving the output."""
+
+    def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
+        self.pid.retune(Kp, Ki, Kr=Kr, b=b)
+        self._step = ramp * self.pid.T
+
+    def retune_speed(
+        self, Kp: float, Ki: float, Kd: float, Tf: float, b: float, ramp: float
+    ) -> None:
+        self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
+        self._step = ramp * self.pid.T
+
+    def sample(self, state: State, *signals: Any) -> tuple[float, float, State]:
+        found, reference, law = state
+        u, reference, (found, _, law) = super().sample(
+            (found, reference, self.pid.taken(law, reference)), *signals
+        )
+        return u, reference, (found, reference, self.pid.released(law, reference))
+
+
 class HeadingLoop:
     """Bank reference from the heading error, turning through the smaller angle.
 
@@ -102,6 +123,9 @@ class HeadingLoop:
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
         bank_max = positive("bank_max", bank_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
+
+    def retune(self, Kp: float, Ki: float) -> None:
+        self.pid.retune(Kp, Ki)
 
     def sample(
         self, state: State, psi: float, target: float | None, increment: float
@@ -141,9 +165,16 @@ class AltitudeLoop:
         theta_max: float,
     ):
         self.Kh = gains.Kh
+        self._own_hdot_max = hdot_max is not None
         self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
         theta_min, theta_max = number("theta_min", theta_min), number("theta_max", theta_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
+
+    def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float) -> None:
+        self.Kh = Kh
+        self.pid.retune(Kp, Ki)
+        if not self._own_hdot_max:
+            self.hdot_max = hdot_max
 
     def sample(
         self,
@@ -154,12 +185,15 @@ class AltitudeLoop:
         increment: float,
         theta: float,
         climb: float = 1.0,
+        most: float = math.inf,
+        cut: float = 0.0,
     ) -> tuple[float, float, State]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
         which the loop continues at engagement; ``climb`` is the share of ``hdot_max`` that is
-        allowed upwards, negative to demand a descent.
+        allowed upwards, negative to demand a descent; ``most`` is the highest rate of climb, ft/s;
+        ``cut`` is what was cut off the last pitch reference.
         """
         found, law = state
         engaged = law[0] > 0.0
@@ -169,7 +203,9 @@ class AltitudeLoop:
             law = PID.holding(theta)
         error = (found if target is None else target) + increment - h
         hdot_cmd = min(max(self.Kh * error, -self.hdot_max), climb * self.hdot_max)
-        theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot)
+        if hdot_cmd > most:
+            hdot_cmd = most
+        theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
         return theta_cmd, hdot_cmd, (found, law)
 
 
@@ -183,15 +219,25 @@ class SpeedLoop:
 
     START: State = ReferenceLoop.START
 
-    def __init__(self, T: float, gains: SpeedGains, authority: tuple[float, float]):
+    def __init__(
+        self,
+        T: float,
+        gains: SpeedGains,
+        authority: tuple[float, float],
+        kind: type[ReferenceLoop] = ReferenceLoop,
+    ):
         low, high = authority
         self.Kc = gains.Kc
-        self.loop = ReferenceLoop(
+        self.loop = kind(
             PID(
                 T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
             ),
             gains.ramp,
         )
+
+    def retune(self, *gains: float) -> None:
+        *others, self.Kc = gains
+        self.loop.retune_speed(*others)  # type: ignore[attr-defined]
 
     def sample(
         self,
@@ -202,37 +248,55 @@ class SpeedLoop:
         increment: float,
         sat: float,
         off: bool,
+        boost: float = 0.0,
     ) -> tuple[float, float, State]:
-        """Throttle increment, reference in kt and next state; as in `ReferenceLoop`."""
-        return self.loop.sample(state, vc, 0.0, target, increment, sat, off, self.Kc * hdot)
+        """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
+
+        ``boost`` is added to the throttle.
+        """
+        return self.loop.sample(state, vc, 0.0, target, increment, sat, off, self.Kc * hdot + boost)
 
 
-class WashoutLoop:
-    """Rudder from washed-out yaw rate, so steady turns are not opposed.
+class YawLoop:
+    """Rudder from washed-out yaw rate, so steady turns are not opposed, and from the sideslip.
 
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
+        - K_p \\beta - K_i \\int \\beta \\, dt
 
     At engagement the output continues from its present value; while off it decays with tau.
     """
 
-    START: State = (0.0, 0.0, 0.0)  # engaged, low-passed yaw rate, output
+    START: State = (0.0, 0.0, 0.0, 0.0)  # engaged, low-passed yaw rate, output, integral
 
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
-        self.K = gains.K
+        self.T = T
         self.low, self.high = authority
-        self._fade = math.exp(-T / gains.tau)
+        self.retune(gains.K, gains.tau, gains.Kp, gains.Ki)
 
-    def sample(self, state: State, r: float, off: bool) -> tuple[float, State]:
-        """Rudder increment and next state, from the yaw rate in deg/s."""
-        engaged, slow, u = state
+    def retune(self, K: float, tau: float, Kp: float, Ki: float) -> None:
+        self.K, self.Kp, self.Ki = K, Kp, Ki
+        self._fade = math.exp(-self.T / tau)
+
+    def sample(self, state: State, r: float, off: bool, beta: float = 0.0) -> tuple[float, State]:
+        """Rudder increment and next state, from yaw rate in deg/s and sideslip in deg."""
+        engaged, slow, u, integral = state
         if off:
             u *= self._fade
-            return u, (0.0, 0.0, u)
+            return u, (0.0, 0.0, u, 0.0)
         if not engaged:
             slow = r - u / self.K if self.K else r
-        u = min(max(self.K * (r - slow), self.low), self.high)
-        return u, (1.0, slow + (1.0 - self._fade) * (r - slow), u)
+            integral = self.Kp * beta
+        v = self.K * (r - slow) - (self.Kp * beta - integral)
+        u = min(max(v, self.low), self.high)
+        if self.Ki:
+            # where the rudder is at its limit the integral may only come back from it
+            change = -self.Ki * self.T * beta
+            if change * (v - u) <= 0.0:
+                integral += change
+        else:
+            integral *= self._fade
+        return u, (1.0, slow + (1.0 - self._fade) * (r - slow), u, integral)
 
 
 def wrap(angle: float) -> float:
@@ -259,15 +323,25 @@ def limits(parameter: str, value: Any) -> tuple[float, float]:
     return -most, most
 
 
-def pitch_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) -> ReferenceLoop:
+def pitch_loop(
+    T: float,
+    gains: AttitudeGains,
+    authority: tuple[float, float],
+    kind: type[ReferenceLoop] = ReferenceLoop,
+) -> ReferenceLoop:
     """Elevator from pitch angle; positive elevator is nose down, so the law's sign is reversed."""
     low, high = authority
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=-high, high=-low)
-    return ReferenceLoop(pid, gains.ramp, sign=-1.0)
+    return kind(pid, gains.ramp, sign=-1.0)
 
 
-def roll_loop(T: float, gains: AttitudeGains, authority: tuple[float, float]) -> ReferenceLoop:
+def roll_loop(
+    T: float,
+    gains: AttitudeGains,
+    authority: tuple[float, float],
+    kind: type[ReferenceLoop] = ReferenceLoop,
+) -> ReferenceLoop:
     """Aileron from roll angle."""
     low, high = authority
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high)
-    return ReferenceLoop(pid, gains.ramp)
+    return kind(pid, gains.ramp)

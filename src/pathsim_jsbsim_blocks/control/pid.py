@@ -61,8 +61,8 @@ class PID:
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
-    # phase (-2 from rest, -1 never sampled, 0 off, 1 engaged), integral, output, what is added to
-    # track while off and F while engaged, y, d
+    # phase (-2 from rest, -1 never sampled, 0 off, 1 engaged, 2 engaged with the proportional part
+    # in the integral), integral, output, what is added to track while off and F while engaged, y, d
     START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     FROM_REST: State = (-2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -94,10 +94,39 @@ class PID:
             Tt = max(self.Kp / self.Ki, 2 * self.T)
         self.low, self.high = limits(low, high)
         self._KiT = self.Ki * self.T
-        self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
+        self._filter = _share(self.T, Tf)
         self._fade = math.exp(-self.T / positive("Te", Te))
         # without integral action, back-calculation would leave a permanent offset
         self._unwind = self.T / Tt if Tt and self.Ki else 0.0
+
+    def retune(
+        self,
+        Kp: float,
+        Ki: float,
+        Kd: float = 0.0,
+        Kr: float = 0.0,
+        b: float = 1.0,
+        Tf: float = 0.0,
+    ) -> None:
+        """Other gains, which are not checked, and the default of Tt for them."""
+        self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
+        self._KiT = Ki * self.T
+        self._filter = _share(self.T, Tf)
+        self._unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
+
+    def released(self, state: State, r: float) -> State:
+        """The state with the proportional part in the integral, so that other gains take over."""
+        phase, integral, u, offset, y, slope = state
+        if phase != 1.0:
+            return state
+        return (2.0, integral + self.Kp * (self.b * r - y), u, offset, y, slope)
+
+    def taken(self, state: State, r: float) -> State:
+        """The inverse of `released`, with these gains."""
+        phase, integral, u, offset, y, slope = state
+        if phase != 2.0:
+            return state
+        return (1.0, integral - self.Kp * (self.b * r - y), u, offset, y, slope)
 
     @staticmethod
     def holding(u: float) -> State:
@@ -143,13 +172,16 @@ class PID:
             return u, (0.0, 0.0, u, offset, y, slope)
         direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
-        if phase == -2.0:
-            integral, offset = 0.0, 0.0
-        elif phase <= 0.0 and self.Ki:
-            integral, offset = u - direct, damping
-        elif phase <= 0.0:
-            # without integral action, let the held offset decay
-            integral, offset = 0.0, u - direct + damping
+        if phase != 1.0:
+            if phase == -2.0:
+                integral, offset = 0.0, 0.0
+            elif phase == 2.0:
+                integral -= direct - feed
+            elif self.Ki:
+                integral, offset = u - direct, damping
+            else:
+                # without integral action, let the held offset decay
+                integral, offset = 0.0, u - direct + damping
         u = v = direct + integral + (offset - damping)
         if u < self.low:
             u = self.low
@@ -157,6 +189,11 @@ class PID:
             u = self.high
         integral += self._KiT * (r - y) + self._unwind * (u - v - sat)
         return u, (1.0, integral, u, self._fade * offset, y, slope)
+
+
+def _share(T: float, Tf: float) -> float:
+    """Share of the way that a low-pass with the time constant Tf goes in T; 1 without one."""
+    return -math.expm1(-T / Tf) if Tf else 1.0
 
 
 class DiscretePID(TunableLaw):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from ..._core.tunable import TunableLaw
-from ..controller import Authority, fill
-from ..gains import Gains, loop_gains
+from ..controller import Authority, Hold, fill
+from ..gains import Gains
 from ..loops import (
     HeadingLoop,
     ReferenceLoop,
     State,
-    WashoutLoop,
+    YawLoop,
     limits,
     optional,
     roll_loop,
@@ -20,7 +19,7 @@ __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
 
 @fill
-class RollHold(TunableLaw):
+class RollHold(Hold):
     """Holds the roll angle with the ailerons; with ``phi_ref=0`` a wing leveller.
 
     .. math::
@@ -40,6 +39,7 @@ class RollHold(TunableLaw):
     authority : float or pair
         largest aileron increment, of full travel
     %(T)s
+    %(reference)s
 
     Inputs
     ------
@@ -51,6 +51,7 @@ class RollHold(TunableLaw):
         0 engaged; otherwise the ailerons are frozen
     ail_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
 
     Outputs
     -------
@@ -64,7 +65,7 @@ class RollHold(TunableLaw):
 
     measured = ("phi", "p")
     commands = {"aileron": "off"}
-    input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4}
+    input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4, "vc": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
     def __init__(
@@ -73,31 +74,40 @@ class RollHold(TunableLaw):
         phi_ref: float | None = None,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
     ) -> None:
         super().__init__(T)
         self.gains = gains
         self.phi_ref = phi_ref
         self.authority = authority
+        self.reference = reference
         self.configure()
 
     def build(self) -> None:
-        (gains,) = loop_gains(self.gains, "roll")
+        (gains,) = self.gains_of("roll")
         self._phi_ref = optional("phi_ref", self.phi_ref)
-        self._roll = roll_loop(self.clock.period, gains, limits("authority", self.authority))
+        self._roll = roll_loop(
+            self.clock.period, gains, limits("authority", self.authority), self._loop
+        )
 
     def initial_state(self) -> State:
         return ReferenceLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        phi, p, phi_ref, off, ail_sat = u[:5]
+        phi, p, phi_ref, off, ail_sat, vc = u[:6]
+        target = self._phi_ref
+        if self._absolute:
+            target, phi_ref = self.target("phi_ref", phi_ref, target)
+        if self._schedule is not None:
+            self.follow(vc, roll=self._roll)
         aileron, phi_cmd, state = self._roll.sample(
-            state, phi, p, self._phi_ref, phi_ref, ail_sat, off != 0.0
+            state, phi, p, target, phi_ref, ail_sat, off != 0.0
         )
         return [aileron, phi_cmd], state
 
 
 @fill
-class HeadingHold(TunableLaw):
+class HeadingHold(Hold):
     """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
     .. math::
@@ -120,6 +130,7 @@ class HeadingHold(TunableLaw):
     authority : float or pair
         largest aileron increment, of full travel
     %(T)s
+    %(reference)s
 
     Inputs
     ------
@@ -131,6 +142,7 @@ class HeadingHold(TunableLaw):
         0 engaged; otherwise the ailerons are frozen
     ail_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
 
     Outputs
     -------
@@ -144,7 +156,7 @@ class HeadingHold(TunableLaw):
 
     measured = ("psi", "phi", "p")
     commands = {"aileron": "off"}
-    input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5}
+    input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5, "vc": 6}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
     def __init__(
@@ -154,49 +166,61 @@ class HeadingHold(TunableLaw):
         bank_max: float = 25.0,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
     ) -> None:
         super().__init__(T)
         self.gains = gains
         self.psi_ref = psi_ref
         self.bank_max = bank_max
         self.authority = authority
+        self.reference = reference
         self.configure()
 
     def build(self) -> None:
-        heading, roll = loop_gains(self.gains, "heading", "roll")
+        heading, roll = self.gains_of("heading", "roll")
         self._psi_ref = optional("psi_ref", self.psi_ref)
         self._heading = HeadingLoop(self.clock.period, heading, self.bank_max)
-        self._roll = roll_loop(self.clock.period, roll, limits("authority", self.authority))
+        self._roll = roll_loop(
+            self.clock.period, roll, limits("authority", self.authority), self._loop
+        )
 
     def initial_state(self) -> State:
         return HeadingLoop.START, ReferenceLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        psi, phi, p, psi_ref, off, ail_sat = u[:6]
+        psi, phi, p, psi_ref, off, ail_sat, vc = u[:7]
         heading, roll = state
+        wanted = self._psi_ref
+        if self._absolute:
+            wanted, psi_ref = self.target("psi_ref", psi_ref, wanted)
+        if self._schedule is not None:
+            self.follow(vc, heading=self._heading, roll=self._roll)
         target = None
         if off:
             heading = HeadingLoop.START
         else:
-            target, heading = self._heading.sample(heading, psi, self._psi_ref, psi_ref)
+            target, heading = self._heading.sample(heading, psi, wanted, psi_ref)
         aileron, phi_cmd, roll = self._roll.sample(roll, phi, p, target, 0.0, ail_sat, off != 0.0)
         return [aileron, phi_cmd], (heading, roll)
 
 
 @fill
-class YawDamper(TunableLaw):
-    """Damps the Dutch roll with the rudder; a wash-out leaves steady turns unopposed.
+class YawDamper(Hold):
+    """Damps the Dutch roll with the rudder and keeps the sideslip at 0.
 
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
+        - K_p \\beta - K_i \\int \\beta \\, dt
 
-    sampled at T.
+    sampled at T. The wash-out leaves steady turns unopposed; with the port ``beta`` wired, turns
+    are coordinated.
 
     Parameters
     ----------
     gains : str, YawGains or dict
         "c172p", "737" or "global5000" (the last two models have their own damper: 0), or numbers:
-        K (s/deg), positive where positive rudder yaws the nose left, and tau (s)
+        K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), positive where positive rudder yaws the
+        nose left
     authority : float or pair
         largest rudder increment, of full travel
     %(T)s
@@ -207,6 +231,9 @@ class YawDamper(TunableLaw):
         yaw rate in deg/s
     off
         0 engaged; otherwise the rudder increment decays to 0 with tau
+    beta
+        angle of sideslip in deg; without a wire (0) turns are not coordinated
+    %(vc)s
 
     Outputs
     -------
@@ -218,7 +245,7 @@ class YawDamper(TunableLaw):
 
     measured = ("r",)
     commands = {"rudder": "off"}
-    input_port_labels = {"r": 0, "off": 1}
+    input_port_labels = {"r": 0, "off": 1, "beta": 2, "vc": 3}
     output_port_labels = {"rudder": 0}
 
     def __init__(
@@ -233,12 +260,15 @@ class YawDamper(TunableLaw):
         self.configure()
 
     def build(self) -> None:
-        (gains,) = loop_gains(self.gains, "yaw")
-        self._yaw = WashoutLoop(self.clock.period, gains, limits("authority", self.authority))
+        (gains,) = self.gains_of("yaw")
+        self._yaw = YawLoop(self.clock.period, gains, limits("authority", self.authority))
 
     def initial_state(self) -> State:
-        return WashoutLoop.START
+        return YawLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        rudder, state = self._yaw.sample(state, u[0], u[1] != 0.0)
+        r, off, beta, vc = u[:4]
+        if self._schedule is not None:
+            self.follow(vc, yaw=self._yaw)
+        rudder, state = self._yaw.sample(state, r, off != 0.0, beta)
         return [rudder], state

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from ..._core.tunable import TunableLaw
-from ..controller import Authority, fill
-from ..gains import Gains, loop_gains
+import math
+
+from ..controller import LOW, SLOW, Authority, Hold, fill, protection_from
+from ..gains import Gains
 from ..loops import (
     AltitudeLoop,
     ReferenceLoop,
@@ -14,13 +15,14 @@ from ..loops import (
     optional,
     pitch_loop,
 )
+from ..protection import Protection, true_airspeed
 
 # the package and PathView export these names
 __all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
 
 
 @fill
-class PitchHold(TunableLaw):
+class PitchHold(Hold):
     """Holds the pitch angle with the elevator.
 
     .. math::
@@ -41,6 +43,7 @@ class PitchHold(TunableLaw):
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
+    %(reference)s
 
     Inputs
     ------
@@ -52,6 +55,7 @@ class PitchHold(TunableLaw):
         0 engaged; otherwise the elevator is frozen
     elev_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
 
     Outputs
     -------
@@ -65,7 +69,7 @@ class PitchHold(TunableLaw):
 
     measured = ("theta", "q")
     commands = {"elevator": "off"}
-    input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4}
+    input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4, "vc": 5}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
     def __init__(
@@ -74,31 +78,40 @@ class PitchHold(TunableLaw):
         theta_ref: float | None = None,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
     ) -> None:
         super().__init__(T)
         self.gains = gains
         self.theta_ref = theta_ref
         self.authority = authority
+        self.reference = reference
         self.configure()
 
     def build(self) -> None:
-        (gains,) = loop_gains(self.gains, "pitch")
+        (gains,) = self.gains_of("pitch")
         self._theta_ref = optional("theta_ref", self.theta_ref)
-        self._pitch = pitch_loop(self.clock.period, gains, limits("authority", self.authority))
+        self._pitch = pitch_loop(
+            self.clock.period, gains, limits("authority", self.authority), self._loop
+        )
 
     def initial_state(self) -> State:
         return ReferenceLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        theta, q, theta_ref, off, elev_sat = u[:5]
+        theta, q, theta_ref, off, elev_sat, vc = u[:6]
+        target = self._theta_ref
+        if self._absolute:
+            target, theta_ref = self.target("theta_ref", theta_ref, target)
+        if self._schedule is not None:
+            self.follow(vc, pitch=self._pitch)
         elevator, theta_cmd, state = self._pitch.sample(
-            state, theta, q, self._theta_ref, theta_ref, elev_sat, off != 0.0
+            state, theta, q, target, theta_ref, elev_sat, off != 0.0
         )
         return [elevator, theta_cmd], state
 
 
 @fill
-class AltitudeHold(TunableLaw):
+class AltitudeHold(Hold):
     """Holds the altitude with the elevator, through rate-of-climb and pitch loops.
 
     .. math::
@@ -108,8 +121,10 @@ class AltitudeHold(TunableLaw):
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
     with the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
-    elevator alone: add an ``AirspeedHold`` for the airspeed, and keep the rate of climb within the
-    available thrust, or the aircraft stalls (``Autopilot`` has a protection against this).
+    elevator alone: add an ``AirspeedHold`` for the airspeed. With the port ``alpha`` wired it keeps
+    the angle of attack below its limit, and with ``vc`` the airspeed above its lowest: a climb that
+    the thrust does not sustain is reduced, and becomes a descent. Without these wires it climbs
+    into the stall.
 
     Parameters
     ----------
@@ -128,6 +143,8 @@ class AltitudeHold(TunableLaw):
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
+    %(reference)s
+    %(alpha_max)s
 
     Inputs
     ------
@@ -141,6 +158,11 @@ class AltitudeHold(TunableLaw):
         0 engaged; otherwise the elevator is frozen
     elev_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    vc
+        calibrated airspeed in kt, for gains that depend on it, and for the protection; without a
+        wire (0) the gains are those of the table's nominal point
+    alpha
+        angle of attack in deg; without a wire (0) there is no protection from the stall
 
     Outputs
     -------
@@ -156,7 +178,17 @@ class AltitudeHold(TunableLaw):
 
     measured = ("h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
-    input_port_labels = {"h": 0, "hdot": 1, "theta": 2, "q": 3, "h_ref": 4, "off": 5, "elev_sat": 6}
+    input_port_labels = {
+        "h": 0,
+        "hdot": 1,
+        "theta": 2,
+        "q": 3,
+        "h_ref": 4,
+        "off": 5,
+        "elev_sat": 6,
+        "vc": 7,
+        "alpha": 8,
+    }
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
 
     def __init__(
@@ -168,6 +200,8 @@ class AltitudeHold(TunableLaw):
         theta_max: float = 15.0,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
+        alpha_max: float | None = None,
     ) -> None:
         super().__init__(T)
         self.gains = gains
@@ -176,37 +210,66 @@ class AltitudeHold(TunableLaw):
         self.theta_min = theta_min
         self.theta_max = theta_max
         self.authority = authority
+        self.reference = reference
+        self.alpha_max = alpha_max
         self.configure()
 
     def build(self) -> None:
-        altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
+        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
         self._h_ref = optional("h_ref", self.h_ref)
         self._altitude = AltitudeLoop(
             self.clock.period, altitude, self.hdot_max, self.theta_min, self.theta_max
         )
-        self._pitch = pitch_loop(self.clock.period, pitch, limits("authority", self.authority))
+        self._pitch = pitch_loop(
+            self.clock.period, pitch, limits("authority", self.authority), self._loop
+        )
+        self._protection = protection_from(self.clock.period, self.alpha_max, envelope)
 
     def initial_state(self) -> State:
-        return AltitudeLoop.START, ReferenceLoop.START
+        return AltitudeLoop.START, ReferenceLoop.START, (Protection.START, 0.0)
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        h, hdot, theta, q, h_ref, off, elev_sat = u[:7]
-        altitude, pitch = state
-        target, hdot_cmd = None, 0.0
+        h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
+        altitude, pitch, (guard, cut) = state
+        h_target, target, hdot_cmd, theta_ref = self._h_ref, None, 0.0, 0.0
+        if self._absolute:
+            h_target, h_ref = self.target("h_ref", h_ref, h_target)
+        elif h_ref > h >= LOW:
+            self.doubt("h_ref", h_ref, h, "ft")
+        if self._schedule is not None:
+            self.follow(
+                vc, h, altitude=self._altitude, pitch=self._pitch, envelope=self._protection
+            )
+        climb = theta_max = math.inf
+        protection = self._protection if alpha else None
+        if protection is not None:
+            theta_max, climb, _, guard = protection.sample(guard, theta, alpha, h, hdot, vc, True)
         if off:
             altitude = AltitudeLoop.START
         else:
             target, hdot_cmd, altitude = self._altitude.sample(
-                altitude, h, hdot, self._h_ref, h_ref, ReferenceLoop.reference(pitch, theta)
+                altitude,
+                h,
+                hdot,
+                h_target,
+                h_ref,
+                ReferenceLoop.reference(pitch, theta),
+                1.0,
+                climb,
+                cut,
+            )
+        if protection is not None:
+            pitch, theta_ref, cut = protection.limit(
+                pitch, theta, target, 0.0, theta_max, true_airspeed(vc, h)
             )
         elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, target, 0.0, elev_sat, off != 0.0
+            pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
         )
-        return [elevator, theta_cmd, hdot_cmd], (altitude, pitch)
+        return [elevator, theta_cmd, hdot_cmd], (altitude, pitch, (guard, cut))
 
 
 @fill
-class AirspeedHold(TunableLaw):
+class AirspeedHold(Hold):
     """Holds the calibrated airspeed with the throttle (autothrottle).
 
     .. math::
@@ -227,6 +290,7 @@ class AirspeedHold(TunableLaw):
     authority : float or pair
         largest throttle increment, of full range
     %(T)s
+    %(reference)s
 
     Inputs
     ------
@@ -262,24 +326,35 @@ class AirspeedHold(TunableLaw):
         vc_ref: float | None = None,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        reference: str = "increment",
     ) -> None:
         super().__init__(T)
         self.gains = gains
         self.vc_ref = vc_ref
         self.authority = authority
+        self.reference = reference
         self.configure()
 
     def build(self) -> None:
-        (gains,) = loop_gains(self.gains, "speed")
+        (gains,) = self.gains_of("speed")
         self._vc_ref = optional("vc_ref", self.vc_ref)
-        self._speed = SpeedLoop(self.clock.period, gains, limits("authority", self.authority))
+        self._speed = SpeedLoop(
+            self.clock.period, gains, limits("authority", self.authority), self._loop
+        )
 
     def initial_state(self) -> State:
         return SpeedLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         vc, hdot, vc_ref, off, thr_sat = u[:5]
+        target = self._vc_ref
+        if self._absolute:
+            target, vc_ref = self.target("vc_ref", vc_ref, target)
+        elif vc_ref > vc >= SLOW:
+            self.doubt("vc_ref", vc_ref, vc, "kt")
+        if self._schedule is not None:
+            self.follow(vc, speed=self._speed)
         throttle, vc_cmd, state = self._speed.sample(
-            state, vc, hdot, self._vc_ref, vc_ref, thr_sat, off != 0.0
+            state, vc, hdot, target, vc_ref, thr_sat, off != 0.0
         )
         return [throttle, vc_cmd], state

@@ -1,0 +1,259 @@
+"""Protection from the stall: no reference leads there, and a stall flown by hand is recovered.
+
+JSBSim's lift curves turn over at 16 deg (c172p) and 13.2 deg (737, global5000): the largest
+nz / vc^2 in a deceleration at idle. The limits of the gain tables are 2 to 3 deg below.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flights import POINTS, STATES, on, start, step
+from flights import fly as fly_unprotected
+from how_many import bounded, first
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AirspeedHold,
+    AltitudeHold,
+    Autopilot,
+    ParameterError,
+    RollHold,
+)
+from pathsim_jsbsim_blocks.control.gains import GAINS
+from pathsim_jsbsim_blocks.control.protection import true_airspeed
+
+T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
+REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
+
+
+def fly(plane, seconds, ports, **parameters):
+    return fly_unprotected(plane, seconds, ports, unwired=(), **parameters)
+
+
+def limits(name):
+    return GAINS[name].envelope
+
+
+@pytest.mark.parametrize(
+    ("name", "flight", "change", "height"),
+    first(
+        [
+            # unprotected: 46 kt, alpha 24 deg and 4366 ft lost; alpha 45 deg and into the sea
+            ("c172p", {}, -35.0, 60.0),
+            ("c172p", {"altitude": 7000.0, "speed": 75.0}, -20.0, 60.0),
+            ("737", {}, -140.0, 60.0),
+        ]
+    ),
+)
+def test_slow_airspeeds_are_flown_without_a_stall(name, flight, change, height):
+    record = fly(
+        start(name, **flight), 100.0 if name == "c172p" else 150.0, {"vc_ref": step(change)}
+    )
+    lowest = max(record["vc"][0] + change, limits(name).vc_min)
+    assert np.max(record["alpha"]) < limits(name).alpha_max
+    assert np.max(np.abs(record["h"] - record["h"][0])) < height
+    assert record["vc"][-1] == pytest.approx(lowest, abs=2.0)
+    assert record["h"][-1] == pytest.approx(record["h"][0], abs=3.0)
+
+
+def test_without_the_angle_of_attack_the_same_airspeed_ends_in_the_stall():
+    record = fly_unprotected(start("c172p"), 80.0, {"vc_ref": step(-35.0)})
+    assert np.max(record["alpha"]) > 16.0
+    assert record["h"][-1] < record["h"][0] - 300.0
+
+
+def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
+    # at 8000 ft and full throttle the c172p climbs at 6 ft/s; 10 are asked for
+    record = fly(start("c172p", altitude=8000.0), 90.0, {"h_ref": step(2500.0)})
+    assert np.min(record["vc"]) > 0.92 * record["vc"][0]
+    assert record["h"][-1] > record["h"][0] + 250.0
+
+
+@pytest.mark.parametrize("name", first(["c172p", "737", "global5000"]))
+def test_pitch_hold_gives_way_before_the_stall(name):
+    record = fly(
+        start(name), 90.0, {"pitch_mode": on, "theta_ref": step(25.0), "vc_ref": step(-300.0)}
+    )
+    assert np.max(record["alpha"]) < limits(name).alpha_max + 1.0
+    assert np.max(record["theta"]) > record["theta"][0] + 5.0  # it does pitch up
+
+
+@pytest.mark.parametrize(
+    ("name", "flight", "alpha", "loss"),
+    first(
+        [
+            ("c172p", {"speed": 70.0}, 17.5, 150.0),
+            ("737", {"altitude": 15_000.0, "speed": 200.0}, 18.0, 1000.0),
+            ("global5000", {"speed": 190.0}, 18.0, 1000.0),
+        ]
+    ),
+)
+def test_a_stall_entered_by_hand_is_recovered(name, flight, alpha, loss):
+    # everything off, the throttle closed and the elevator pulled until the aircraft has stalled
+    plane, autopilot = start(name, **flight), Autopilot(name)
+    state, y = autopilot.initial_state(), [float(plane.outputs[n]) for n in STATES]
+    stalled, record = False, []
+    for k in range(200 * 120):
+        seen = dict(zip(STATES, y, strict=True))
+        stalled = stalled or seen["alpha"] > alpha
+        u = [
+            seen.get(n, float(n.endswith("_off") and not stalled))
+            for n in autopilot.input_port_labels
+        ]
+        command, state = autopilot.law(u, state)
+        if not stalled:
+            command[0], command[3] = -min(0.03 * k / 120, 1.0), -1.0
+        else:
+            record.append([seen["alpha"], seen["h"], seen["vc"], seen["hdot"]])
+        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
+    angle, h, vc, hdot = np.array(record).T
+    assert np.max(angle[240:]) < limits(name).alpha_max + 1.0  # 2 s later
+    assert np.min(h) > h[0] - loss
+    assert vc[-1] == pytest.approx(limits(name).vc_min, abs=4.0)
+    assert abs(hdot[-1]) < 0.5
+
+
+def test_altitude_hold_does_not_climb_into_the_stall():
+    plane, scope = start("c172p"), Scope()
+    hold, speed = AltitudeHold("c172p", hdot_max=30.0), AirspeedHold("c172p")
+    level = RollHold("c172p", phi_ref=0.0)
+    climb = Source(step(2500.0))
+    seen = ("h", "hdot", "theta", "q", "elev_sat", "vc", "alpha")
+    sim = Simulation(
+        [plane, hold, speed, level, scope, climb],
+        [
+            Connection(plane[seen], hold[seen]),
+            Connection(plane["vc", "hdot", "thr_sat"], speed["vc", "hdot", "thr_sat"]),
+            Connection(plane["phi", "p"], level["phi", "p"]),
+            Connection(level["aileron"], plane["aileron"]),
+            Connection(climb, hold["h_ref"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(speed["throttle"], plane["throttle"]),
+            Connection(plane["alpha", "h"], scope[:2]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    sim.run(60.0)
+    alpha, h = scope.read()[1]
+    assert np.max(alpha) < limits("c172p").alpha_max
+    assert h[-1] > h[0] + 300.0
+
+
+RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is asked for
+    "c172p": ((2000.0, 9000.0), (65.0, 110.0), 150.0),
+    "737": ((4000.0, 25_000.0), (200.0, 310.0), 450.0),
+    "global5000": ((4000.0, 28_000.0), (200.0, 290.0), 420.0),
+}
+
+
+def any_trim(rng, name):
+    (low, high), (slow, fast), _ = RANGES[name]
+    gear = {} if name == "c172p" else {"gear": 0.0}
+    return Aircraft(
+        name,
+        altitude=rng.uniform(low, high),
+        speed=rng.uniform(slow, fast),
+        heading=rng.uniform(0.0, 360.0),
+        T=T,
+        substeps=2,
+        **gear,
+    )
+
+
+def any_change(rng, name, h):
+    """A change of the references, whether or not the aircraft can follow it."""
+    change = rng.choice(["theta", "h", "phi", "psi", "vc", "vc"])
+    if change == "theta":
+        return {"pitch_mode": 1.0, "theta_ref": rng.uniform(-5.0, 25.0)}
+    if change == "h":
+        return {"pitch_mode": 0.0, "h_ref": h + rng.uniform(-1500.0, 8000.0)}
+    if change == "phi":
+        return {"roll_mode": 1.0, "phi_ref": rng.uniform(-45.0, 45.0)}
+    if change == "psi":
+        return {"roll_mode": 0.0, "psi_ref": rng.uniform(0.0, 360.0)}
+    return {"vc_ref": rng.uniform(0.0, RANGES[name][2])}
+
+
+def fly_a_sequence(seed):
+    """Six changes in a row, then references that can be reached; the record and the last ones."""
+    rng = np.random.default_rng(seed)
+    name = list(RANGES)[seed % 3]
+    plane, autopilot = any_trim(rng, name), Autopilot(name, reference="absolute", T=T)
+    for port in REFERENCES:
+        autopilot[port].get_inputs()  # as a connection does
+    y = [float(plane.outputs[n]) for n in STATES]
+    seen = dict(zip(STATES, y, strict=True))
+    given = {"h_ref": seen["h"], "psi_ref": seen["psi"], "vc_ref": seen["vc"]}
+    changes = np.cumsum(rng.uniform(3.0, 20.0, size=7))
+    end = changes[-1] + (150.0 if name == "c172p" else 240.0)
+    state, record = autopilot.initial_state(), []
+    for k in range(int(end / T)):
+        if len(changes) and k * T >= changes[0]:
+            changes = changes[1:]
+            if len(changes):
+                given |= any_change(rng, name, seen["h"])
+            else:
+                given |= {
+                    "pitch_mode": 0.0,
+                    "roll_mode": 0.0,
+                    "h_ref": max(seen["h"] + rng.uniform(-800.0, 400.0), 1000.0),
+                    "psi_ref": (seen["psi"] + rng.uniform(-120.0, 120.0)) % 360.0,
+                    "vc_ref": rng.uniform(1.03 * limits(name).vc_min, 1.5 * limits(name).vc_min),
+                }
+        u = [seen[n] if n in seen else given.get(n, 0.0) for n in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
+        seen = dict(zip(STATES, y, strict=True))
+        record.append([seen[n] for n in ("alpha", "h", "psi", "vc")])
+    return name, np.array(record).T, given
+
+
+def check_a_sequence(seed):
+    name, (alpha, h, psi, vc), last = fly_a_sequence(seed)
+    assert np.max(alpha) < limits(name).alpha_max + 1.0, (seed, name)
+    assert h[-1] == pytest.approx(last["h_ref"], abs=15.0), (seed, name)
+    assert abs((psi[-1] - last["psi_ref"] + 180.0) % 360.0 - 180.0) < 1.5, (seed, name)
+    assert vc[-1] == pytest.approx(last["vc_ref"], abs=4.0), (seed, name)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_no_sequence_of_references_leads_into_the_stall(seed):
+    check_a_sequence(seed)
+
+
+@pytest.mark.long
+def test_many_sequences_of_references():
+    for seed in range(3, bounded(30, 503)):
+        check_a_sequence(seed)
+
+
+def test_a_limit_of_ones_own_and_none():
+    mild = {"vc_ref": step(-35.0)}
+    record = fly(start("c172p"), 60.0, mild, alpha_max=6.0)
+    assert np.max(record["alpha"]) < 7.0
+    numbers = {name: getattr(GAINS["c172p"], name) for name in ("altitude", "pitch")}
+    assert AltitudeHold(numbers)._protection is None
+    assert AltitudeHold(numbers, alpha_max=10.0)._protection.alpha_max == 10.0
+    with pytest.raises(ParameterError, match="alpha_max"):
+        Autopilot(alpha_max="high")
+
+
+def test_true_airspeed():
+    # ISA tables: 1/sqrt(sigma) is 1.0773 at 5000 ft, 1.3700 at 20,000 ft; 1 kt = 1.68781 ft/s
+    assert true_airspeed(100.0, 0.0) == pytest.approx(168.781, rel=1e-5)
+    assert true_airspeed(100.0, 5000.0) == pytest.approx(168.781 * 1.0773, rel=1e-4)
+    assert true_airspeed(100.0, 20_000.0) == pytest.approx(168.781 * 1.3700, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", first(["737", "c172p", "global5000"]))
+def test_pitch_references_move_no_faster_than_the_load_factor_allows(name):
+    record = fly(
+        start(name, speed=1.2 * POINTS[name]["speed"]),
+        10.0,
+        {"pitch_mode": on, "theta_ref": step(5.0)},
+    )
+    assert np.max(record["nz"]) < 1.0 + 1.3 * 0.8

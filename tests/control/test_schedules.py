@@ -1,0 +1,201 @@
+"""Gains that follow the airspeed, and references that are absolute."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+
+import numpy as np
+import pytest
+from flights import STATES, fly, start, step
+from how_many import first
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant
+
+from pathsim_jsbsim_blocks import (
+    AirspeedHold,
+    AltitudeHold,
+    Autopilot,
+    HeadingHold,
+    ParameterError,
+    PitchHold,
+    RollHold,
+    YawDamper,
+)
+from pathsim_jsbsim_blocks.control.gains import GAINS, DesignPoint, GainSchedule
+
+HOLDS = [PitchHold, RollHold, HeadingHold, AltitudeHold, AirspeedHold, YawDamper, Autopilot]
+N = 400
+
+
+def scaled(gains, factor):
+    """All gains times a factor, with the limits, time constants and weights as they are."""
+    return dataclasses.replace(
+        gains,
+        **{
+            loop.name: dataclasses.replace(
+                part,
+                **{
+                    name: factor * value
+                    for name, value in vars(part).items()
+                    if name.startswith("K")
+                },
+            )
+            for loop in dataclasses.fields(gains)
+            if loop.name != "envelope"
+            for part in [getattr(gains, loop.name)]
+        },
+    )
+
+
+def between(low, high, name="737"):
+    """A schedule from one airspeed to another, with factors on the gains of a table."""
+    return GainSchedule(
+        name,
+        (
+            DesignPoint(10_000.0, 200.0, scaled(GAINS[name], low)),
+            DesignPoint(10_000.0, 300.0, scaled(GAINS[name], high)),
+        ),
+        nominal=1,
+    )
+
+
+def outputs(hold, vc, seed=3, then=None):
+    """Outputs over random inputs at airspeeds, and with other gains for the last sample."""
+    rng = np.random.default_rng(seed)
+    ports = hold.input_port_labels
+    u = np.cumsum(rng.normal(size=(N, len(ports))), axis=0)
+    # no switches, no saturation, no protection
+    u[:, [i for n, i in ports.items() if n.endswith(("_off", "off", "_mode", "_sat", "alpha"))]] = 0
+    if "h" in ports:
+        u[:, ports["h"]] += 10_000.0
+    u[:, ports["vc"]] = vc
+    state, y = hold.initial_state(), []
+    for row in u.tolist():
+        out, state = hold.law(row, state)
+        y.append(out)
+    return np.array(y), u, state
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+@pytest.mark.parametrize(("vc", "factor"), [(300.0, 1.0), (250.0, 0.75), (180.0, 0.5), (0.0, 1.0)])
+def test_a_schedule_at_one_airspeed_is_its_gains_there(hold, vc, factor):
+    if hold in (AirspeedHold, Autopilot) and vc == 0.0:
+        return  # it always knows the airspeed
+    followed, *_ = outputs(hold(between(0.5, 1.0), T=1 / 20), vc)
+    fixed, *_ = outputs(hold(scaled(GAINS["737"], factor), T=1 / 20), vc)
+    assert np.ptp(fixed[:, 0]) > 0 or hold is YawDamper
+    assert followed == pytest.approx(fixed, abs=1e-9)
+
+
+@pytest.mark.parametrize(("hold", "angle"), [(PitchHold, "theta"), (RollHold, "phi")])
+def test_a_change_of_the_airspeed_does_not_move_the_output(hold, angle):
+    # at rest at 8 deg; the change of Kp alone would move it by (1 - b) 8 deg dKp, 0.48 and 0.02
+    block = hold(between(0.5, 1.0), **{f"{angle}_ref": 8.0})
+    ports, u = block.input_port_labels, [0.0] * len(block.input_port_labels)
+    u[ports[angle]], u[ports["vc"]] = 8.0, 200.0
+    state = block.initial_state()
+    for _ in range(200):
+        before, state = block.law(u, state)
+    u[ports["vc"]] = 300.0
+    after, _ = block.law(u, state)
+    assert after[0] == pytest.approx(before[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("low", first([0.8, 1.0]))
+def test_an_autopilot_flies_on_a_schedule(low):
+    record = fly(
+        start("737"), 60.0, {"h_ref": step(300.0), "vc_ref": step(-20.0)}, gains=between(low, 1.0)
+    )
+    assert record["h"][-1] == pytest.approx(10_300.0, abs=5.0)
+    assert record["vc"][-1] == pytest.approx(260.0, abs=2.0)
+
+
+REFERENCES = [
+    (PitchHold, "theta_ref", 3.0),
+    (RollHold, "phi_ref", 10.0),
+    (HeadingHold, "psi_ref", 100.0),
+    (AltitudeHold, "h_ref", 10_020.0),
+    (AirspeedHold, "vc_ref", 285.0),
+]
+
+
+@pytest.mark.parametrize(("hold", "port", "value"), REFERENCES)
+def test_an_absolute_reference_is_the_parameter(hold, port, value):
+    """A port on `reference="absolute"` flies as the parameter alone does; unwired it is nothing."""
+
+    def flown(block, wired):
+        plane, constant = start("737"), Constant(value)
+        seen = [n for n in block.input_port_labels if n in STATES and n not in ("alpha", "beta")]
+        driven = [n for n in block.output_port_labels if n in plane.input_port_labels]
+        connections = [
+            Connection(plane[tuple(seen)], block[tuple(seen)]),
+            Connection(block[tuple(driven)], plane[tuple(driven)]),
+        ]
+        if wired:
+            connections.append(Connection(constant, block[port]))
+        Simulation([plane, block, constant], connections, dt=1 / 120, log=False).run(2.0)
+        return [float(x) for x in plane.outputs]
+
+    parameter = flown(hold("737", **{port: value}), wired=False)
+    assert flown(hold("737", reference="absolute"), wired=True) == parameter
+    # the parameter gives way to the wire, and stays without one
+    own = {port: value - 1.0}
+    assert flown(hold("737", reference="absolute", **own), wired=True) == parameter
+    assert flown(hold("737", reference="absolute", **{port: value}), wired=False) == parameter
+
+
+def test_what_a_reference_cannot_be():
+    with pytest.raises(ParameterError, match="did you mean 'absolute'"):
+        PitchHold(reference="absolut")
+
+
+@pytest.mark.parametrize(
+    ("hold", "port", "value", "warned"),
+    [
+        (AltitudeHold, "h_ref", 5500.0, "5500 ft at h_ref is an increment and asks for 10500 ft"),
+        (AltitudeHold, "h_ref", 3000.0, None),
+        (Autopilot, "h_ref", 5500.0, "Autopilot: 5500 ft at h_ref is an increment"),
+        (Autopilot, "vc_ref", 95.0, "95 kt at vc_ref is an increment and asks for 185 kt"),
+        (AirspeedHold, "vc_ref", 95.0, "reference='absolute' makes the port the reference"),
+        (AirspeedHold, "vc_ref", 20.0, None),
+    ],
+)
+@pytest.mark.parametrize("reference", ["increment", "absolute"])
+def test_a_reference_meant_to_be_absolute_is_warned_of(hold, port, value, warned, reference):
+    plane, block, constant = start("c172p"), hold("c172p", reference=reference), Constant(value)
+    seen = tuple(n for n in block.input_port_labels if n in STATES)
+    sim = Simulation(
+        [plane, block, constant],
+        [Connection(plane[seen], block[seen]), Connection(constant, block[port])],
+        dt=1 / 120,
+        log=False,
+    )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sim.run(0.1)
+    said = [str(w.message) for w in caught if "increment" in str(w.message)]
+    if warned and reference == "increment":
+        assert len(said) == 1
+        assert warned in said[0]
+    else:
+        assert not said
+
+
+@pytest.mark.parametrize(
+    ("name", "bank"),
+    first([("c172p", 25.0), ("737", -25.0), ("global5000", 25.0), ("c172p", -25.0)]),
+)
+def test_turns_are_coordinated(name, bank):
+    ports = {"roll_mode": step(1.0), "phi_ref": lambda t: bank * (1.0 < t < 20.0)}
+    record = fly(start(name), 32.0, ports, unwired=())
+    assert np.max(np.abs(record["beta"])) < 1.0  # deg
+    assert np.max(np.abs(record.before(20.0).after(8.0)["beta"])) < 0.3
+    assert np.max(np.abs(record["h"] - record["h"][0])) < 20.0
+    assert record.before(20.0)["phi"][-1] == pytest.approx(bank, abs=0.3)
+
+
+def test_without_the_sideslip_turns_are_not_coordinated():
+    ports = {"roll_mode": step(1.0), "phi_ref": lambda t: 25.0 * (t > 1.0)}
+    record = fly(start("c172p"), 8.0, ports)
+    assert np.max(np.abs(record["beta"])) > 2.0
