@@ -118,10 +118,10 @@ class TrimCondition:
         geodetic position in deg, north and east positive; default is the model's own (0, 0)
     engines_off : list of int or "all"
         engines that do not run, from 0: jets without thrust, propellers that the wind may turn
-        (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). In flight
-        with one engine out the Newton search finds bank, aileron and rudder at the sideslip
-        ``beta``; without any engine use mode "glide". ``propulsion/engine[i]/set-running`` of 0 in
-        ``setup`` means the same
+        (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one
+        engine out in flight, the Newton search finds bank, aileron and rudder at the sideslip
+        angle ``beta``. Without any engine use mode "glide". In ``setup``,
+        ``propulsion/engine[i]/set-running`` of 0 means the same
     solver : str, optional
         "jsbsim" (JSBSim's own search) or "newton" (`pathsim_jsbsim_blocks.flight.trim` describes
         it); default is JSBSim's where it can do what is asked for
