@@ -119,8 +119,8 @@ class TrimCondition:
     engines_off : list of int or "all"
         engines that do not run, from 0: jets without thrust, propellers that the wind may turn
         (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one
-        engine out in flight, the Newton search finds bank, aileron and rudder at the sideslip
-        angle ``beta``. Without any engine use mode "glide". In ``setup``,
+        engine out in flight (Newton search) it finds bank, aileron and rudder at the sideslip angle
+        ``beta``. Without any engine use mode "glide". In ``setup``,
         ``propulsion/engine[i]/set-running`` of 0 means the same
     solver : str, optional
         "jsbsim" (JSBSim's own search) or "newton" (`pathsim_jsbsim_blocks.flight.trim` describes
