@@ -112,6 +112,22 @@ def _parser() -> argparse.ArgumentParser:
             "--root", metavar="DIR", help="JSBSim root directory with models of your own"
         )
 
+    def written(sub: argparse.ArgumentParser) -> None:
+        sub.add_argument(
+            "--set",
+            metavar="PROPERTY=VALUE",
+            action="append",
+            default=[],
+            help="a property to write before the trim (repeatable)",
+        )
+        sub.add_argument(
+            "--create",
+            metavar="PROPERTY=VALUE",
+            action="append",
+            default=[],
+            help="a property that the model expects from FlightGear (repeatable)",
+        )
+
     def trim_condition(sub: argparse.ArgumentParser) -> None:
         models(sub)
         sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
@@ -148,20 +164,7 @@ def _parser() -> argparse.ArgumentParser:
         sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
         sub.add_argument("--gear", type=float, help="0 up to 1 down")
         sub.add_argument("--flaps", type=float, help="0 to 1")
-        sub.add_argument(
-            "--set",
-            metavar="PROPERTY=VALUE",
-            action="append",
-            default=[],
-            help="a property to write before the trim (repeatable)",
-        )
-        sub.add_argument(
-            "--create",
-            metavar="PROPERTY=VALUE",
-            action="append",
-            default=[],
-            help="a property that the model expects from FlightGear (repeatable)",
-        )
+        written(sub)
 
     command("list", _list, "the diagrams and studies of the catalogue")
 
@@ -277,6 +280,28 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--save", metavar="FIG", type=Path, help="draw the poles into this file")
     sub.add_argument("--json", metavar="FILE", type=Path, help="write the linear model")
     trim_condition(sub)
+
+    sub = command(
+        "gains",
+        _gains,
+        "design gains of the autopilot for an aircraft, and report how good they are",
+    )
+    sub.add_argument("aircraft")
+    for option, unit in (("altitude", "ft"), ("speed", "KCAS")):
+        sub.add_argument(
+            f"--{option}",
+            metavar=unit.upper(),
+            type=float,
+            nargs="+",
+            help=f"{unit}, one or several (default: where docs/fleet.md has it in level flight)",
+        )
+    sub.add_argument("--gear", type=float, help="0 up to 1 down (default: up where it retracts)")
+    sub.add_argument("--flaps", type=float, help="0 to 1")
+    sub.add_argument(
+        "--save", metavar="FILE.json", type=Path, help="write the gains, as gains= takes them"
+    )
+    models(sub)
+    written(sub)
 
     sub = command("study", _study, "run a trim study: its table, its figure")
     sub.add_argument(
@@ -864,6 +889,44 @@ def _modes(args: argparse.Namespace) -> None:
 
 def _engines(text: str) -> tuple[int, ...] | str:
     return text if text == "all" else tuple(map(int, text.split(",")))
+
+
+def _gains(args: argparse.Namespace) -> None:
+    from ._core.checks import writable
+    from .design import design_schedule
+    from .flight import TrimCondition, level_flight
+
+    if args.save is not None:
+        writable("save", args.save)
+    create = _values("create", args.create)
+    condition = TrimCondition()
+    if args.altitude is None or args.speed is None or args.gear is None:
+        flight = level_flight(args.aircraft, args.root)
+        condition, create = flight.condition, {**flight.create, **create}
+    setup = {**condition.setup, **_values("set", args.set)}
+    given = {"gear": args.gear, "flaps": args.flaps}
+    condition = dataclasses.replace(
+        condition,
+        setup=setup,
+        **{name: value for name, value in given.items() if value is not None},
+    )
+    altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
+    # the middle of what is asked for, where the level flight of the fleet is not in it
+    middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
+    if args.altitude is not None or args.speed is not None:
+        condition = dataclasses.replace(condition, **middle)
+    found = design_schedule(
+        args.aircraft,
+        condition,
+        altitudes,
+        speeds,
+        progress=lambda design: print(f"{design}\n", flush=True),
+        root=args.root,
+        create=create,
+    )
+    if args.save is not None:
+        found.save(args.save)
+        print(f"gains saved: {args.save}")
 
 
 def _values(option: str, items: Iterable[str]) -> dict[str, float]:

@@ -1,5 +1,12 @@
 """Gains of the autopilot designed from linear models of the aircraft. Needs jsbsim."""
 
 from .designed import DesignedGains, LoopReport, design_gains
+from .schedule import DesignedSchedule, design_schedule
 
-__all__ = ["DesignedGains", "LoopReport", "design_gains"]
+__all__ = [
+    "DesignedGains",
+    "DesignedSchedule",
+    "LoopReport",
+    "design_gains",
+    "design_schedule",
+]

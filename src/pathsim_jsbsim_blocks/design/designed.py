@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .._core.checks import flag
-from ..control.gains import AircraftGains, AttitudeGains
+from ..control.gains import AircraftGains, AttitudeGains, EnvelopeLimits
 from ..errors import DesignError, FlightError, LinearisationError
-from ..flight import Airframe, TrimCondition, level_flight
+from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
 from .envelope import envelope
@@ -29,7 +29,7 @@ from .outer import (
     with_speed,
 )
 from .plant import Plant
-from .search import PITCH, ROLL, Found, closed, design_attitude
+from .search import PITCH, ROLL, Attitude, Found, closed, design_attitude
 from .steps import STEPS, fly_step
 
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
@@ -66,7 +66,7 @@ class LoopReport:
     gain_margin, phase_margin : float
         dB, deg
     Ms, Ms_delayed : float
-        largest sensitivity |1 / (1 + L)|, and with 50 ms of delay more
+        largest magnitude of the sensitivity 1 / (1 + L), and with 50 ms of delay more
     settling, overshoot : float
         of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
         the rudder's loops
@@ -178,7 +178,8 @@ def design_gains(
     substeps : int
         JSBSim steps per sample period
     check : bool
-        fly the steps in pitch and roll on the nonlinear aircraft too
+        fly the steps in pitch and roll on the nonlinear aircraft too, and shape the loops once more
+        where the pitch angle overshoots too far there
     **options
         ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
         of `Aircraft`
@@ -243,8 +244,17 @@ def design_gains(
         trim,
         trim.speed,
     ).limits
-    designed = _loops(aircraft, condition, model, trim, vt, limits)
-    return _flown(fresh, designed) if check else designed
+    designed = _loops(aircraft, condition, model, trim, vt, limits, PITCH)
+    if not check:
+        return designed
+    designed = _flown(fresh, designed)
+    excess = designed.report[0].flown_overshoot / PITCH.overshoot
+    if excess <= 1.0:
+        return designed
+    # a kink at the trim: ask the linear model for as much less
+    tighter = replace(PITCH, overshoot=0.9 * PITCH.overshoot / excess)
+    again = _flown(fresh, _loops(aircraft, condition, model, trim, vt, limits, tighter))
+    return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
 
 
 def _model(plane: Aircraft) -> LinearModel:
@@ -267,9 +277,10 @@ def _loops(
     aircraft: str,
     condition: TrimCondition,
     model: LinearModel,
-    trim: Any,
+    trim: TrimState,
     vt: float,
-    limits: Any,
+    limits: EnvelopeLimits,
+    pitching: Attitude,
 ) -> DesignedGains:
     """Shape one loop after the other."""
     plant = Plant.of(model)
@@ -303,7 +314,7 @@ def _loops(
 
     ramp = min(max(math.degrees(_RAMP_LOAD * _G / vt), _RAMP_LOW), _RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
-    found = design_attitude(plant, PITCH, ramp, (low - trim.elevator, high - trim.elevator))
+    found = design_attitude(plant, pitching, ramp, (low - trim.elevator, high - trim.elevator))
     if found is None or not math.isfinite(found.settling):
         raise refuse("pitch", "no gains of the elevator settle a step in pitch")
     note("pitch", found)

@@ -262,7 +262,7 @@ def _fly(
     score = (
         np.maximum(settling, _FAST)
         + 20.0 * np.maximum(overshoot - 0.5 * loop.overshoot, 0.0) / loop.step
-        + 300.0 * np.maximum(overshoot - 0.8 * loop.overshoot, 0.0) / loop.step
+        + 300.0 * np.maximum(overshoot - 0.7 * loop.overshoot, 0.0) / loop.step
         + 200.0 * late / loop.step
         + 20.0 * np.maximum(use - loop.use, 0.0)
         + 0.5 * use

@@ -47,7 +47,7 @@ STEPS = {
     "roll": Step("phi_ref", "phi", 20.0, 1.0, 30.0, {"roll_mode": 1.0}),
     "heading": Step("psi_ref", "psi", 30.0, 0.5, 120.0, {}),
     "altitude": Step("h_ref", "h", 500.0, 10.0, 120.0, {}),
-    "speed": Step("vc_ref", "vc", 10.0, 0.5, 120.0, {}),
+    "speed": Step("vc_ref", "vc", 10.0, 0.5, 150.0, {}),
 }
 
 

@@ -1,0 +1,172 @@
+"""Gains designed at several altitudes and airspeeds, and their file."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from typing import Any
+
+from .._core.checks import as_path, positive
+from ..control.gains import DesignPoint, GainSchedule, document_of
+from ..errors import DesignError, FileError, ParameterError, TrimError
+from ..flight import TrimCondition
+from .designed import DesignedGains, design_gains
+
+# significant digits in a file
+_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class DesignedSchedule:
+    """What `design_schedule` has found.
+
+    Attributes
+    ----------
+    designs : tuple of DesignedGains
+        sorted by altitude, then by airspeed
+    nominal : int
+        index of the design for holds that do not know the airspeed
+    refused : tuple of (TrimCondition, Exception)
+        conditions without gains, and why
+    """
+
+    designs: tuple[DesignedGains, ...]
+    nominal: int
+    refused: tuple[tuple[TrimCondition, Exception], ...]
+
+    @property
+    def schedule(self) -> GainSchedule:
+        """The gains over altitude and airspeed, which ``gains=`` of every hold takes."""
+        return GainSchedule(
+            aircraft=self.designs[0].aircraft,
+            points=tuple(
+                DesignPoint(d.condition.altitude, d.condition.speed, d.gains) for d in self.designs
+            ),
+            nominal=self.nominal,
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a gain table that ``gains="PATH.json"`` reads, with the report of each design.
+
+        Numbers are rounded to 6 significant digits.
+
+        Raises
+        ------
+        FileError
+            if the file cannot be written
+        """
+        file = as_path("path", path)
+        document = document_of(self.schedule)
+        points = document.pop("points")
+        for point, design in zip(points, self.designs, strict=True):
+            point["report"] = {row.loop: _plain(row) for row in design.report}
+        head = {
+            **document,
+            "versions": {"jsbsim": version("jsbsim")},
+            "condition": str(replace(self.designs[self.nominal].condition, speed=1.0, altitude=0))
+            .replace("altitude=0.0, ", "")
+            .replace("speed=1.0, ", ""),
+        }
+        # a line for each point
+        lines = [json.dumps(_rounded(head))[:-1] + ', "points": [']
+        lines += [json.dumps(_rounded(p), allow_nan=False) + "," for p in points]
+        lines[-1] = lines[-1][:-1]
+        try:
+            file.write_text("\n".join([*lines, "]}"]) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise FileError("write", file, error) from None
+
+
+def _plain(row: Any) -> dict[str, Any]:
+    """A row of a report without its name and without numbers that JSON lacks."""
+    return {
+        name: value
+        for name, value in vars(row).items()
+        if name != "loop"
+        and value != ""
+        and not (isinstance(value, float) and not math.isfinite(value))
+    }
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if isinstance(value, dict):
+        return {name: _rounded(x) for name, x in value.items()}
+    return [_rounded(x) for x in value] if isinstance(value, list) else value
+
+
+def design_schedule(
+    aircraft: str,
+    condition: TrimCondition,
+    altitudes: Sequence[float],
+    speeds: Sequence[float],
+    *,
+    progress: Callable[[DesignedGains | Exception], None] | None = None,
+    **options: Any,
+) -> DesignedSchedule:
+    """Design gains at each of some altitudes and airspeeds.
+
+    Conditions at which the aircraft does not trim or cannot be held are left out. Between the
+    others the holds interpolate. A hold that does not know the airspeed takes those nearest to
+    ``condition``.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the JSBSim model
+    condition : TrimCondition
+        everything but altitude and airspeed: gear, flaps, fuel
+    altitudes : list of float
+        ft
+    speeds : list of float
+        KCAS
+    progress : callable, optional
+        gets each design, or the error instead
+    **options
+        as of `design_gains`
+
+    Raises
+    ------
+    DesignError, TrimError
+        if there are gains at no condition: the first error
+    ParameterError
+        for no altitude, no airspeed, or a Mach number
+    """
+    for name, values in (("altitudes", altitudes), ("speeds", speeds)):
+        if not len(values):
+            raise ParameterError(f"{name} is empty", parameter=name, value=values)
+    if condition.mach is not None:
+        raise ParameterError(
+            "a schedule is over the calibrated airspeed: give speeds instead of mach",
+            parameter="mach",
+            value=condition.mach,
+        )
+    designs: list[DesignedGains] = []
+    refused: list[tuple[TrimCondition, Exception]] = []
+    for altitude in sorted(set(altitudes)):
+        for speed in sorted({positive("speeds", speed) for speed in speeds}):
+            there = replace(condition, altitude=altitude, speed=speed)
+            found: DesignedGains | Exception
+            try:
+                found = design_gains(aircraft, there, **options)
+                designs.append(found)
+            except (DesignError, TrimError) as error:
+                found = error
+                refused.append((there, error))
+            if progress is not None:
+                progress(found)
+    if not designs:
+        raise refused[0][1]
+
+    def away(i: int) -> float:
+        there = designs[i].condition
+        return abs(math.log(there.speed / condition.speed)) + (
+            abs(there.altitude - condition.altitude) / 1e5
+        )
+
+    return DesignedSchedule(tuple(designs), min(range(len(designs)), key=away), tuple(refused))

@@ -1,0 +1,117 @@
+"""Schedules: designed, saved, read, flown; the tables that come with the package."""
+
+import json
+import math
+
+import pytest
+from fleet_conditions import FLYING
+
+from pathsim_jsbsim_blocks import Autopilot, ParameterError, PitchHold, TrimCondition
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains, tables
+from pathsim_jsbsim_blocks.design import design_gains, design_schedule
+from pathsim_jsbsim_blocks.errors import TrimError
+
+SHIPPED = sorted(path.stem for path in TABLES.glob("*.json"))
+
+
+@pytest.fixture(scope="module")
+def found():
+    # the first does not trim: it is left out
+    condition = TrimCondition(altitude=5000, speed=250, gear=0.0)
+    return design_schedule("A320", condition, [5000.0], [120.0, 281.0, 230.0], check=False)
+
+
+def test_a_schedule_has_the_conditions_that_can_be_held(found):
+    points = found.schedule.points
+    assert [(p.altitude, p.speed) for p in points] == [(5000.0, 230.0), (5000.0, 281.0)]
+    assert found.nominal == 0  # the nearest to 250 KCAS by their ratio
+    ((condition, error),) = found.refused
+    assert condition.speed == 120.0
+    assert isinstance(error, TrimError)
+    assert found.schedule.at(5000.0, 230.0) == found.designs[0].gains
+
+
+def test_a_saved_schedule_is_read_back_to_six_digits(found, tmp_path):
+    file = tmp_path / "a320.json"
+    found.save(file)
+    read = read_gains(file)
+    assert read.nominal == found.nominal
+    for point, design in zip(read.points, found.designs, strict=True):
+        for loop in ("pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"):
+            numbers = vars(getattr(design.gains, loop))
+            assert vars(getattr(point.gains, loop)) == pytest.approx(numbers, rel=6e-6)
+    report = json.loads(file.read_text())["points"][0]["report"]
+    assert report["pitch"]["Ms"] == pytest.approx(found.designs[0].report[0].Ms, rel=6e-6)
+    assert PitchHold(gains=str(file)).gains == str(file)
+
+
+@pytest.mark.parametrize(
+    ("altitudes", "speeds", "mach", "named"),
+    [
+        ([], [250.0], None, "altitudes"),
+        ([5000.0], [], None, "speeds"),
+        ([5000.0], [250.0], 0.4, "mach"),
+    ],
+)
+def test_what_a_schedule_cannot_be_over(altitudes, speeds, mach, named):
+    condition = TrimCondition(altitude=5000, speed=250, mach=mach, gear=0.0)
+    with pytest.raises(ParameterError) as error:
+        design_schedule("A320", condition, altitudes, speeds)
+    assert error.value.parameter == named
+
+
+def test_no_condition_at_all_is_the_first_error():
+    with pytest.raises(TrimError):
+        design_schedule("A320", TrimCondition(speed=100, gear=0.0), [5000.0], [100.0])
+
+
+def test_the_command_reports_and_saves(tmp_path, capsys):
+    file = tmp_path / "gains.json"
+    arguments = ["--altitude", "5000", "--speed", "281", "--gear", "0", "--save", str(file)]
+    assert main(["gains", "A320", *arguments]) == 0
+    text = capsys.readouterr().out
+    assert "pitch" in text
+    assert f"gains saved: {file}" in text
+    (point,) = read_gains(file).points
+    assert (point.altitude, point.speed) == (5000.0, 281.0)
+
+
+def test_the_command_says_why_there_are_none(capsys):
+    assert main(["gains", "c172x", "--altitude", "5000", "--speed", "103", "--gear", "1"]) == 1
+    assert "does not respond to 'elevator'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_table_of_the_fleet_is_taken_by_its_name(name):
+    aircraft = name.removesuffix("-designed")
+    assert name in tables()
+    assert (aircraft in GAINS) == name.endswith("-designed")
+    schedule = read_gains(TABLES / f"{name}.json")
+    assert schedule.aircraft == aircraft
+    altitude, speed, _, _ = FLYING[aircraft]
+    point = schedule.points[schedule.nominal]
+    assert (point.altitude, point.speed) == (altitude, speed)
+    assert point.gains.envelope.vc_min < speed
+    assert Autopilot(gains=name).gains == name
+    for point in schedule.points:
+        assert all(
+            math.isfinite(x) for loop in vars(point.gains).values() for x in vars(loop).values()
+        )
+
+
+def test_most_of_the_fleet_has_a_table():
+    assert len(SHIPPED) >= 26
+
+
+@pytest.mark.parametrize("name", ["A320", "c182"])
+def test_a_table_of_the_fleet_can_be_made_again(name):
+    schedule = read_gains(TABLES / f"{name}.json")
+    point = schedule.points[schedule.nominal]
+    altitude, speed, gear, create = FLYING[name]
+    condition = TrimCondition(
+        altitude=altitude, speed=speed, gear=gear, setup={"propulsion/fuel_freeze": 1.0}
+    )
+    made = design_gains(name, condition, create=dict.fromkeys(create, 0.0), check=False)
+    for loop, gains in vars(point.gains).items():
+        assert vars(gains) == pytest.approx(vars(getattr(made, loop)), rel=1e-3, abs=1e-6), loop
