@@ -12,6 +12,7 @@ import re
 import runpy
 import tempfile
 import warnings
+from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
 
@@ -23,11 +24,24 @@ matplotlib.use("agg")
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
-from pathsim_jsbsim_blocks import Aircraft, BlocksError, DoubletSource, LinearisationError, fly
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    BlocksError,
+    DoubletSource,
+    LinearisationError,
+    TrimError,
+    fly,
+)
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram, load_diagram
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
-from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
-from pathsim_jsbsim_blocks.flight.fleet import HEADER, fleet_table, format_row
+from pathsim_jsbsim_blocks.flight import aircraft_names
+from pathsim_jsbsim_blocks.flight.fleet import (
+    HEADER,
+    TRIES,
+    _level_or_glide,
+    fleet_table,
+    format_row,
+)
 from pathsim_jsbsim_blocks.plots import against
 from pathsim_jsbsim_blocks.studies import STUDIES
 
@@ -307,31 +321,43 @@ def modes_page():
     """The natural modes of every aircraft that trims in level flight."""
     lines = []
     for name in aircraft_names():
-        try:
-            flight = level_flight(name)
-        except BlocksError:
-            continue
-        lines.append(modes_row(name, flight))
+        # a process for each: none must die
+        with ProcessPoolExecutor(1) as pool:
+            lines.append(pool.submit(modes_of, name).result())
     return (
-        "# The fleet's modes\n\nLinear models (`Aircraft.linear_model`, flown) of "
-        "aircraft that trim in level flight where\n[the fleet's table](fleet.md) says, with jsbsim "
+        "# The fleet's modes\n\nLinear models (`Aircraft.linear_model`, flown) of all aircraft, "
+        "in the level flight or glide where\n[the fleet's table](fleet.md) says, with jsbsim "
         f"{version('jsbsim')}. Oscillations are given as natural frequency in rad/s / damping "
         "ratio,\nreal poles in 1/s. The doublet error is the largest of theta and q (elevator), "
         "phi and p (aileron), beta and r\n(rudder) after a doublet of 0.01 of travel, 1 s and "
         "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
-        f"An error above 5 % means that the aircraft is not linear in that range.\n\n{MODES_HEADER}"
-        + "".join(lines)
+        "An error above 5 % means that the aircraft is not linear in that range; the remark is the "
+        "warning given, or the error\nwhere there is no model. A glide's throttle is closed, so it "
+        f"is not among the inputs.\n\n{MODES_HEADER}" + "".join(lines)
     )
 
 
+def modes_of(name):
+    """The row of one aircraft: its modes, or the error that says why it has none."""
+    try:
+        return modes_row(name, _level_or_glide(name, len(TRIES)))
+    except BlocksError as error:
+        reason = error.reason if isinstance(error, TrimError) else "it does not load"
+        return f"| {name} | | | | | | | no trim: {reason} |\n"
+
+
 def modes_row(name, flight):
+    inputs = None
+    if flight.condition.mode == "glide":
+        inputs = ["elevator", "aileron", "rudder"]
+
     def plane():
         return Aircraft(name, condition=flight.condition, create=flight.create)
 
     try:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
-            model = plane().linear_model()
+            model = plane().linear_model(inputs=inputs)
     except LinearisationError as error:
         reason = str(error).partition(": ")[2].replace("|", "/")
         return f"| {name} | | | | | | | {reason} |\n"
@@ -360,7 +386,8 @@ def doublet_error(plane, model):
     for port, outputs in enumerate((("theta", "q"), ("phi", "p"), ("beta", "r"))):
         u = np.zeros((1200, 4))
         u[3:123, port], u[123:243, port] = 0.01, -0.01
-        response, predicted = flown(plane, u) - still, model.simulate(u) - model.y0
+        response = flown(plane, u) - still
+        predicted = model.simulate(u[:, : len(model.inputs)]) - model.y0
         for output in outputs:
             i = model.outputs.index(output)
             missed = ((response - predicted)[:, i] ** 2).mean()
@@ -372,7 +399,8 @@ def doublet_error(plane, model):
 def flown(plane, u):
     block = plane()
     y = [block.outputs.to_array()]
-    return np.array(y + [block.advance(k, row) for k, row in enumerate(u.tolist(), 1)])
+    wind = [0.0] * 3
+    return np.array(y + [block.advance(k, row + wind) for k, row in enumerate(u.tolist(), 1)])
 
 
 def main():
