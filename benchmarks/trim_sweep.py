@@ -1,4 +1,4 @@
-"""The 680-point trim map of the 737: `trim_envelope` on one and two cores, and the published loop.
+"""The 680-point trim map of the 737: `trim_envelope`, both solvers, and the published loop.
 
     python benchmarks/trim_sweep.py
 
@@ -60,6 +60,12 @@ def sweep(jobs):
     assert trim_envelope(jobs=jobs, progress=False).trimmed.sum() == 364
 
 
+def newton(jobs):
+    grid = {"altitude": 15000, "alpha_min": -4.0, "alpha_max": 12.0, "solver": "newton"}
+    axes = {"speed": range(120, 460, 10), "gamma": range(-10, 10)}
+    assert trim_sweep("737", {**grid, **axes}, jobs=jobs, progress=False).trimmed.sum() == 364
+
+
 def import_everything():
     trim_sweep("737", {"speed": [200]}, jobs=1, progress=False)
 
@@ -70,7 +76,7 @@ def seconds(function, *arguments):
     return time.perf_counter() - start
 
 
-ALONE = {"published loop": (published_loop,), "one core": (sweep, 1)}
+ALONE = {"published loop": (published_loop,), "one core": (sweep, 1), "Newton": (newton, 1)}
 
 
 def in_a_fresh_process(name):
@@ -98,9 +104,12 @@ def rows():
         times.append(
             {name: in_a_fresh_process(name) for name in ALONE}
             | {"two cores, cold": seconds(sweep, 2), "two cores, warm": seconds(sweep, 2)}
+            | {"Newton, two cores": seconds(newton, 2)}
         )
-    loop, one, cold, warm = ([t[name] for t in times] for name in times[0])
+    loop, one, search, cold, warm, searches = ([t[name] for t in times] for name in times[0])
     row("680-point trim map on one core", "published loop", one, loop, "s", 1.0, "jsbsim")
+    row("the same by the Newton search", "published loop", search, loop, "s", 0.4, "jsbsim")
+    row("the same on two cores", "published loop", searches, loop, "s", 0.22, "jsbsim")
     row("680-point trim map on two cores", "one core", warm, one, "s", 1 / 1.8)
     row("the same with the workers' start", "one core", cold, one, "s")
 
@@ -108,7 +117,7 @@ def rows():
 if __name__ == "__main__":
     if len(sys.argv) > 1:
         function, *arguments = ALONE[sys.argv[1]]
-        if function is sweep:  # the peer keeps JSBSim's own console
+        if function is not published_loop:  # the peer keeps JSBSim's own console
             import_everything()
         print(seconds(function, *arguments), file=sys.stderr)
     else:
