@@ -57,7 +57,6 @@ sim = Simulation(
         Connection(aircraft["ail_sat"], autopilot["ail_sat"]),
         Connection(aircraft["thr_sat"], autopilot["thr_sat"]),
         Connection(aircraft["alpha"], autopilot["alpha"]),
-        Connection(aircraft["beta"], autopilot["beta"]),
         Connection(climb, autopilot["h_ref"]),
         Connection(turn, autopilot["psi_ref"]),
         Connection(accelerate, autopilot["vc_ref"]),
