@@ -24,6 +24,7 @@ PANELS = {
     "pitch_hold_primitives": 3,
     "approach_737": 4,
     "fleet_pitch_hold": 2,
+    "stall_protection": 3,
 }
 
 
@@ -98,6 +99,22 @@ def test_approach_737(flown):
     assert vc[0] == pytest.approx(170.0, abs=0.1)
     assert vc[-1] == pytest.approx(150.0, abs=0.6)
     assert chi[-1] - psi[-1] == pytest.approx(5.5, abs=0.5)
+
+
+def test_stall_protection(flown):
+    diagram = flown("stall_protection")
+    _, [kept, lost] = diagram.heights.read()
+    _, [vc, vc_lost] = diagram.speeds.read()
+    _, [alpha, alpha_lost] = diagram.angles.read()
+    # what an autopilot does that watches the airspeed alone
+    assert vc_lost.min() == pytest.approx(46.5, abs=0.1)
+    assert alpha_lost.max() == pytest.approx(24.2, abs=0.1)
+    assert lost[0] - lost[-1] == pytest.approx(4078.0, abs=10.0)
+    assert vc_lost[-1] > 55.0  # the stall flies faster than asked
+    assert vc.min() == pytest.approx(51.9, abs=0.1)
+    assert vc[-1] == pytest.approx(53.7, abs=0.1)
+    assert alpha.max() == pytest.approx(11.2, abs=0.1)
+    assert np.abs(kept - 5000.0).max() < 33.0
 
 
 def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
