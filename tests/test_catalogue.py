@@ -424,7 +424,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
         (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
-        (["run", str(diagram_folder() / "pitch_hold.pvm")], "is not a Python script"),
+        (["run", str(diagram_folder().parent / "README.md")], "is not a Python script"),
         (["trim", "c172"], "did you mean 'c172p'"),
         (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
         (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),
