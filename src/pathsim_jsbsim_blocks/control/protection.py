@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+from .._core.units import conversion
 from .gains import EnvelopeLimits
 
 State = tuple
 
-G = 32.174  # ft/s2
-KNOT = 1852 / 3600 / 0.3048  # ft/s
+GRAVITY = 32.174  # ft/s2
+_KNOT, _ = conversion("kt", "ft/s")
 
 # ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128; tropopause at 36,089 ft
 _LAPSE, _EXPONENT, _TROPOPAUSE = 6.8756e-6, -2.128, 36_089.0
@@ -20,7 +21,7 @@ def true_airspeed(vc: float, h: float) -> float:
 
     Without compressibility and for ISA: 3 % high at Mach 0.5, 10 % at 0.8.
     """
-    return vc * KNOT * (1.0 - _LAPSE * min(h, _TROPOPAUSE)) ** _EXPONENT
+    return vc * _KNOT * (1.0 - _LAPSE * min(h, _TROPOPAUSE)) ** _EXPONENT
 
 
 class Protection:
@@ -111,12 +112,12 @@ class Protection:
         most, boost = math.inf, 0.0
         if self.vc_min:
             slowest = true_airspeed(self.vc_min, h)
-            excess = hdot + v * acceleration / G
+            excess = hdot + v * acceleration / GRAVITY
             if not known:
                 available, measured = self.climb_max, excess
             measured += self._adapt * (excess - measured)
             available += self._adapt * ((excess if full_throttle else self.climb_max) - available)
-            stiffness = self.DECAY * v / G
+            stiffness = self.DECAY * v / GRAVITY
             climb = measured
             if vc_cmd:
                 wanted = true_airspeed(vc_cmd, h)
@@ -160,7 +161,7 @@ class Protection:
             found = theta
         reference = min(reference, theta_max)
         wanted = (found if target is None else target) + increment
-        step = math.degrees(self.LOAD * G / max(v, self.SLOWEST)) * self.T
+        step = math.degrees(self.LOAD * GRAVITY / max(v, self.SLOWEST)) * self.T
         allowed = min(max(wanted, reference - step), reference + step, theta_max)
         cut = max(wanted - theta_max, 0.0)
         return (found, reference, law), increment + allowed - wanted, cut

@@ -11,6 +11,7 @@ from typing import Any
 
 from .._core.checks import flag
 from ..control.gains import AircraftGains, AttitudeGains, EnvelopeLimits
+from ..control.protection import GRAVITY
 from ..errors import DesignError, FlightError, LinearisationError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
@@ -34,8 +35,6 @@ from .steps import STEPS, fly_step
 
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
-
-_G = 32.174  # ft/s2
 
 # g, deg/s: load of a pitch reference that moves, and the limits of its rate
 _RAMP_LOAD, _RAMP_LOW, _RAMP_HIGH = 0.7, 2.0, 6.0
@@ -243,7 +242,7 @@ def design_gains(
         replace(condition, setup={**condition.setup, **(options.get("setup") or {})}),
         trim,
         trim.speed,
-    ).limits
+    )
     designed = _loops(aircraft, condition, model, trim, vt, limits, PITCH)
     if not check:
         return designed
@@ -312,7 +311,7 @@ def _loops(
                 )
             )
 
-    ramp = min(max(math.degrees(_RAMP_LOAD * _G / vt), _RAMP_LOW), _RAMP_HIGH)
+    ramp = min(max(math.degrees(_RAMP_LOAD * GRAVITY / vt), _RAMP_LOW), _RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
     found = design_attitude(plant, pitching, ramp, (low - trim.elevator, high - trim.elevator))
     if found is None or not math.isfinite(found.settling):

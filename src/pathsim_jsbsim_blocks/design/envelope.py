@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,27 +25,9 @@ _SLOWEST = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)
 _CLIMBS = (1.0, 0.7, 0.4)
 
 
-@dataclass(frozen=True)
-class Envelope:
-    """The limits, and whether they were found by a trim or are extrapolated.
-
-    Attributes
-    ----------
-    limits : EnvelopeLimits
-    stall : float
-        angle of attack of the largest lift, deg
-    load_factor : float
-        largest lift at this airspeed over the weight, g
-    """
-
-    limits: EnvelopeLimits
-    stall: float
-    load_factor: float
-
-
 def envelope(
     fresh: Callable[[], Airframe], condition: TrimCondition, trimmed: TrimState, speed: float
-) -> Envelope:
+) -> EnvelopeLimits:
     """Measure the limits with airframes of its own.
 
     The lift over the angle of attack is computed by JSBSim with the controls of the trim; climb
@@ -79,15 +61,11 @@ def envelope(
             climb = found / share
             break
     descent = _rate(fresh, condition, 0.0, vt)
-    return Envelope(
-        EnvelopeLimits(
-            alpha_max=limit,
-            vc_min=_trimmable(fresh, condition, slowest, speed),
-            climb_max=max(climb, 0.0),
-            descent_max=max(-descent if descent is not None else climb, 1.0),
-        ),
-        float(alpha[peak]),
-        float(lift[peak]),
+    return EnvelopeLimits(
+        alpha_max=limit,
+        vc_min=_trimmable(fresh, condition, slowest, speed),
+        climb_max=max(climb, 0.0),
+        descent_max=max(-descent if descent is not None else climb, 1.0),
     )
 
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
-from .margins import Margins, margins
+from ..control.protection import GRAVITY
+from .margins import margins
 from .plant import Plant
-from .search import OMEGA, REQUIREMENTS, at, integral, settled
+from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled
 
 # periods of the loop in one step of a slow response
 _COARSE = 6
-
-_G = 32.174  # ft/s2
 
 # 1/s; a slower divergence is left to the loops around
 _DIVERGES = 0.03
@@ -30,20 +29,6 @@ class Outcome:
     overshoot: float = math.nan
     use: float = math.nan
     relaxed: str = ""
-
-
-def levels(m: Margins) -> np.ndarray:
-    """Number of the first requirement that each loop meets."""
-    found = np.full(len(m.Ms), len(REQUIREMENTS))
-    for i, requirement in reversed(list(enumerate(REQUIREMENTS))):
-        found[requirement.met(m)] = i
-    return found
-
-
-def said(level: int, *more: str) -> str:
-    """What was relaxed, in words."""
-    margins_ = [] if level == 0 else [str(REQUIREMENTS[level])]
-    return "; ".join([*margins_, *(text for text in more if text)])
 
 
 # --- yaw damper ----------------------------------------------------------------------------------
@@ -152,7 +137,7 @@ def design_rudder(
         1.0 + on_slip * rudder["beta"] - on_rate * rudder["r"]
     )
     beta = np.abs(bank["beta"] + command * rudder["beta"])
-    psi = np.abs((bank["psi"] + command * rudder["psi"]) * OMEGA * vt / _G)
+    psi = np.abs((bank["psi"] + command * rudder["psi"]) * OMEGA * vt / GRAVITY)
     entry = 1.0 / np.hypot(1.0, OMEGA / _ENTRY)
     score = (
         _TURN * (beta * entry).max(axis=1)
@@ -197,7 +182,7 @@ def design_heading(
     plant: Plant, ramp: float, settling: float, vt: float, bank_max: float = 25.0
 ) -> tuple[HeadingGains | None, Outcome]:
     """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``."""
-    turn = _G / vt  # psi-dot per phi, 1/s
+    turn = GRAVITY / vt  # psi-dot per phi, 1/s
     fast = min(0.25, 0.7 / max(settling if math.isfinite(settling) else 5.0, 0.5))
     Kp = np.clip(fast / turn * np.geomspace(0.25, 1.6, 14), 0.3, 6.0)
     G = plant.response(OMEGA, "phi_cmd")["psi"]

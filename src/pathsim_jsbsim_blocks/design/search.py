@@ -56,6 +56,20 @@ REQUIREMENTS = (
 )
 
 
+def levels(m: Margins) -> np.ndarray:
+    """Number of the first requirement that each loop meets."""
+    found = np.full(len(m.Ms), len(REQUIREMENTS))
+    for i, requirement in reversed(list(enumerate(REQUIREMENTS))):
+        found[requirement.met(m)] = i
+    return found
+
+
+def said(level: int, *more: str) -> str:
+    """What was relaxed, in words."""
+    margins_ = [] if level == 0 else [str(REQUIREMENTS[level])]
+    return "; ".join([*margins_, *(text for text in more if text)])
+
+
 @dataclass(frozen=True)
 class Attitude:
     """A pitch or roll loop to be designed.
@@ -120,7 +134,6 @@ class Found:
     margins: dict[str, float]
     settling: float
     overshoot: float
-    error: float
     use: float
     relaxed: str
 
@@ -149,9 +162,7 @@ def design_attitude(
     Kp, Ki, Kr = _shaped(G, R, plant.T, loop.cap)
     L = (Kp[:, None] + Ki[:, None] * integral(OMEGA, plant.T)) * G + Kr[:, None] * R
     found = margins(OMEGA, L)
-    level = np.full(len(Kp), len(REQUIREMENTS))
-    for i, requirement in reversed(list(enumerate(REQUIREMENTS))):
-        level[requirement.met(found)] = i
+    level = levels(found)
     # no crossover above the cap: rate feedback alone may cross again
     level[found.crossover > 1.6 * loop.cap] = len(REQUIREMENTS)
     best: tuple[float, Found] | None = None
@@ -168,7 +179,7 @@ def design_attitude(
             # no faster than needed
             score += 1.5 * level[k] + 0.1 * found.crossover[k]
             if best is None or score < best[0]:
-                relaxed = [] if level[k] == 0 else [str(REQUIREMENTS[level[k]])]
+                relaxed = []
                 if not data["settling"] <= loop.settling:
                     relaxed.append(f"settling {data['settling']:.1f} s")
                 if data["overshoot"] > loop.overshoot:
@@ -181,7 +192,7 @@ def design_attitude(
                         float(Kr[k]),
                         float(b),
                         at(found, k),
-                        relaxed="; ".join(relaxed),
+                        relaxed=said(level[k], *relaxed),
                         **data,
                     ),
                 )
@@ -276,7 +287,6 @@ def _fly(
             {
                 "settling": float(settling[k]),
                 "overshoot": float(overshoot[k]),
-                "error": float(late[k]),
                 "use": float(use[k]),
             },
         )

@@ -33,11 +33,11 @@ from ..loops import (
     wrap,
 )
 from ..pid import PID
+from ..protection import GRAVITY
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
 
-_G = 32.174  # ft/s2, standard gravity
 _RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
 _SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
 # crossover of the heading loop over that of the loop around it; 4 would be critically damped
@@ -209,7 +209,7 @@ class CourseHold(TunableLaw):
         self._heading = HeadingLoop(T, heading, bank_max)
         self._roll = roll_loop(T, roll, limits("authority", self.authority))
         self._share = -math.expm1(-T / _SMOOTHING)
-        self._centripetal = _G * math.tan(math.radians(bank_max))
+        self._centripetal = GRAVITY * math.tan(math.radians(bank_max))
         self._roll_in = bank_max / roll.ramp
 
     def initial_state(self) -> State:
@@ -250,7 +250,7 @@ class CourseHold(TunableLaw):
     def _lag(self, speed: float) -> float:
         """Time constant of the heading loop, s."""
         gain = abs(self._heading.pid.Kp)
-        return speed / (_G * gain) if gain else math.inf
+        return speed / (GRAVITY * gain) if gain else math.inf
 
     def _along(
         self,
