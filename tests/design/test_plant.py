@@ -10,7 +10,7 @@ from pathsim_jsbsim_blocks.control.gains import AltitudeGains, AttitudeGains, Sp
 from pathsim_jsbsim_blocks.control.loops import (
     AltitudeLoop,
     SpeedLoop,
-    WashoutLoop,
+    YawLoop,
     pitch_loop,
     roll_loop,
 )
@@ -76,7 +76,7 @@ def law_flown(plant, actuator, law, n):
 
 
 GAINS = AttitudeGains(Kp=0.2, Ki=0.15, Kr=0.05, b=0.4, ramp=1e6)
-FOUND = search.Found(0.2, 0.15, 0.05, 0.4, {}, 0.0, 0.0, 0.0, 0.0, "")
+FOUND = search.Found(0.2, 0.15, 0.05, 0.4, {}, 0.0, 0.0, 0.0, "")
 
 
 @pytest.mark.parametrize(
@@ -129,13 +129,13 @@ def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):
 
 
 def test_a_closed_yaw_damper_is_the_law_that_is_flown(plant):
-    gains = YawGains(K=0.05, tau=2.0)
-    law, state = WashoutLoop(T, gains, FAR), WashoutLoop.START
+    gains = YawGains(K=0.05, tau=2.0, Kp=0.01, Ki=0.005)
+    law, state = YawLoop(T, gains, FAR), YawLoop.START
     kick = np.where(np.arange(600) < 60, 0.01, 0.0)
 
     def fly_law(k, y):
         nonlocal state
-        command, state = law.sample(state, y["r"], False)
+        command, state = law.sample(state, y["r"], False, y["beta"])
         return command + kick[k]
 
     expected = law_flown(plant, "rudder", fly_law, 600)
