@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
+import timeit
 
 import numpy as np
 import pytest
@@ -359,10 +359,14 @@ def test_parameters_keep_their_value_under_their_own_name():
 
 def test_one_sample_is_cheap():
     pid, state = PID(T, Kp=1.0, Ki=1.0, Kd=1.0, Tf=0.1), PID.START
-    start = time.perf_counter()
-    for _ in range(10_000):
-        _, state = pid.sample(state, 1.0, 0.0)
-    assert (time.perf_counter() - start) / 10_000 < 20e-6  # measured 1 us; ten times the machine
+
+    def samples():
+        nonlocal state
+        for _ in range(1_000):
+            _, state = pid.sample(state, 1.0, 0.0)
+
+    # measured 1 us; the least of ten, because the machine may do other things meanwhile
+    assert min(timeit.repeat(samples, number=1, repeat=10)) / 1_000 < 20e-6
 
 
 @pytest.mark.parametrize("gains", [{"Kp": 2.0}, {"Kp": 2.0, "Ki": 0.5}, {"Kp": 2.0, "b": 0.5}])

@@ -39,8 +39,7 @@ _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 # g, deg/s: load of a pitch reference that moves, and the limits of its rate
 _RAMP_LOAD, _RAMP_LOW, _RAMP_HIGH = 0.7, 2.0, 6.0
 
-# deg/s
-_ROLL_RAMP = 10.0
+_ROLL_RAMP = 10.0  # deg/s
 
 # ft/s, of the airspeed, of the excess climb
 _CLIMB, _CLIMB_OF_SPEED, _CLIMB_OF_EXCESS = 25.0, 0.06, 0.8

@@ -32,8 +32,7 @@ class Margins:
     Ms_delayed: np.ndarray
 
 
-# s
-EXTRA_DELAY = 0.05
+EXTRA_DELAY = 0.05  # s
 
 
 def margins(omega: np.ndarray, L: np.ndarray) -> Margins:

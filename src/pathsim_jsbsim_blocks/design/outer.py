@@ -31,8 +31,6 @@ class Outcome:
     relaxed: str = ""
 
 
-# --- yaw damper ----------------------------------------------------------------------------------
-
 # the Dutch roll is damped to this; a model that has as much needs no damper
 _DAMPED = 0.35
 _TAU = 2.0
@@ -175,9 +173,6 @@ def _pi(
     return Kp[good], Ki[good]
 
 
-# --- heading -------------------------------------------------------------------------------------
-
-
 def design_heading(
     plant: Plant, ramp: float, settling: float, vt: float, bank_max: float = 25.0
 ) -> tuple[HeadingGains | None, Outcome]:
@@ -217,8 +212,6 @@ def design_heading(
         said(level[i], f"overshoot {over[i]:.1f} deg" if over[i] > 0.5 else ""),
     )
 
-
-# --- airspeed ------------------------------------------------------------------------------------
 
 # kt: an error that may use all of the throttle's remaining travel
 _GUST = 12.0
@@ -345,9 +338,6 @@ def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
         },
         reference="vc_cmd",
     )
-
-
-# --- altitude ------------------------------------------------------------------------------------
 
 
 def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:

@@ -10,8 +10,7 @@ import numpy as np
 from .margins import Margins, margins
 from .plant import Plant
 
-# rad/s
-OMEGA = np.geomspace(0.02, 300.0, 220)
+OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
 
 
 @dataclass(frozen=True)
