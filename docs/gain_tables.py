@@ -1,10 +1,10 @@
 """Make the gain tables of the fleet: python docs/gain_tables.py [--fly] [AIRCRAFT ...].
 
-Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three airspeeds and two
-altitudes, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep
+Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three airspeeds, where it
+trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep
 their names: the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
-With ``--fly`` the steps are flown with the tables there are, and the pages show them.
+With ``--fly`` the steps are flown with the existing tables, for `docs/designed-gains.md`.
 """
 
 import json

@@ -30,10 +30,10 @@ class Autopilot(Hold):
     heading and airspeed found at engagement. Mode changes are bumpless; a mode that takes over
     holds the values it finds, plus its reference port.
 
-    With the port ``alpha`` wired, and a gain table that has limits of the flight envelope, no
-    reference leads into the stall: the pitch angle gives way before the angle of attack exceeds
-    its limit; the airspeed demanded is at least the lowest; a climb is limited to what the thrust
-    sustains, and becomes a descent at too low an airspeed.
+    With the port ``alpha`` wired, and a gain table that has limits of the flight envelope,
+    references are limited to prevent a stall: the pitch angle gives way before the angle of attack
+    exceeds its limit; the airspeed demanded is at least the lowest; a climb is limited to what the
+    thrust sustains, and becomes a descent at too low an airspeed.
 
     Parameters
     ----------

@@ -64,7 +64,8 @@ class LoopReport:
     gain_margin, phase_margin : float
         dB, deg
     Ms, Ms_delayed : float
-        largest magnitude of the sensitivity 1 / (1 + L), and with 50 ms of delay more
+        largest magnitude of the sensitivity 1 / (1 + L), without and with 50 ms of additional
+        delay
     settling, overshoot : float
         of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
         the rudder's loops
@@ -92,7 +93,7 @@ class LoopReport:
 
 @dataclass(frozen=True)
 class DesignedGains(AircraftGains):
-    """Gains from `design_gains`, which every ``gains=`` takes, with the report of their design.
+    """Gains from `design_gains` with the report of their design; every ``gains=`` takes them.
 
     Parameters
     ----------
@@ -159,11 +160,11 @@ def design_gains(
 
     The linear model is identified from small pulses in flight, so that control system, actuators,
     engines and sampling are in it. The loops are shaped one after the other, each with those before
-    it closed: pitch, roll, rudder, heading, airspeed, altitude. A search
-    over crossover, phase margin and integral time keeps the candidates with a sensitivity peak Ms
-    of at most 1.4, 1.8 with 50 ms of delay more, 7 dB and 45 deg, and flies their steps on the
-    linear model with ramps and limits. Where no candidate meets all, the margins are relaxed in
-    steps and the report says so.
+    it closed: pitch, roll, rudder, heading, airspeed, altitude. A search over crossover, phase
+    margin and integral time keeps the candidates with a sensitivity peak Ms of at most 1.4 (1.8
+    with 50 ms of additional delay) and margins of at least 7 dB and 45 deg, and computes their
+    steps on the linear model with ramps and limits. Where no candidate meets all of these, the
+    margins are relaxed in steps and the report says so.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ class CourseHold(TunableLaw):
     Leg 0 leads from the position found at engagement to the first waypoint, leg k from waypoint k
     to the next; all are great circles. A turn begins before its waypoint, so that it ends on the
     next leg (fly-by). The last leg is flown on beyond its end. While it is off, the block keeps its
-    leg; on leg 0 it leads from the position of the next engagement. To fly with an ``Autopilot``,
+    leg; leg 0 then starts at the position of the next engagement. To fly with an ``Autopilot``,
     wire ``phi_cmd`` to its ``phi_ref``, with ``roll_mode`` at 1.
 
     Parameters
