@@ -72,6 +72,21 @@ def test_references_are_drawn_in_the_panel_of_their_signal(scope):
         time_histories(scope, references={"hight": 1.0})
 
 
+@pytest.mark.parametrize(
+    "references",
+    [3, [1.0], {"height": "a"}, {"height": [1.0, 2.0]}, {"height": lambda t: t[:3]}],
+    ids=repr,
+)
+def test_what_a_reference_cannot_be(scope, references):
+    with pytest.raises(ParameterError, match="reference"):
+        time_histories(scope, references=references)
+
+
+def test_time_histories_of_no_scope():
+    with pytest.raises(ParameterError, match="no scope"):
+        time_histories()
+
+
 def test_signal_by_its_label(scope):
     time, pitch = signal(scope, "pitch")
     assert pitch == pytest.approx(2 * time)

@@ -65,6 +65,7 @@ def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
         (["--set", "=5"], "cannot set ''"),
         (["--set", "DURATION=1", "--set", "DURATION=2"], "DURATION is set twice, to 1 and 2"),
         (["--set", "DURATION=1", "--duration", "2"], "DURATION is set twice, to 1 and 2"),
+        (["--set", "sim.dt=-0.01"], "dt must be greater than 0"),
         (["--duration", "-1"], "duration must be greater than 0"),
         (["--duration", "nan"], "duration must be finite"),
     ],
@@ -194,3 +195,19 @@ def test_the_command_changes_no_result(tmp_path):
         for command in (["own.py"], ["-m", "pathsim_jsbsim_blocks.cli", "run", "own.py"])
     ]
     assert said[0] == said[1] != ""
+
+
+def test_a_variable_that_a_function_changes_is_not_set(tmp_path, capsys):
+    (tmp_path / "own.py").write_text(
+        "def change():\n    global z\n    z = 4\n\n\nz = 3\nchange()\nprint(z)\n"
+    )
+    assert main(["run", str(tmp_path / "own.py"), "--set", "z=9"]) == 1
+    captured = capsys.readouterr()
+    assert "a function of own.py changes it (line 2)" in captured.err
+    assert captured.out == ""
+
+
+def test_engines_off_says_what_it_takes(capsys):
+    with pytest.raises(SystemExit):
+        main(["trim", "c172p", "--engines-off", "left"])
+    assert "numbers of engines from 0, such as 0,2, or all, not 'left'" in capsys.readouterr().err

@@ -888,7 +888,12 @@ def _modes(args: argparse.Namespace) -> None:
 
 
 def _engines(text: str) -> tuple[int, ...] | str:
-    return text if text == "all" else tuple(map(int, text.split(",")))
+    try:
+        return text if text == "all" else tuple(map(int, text.split(",")))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"numbers of engines from 0, such as 0,2, or all, not {text!r}"
+        ) from None
 
 
 def _gains(args: argparse.Namespace) -> None:
@@ -896,8 +901,13 @@ def _gains(args: argparse.Namespace) -> None:
     from .design import design_schedule
     from .flight import TrimCondition, level_flight
 
-    if args.save is not None:
-        writable("save", args.save)
+    if args.save is not None and writable("save", args.save).suffix != ".json":
+        raise ParameterError(
+            f"gains= reads files that end in .json; did you mean "
+            f"{str(Path(args.save).with_suffix('.json'))!r}?",
+            parameter="save",
+            value=str(args.save),
+        )
     create = _values("create", args.create)
     condition = TrimCondition()
     if args.altitude is None or args.speed is None or args.gear is None:

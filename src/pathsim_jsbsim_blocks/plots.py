@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
-from ._core.checks import did_you_mean, nearest, one_of, writable
+from ._core.checks import did_you_mean, finite, nearest, one_of, writable
 from ._core.scopes import name_and_unit, recording, signal_label
 from .errors import FileError, ParameterError
 
@@ -102,8 +102,17 @@ def time_histories(
     Raises
     ------
     ParameterError
-        for a reference of a signal that no scope has; the message names the nearest
+        for no scope, a reference of a signal that no scope has, naming the nearest, and one that is
+        no number for each time
     """
+    if not scopes:
+        raise ParameterError("there is no scope to draw", parameter="scopes", value=scopes)
+    if references is not None and not isinstance(references, Mapping):
+        raise ParameterError(
+            f"references must be a dict from labels to numbers or functions, not {references!r}",
+            parameter="references",
+            value=references,
+        )
     panels: list[tuple[str, list]] = []
     for scope in scopes:
         time, data = recording(scope)
@@ -134,7 +143,7 @@ def time_histories(
         for time, _, label in signals:
             if label in wanted:
                 y = wanted.pop(label)
-                asked = y(time) if callable(y) else np.full_like(time, y)
+                asked = _asked(label, time, y)
                 name = "reference" if len(signals) == 1 else f"{label}: reference"
                 ax.plot(time, asked, "k:", label=name, linewidth=1.1)
         if len(signals) == 1:
@@ -149,6 +158,20 @@ def time_histories(
     if title:
         figure.suptitle(title)
     return figure
+
+
+def _asked(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
+    """A reference at the times of a signal."""
+    values = reference(time) if callable(reference) else reference
+    try:
+        return np.broadcast_to(np.asarray(values, dtype=float), time.shape)
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f"the reference of {label!r} must be a number, or a function that returns one for each "
+            f"of the {len(time)} times, not {values!r}",
+            parameter="references",
+            value=reference,
+        ) from None
 
 
 def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
@@ -513,7 +536,7 @@ def root_locus(
     ParameterError
         without models, or for another number of values
     """
-    swept = np.asarray(values, dtype=float)
+    swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
         raise ParameterError(
             f"values must have one number for each of the {len(models)} models (at least one), not "

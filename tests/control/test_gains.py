@@ -178,6 +178,11 @@ def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monk
     assert loop_gains("mine.json", "pitch")[0].Kp == 0.2  # of the nominal point
     with pytest.raises(FileError, match=r"did you mean 'mine.json'"):
         hold(gains="mime.json")
+    with pytest.raises(ParameterError, match="null"):
+        hold(gains="mi\0ne.json")
+    Path("deep.json").write_text("[" * 100_000)
+    with pytest.raises(ParameterError, match=r"deep.json is no JSON file"):
+        hold(gains="deep.json")
     document["points"][0]["gains"]["pitch"]["Kpp"] = 1.0
     path.write_text(json.dumps(document))
     with pytest.raises(ParameterError, match=r"mine.json: 'Kpp' is no pitch gain.*'Kp'"):

@@ -199,3 +199,17 @@ def test_without_the_sideslip_turns_are_not_coordinated():
     ports = {"roll_mode": step(1.0), "phi_ref": lambda t: 25.0 * (t > 1.0)}
     record = fly(start("c172p"), 8.0, ports)
     assert np.max(np.abs(record["beta"])) > 2.0
+
+
+@pytest.mark.parametrize(
+    "points", [None, (3,), DesignPoint(0, 90, GAINS["c172p"]), iter([1])], ids=repr
+)
+def test_points_of_a_schedule_are_design_points(points):
+    with pytest.raises(ParameterError, match="list of DesignPoint"):
+        GainSchedule("c172p", points)
+
+
+@pytest.mark.parametrize(("h", "vc"), [(np.nan, 90.0), (0.0, np.nan), ("a", 90.0), (0.0, None)])
+def test_a_schedule_is_asked_for_numbers(h, vc):
+    with pytest.raises(ParameterError, match="must be"):
+        GainSchedule("c172p", (DesignPoint(0, 90, GAINS["c172p"]),)).at(h, vc)

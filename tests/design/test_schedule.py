@@ -82,6 +82,11 @@ def test_the_command_says_why_there_are_none(capsys):
     assert "does not respond to 'elevator'" in capsys.readouterr().err
 
 
+def test_the_command_saves_what_can_be_read_only(tmp_path, capsys):
+    assert main(["gains", "c172p", "--save", str(tmp_path / "gains.txt")]) == 1
+    assert f"did you mean {str(tmp_path / 'gains.json')!r}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_table_of_the_fleet_is_taken_by_its_name(name):
     aircraft = name.removesuffix("-designed")

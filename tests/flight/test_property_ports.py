@@ -237,3 +237,10 @@ def test_both_aircraft_blocks_show_the_same():
     )
     plane = airliner(output_properties=THRUSTS)
     assert [plane.outputs[n] for n in THRUSTS] == [fdm.outputs[n] for n in THRUSTS]
+
+
+@pytest.mark.parametrize("parameter", ["input_properties", "output_properties"])
+def test_a_minus_before_a_name_is_no_part_of_it(parameter):
+    # JSBSim's own: taking the node aborts the process
+    with pytest.raises(PropertyError, match="did you mean 'fcs/flap-cmd-norm'"):
+        airliner(**{parameter: ["-fcs/flap-cmd-norm"]})

@@ -89,3 +89,5 @@ def test_a_root_locus_has_the_poles_of_each_model():
     assert figure.axes[-1].get_ylabel() == "airspeed [kt]"
     with pytest.raises(ParameterError, match="one number for each of the 3 models"):
         root_locus(models, [1, 2])
+    with pytest.raises(ParameterError, match="values must be"):
+        root_locus(models, ["a", 1, 2])

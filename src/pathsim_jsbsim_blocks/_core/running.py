@@ -55,9 +55,10 @@ def fly(
     Raises
     ------
     ParameterError
-        if the duration is not positive and finite
+        if the duration or the step is not positive and finite
     """
     duration = number("duration", positive("duration", duration))
+    number("dt", positive("dt", sim.dt))
     if is_real_time():
         return sim.run(duration, reset)
     if _wishes:
@@ -87,6 +88,7 @@ def shown_runs() -> Iterator[None]:
     ) -> dict[str, Any]:
         if sim.log:  # PathSim itself shows the progress
             return usual(sim, duration, reset, adaptive)
+        number("dt", positive("dt", sim.dt))
         start = 0.0 if reset else sim.time
         tracker = _pathsim.tracker(sim, duration)
         with tracker, progress_bar(duration) as bar:

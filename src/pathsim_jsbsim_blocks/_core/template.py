@@ -156,6 +156,10 @@ class Template:
             raise _no_place(name, reason + _nearest_of(variable, self._top), value)
         if not any(isinstance(n.ctx, ast.Load) for n in _uses(variable, ast.walk(tree))):
             raise _no_place(name, f"{self.path.name} never uses it", value)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Global) and variable in node.names:
+                reason = f"a function of {self.path.name} changes it (line {node.lineno})"
+                raise _no_place(name, reason, value)
         plain = {id(n) for a in ast.walk(tree) for n in _targets(a)}
         for node in _uses(variable, _top_level(tree.body)):
             if not isinstance(node.ctx, ast.Load) and id(node) not in plain:

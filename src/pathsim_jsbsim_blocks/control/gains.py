@@ -261,7 +261,16 @@ class GainSchedule:
     nominal: int = 0
 
     def __post_init__(self) -> None:
-        places = [(point.altitude, point.speed) for point in self.points]
+        points = self.points
+        if not isinstance(points, (list, tuple)) or not all(
+            isinstance(point, DesignPoint) for point in points
+        ):
+            raise ParameterError(
+                f"the points of a gain schedule must be a list of DesignPoint, not {points!r}",
+                parameter="points",
+                value=points,
+            )
+        places = [(point.altitude, point.speed) for point in points]
         if not places or any(a >= b for a, b in pairwise(places)):
             raise ParameterError(
                 "a gain schedule needs design points, sorted by altitude and then by airspeed, "
@@ -275,17 +284,17 @@ class GainSchedule:
                 parameter="nominal",
                 value=self.nominal,
             )
-        if len({point.gains.envelope is None for point in self.points}) > 1:
+        if len({point.gains.envelope is None for point in points}) > 1:
             raise ParameterError(
                 "all points of a gain schedule have envelope limits, or none",
                 parameter="points",
                 value=places,
             )
-        object.__setattr__(self, "points", tuple(self.points))
+        object.__setattr__(self, "points", tuple(points))
 
     def at(self, h: float, vc: float) -> AircraftGains:
         """The gains at an altitude (ft) and airspeed (KCAS)."""
-        weights = self._weights(h, vc)
+        weights = self._weights(number("h", h), number("vc", vc))
         if len(weights) == 1:
             return self.points[weights[0][0]].gains
         row = self.row(vc, h)
@@ -476,6 +485,10 @@ def read_gains(path: str | Path) -> GainSchedule:
         beside = [other.name for other in path.parent.glob("*.json")]
         close = nearest(path.name, [*beside, *tables()], 1)
         raise FileError("read", path, cause, did_you_mean(close)) from cause
+    except ValueError as cause:  # a null character
+        raise ParameterError(
+            f"{str(path)!r} is no path: {cause}", parameter="gains", value=str(path)
+        ) from cause
     return _read(path.absolute(), written)
 
 
@@ -485,7 +498,7 @@ def _read(path: Path, written: int) -> GainSchedule:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as cause:
         raise FileError("read", path, cause) from cause
-    except ValueError as cause:
+    except (ValueError, RecursionError) as cause:
         raise ParameterError(
             f"{path} is no JSON file: {cause}", parameter="gains", value=str(path)
         ) from cause

@@ -545,6 +545,9 @@ class Airframe:
             # JSBSim would read up to the NUL, and take the index modulo 2**32
             if "\0" in name or re.search(r"\[\d{10,}\]", name):
                 raise ValueError("a NUL or an index beyond all elements")
+            # JSBSim finds the node behind a minus, and aborts the process when it is taken
+            if name.startswith("-"):
+                return False
             # the only call that does not abort the process on a malformed name
             return self._properties.hasNode(name)
         except (RuntimeError, ValueError) as error:
