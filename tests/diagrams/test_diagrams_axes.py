@@ -58,5 +58,5 @@ def test_figure_shows_angles_forces_and_differences(flown):
 
     diagram, _ = flown
     drawing = diagram.figure()
-    assert [len(ax.lines) for ax in drawing.axes] == [2, 3, 3, 6]
+    assert [len(ax.lines) for ax in drawing.axes] == [2, 3, 3, 7]  # and the bound
     plt.close(drawing)

@@ -273,7 +273,7 @@ def test_copies_with_another_cg_are_gone_after_loading(tmp_path):
     report, printed, left = outside(
         f"""
 fdm = JSBSimFDM(aircraft_model="global5000", condition=TrimCondition(
-    altitude=15000, speed=250, empty_cg_x={0.97 * x!r}))
+    altitude=15000, speed=250, gear=0, empty_cg_x={0.97 * x!r}))
 report = [os.listdir(os.environ["TMPDIR"])]
 Simulation([fdm], dt=fdm.T, log=False).run(0.5)
 Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)

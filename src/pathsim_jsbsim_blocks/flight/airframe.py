@@ -460,13 +460,15 @@ class Airframe:
         PropertyError
             if the name is malformed or unknown, or the property cannot be read
         """
-        if name not in self._readers:
+        # what is no text is refused by `_node`
+        if not isinstance(name, str) or name not in self._readers:
             self._readers[name] = self._node(name, "r", "read").get_double_value
         return self._readers[name]
 
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`."""
-        if name not in self._writers:
+        # what is no text is refused by `_node`
+        if not isinstance(name, str) or name not in self._writers:
             self._writers[name] = self._node(name, "w", "written").set_double_value
         return self._writers[name]
 
