@@ -89,7 +89,18 @@ class GreatCircle(NamedTuple):
 
 
 def place(lat: float, lon: float) -> Place:
-    """The point of the surface at a geodetic latitude and longitude, deg; not checked."""
+    """The point of the surface at a geodetic latitude and longitude, deg.
+
+    Raises
+    ------
+    ParameterError
+        for what is not two numbers, and a latitude beyond 90 deg
+    """
+    return place_unchecked(*point("place", (lat, lon)))
+
+
+def place_unchecked(lat: float, lon: float) -> Place:
+    """`place` for numbers that are known to be good."""
     lat, lon = math.radians(lat), math.radians(lon)
     s, c, sin, cos = math.sin(lat), math.cos(lat), math.sin(lon), math.cos(lon)
     N = _A2 / math.sqrt(_A2 * c * c + _B2 * s * s)
@@ -121,7 +132,7 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
     >>> round(leg.length), round(track.across), round(track.to_go), round(track.course)
     (365221, -36278, 182611, 90)
     """
-    first, last = (place(*point(name, p)) for name, p in (("start", start), ("end", end)))
+    first, last = (place_unchecked(*point(name, p)) for name, p in (("start", start), ("end", end)))
     circle = circle_through(first, last)
     if circle is None:
         raise ParameterError(

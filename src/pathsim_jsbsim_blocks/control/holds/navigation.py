@@ -16,7 +16,7 @@ from ...axes.navigation import (
     distance,
     great_circle,
     motion,
-    place,
+    place_unchecked,
     point,
 )
 from ...errors import ParameterError
@@ -219,7 +219,7 @@ class CourseHold(TunableLaw):
         lat, lon, psi, phi, p, chi_ref, off, ail_sat = u[:8]
         ground, found, leg, direct, heading, roll = state
         leg = self._route.start if leg is None else leg
-        here = place(lat, lon)
+        here = place_unchecked(lat, lon)
         ground = ground.next(here, psi, self._share, self.clock.period)
         chi = (psi + ground.drift) % 360.0
         # the course is known from the second sample on
@@ -305,7 +305,7 @@ class _Route:
                 value=waypoints,
             )
         try:
-            self.waypoints = [place(*point("waypoints", p)) for p in points]
+            self.waypoints = [place_unchecked(*point("waypoints", p)) for p in points]
             self.legs = [great_circle(a, b) for a, b in pairwise(points)]
         except ParameterError as error:
             raise ParameterError(str(error), parameter="waypoints", value=waypoints) from None
@@ -446,7 +446,7 @@ class GlideslopeHold(TunableLaw):
     def build(self) -> None:
         T = self.clock.period
         altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
-        self._threshold = place(*point("threshold", self.threshold))
+        self._threshold = place_unchecked(*point("threshold", self.threshold))
         self._elevation = number("elevation", self.elevation)
         self._angle = number("angle", self.angle, above=0.0, high=20.0)
         self._slope = math.tan(math.radians(self._angle))
@@ -467,7 +467,7 @@ class GlideslopeHold(TunableLaw):
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         h, hdot, lat, lon, theta, q, off, elev_sat = u[:8]
         before, speed, found, captured, climb, pitch = state
-        away = distance(place(lat, lon), self._threshold)
+        away = distance(place_unchecked(lat, lon), self._threshold)
         rate = 0.0 if before is None else (before - away) / self.clock.period
         if before is not None:
             speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
