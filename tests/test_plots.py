@@ -75,7 +75,7 @@ def test_references_are_drawn_in_the_panel_of_their_signal(scope):
 @pytest.mark.parametrize(
     "references",
     [3, [1.0], {"height": "a"}, {"height": [1.0, 2.0]}, {"height": lambda t: t[:3]}],
-    ids=repr,
+    ids=["number", "list", "text", "two values", "three values"],
 )
 def test_what_a_reference_cannot_be(scope, references):
     with pytest.raises(ParameterError, match="reference"):

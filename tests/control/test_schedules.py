@@ -202,7 +202,9 @@ def test_without_the_sideslip_turns_are_not_coordinated():
 
 
 @pytest.mark.parametrize(
-    "points", [None, (3,), DesignPoint(0, 90, GAINS["c172p"]), iter([1])], ids=repr
+    "points",
+    [None, (3,), DesignPoint(0, 90, GAINS["c172p"]), iter([1])],
+    ids=["None", "number", "point", "iterator"],
 )
 def test_points_of_a_schedule_are_design_points(points):
     with pytest.raises(ParameterError, match="list of DesignPoint"):

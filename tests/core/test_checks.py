@@ -54,6 +54,11 @@ def test_paths():
         assert refuse(checks.as_path, "file", value, text="must be a path").parameter == "file"
 
 
+def test_a_bound_that_does_not_pass_is_open():
+    with pytest.raises(ParameterError, match=r"bank must lie in \(0, 80\], not 90"):
+        number("bank", 90.0, above=0.0, high=80.0)
+
+
 def test_a_number_lies_within_its_bounds_and_the_bounds_pass():
     assert checks.number("x", 2, low=2.0, high=3.0) == 2.0
     assert checks.number("x", 3.0, low=2.0, high=3.0) == 3.0

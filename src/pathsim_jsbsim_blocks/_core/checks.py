@@ -69,8 +69,10 @@ def number(
             value=value,
         )
     if not low <= x <= high:
+        open_end = "[" if above is None or low > above else "("
+        least = low if above is None else max(low, above)
         raise ParameterError(
-            f"{parameter} must lie in [{low:g}, {high:g}], not {x:g}",
+            f"{parameter} must lie in {open_end}{least:g}, {high:g}], not {x:g}",
             parameter=parameter,
             value=value,
         )

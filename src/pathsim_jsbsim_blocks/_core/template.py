@@ -62,7 +62,8 @@ class Text(str):
         text = str(self)
         try:
             tree = ast.parse(text.strip(), mode="eval")
-            if not all(isinstance(node, _LITERAL) for node in ast.walk(tree)):
+            # a power can take for ever
+            if any(not isinstance(n, _LITERAL) or isinstance(n, ast.Pow) for n in ast.walk(tree)):
                 raise ValueError
             value = eval(compile(tree, "<setting>", "eval"), {"__builtins__": {}})
         except (SyntaxError, ValueError, TypeError, ArithmeticError, MemoryError, RecursionError):

@@ -327,8 +327,8 @@ def trim(
         after a failure look for the nearest speed that trims, which the error then names; warn of a
         landing gear that is down above 200 KCAS where it retracts and the condition does not say so
     steady : float
-        fly another aircraft of the same kind from its trim for this time in s, controls held (10
-        shows most departures, some take 30): the state's ``drift`` and ``steady`` say how it ends.
+        fly another aircraft of the same kind from its trim for this time in s (up to 3600),
+        controls held (10 shows most departures, some take 30): the state's ``drift`` and ``steady`` say how it ends.
         Modes "pull-up" and "none", which are not steady flight, have none
     warm : bool
         let the Newton search start where the last one on this airframe found its trim. The result
@@ -360,7 +360,7 @@ def trim(
             parameter="condition",
             value=condition,
         )
-    steady = number("steady", steady, low=0.0)
+    steady = number("steady", steady, low=0.0, high=3600.0)
     try:
         found = _trim(airframe, condition, setup, warm)
         if hint:
