@@ -56,7 +56,7 @@ def test_paths():
 
 def test_a_bound_that_does_not_pass_is_open():
     with pytest.raises(ParameterError, match=r"bank must lie in \(0, 80\], not 90"):
-        number("bank", 90.0, above=0.0, high=80.0)
+        checks.number("bank", 90.0, above=0.0, high=80.0)
 
 
 def test_a_number_lies_within_its_bounds_and_the_bounds_pass():

@@ -328,8 +328,9 @@ def trim(
         landing gear that is down above 200 KCAS where it retracts and the condition does not say so
     steady : float
         fly another aircraft of the same kind from its trim for this time in s (up to 3600),
-        controls held (10 shows most departures, some take 30): the state's ``drift`` and ``steady`` say how it ends.
-        Modes "pull-up" and "none", which are not steady flight, have none
+        controls held (10 shows most departures, some take 30): the state's ``drift`` and
+        ``steady`` say how it ends. Modes "pull-up" and "none", which are not steady flight, have
+        none
     warm : bool
         let the Newton search start where the last one on this airframe found its trim. The result
         is the same, sooner: if it does not get there to full precision, it starts again cold
