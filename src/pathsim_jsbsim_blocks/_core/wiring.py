@@ -30,7 +30,8 @@ def warn_of_wiring(sim: Simulation) -> None:
     for message in dict.fromkeys(_mistakes(sim)):
         if message not in told:
             told.add(message)
-            user = next(filter(_is_users, _frames()))
+            callers = list(_frames())
+            user = next(filter(_is_users, callers), callers[-1])
             warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
 
 
