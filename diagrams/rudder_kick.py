@@ -6,7 +6,7 @@ steady-heading sideslip.
 
 Expected: the sideslip angle overshoots to 14.8 deg at 4.2 s and stays near 13.5 deg. The bank
 takes longer: 18.7 deg after 20 s, where the published flight ends, with a heading of 339.5 deg, and
-24.7 deg after 60 s. Until then the heading turns back at 338.7 deg. (The figure draws it from 0
+23.3 deg after 40 s. Until then the heading turns back at 338.7 deg. (The figure draws it from 0
 downwards, without the jump to 360.)
 
 Source: RudderKick.py of JSBSim and the published JSBSim/PathSim notebook. The limits of alpha are
@@ -18,7 +18,7 @@ from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import Aircraft, RampSource
 
-DURATION = 60.0  # s
+DURATION = 40.0  # s
 
 aileron = RampSource(final=1.0, start=0.0, rise_time=3.0)
 rudder = RampSource(final=0.92, start=0.0, rise_time=3.0)
