@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fleet_conditions import FLYING
 from how_many import first
+from pathsim import Simulation
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -125,9 +126,22 @@ def test_in_mid_run_the_model_is_that_of_the_trim():
 
 
 def test_the_matrices_repeat():
-    one, other = (plane("737").linear_model(inputs=["aileron", "rudder"]) for _ in range(2))
-    for name in "ABCD":
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-9, atol=1e-9)
+    chosen = {"inputs": ["aileron", "rudder"]}
+    reference = plane("737").linear_model(**chosen)
+    for seed in (1, 2):
+        np.random.seed(seed)  # noqa: NPY002 as a user's script may have done
+        for first_of_both in (True, False):
+            aircraft, other = plane("737"), plane("c172p")
+            blocks = [aircraft, other] if first_of_both else [other, aircraft]
+            sim = Simulation(blocks, [], dt=1 / 120, log=False)
+            for _ in range(3):  # ten models and more, in other places, before and in the flight
+                model = aircraft.linear_model(**chosen)
+                other.linear_model("algebraic")
+                for name in "ABCD":
+                    np.testing.assert_allclose(
+                        getattr(model, name), getattr(reference, name), rtol=1e-9, atol=1e-9
+                    )
+                sim.run(0.1)
 
 
 def test_ports_are_chosen_by_name():
