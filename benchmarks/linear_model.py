@@ -5,8 +5,9 @@
 Each is made in a fresh process, in turn, and its processor time is taken there, without loading and
 trimming the aircraft that is linearised: FGLinearization stops the clock of the aircraft for good,
 and ends the process for models without engines. The flown model trims nine aircraft of its own.
-Targets are in s: 0.05 for the algebraic model and 1 for the flown one (Short_S23, with four piston
-engines that settle in each trim: 5).
+Each flies level where the fleet's table has it. Targets are in s: 0.05 for the algebraic model and
+1 for the flown one. Short_S23, with four piston engines that settle in each trim, has 5 s for the
+flown model; there FGLinearization does not end within a minute and is left out.
 """
 
 import subprocess
@@ -18,13 +19,8 @@ from report import HEADER, row
 
 REPETITIONS = 3
 
-# altitude in ft, KCAS, gear; whether the peer is measured: it takes half a minute with a propeller
-CASES = {
-    "737": (5000, 260, 0.0, True),
-    "global5000": (5000, 241, 0.0, True),
-    "c172p": (5000, 89, None, True),
-    "Short_S23": (2000, 130, None, False),
-}
+AIRCRAFT = ("737", "global5000", "c172p", "A320", "f16")
+PEER = "FGLinearization"
 
 
 def measured(name, way):
@@ -32,11 +28,12 @@ def measured(name, way):
     import jsbsim
 
     from pathsim_jsbsim_blocks import Aircraft
+    from pathsim_jsbsim_blocks.flight import level_flight
 
-    altitude, speed, gear, _ = CASES[name]
-    plane = Aircraft(name, altitude=altitude, speed=speed, gear=gear)
+    level = level_flight(name)
+    plane = Aircraft(name, condition=level.condition, create=level.create)
     start = time.process_time()
-    if way == "FGLinearization":
+    if way == PEER:
         jsbsim.FGLinearization(plane.fdm)
     else:
         with warnings.catch_warnings():
@@ -57,15 +54,15 @@ def in_a_fresh_process(name, way):
 
 
 def rows():
-    for name, (_, _, _, with_peer) in CASES.items():
-        repetitions = 1 if name == "c172p" else REPETITIONS
-        ways = ["algebraic", "flown"] + ["FGLinearization"] * with_peer
-        times = [{w: in_a_fresh_process(name, w) for w in ways} for _ in range(repetitions)]
+    for name in AIRCRAFT:
+        ways = ("algebraic", "flown", PEER)
+        times = [{way: in_a_fresh_process(name, way) for way in ways} for _ in range(REPETITIONS)]
         taken = {way: [t[way] for t in times] for way in ways}
-        peer = "FGLinearization" if with_peer else "flown"
-        for way in ("algebraic", "flown")[: 2 if with_peer else 1]:
-            what = f"{way} linear model, {name}"
-            row(what, peer, taken[way], taken[peer], "s", package="jsbsim" if with_peer else None)
+        for way in ways[:-1]:
+            row(f"{way} linear model, {name}", PEER, taken[way], taken[PEER], "s", package="jsbsim")
+    for way, target in (("algebraic", 0.05), ("flown", 5.0)):
+        taken = [in_a_fresh_process("Short_S23", way) for _ in range(REPETITIONS)]
+        row(f"{way} linear model, Short_S23", "the target", taken, [target] * REPETITIONS, "s", 1.0)
 
 
 if __name__ == "__main__":
