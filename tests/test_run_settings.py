@@ -116,7 +116,7 @@ def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
 
 @pytest.fixture
 def outside(tmp_path):
-    """A model of somebody else, whose code leaves a trace."""
+    """A model from elsewhere; its code makes the folder 'owned' when it runs."""
     model = json.loads((diagram_folder() / "damped_oscillator.pvm").read_text())
     model["codeContext"]["code"] += f"\nimport os; os.mkdir({str(tmp_path / 'owned')!r})"
     (tmp_path / "outside.pvm").write_text(json.dumps(model))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -171,6 +171,24 @@ def writable(parameter: str, value: Any) -> Path:
                 value=str(path),
             ) from None
     return path
+
+
+def property_list(parameter: str, names: Any) -> list[str]:
+    """``names`` as a list of texts."""
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise ParameterError(
+            f"{parameter} must be a list of property names, not {names!r}",
+            parameter=parameter,
+            value=names,
+        )
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            raise ParameterError(
+                f"{parameter}[{i}] must be a property's name, not {name!r}",
+                parameter=parameter,
+                value=names,
+            )
+    return list(names)
 
 
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:

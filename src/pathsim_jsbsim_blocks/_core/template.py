@@ -62,7 +62,7 @@ class Text(str):
         text = str(self)
         try:
             tree = ast.parse(text.strip(), mode="eval")
-            # a power can take for ever
+            # 9**9**9**9 would never end
             if any(not isinstance(n, _LITERAL) or isinstance(n, ast.Pow) for n in ast.walk(tree)):
                 raise ValueError
             value = eval(compile(tree, "<setting>", "eval"), {"__builtins__": {}})

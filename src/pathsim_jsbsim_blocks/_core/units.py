@@ -17,6 +17,7 @@ _FOOT = 0.3048  # m
 _MILE = 1852.0  # m, nautical
 _POUND = 0.45359237  # kg
 _GRAVITY = 9.80665  # m/s2
+GRAVITY = 32.174  # ft/s2, rounded as textbooks of flight dynamics have it
 _POUND_FORCE = _POUND * _GRAVITY  # N
 _SLUG = _POUND_FORCE / _FOOT  # kg
 

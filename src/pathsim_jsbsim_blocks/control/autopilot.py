@@ -300,8 +300,7 @@ class Autopilot(Hold):
                 ReferenceLoop.reference(speed, vc),
                 pitch_mode != 0.0,
             )
-            found = vc if speed[2][0] <= 0.0 else speed[0]
-            wanted = (found if vc_target is None else vc_target) + vc_ref
+            wanted = ReferenceLoop.destination(speed, vc, vc_target, vc_ref)
             vc_ref += max(protection.vc_min - wanted, 0.0)
 
         throttle, vc_cmd, speed = self._speed.sample(
@@ -337,8 +336,7 @@ class Autopilot(Hold):
             phi_ref = 0.0
             phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
         if protection is not None:
-            found = phi if roll[2][0] <= 0.0 else roll[0]
-            wanted = (found if phi_target is None else phi_target) + phi_ref
+            wanted = ReferenceLoop.destination(roll, phi, phi_target, phi_ref)
             most = protection.bank(guard, h)
             phi_ref += min(max(wanted, -most), most) - wanted
         aileron, phi_cmd, roll = self._roll.sample(

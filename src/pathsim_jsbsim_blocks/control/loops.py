@@ -44,6 +44,13 @@ class ReferenceLoop:
         """Where the reference is: on its ramp, or at the measured value while off."""
         return state[1] if state[2][0] > 0.0 else y
 
+    @staticmethod
+    def destination(state: State, y: float, target: float | None, increment: float) -> float:
+        """Where the reference is to move: the target, or the value found at engagement."""
+        if target is None:
+            target = state[0] if state[2][0] > 0.0 else y
+        return target + increment
+
     def sample(
         self,
         state: State,

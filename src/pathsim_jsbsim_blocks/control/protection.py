@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from .._core.units import conversion
+from .._core.units import GRAVITY, conversion
 from .gains import EnvelopeLimits
+from .loops import ReferenceLoop
 
 State = tuple
 
-GRAVITY = 32.174  # ft/s2
 _KNOT, _ = conversion("kt", "ft/s")
 
 # ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128; tropopause at 36,089 ft
@@ -160,7 +160,7 @@ class Protection:
         elif target is not None:
             found = theta
         reference = min(reference, theta_max)
-        wanted = (found if target is None else target) + increment
+        wanted = ReferenceLoop.destination(pitch, theta, target, increment)
         step = math.degrees(self.LOAD * GRAVITY / max(v, self.SLOWEST)) * self.T
         allowed = min(max(wanted, reference - step), reference + step, theta_max)
         cut = max(wanted - theta_max, 0.0)

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .._core.checks import flag
+from .._core.units import GRAVITY
 from ..control.gains import AircraftGains, AttitudeGains, EnvelopeLimits
-from ..control.protection import GRAVITY
 from ..errors import DesignError, FlightError, LinearisationError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
-from ..control.protection import GRAVITY
 from .margins import margins
 from .plant import Plant
 from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled

@@ -150,7 +150,7 @@ at_take_off: list[Callable[[FlightBlock], None]] = []
 
 @contextlib.contextmanager
 def _unobserved() -> Iterator[None]:
-    """Context in which nobody is told of a take-off."""
+    """Context in which blocks take off without the calls of `at_take_off`."""
     observers, at_take_off[:] = at_take_off[:], []
     try:
         yield

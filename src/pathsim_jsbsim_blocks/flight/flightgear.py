@@ -8,7 +8,6 @@ import re
 import socket
 from collections.abc import Iterator
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 from ..errors import ParameterError
 
@@ -50,10 +49,7 @@ def address(parameter: str, value: Any) -> tuple[str, int]:
 
 def directive(host: str, port: int) -> str:
     """JSBSim's output directive that sends the packets."""
-    return (
-        f"<output name={quoteattr(host)} type='FLIGHTGEAR' port='{port}' protocol='UDP' "
-        f"rate='{_RATE}'/>"
-    )
+    return f"<output name='{host}' type='FLIGHTGEAR' port='{port}' protocol='UDP' rate='{_RATE}'/>"
 
 
 @contextlib.contextmanager

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .._core.checks import property_list
 from ..errors import ParameterError, PropertyError
 from .airframe import Airframe
 
@@ -35,29 +36,8 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
 
 
 def listed(parameter: str, names: Sequence[str] | None) -> list[str]:
-    """A list of names; none for None.
-
-    Raises
-    ------
-    ParameterError
-        for anything else
-    """
-    if names is None:
-        return []
-    if isinstance(names, str) or not isinstance(names, Sequence):
-        raise ParameterError(
-            f"{parameter} must be a list of property names, not {names!r}",
-            parameter=parameter,
-            value=names,
-        )
-    for i, name in enumerate(names):
-        if not isinstance(name, str):
-            raise ParameterError(
-                f"{parameter}[{i}] must be a property's name, not {name!r}",
-                parameter=parameter,
-                value=names,
-            )
-    return list(names)
+    """A list of property names; none for None."""
+    return [] if names is None else property_list(parameter, names)
 
 
 def behind(name: str, short: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._core.checks import one_of
+from .._core.units import GRAVITY
 from .modes import Mode
 
 if TYPE_CHECKING:
     from .model import LinearModel
-
-_G = 32.174  # ft/s2
 
 CLASSES = ("I", "II-L", "II-C", "III", "IV")
 CATEGORIES = ("A", "B", "C")
@@ -202,5 +201,5 @@ def control_anticipation(model: LinearModel, short: Mode) -> float:
     if not steady["alpha"]:
         return math.nan
     V = model.x0[model.states.index("vt")]
-    load_factor_per_rad = V / _G * steady["q"] / steady["alpha"]
+    load_factor_per_rad = V / GRAVITY * steady["q"] / steady["alpha"]
     return float(short.frequency**2 / load_factor_per_rad)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import jsbsim
 
-from .._core.checks import whole
+from .._core.checks import property_list, whole
 from .._core.extras import required
-from ..errors import ParameterError, TrimError
+from ..errors import TrimError
 from ..flight._trim import UNITS, TrimState, trim
 from ..flight.airframe import Airframe
 from ..flight.condition import TrimCondition
@@ -92,7 +92,7 @@ def trim_sweep(
 
     points = expand("grid", grid)
     conditions = trim_conditions(points)
-    outputs = _names(outputs)
+    outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = whole("chunk", chunk, low=1)
     _try_out(aircraft, root, conditions, outputs)
     rows = run_parts(
@@ -126,23 +126,6 @@ def trim_sweep(
     )
     table.attrs["aircraft"] = aircraft  # for the titles of figures
     return table
-
-
-def _names(outputs: Sequence[str]) -> list[str]:
-    if isinstance(outputs, str) or not isinstance(outputs, Sequence):
-        raise ParameterError(
-            f"outputs must be a list of property names, not {outputs!r}",
-            parameter="outputs",
-            value=outputs,
-        )
-    for i, name in enumerate(outputs):
-        if not isinstance(name, str):
-            raise ParameterError(
-                f"outputs[{i}] must be a property's name, not {name!r}",
-                parameter="outputs",
-                value=outputs,
-            )
-    return list(dict.fromkeys(outputs))
 
 
 def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:

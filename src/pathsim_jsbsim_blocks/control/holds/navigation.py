@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from ..._core.checks import number, positive, whole
 from ..._core.tunable import TunableLaw
+from ..._core.units import GRAVITY
 from ...axes.navigation import (
     GreatCircle,
     Place,
@@ -33,7 +34,6 @@ from ..loops import (
     wrap,
 )
 from ..pid import PID
-from ..protection import GRAVITY
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
