@@ -24,8 +24,8 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
-from pathsim_jsbsim_blocks.control.autopilot import _share_of_climb
 from pathsim_jsbsim_blocks.control.loops import wrap
+from pathsim_jsbsim_blocks.control.protection import Unprotected
 
 T = 1 / 20
 N = 900
@@ -471,7 +471,7 @@ def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     ],
 )
 def test_share_of_the_climb_that_the_airspeed_allows(vc, demanded, share):
-    assert _share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
+    assert Unprotected.share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
 
 
 def test_the_autopilot_gives_up_a_climb_for_its_airspeed():

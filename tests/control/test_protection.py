@@ -12,13 +12,14 @@ from flights import POINTS, STATES, on, start, step
 from flights import fly as fly_unprotected
 from how_many import bounded, first
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from pathsim.blocks import Constant, Scope, Source
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
     AirspeedHold,
     AltitudeHold,
     Autopilot,
+    GlideslopeHold,
     ParameterError,
     RollHold,
 )
@@ -141,6 +142,53 @@ def test_altitude_hold_does_not_climb_into_the_stall():
     alpha, h = scope.read()[1]
     assert np.max(alpha) < limits("c172p").alpha_max
     assert h[-1] > h[0] + 300.0
+
+
+def idle(seconds, hold, *unwired):
+    """A c172p with the throttle closed; the hold keeps the altitude."""
+    plane, scope, closed = start("c172p", altitude=1500.0, speed=80.0), Scope(), Constant(-1.0)
+    seen = tuple(n for n in hold.input_port_labels if n in STATES and n not in unwired)
+    sim = Simulation(
+        [plane, hold, scope, closed],
+        [
+            Connection(plane[seen], hold[seen]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(closed, plane["throttle"]),
+            Connection(plane["alpha"], scope[0]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    sim.run(seconds)
+    return np.max(scope.read()[1])
+
+
+@pytest.mark.parametrize(("unwired", "stalls"), [((), False), (("alpha",), True)])
+def test_glideslope_hold_gives_way_before_the_stall(unwired, stalls):
+    hold = GlideslopeHold("c172p", threshold=(1.0, 0.0))
+    assert (idle(20.0, hold, *unwired) > limits("c172p").alpha_max + 1.0) == stalls
+
+
+@pytest.mark.parametrize("hold", [AltitudeHold, GlideslopeHold])
+def test_an_angle_of_attack_of_ones_own(hold):
+    assert idle(12.0, hold("c172p", alpha_max=6.0)) < 7.0
+
+
+def test_without_the_airspeed_altitude_hold_keeps_the_angle_of_attack_alone():
+    plane, hold, climb = start("c172p"), AltitudeHold("c172p"), Constant(100.0)
+    seen = ("h", "hdot", "theta", "q", "alpha")
+    sim = Simulation(
+        [plane, hold, climb],
+        [
+            Connection(plane[seen], hold[seen]),
+            Connection(climb, hold["h_ref"]),
+            Connection(hold["elevator"], plane["elevator"]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    sim.run(20.0)
+    assert plane.outputs["h"] > 5080.0
 
 
 RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is asked for

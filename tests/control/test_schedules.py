@@ -16,6 +16,8 @@ from pathsim_jsbsim_blocks import (
     AirspeedHold,
     AltitudeHold,
     Autopilot,
+    CourseHold,
+    GlideslopeHold,
     HeadingHold,
     ParameterError,
     PitchHold,
@@ -24,7 +26,17 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.control.gains import GAINS, DesignPoint, GainSchedule
 
-HOLDS = [PitchHold, RollHold, HeadingHold, AltitudeHold, AirspeedHold, YawDamper, Autopilot]
+HOLDS = [
+    PitchHold,
+    RollHold,
+    HeadingHold,
+    AltitudeHold,
+    AirspeedHold,
+    YawDamper,
+    Autopilot,
+    CourseHold,
+    GlideslopeHold,
+]
 N = 400
 
 

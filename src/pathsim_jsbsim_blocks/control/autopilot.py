@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from .controller import LOW, SLOW, Authority, Hold, fill, protection_from
 from .gains import Gains
 from .loops import (
@@ -18,7 +16,7 @@ from .loops import (
     pitch_loop,
     roll_loop,
 )
-from .protection import Protection, true_airspeed
+from .protection import Protection
 
 
 @fill
@@ -286,22 +284,20 @@ class Autopilot(Hold):
                 yaw=self._yaw,
                 envelope=self._protection,
             )
-        theta_max, climb, boost = math.inf, math.inf, 0.0
-        protection = self._protection if alpha else None
-        if protection is not None:
-            theta_max, climb, boost, guard = protection.sample(
-                guard,
-                theta,
-                alpha,
-                h,
-                hdot,
-                vc,
-                thr_sat > 0.0,
-                ReferenceLoop.reference(speed, vc),
-                pitch_mode != 0.0,
-            )
-            wanted = ReferenceLoop.destination(speed, vc, vc_target, vc_ref)
-            vc_ref += max(protection.vc_min - wanted, 0.0)
+        protection = self.protection(alpha)
+        theta_max, climb, boost, guard = protection.sample(
+            guard,
+            theta,
+            alpha,
+            h,
+            hdot,
+            vc,
+            thr_sat > 0.0,
+            ReferenceLoop.reference(speed, vc),
+            pitch_mode != 0.0,
+        )
+        wanted = ReferenceLoop.destination(speed, vc, vc_target, vc_ref)
+        vc_ref += max(protection.vc_min - wanted, 0.0)
 
         throttle, vc_cmd, speed = self._speed.sample(
             speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0, boost
@@ -318,14 +314,13 @@ class Autopilot(Hold):
                 h_target,
                 h_ref,
                 ReferenceLoop.reference(pitch, theta),
-                1.0 if protection is not None else _share_of_climb(vc, vc_cmd),
+                protection.share_of_climb(vc, vc_cmd),
                 climb,
                 cut,
             )
-        if protection is not None:
-            pitch, theta_ref, cut = protection.limit(
-                pitch, theta, theta_target, theta_ref, theta_max, true_airspeed(vc, h)
-            )
+        pitch, theta_ref, cut = protection.limit(
+            pitch, theta, theta_target, theta_ref, theta_max, h, vc
+        )
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0
         )
@@ -335,10 +330,9 @@ class Autopilot(Hold):
         else:
             phi_ref = 0.0
             phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
-        if protection is not None:
-            wanted = ReferenceLoop.destination(roll, phi, phi_target, phi_ref)
-            most = protection.bank(guard, h)
-            phi_ref += min(max(wanted, -most), most) - wanted
+        wanted = ReferenceLoop.destination(roll, phi, phi_target, phi_ref)
+        most = protection.bank(guard, h)
+        phi_ref += min(max(wanted, -most), most) - wanted
         aileron, phi_cmd, roll = self._roll.sample(
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0
         )
@@ -348,10 +342,3 @@ class Autopilot(Hold):
             [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
             (altitude, pitch, heading, roll, speed, yaw, (guard, cut)),
         )
-
-
-def _share_of_climb(vc: float, vc_cmd: float) -> float:
-    """1 down to 90 % of the airspeed demanded, 0 (level flight) at 80 %, -1 (descent) at 70 %."""
-    if vc_cmd <= 0.0:
-        return 1.0
-    return min(max((vc / vc_cmd - 0.8) / 0.1, -1.0), 1.0)

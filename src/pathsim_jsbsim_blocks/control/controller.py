@@ -11,7 +11,7 @@ from .._core.docs import filler
 from .._core.tunable import TunableLaw
 from .gains import EnvelopeLimits, loop_gains, schedule_of
 from .loops import ReferenceLoop, ScheduledLoop, optional
-from .protection import Protection
+from .protection import UNPROTECTED, Protection, Unprotected
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -59,6 +59,7 @@ class Hold(TunableLaw):
 
     reference = "increment"
     _doubted = False
+    _protection: Protection | None = None
 
     def gains_of(self, *loops: str) -> tuple[Any, ...]:
         """Gains of the loops, at the nominal point of a schedule."""
@@ -74,6 +75,10 @@ class Hold(TunableLaw):
         if self._absolute and port_names(self.inputs)[port] in self.inputs.wired:
             return value, 0.0
         return parameter, value
+
+    def protection(self, alpha: float) -> Protection | Unprotected:
+        """The protection, with the port ``alpha`` wired."""
+        return self._protection if alpha and self._protection is not None else UNPROTECTED
 
     def doubt(self, port: str, value: float, measured: float, unit: str) -> None:
         """Warn once of an increment that is larger than the measured value."""

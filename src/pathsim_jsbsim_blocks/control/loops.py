@@ -37,7 +37,11 @@ class ReferenceLoop:
     def __init__(self, pid: PID, ramp: float, sign: float = 1.0):
         self.pid = pid
         self.sign = sign
-        self._step = ramp * pid.T
+        self.limit_rate(ramp)
+
+    def limit_rate(self, ramp: float) -> None:
+        self.ramp = ramp
+        self._step = ramp * self.pid.T
 
     @staticmethod
     def reference(state: State, y: float) -> float:
@@ -98,13 +102,13 @@ class ScheduledLoop(ReferenceLoop):
 
     def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
         self.pid.retune(Kp, Ki, Kr=Kr, b=b)
-        self._step = ramp * self.pid.T
+        self.limit_rate(ramp)
 
     def retune_speed(
         self, Kp: float, Ki: float, Kd: float, Tf: float, b: float, ramp: float
     ) -> None:
         self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
-        self._step = ramp * self.pid.T
+        self.limit_rate(ramp)
 
     def sample(self, state: State, *signals: Any) -> tuple[float, float, State]:
         found, reference, law = state

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from .._core.units import GRAVITY, conversion
 from .gains import EnvelopeLimits
@@ -110,9 +111,11 @@ class Protection:
             airspeed = v
         theta_max = theta + self.alpha_max - alpha - self.LEAD * alpha_rate
         most, boost = math.inf, 0.0
-        if self.vc_min:
+        if self.vc_min and vc > 0.0:
             slowest = true_airspeed(self.vc_min, h)
+            # a gust changes the airspeed by more than thrust and drag can
             excess = hdot + v * acceleration / GRAVITY
+            excess = min(max(excess, -self.descent_max), self.climb_max)
             if not known:
                 available, measured = self.climb_max, excess
             measured += self._adapt * (excess - measured)
@@ -147,12 +150,13 @@ class Protection:
         target: float | None,
         increment: float,
         theta_max: float,
-        v: float,
+        h: float,
+        vc: float,
     ) -> tuple[State, float, float]:
         """State of the pitch loop, increment of its reference, and what was cut off.
 
         The reference stays below ``theta_max``, at once, and moves no faster than the load factor
-        allows at the true airspeed ``v``.
+        allows at the airspeed.
         """
         found, reference, law = pitch
         if law[0] <= 0.0:
@@ -161,10 +165,16 @@ class Protection:
             found = theta
         reference = min(reference, theta_max)
         wanted = ReferenceLoop.destination(pitch, theta, target, increment)
-        step = math.degrees(self.LOAD * GRAVITY / max(v, self.SLOWEST)) * self.T
+        v = max(true_airspeed(vc, h), self.SLOWEST)
+        step = math.degrees(self.LOAD * GRAVITY / v) * self.T
         allowed = min(max(wanted, reference - step), reference + step, theta_max)
         cut = max(wanted - theta_max, 0.0)
         return (found, reference, law), increment + allowed - wanted, cut
+
+    @staticmethod
+    def share_of_climb(vc: float, vc_cmd: float) -> float:
+        """Share of the largest rate of climb that the airspeed leaves: all, see `sample`."""
+        return 1.0
 
     def bank(self, state: State, h: float) -> float:
         """Largest bank in deg, from the load factor that the airspeed allows; after `sample`."""
@@ -172,3 +182,33 @@ class Protection:
             return 180.0
         load = self.LIFT * (state[5] / true_airspeed(self.vc_min, h)) ** 2
         return math.degrees(math.acos(1.0 / load)) if load > 1.0 else 0.0
+
+
+class Unprotected:
+    """What stands in for a `Protection` without an angle of attack: it limits nothing."""
+
+    vc_min = -math.inf
+
+    @staticmethod
+    def sample(state: State, *signals: Any) -> tuple[float, float, float, State]:
+        return math.inf, math.inf, 0.0, state
+
+    @staticmethod
+    def limit(
+        pitch: State, theta: float, target: float | None, increment: float, *others: float
+    ) -> tuple[State, float, float]:
+        return pitch, increment, 0.0
+
+    @staticmethod
+    def share_of_climb(vc: float, vc_cmd: float) -> float:
+        """1 down to 90 % of the airspeed demanded, 0 (level) at 80 %, -1 (descent) at 70 %."""
+        if vc_cmd <= 0.0:
+            return 1.0
+        return min(max((vc / vc_cmd - 0.8) / 0.1, -1.0), 1.0)
+
+    @staticmethod
+    def bank(state: State, h: float) -> float:
+        return math.inf
+
+
+UNPROTECTED = Unprotected()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from ..controller import LOW, SLOW, Authority, Hold, fill, protection_from
 from ..gains import Gains
 from ..loops import (
@@ -15,7 +13,7 @@ from ..loops import (
     optional,
     pitch_loop,
 )
-from ..protection import Protection, true_airspeed
+from ..protection import Protection
 
 # the package and PathView export these names
 __all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
@@ -231,7 +229,7 @@ class AltitudeHold(Hold):
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
         h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
         altitude, pitch, (guard, cut) = state
-        h_target, target, hdot_cmd, theta_ref = self._h_ref, None, 0.0, 0.0
+        h_target, target, hdot_cmd = self._h_ref, None, 0.0
         if self._absolute:
             h_target, h_ref = self.target("h_ref", h_ref, h_target)
         elif h_ref > h >= LOW:
@@ -240,10 +238,8 @@ class AltitudeHold(Hold):
             self.follow(
                 vc, h, altitude=self._altitude, pitch=self._pitch, envelope=self._protection
             )
-        climb = theta_max = math.inf
-        protection = self._protection if alpha else None
-        if protection is not None:
-            theta_max, climb, _, guard = protection.sample(guard, theta, alpha, h, hdot, vc, True)
+        protection = self.protection(alpha)
+        theta_max, climb, _, guard = protection.sample(guard, theta, alpha, h, hdot, vc, True)
         if off:
             altitude = AltitudeLoop.START
         else:
@@ -258,10 +254,7 @@ class AltitudeHold(Hold):
                 climb,
                 cut,
             )
-        if protection is not None:
-            pitch, theta_ref, cut = protection.limit(
-                pitch, theta, target, 0.0, theta_max, true_airspeed(vc, h)
-            )
+        pitch, theta_ref, cut = protection.limit(pitch, theta, target, 0.0, theta_max, h, vc)
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
         )

@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..._core.checks import number, positive, whole
-from ..._core.tunable import TunableLaw
 from ..._core.units import GRAVITY
 from ...axes.navigation import (
     GreatCircle,
@@ -21,9 +20,10 @@ from ...axes.navigation import (
     point,
 )
 from ...errors import ParameterError
-from ..controller import Authority, fill
-from ..gains import Gains, loop_gains
+from ..controller import Authority, Hold, fill, protection_from
+from ..gains import Gains
 from ..loops import (
+    AltitudeLoop,
     HeadingLoop,
     ReferenceLoop,
     State,
@@ -34,6 +34,7 @@ from ..loops import (
     wrap,
 )
 from ..pid import PID
+from ..protection import Protection
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
@@ -73,7 +74,7 @@ class _Ground(NamedTuple):
 
 
 @fill
-class CourseHold(TunableLaw):
+class CourseHold(Hold):
     """Holds the course over the ground, or flies along waypoints, with the ailerons.
 
     .. math::
@@ -125,6 +126,7 @@ class CourseHold(TunableLaw):
         0 engaged; otherwise the ailerons are frozen
     ail_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
 
     Outputs
     -------
@@ -157,6 +159,7 @@ class CourseHold(TunableLaw):
         "chi_ref": 5,
         "off": 6,
         "ail_sat": 7,
+        "vc": 8,
     }
     output_port_labels = {
         "aileron": 0,
@@ -193,7 +196,7 @@ class CourseHold(TunableLaw):
 
     def build(self) -> None:
         T = self.clock.period
-        heading, roll = loop_gains(self.gains, "heading", "roll")
+        heading, roll = self.gains_of("heading", "roll")
         self._chi_ref = optional("chi_ref", self.chi_ref)
         self._route = _Route(self.waypoints, self.leg)
         if self._route.waypoints and self._chi_ref is not None:
@@ -207,17 +210,18 @@ class CourseHold(TunableLaw):
         self._intercept = number("intercept", self.intercept, above=0.0, high=90.0)
         bank_max = number("bank_max", self.bank_max, above=0.0, high=80.0)
         self._heading = HeadingLoop(T, heading, bank_max)
-        self._roll = roll_loop(T, roll, limits("authority", self.authority))
+        self._roll = roll_loop(T, roll, limits("authority", self.authority), self._loop)
         self._share = -math.expm1(-T / _SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(bank_max))
-        self._roll_in = bank_max / roll.ramp
 
     def initial_state(self) -> State:
         return _Ground(), None, None, None, HeadingLoop.START, ReferenceLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        lat, lon, psi, phi, p, chi_ref, off, ail_sat = u[:8]
+        lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc = u[:9]
         ground, found, leg, direct, heading, roll = state
+        if self._schedule is not None:
+            self.follow(vc, heading=self._heading, roll=self._roll)
         leg = self._route.start if leg is None else leg
         here = place_unchecked(lat, lon)
         ground = ground.next(here, psi, self._share, self.clock.period)
@@ -287,7 +291,8 @@ class CourseHold(TunableLaw):
         """
         turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
         radius = speed * speed / self._centripetal
-        lead = min(turn / self.bank_max, 1.0) * (self._roll_in + self._lag(speed)) / 2
+        roll_in = self.bank_max / self._roll.ramp
+        lead = min(turn / self.bank_max, 1.0) * (roll_in + self._lag(speed)) / 2
         return radius * math.tan(math.radians(turn / 2)) + lead * speed
 
 
@@ -325,7 +330,7 @@ class _Route:
 
 
 @fill
-class GlideslopeHold(TunableLaw):
+class GlideslopeHold(Hold):
     """Follows a glide path down to a runway with the elevator; captures it from below.
 
     .. math::
@@ -339,7 +344,9 @@ class GlideslopeHold(TunableLaw):
     the ground at the runway, which passes above the threshold; the Earth's surface falls away below
     it. Until it is captured, the altitude found at engagement is held. It is captured where it
     demands a lower rate of climb than the altitude does, on the way to the threshold and not more
-    than 0.35 deg above the path. There is no flare.
+    than 0.35 deg above the path. There is no flare. With the port ``alpha`` wired it keeps the
+    angle of attack below its limit; the lowest airspeed of the gain table is that of the clean
+    aircraft and has no effect here.
 
     Parameters
     ----------
@@ -362,6 +369,7 @@ class GlideslopeHold(TunableLaw):
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
+    %(alpha_max)s
 
     Inputs
     ------
@@ -375,6 +383,9 @@ class GlideslopeHold(TunableLaw):
         0 engaged; otherwise the elevator is frozen
     elev_sat
         ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
+    alpha
+        angle of attack in deg; without a wire (0) there is no protection from the stall
 
     Outputs
     -------
@@ -407,6 +418,8 @@ class GlideslopeHold(TunableLaw):
         "q": 5,
         "off": 6,
         "elev_sat": 7,
+        "vc": 8,
+        "alpha": 9,
     }
     output_port_labels = {
         "elevator": 0,
@@ -430,6 +443,7 @@ class GlideslopeHold(TunableLaw):
         theta_max: float = 15.0,
         authority: Authority = 1.0,
         T: float = 1 / 120,
+        alpha_max: float | None = None,
     ) -> None:
         super().__init__(T)
         self.gains = gains
@@ -441,32 +455,34 @@ class GlideslopeHold(TunableLaw):
         self.theta_min = theta_min
         self.theta_max = theta_max
         self.authority = authority
+        self.alpha_max = alpha_max
         self.configure()
 
     def build(self) -> None:
         T = self.clock.period
-        altitude, pitch = loop_gains(self.gains, "altitude", "pitch")
+        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
         self._threshold = place_unchecked(*point("threshold", self.threshold))
         self._elevation = number("elevation", self.elevation)
         self._angle = number("angle", self.angle, above=0.0, high=20.0)
         self._slope = math.tan(math.radians(self._angle))
         self._foot = number("crossing_height", self.crossing_height, low=0.0) / self._slope
-        self._Kh = altitude.Kh
-        self._hdot_max = (
-            altitude.hdot_max if self.hdot_max is None else positive("hdot_max", self.hdot_max)
-        )
-        low, high = number("theta_min", self.theta_min), number("theta_max", self.theta_max)
-        self._climb = PID(T, Kp=altitude.Kp, Ki=altitude.Ki, low=low, high=high)
-        self._pitch = pitch_loop(T, pitch, limits("authority", self.authority))
+        self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
+        self._pitch = pitch_loop(T, pitch, limits("authority", self.authority), self._loop)
+        self._protection = protection_from(T, self.alpha_max, envelope)
         self._share = -math.expm1(-T / _SMOOTHING)
 
     def initial_state(self) -> State:
-        # distance and speed of closing, None while unknown; altitude to hold; captured
-        return None, None, 0.0, False, PID.START, ReferenceLoop.START
+        # distance and speed of closing, None while unknown; altitude to hold; captured; the law of
+        # the rate of climb, the pitch loop, the protection
+        return None, None, 0.0, False, PID.START, ReferenceLoop.START, (Protection.START, 0.0)
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        h, hdot, lat, lon, theta, q, off, elev_sat = u[:8]
-        before, speed, found, captured, climb, pitch = state
+        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
+        before, speed, found, captured, climb, pitch, (guard, cut) = state
+        if self._schedule is not None:
+            self.follow(
+                vc, h, altitude=self._altitude, pitch=self._pitch, envelope=self._protection
+            )
         away = distance(place_unchecked(lat, lon), self._threshold)
         rate = 0.0 if before is None else (before - away) / self.clock.period
         if before is not None:
@@ -478,6 +494,9 @@ class GlideslopeHold(TunableLaw):
         above = height - along * self._slope
         degrees = math.degrees(math.atan2(height, along)) - self._angle
 
+        protection = self.protection(alpha)
+        # without the airspeed: its lowest is that of the clean aircraft
+        theta_max, _, _, guard = protection.sample(guard, theta, alpha, h, hdot, 0.0, True)
         target, hdot_cmd = None, 0.0
         if off:
             captured, climb = False, PID.START
@@ -490,15 +509,17 @@ class GlideslopeHold(TunableLaw):
                 lower = rate > 0.0 and descent <= hdot_cmd and degrees <= _CAPTURE
                 captured = captured or lower
                 hdot_cmd = descent if captured else hdot_cmd
-            target, climb = self._climb.sample(climb, hdot_cmd, hdot)
+            target, climb = self._altitude.pid.sample(climb, hdot_cmd, hdot, 0.0, cut)
+        pitch, theta_ref, cut = protection.limit(pitch, theta, target, 0.0, theta_max, h, vc)
         elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, target, 0.0, elev_sat, off != 0.0
+            pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
         )
         return (
             [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
-            (away, speed, found, captured, climb, pitch),
+            (away, speed, found, captured, climb, pitch, (guard, cut)),
         )
 
     def _limited(self, error: float) -> float:
         """Rate of climb demanded for an error of altitude."""
-        return min(max(self._Kh * error, -self._hdot_max), self._hdot_max)
+        most = self._altitude.hdot_max
+        return min(max(self._altitude.Kh * error, -most), most)
