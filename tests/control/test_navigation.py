@@ -284,6 +284,20 @@ def test_beyond_the_threshold_the_distance_is_negative():
     assert found[-1]["dist"] == pytest.approx(-19_900.0, rel=1e-3)
 
 
+def test_a_hold_that_is_off_lets_go_of_the_glide_slope():
+    hold = GlideslopeHold("c172p", threshold=(0.0, 0.0), crossing_height=0.0)
+    state, captured = hold.initial_state(), []
+    for k in range(300):  # on the path, then level flight far below it
+        north = -20_000.0 + 100.0 * k * T
+        h = -north * math.tan(math.radians(3.0)) if k < 100 else 500.0
+        given = {"h": h, "lat": north / 362_700.0, "off": float(100 <= k < 200)}
+        u = [given.get(name, 0.0) for name in hold.input_port_labels]
+        y, state = hold.law(u, state)
+        captured.append(y[hold.output_port_labels["captured"]])
+    assert captured[99] == 1.0
+    assert not any(captured[100:])
+
+
 @pytest.mark.parametrize(
     ("block", "given", "parameter"),
     [

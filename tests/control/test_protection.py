@@ -23,8 +23,8 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     RollHold,
 )
-from pathsim_jsbsim_blocks.control.gains import GAINS
-from pathsim_jsbsim_blocks.control.protection import true_airspeed
+from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits
+from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
 
 T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
 REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
@@ -288,6 +288,29 @@ def test_a_limit_of_ones_own_and_none():
     assert AltitudeHold(numbers, alpha_max=10.0)._protection.alpha_max == 10.0
     with pytest.raises(ParameterError, match="alpha_max"):
         Autopilot(alpha_max="high")
+
+
+def test_the_pitch_leads_an_angle_of_attack_that_rises():
+    guard, alpha = Protection(1 / 120, 12.0, None), 4.0
+    state = guard.START
+    for _ in range(240):
+        alpha += 3.0 / 120  # 3 deg/s
+        theta_max, _, _, state = guard.sample(state, 8.0, alpha, 0.0, 0.0, 70.0, False)
+    assert theta_max == pytest.approx(8.0 + 12.0 - alpha - 0.4 * 3.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("share", "excess"), [(1.0, 20.0), (0.9, 0.0), (0.5, 0.0)])
+def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(share, excess):
+    # level flight at 62 KCAS at sea level, 20 ft/s at full throttle, at least 60 KCAS
+    limits = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
+    guard, vc = Protection(1 / 120, None, limits), 62.0
+    vc_cmd = vc / share
+    _, most, _, _ = guard.sample(guard.START, 4.0, 6.0, 0.0, 0.0, vc, False, vc_cmd)
+    stiffness = 0.1 * vc * 1.68781 / 32.174
+    lost = 20.0 - stiffness * (0.95 * vc_cmd - vc) * 1.68781
+    spare = excess + stiffness * (vc - 0.96 * 60.0) * 1.68781
+    # near its lowest airspeed an aircraft descends to gain the one demanded
+    assert most == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
 
 
 def test_true_airspeed():

@@ -101,6 +101,29 @@ def test_forty_interrupts_at_random_leave_no_trace(depth, states, tmp_path):
     assert np.array_equal(again.outputs.to_array(), fdm.outputs.to_array())
 
 
+@pytest.mark.parametrize("steps", [1, 2, 3])
+def test_an_interrupt_between_the_steps_of_a_sample_loses_none_and_adds_none(steps):
+    plane, other = (Aircraft("c172p", speed=90, T=1 / 40, substeps=3) for _ in range(2))
+    u = [0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    for index in range(1, 12):
+        plane.advance(index, u)
+        other.advance(index, u)
+    (run, *others), left = plane._bound, steps
+
+    def interrupted():
+        nonlocal left
+        run()
+        left -= 1
+        if not left:
+            raise KeyboardInterrupt
+
+    plane._bound = (interrupted, *others)
+    with pytest.raises(KeyboardInterrupt):
+        plane.advance(12, u)
+    plane._bound = (run, *others)
+    assert plane.advance(12, u) == other.advance(12, u)
+
+
 def test_an_aircraft_that_something_holds_ends_the_flight():
     plane = Aircraft("c172p", altitude=5000, speed=90)
     sim = flying(plane)

@@ -1,12 +1,21 @@
 """What `recorded_flights` keeps of a flight, against a scope, and the command that writes it."""
 
+import math
+
 import numpy as np
 import pandas
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Integrator, Scope
+from pathsim.blocks import Constant, Integrator, Scope
 
-from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, fly
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    DoubletSource,
+    JSBSimFDM,
+    ParameterError,
+    TrimCondition,
+    fly,
+)
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
@@ -95,6 +104,45 @@ def test_an_interrupt_leaves_no_gap_and_no_row_too_many():
     sim.run(0.25)
     assert np.diff(tracks(recordings)[0].time) == pytest.approx(1 / 120)
     same(tracks(recordings)[0], scope)
+
+
+# label: the property and its factor, from the label's unit
+RECORDED = {
+    "height above ground [ft]": ("position/h-agl-ft", 1.0),
+    "rate of climb [ft/s]": ("velocities/h-dot-fps", 1.0),
+    "true airspeed [kt]": ("velocities/vt-fps", 3600 * 0.3048 / 1852),
+    "Mach number": ("velocities/mach", 1.0),
+    "angle of attack [deg]": ("aero/alpha-rad", 180 / math.pi),
+    "sideslip angle [deg]": ("aero/beta-rad", 180 / math.pi),
+    "flight path angle [deg]": ("flight-path/gamma-rad", 180 / math.pi),
+    "roll rate [deg/s]": ("velocities/p-rad_sec", 180 / math.pi),
+    "yaw rate [deg/s]": ("velocities/r-rad_sec", 180 / math.pi),
+    "longitudinal load factor [g]": ("accelerations/Nx", 1.0),
+    "elevator": ("fcs/elevator-pos-norm", 1.0),
+    "left aileron": ("fcs/left-aileron-pos-norm", 1.0),
+    "right aileron": ("fcs/right-aileron-pos-norm", 1.0),
+    "rudder": ("fcs/rudder-pos-norm", 1.0),
+    "flaps": ("fcs/flap-pos-norm", 1.0),
+    "throttle": ("fcs/throttle-cmd-norm", 1.0),
+    "thrust of engine 1 [lbf]": ("propulsion/engine/thrust-lbs", 1.0),
+    "fuel [lb]": ("propulsion/total-fuel-lbs", 1.0),
+    "weight [lb]": ("inertia/weight-lbs", 1.0),
+}
+
+
+def test_every_signal_is_what_its_label_says():
+    inputs = {"elevator": 0.05, "aileron": 0.1, "rudder": 0.2, "throttle": -0.1}
+    moved = [Constant(value) for value in inputs.values()]
+    with recorded_flights() as recordings:
+        plane = Aircraft("c172p", condition=TrimCondition(speed=90, flaps=0.3))
+    wires = [Connection(c, plane[port]) for c, port in zip(moved, inputs, strict=True)]
+    Simulation([plane, *moved], wires, dt=1 / 120, log=False).run(1.0)
+    [track] = tracks(recordings)
+    assert {*RECORDED, *PORTS.values()} >= {*track.columns} - {"speed brake", "gear"}
+    for label, (name, factor) in RECORDED.items():
+        value = plane.fdm[name] * factor
+        assert value != 0.0, label
+        assert track.columns[label][-1] == pytest.approx(value, rel=1e-6), label
 
 
 def test_without_the_context_nothing_is_changed():

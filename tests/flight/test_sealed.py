@@ -313,6 +313,16 @@ def test_what_jsbsim_says_reaches_the_logger(caplog):
     assert any("doesn't appear to be trimmable" in r.getMessage() for r in said)
 
 
+def test_what_jsbsim_says_after_a_search_keeps_its_level(caplog):
+    refused_trim()
+    console = capture_console()
+    with caplog.at_level(logging.DEBUG, logger="pathsim_jsbsim_blocks.jsbsim"):
+        console.set_level(jsbsim.LogLevel.ERROR)
+        console.message("no fuel")
+        console.flush()
+    assert [(r.levelno, r.getMessage()) for r in caplog.records] == [(logging.ERROR, "no fuel")]
+
+
 def test_what_jsbsim_says_in_other_threads_reaches_the_logger(caplog, capfd):
     with caplog.at_level(logging.DEBUG, logger="pathsim_jsbsim_blocks.jsbsim"):
         threads = [threading.Thread(target=refused_trim, name=f"flight {i}") for i in range(4)]

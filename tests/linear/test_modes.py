@@ -175,6 +175,72 @@ def test_spiral(double, category, expected):
     assert level(A, ("phi",), "spiral time to double", category=category) == expected
 
 
+# lowest damping ratio, product (rad/s) and frequency (rad/s) of levels 1 to 3, as printed
+DUTCH_ROLL = {
+    ("A", "I IV"): ((0.19, 0.35, 1.0), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
+    ("A", "II-L II-C III"): ((0.19, 0.35, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
+    ("B", "I II-L II-C III IV"): ((0.08, 0.15, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
+    ("C", "I II-C IV"): ((0.08, 0.15, 1.0), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
+    ("C", "II-L III"): ((0.08, 0.10, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
+}
+# longest time constant in s
+ROLL = {
+    ("A", "I IV"): (1.0, 1.4, 10.0),
+    ("A", "II-L II-C III"): (1.4, 3.0, 10.0),
+    ("B", "I II-L II-C III IV"): (1.4, 3.0, 10.0),
+    ("C", "I II-C IV"): (1.0, 1.4, 10.0),
+    ("C", "II-L III"): (1.4, 3.0, 10.0),
+}
+SHORT_PERIOD = {"A": (0.35, 0.25, 0.15), "B": (0.30, 0.20, 0.15), "C": (0.35, 0.25, 0.15)}
+SPIRAL = {"A": (12.0, 8.0, 4.0), "B": (20.0, 8.0, 4.0), "C": (12.0, 8.0, 4.0)}
+
+
+def printed():
+    """Requirement, category, class, limits of levels 1 to 3, and a model with the value x."""
+    for category, limits in SHORT_PERIOD.items():
+        yield (
+            ("short-period damping ratio", category, "I", limits),
+            (("alpha", "q"), lambda x: pair(2.0, x)),
+        )
+    for category, limits in SPIRAL.items():
+        yield (
+            ("spiral time to double", category, "I", limits),
+            (("phi",), lambda x: [[math.log(2) / x]]),
+        )
+    shapes = (
+        ("ratio", lambda x: pair(3.0, x)),
+        ("times frequency", lambda x: pair(1.5, x / 1.5)),
+        ("frequency", lambda x: pair(x, 0.5)),
+    )
+    for (category, classes), rows in DUTCH_ROLL.items():
+        for aircraft_class in classes.split():
+            for (name, shape), limits in zip(shapes, zip(*rows, strict=True), strict=True):
+                full = (
+                    "Dutch roll frequency" if name == "frequency" else f"Dutch roll damping {name}"
+                )
+                yield (full, category, aircraft_class, limits), (("beta", "r"), shape)
+    for (category, classes), limits in ROLL.items():
+        for aircraft_class in classes.split():
+            yield (
+                ("roll mode time constant", category, aircraft_class, limits),
+                (("p",), lambda x: [[-1 / x]]),
+            )
+
+
+@pytest.mark.parametrize(
+    ("row", "shape"), [pytest.param(*x, id=" ".join(x[0][:3])) for x in printed()]
+)
+def test_each_level_ends_where_the_standard_has_it(row, shape):
+    (name, category, aircraft_class, limits), (states, matrix) = row, shape
+    longest = name.startswith("roll mode")
+    for limit in limits:
+        for x in (0.996 * limit, 1.004 * limit) if limit else ():
+            within = [x <= bound if longest else x >= bound for bound in limits]
+            expected = within.index(True) + 1 if any(within) else 4
+            options = {"category": category, "aircraft_class": aircraft_class}
+            assert level(matrix(x), states, name, **options) == expected, x
+
+
 def test_control_anticipation_of_the_short_period_approximation():
     # n/alpha = V / g (-Z_alpha / V) where the elevator gives no lift
     z, m_alpha, m_q, V = -1.2, -4.0, -1.5, 500.0

@@ -1,5 +1,7 @@
 """The study of modes over airspeed."""
 
+import inspect
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -49,6 +51,12 @@ def test_the_chart_has_frequency_damping_and_real_poles(table):
     assert {"roll", "spiral"} <= {line.get_label() for line in real.lines}
     assert len(damping.lines) == len(frequency.lines)
     plt.close(figure)
+
+
+def test_jobs_resume_and_progress_are_those_of_a_sweep():
+    here, there = (inspect.signature(f).parameters for f in (modes_over_speed, studies.trim_sweep))
+    for name in ("jobs", "resume", "progress"):
+        assert here[name].default == there[name].default, name
 
 
 def test_bad_input():

@@ -1,0 +1,180 @@
+"""Loops around the attitude, designed for small analytic plants and checked in plain loops."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from pathsim_jsbsim_blocks.control.gains import YawGains
+from pathsim_jsbsim_blocks.control.loops import SpeedLoop
+from pathsim_jsbsim_blocks.design.outer import (
+    damped,
+    design_altitude,
+    design_heading,
+    design_speed,
+    design_yaw,
+    dutch_roll,
+)
+from pathsim_jsbsim_blocks.design.plant import Plant
+
+T = 1 / 120
+OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
+
+
+def sampled(A, b, input_, **rows):
+    """A continuous plant with one input, which is held; outputs without a row are 0."""
+    A, b = np.array(A, dtype=float), np.array(b, dtype=float)[:, None]
+    n = len(A)
+    both = expm(np.block([[A, b], [np.zeros((1, n + 1))]]) * T)
+    C = np.array([rows.get(name, [0.0] * n) for name in OUTPUTS], dtype=float)
+    return Plant(both[:n, :n], both[:n, n:], C, [input_], OUTPUTS, T)
+
+
+def yawing(frequency=2.0, damping=0.2, power=-4.0):
+    """A Dutch roll in sideslip and yaw rate (deg, deg/s) that the rudder excites."""
+    decay = -frequency * damping
+    A = [[decay, -1.0], [frequency**2 * (1 - damping**2), decay]]
+    return sampled(A, [0.0, power], "rudder", beta=[1, 0], r=[0, 1])
+
+
+@pytest.mark.parametrize(("frequency", "damping"), [(2.0, 0.1), (6.0, 0.3)])
+def test_the_dutch_roll_is_found(frequency, damping):
+    assert dutch_roll(yawing(frequency, damping)) == pytest.approx((frequency, damping), rel=1e-6)
+
+
+@pytest.mark.parametrize("frequency", [0.2, 20.0])
+def test_what_is_too_slow_or_too_fast_is_no_dutch_roll(frequency):
+    assert dutch_roll(yawing(frequency)) is None
+
+
+@pytest.mark.parametrize("power", [-4.0, 4.0])
+@pytest.mark.parametrize("damping", [0.2, 0.3])
+def test_the_yaw_damper_damps_the_dutch_roll_by_the_lowest_gain(power, damping):
+    plant = yawing(damping=damping, power=power)
+    gains = design_yaw(plant, room=1000.0)
+    assert math.copysign(1.0, gains.K) == -math.copysign(1.0, power)
+    assert dutch_roll(damped(plant, gains))[1] >= 0.35
+    # gains are tried in steps of a factor of 1.19
+    less = YawGains(K=gains.K / 1.19, tau=gains.tau)
+    assert dutch_roll(damped(plant, less))[1] < 0.35
+
+
+@pytest.mark.parametrize(
+    ("plant", "room"),
+    [
+        pytest.param(yawing(damping=0.4), 1000.0, id="it is damped"),
+        pytest.param(yawing(), 0.001, id="no rudder is left"),
+        # the smallest gains fit, and damp no more than by a hundredth
+        pytest.param(yawing(), 0.1, id="little rudder is left"),
+    ],
+)
+def test_no_yaw_damper_where_it_is_of_no_use(plant, room):
+    assert design_yaw(plant, room).K == 0.0
+
+
+def test_the_yaw_damper_keeps_to_the_rudder_that_is_left():
+    free = abs(design_yaw(yawing(), room=1000.0).K)
+    room = 10.0 * free / 0.9 * 0.8
+    assert 10.0 * abs(design_yaw(yawing(), room).K) <= 0.9 * room
+
+
+def rolling(speed, lag, sign=1.0):
+    """Bank with a lag, and the heading that it turns: psi-dot is g phi / V."""
+    A = [[-1 / lag, 0.0], [sign * 32.174 / speed, 0.0]]
+    return sampled(A, [1 / lag, 0.0], "phi_cmd", phi=[1, 0], psi=[0, 1])
+
+
+def flown_heading(plant, Kp, ramp, bank_max):
+    """Heading and bank of a plain loop: bank per error, limited in size and rate."""
+    x, cmd, flown = np.zeros(len(plant.A)), 0.0, []
+    for _ in range(round(60.0 / T)):
+        psi, phi = plant.row("psi") @ x, plant.row("phi") @ x
+        flown.append((psi, phi))
+        wanted = min(max(Kp * (30.0 - psi), -bank_max), bank_max)
+        cmd += min(max(wanted - cmd, -ramp * T), ramp * T)
+        x = plant.A @ x + plant.column("phi_cmd") * cmd
+    return np.array(flown).T
+
+
+def settles(signal, goal, tolerance):
+    """Time from which a signal stays within a tolerance of its goal."""
+    return (np.flatnonzero(np.abs(signal - goal) > tolerance)[-1] + 1) * T
+
+
+@pytest.mark.parametrize(("speed", "lag"), [(400.0, 1.0), (200.0, 0.5), (800.0, 2.0)])
+def test_a_turn_settles_as_reported(speed, lag):
+    plant = rolling(speed, lag)
+    gains, found = design_heading(plant, 10.0, 3.0, speed)
+    psi, phi = flown_heading(plant, gains.Kp, 10.0, 25.0)
+    assert found.settling == pytest.approx(settles(psi, 30.0, 0.5), abs=0.1)
+    assert found.overshoot == pytest.approx(max(psi.max() - 30.0, 0.0), abs=0.02)
+    assert found.use == pytest.approx(np.abs(phi).max() / 25.0, abs=0.01)
+    assert found.overshoot <= 0.5
+    assert found.relaxed == ""
+    # in closed form: L = Kp g / (V s (lag s + 1)), and the hold of T
+    w = found.margins["crossover"]
+    loop = gains.Kp * 32.174 / speed / (1j * w * (1j * lag * w + 1.0)) * np.exp(-0.5j * w * T)
+    assert abs(loop) == pytest.approx(1.0, rel=0.01)
+    assert found.margins["phase"] == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.5)
+
+
+def test_a_bank_that_turns_the_wrong_way_has_no_heading_gains():
+    assert design_heading(rolling(400.0, 1.0, sign=-1.0), 10.0, 3.0, 400.0)[0] is None
+
+
+def climbing(speed, lag):
+    """Rate of climb, with a lag behind the pitch angle, and altitude."""
+    A = [[-2.0, 0.0, 0.0], [speed / 57.3 / lag, -1 / lag, 0.0], [0.0, 1.0, 0.0]]
+    return sampled(A, [2.0, 0.0, 0.0], "theta_cmd", theta=[1, 0, 0], hdot=[0, 1, 0], h=[0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("speed", "lag", "hdot_max", "ramp"),
+    # the last needs the pitch angle faster than it may move
+    [(400.0, 1.0, 20.0, 4.0), (170.0, 0.6, 8.0, 4.0), (400.0, 1.0, 20.0, 0.3)],
+)
+def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
+    plant = climbing(speed, lag)
+    gains, found = design_altitude(plant, ramp, hdot_max)
+    assert gains.hdot_max == hdot_max
+    x, total, cmd, flown = np.zeros(3), 0.0, 0.0, []
+    for _ in range(round(1.6 * 500.0 / hdot_max / T) + 3600):
+        h, hdot = plant.row("h") @ x, plant.row("hdot") @ x
+        flown.append((h, hdot, cmd))
+        error = min(max(gains.Kh * (500.0 - h), -hdot_max), hdot_max) - hdot
+        wanted = gains.Kp * error + total
+        total += gains.Ki * T * error
+        cmd += min(max(wanted - cmd, -ramp * T), ramp * T)
+        x = plant.A @ x + plant.column("theta_cmd") * cmd
+    h, _, theta = np.array(flown).T
+    assert found.settling == pytest.approx(settles(h, 500.0, 10.0), abs=0.3)
+    assert found.overshoot == pytest.approx(max(h.max() - 500.0, 0.0), abs=0.3)
+    assert found.use == pytest.approx(np.abs(theta).max() / 10.0, abs=0.02)
+    assert found.overshoot <= 5.0
+    # in closed form: L = (Kp + Ki / s) (1 + Kh / s) hdot / theta, and the hold of T
+    s = 1j * found.margins["crossover"]
+    loop = (gains.Kp + gains.Ki / s) * (1.0 + gains.Kh / s) * 2.0 / (s + 2.0)
+    loop *= speed / 57.3 / (lag * s + 1.0) * np.exp(-0.5 * s * T)
+    assert abs(loop) == pytest.approx(1.0, rel=0.01)
+    assert found.margins["phase"] == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.6)
+
+
+@pytest.mark.parametrize(("room", "step"), [((-0.6, 0.4), 10.0), ((-0.3, 0.5), -10.0)])
+def test_an_airspeed_settles_as_reported(room, step):
+    # 6 kt/s of full travel against a drag that takes 60 s, behind an engine that takes 1 s
+    plant = sampled([[-1.0, 0.0], [6.0, -1 / 60]], [1.0, 0.0], "throttle", vc=[0, 1])
+    gains, found = design_speed(plant, room, 0.0, step)
+    law, state = SpeedLoop(T, gains, room), SpeedLoop.START
+    x, flown = np.zeros(2), []
+    for k in range(round(100.0 / T)):
+        vc = plant.row("vc") @ x
+        command, _, state = law.sample(state, vc, 0.0, step if k else 0.0, 0.0, 0.0, False)
+        flown.append((vc, command))
+        x = plant.A @ x + plant.column("throttle") * command
+    vc, throttle = np.array(flown).T
+    assert found.settling == pytest.approx(settles(vc, step, 0.5), abs=0.5)
+    assert found.overshoot == pytest.approx(max((np.sign(step) * (vc - step)).max(), 0.0), abs=0.05)
+    assert np.abs(vc[-2400:] - step).max() < 0.1
+    assert throttle.min() >= room[0]
+    assert throttle.max() <= room[1]
