@@ -83,6 +83,30 @@ def test_a_study_takes_no_settings(capsys):
     assert capsys.readouterr().err.count("is no script: it takes no --") == 2
 
 
+@pytest.mark.parametrize(
+    ("script", "options", "status", "said"),
+    [
+        ("pass", [], 0, "the script makes no run with sim.run or fly: add sim.run(10) under"),
+        ("pass", ["--duration", "5"], 1, "no run with sim.run or fly that --duration could set"),
+        ("list(sim.run_streaming(1.0))", [], 0, ""),
+        ("list(sim.run_streaming(1.0))", ["--duration", "5"], 1, "that --duration could set"),
+        ("sim.run(1.0); sim.reset()", [], 0, ""),
+    ],
+)
+def test_a_script_that_runs_nothing_is_told(script, options, status, said, tmp_path, capsys):
+    (tmp_path / "own.py").write_text(USERS.format(run=script))
+    assert main(["run", "own.py", *options]) == status
+    errors = capsys.readouterr().err
+    assert said in errors
+    assert bool(errors) == bool(said)
+
+
+def test_a_duration_at_the_top_of_a_script_that_runs_nothing_is_told(tmp_path, capsys):
+    (tmp_path / "own.py").write_text("DURATION = 2.0\n" + USERS.format(run="print(DURATION)"))
+    assert main(["run", "own.py", "--duration", "5"]) == 1
+    assert "that --duration could set: add sim.run(10)" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("run", ["sim.run(3.0)", "fly(sim, 3.0)"])
 def test_the_run_of_a_users_script_takes_the_duration(run, tmp_path):
     (tmp_path / "own.py").write_text(USERS.format(run=run))

@@ -452,12 +452,14 @@ def _run(args: argparse.Namespace) -> int:
         ):
             try:
                 template = Template(script, settings, source)
-                if duration is not None and template.has_constant("DURATION"):
+                constant = duration is not None and template.has_constant("DURATION")
+                if constant:
                     settings = {**settings, **_once("DURATION", "duration", settings, duration)}
                     template = Template(script, settings, source)
-                else:
-                    timed.enter_context(runs_of(duration))
+                runs = timed.enter_context(runs_of(None if constant else duration))
                 objects = main_program(template).values()
+                if not runs.begun:
+                    _no_run(objects, duration, constant)
             except SystemExit as error:  # a script may end normally with sys.exit
                 _save(args.save, csv_file, _recording_scopes(_left_by(error)))
                 raise
@@ -469,6 +471,27 @@ def _run(args: argparse.Namespace) -> int:
         if not status:
             raise
     return status
+
+
+def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> None:
+    """Say that a script made no run; an error if the duration had no effect.
+
+    ``constant`` tells whether the script has a constant for the duration.
+    """
+    from pathsim import Simulation
+
+    simulations = [x for x in objects if isinstance(x, Simulation)]
+    resting = bool(simulations) and all(x.time == 0.0 for x in simulations)
+    if not resting and (duration is None or constant):
+        return
+    said = (
+        "the script makes no run with sim.run or fly"
+        + (" that --duration could set" if duration is not None else "")
+        + (': add sim.run(10) under if __name__ == "__main__":' if resting else "")
+    )
+    if duration is not None:
+        raise ParameterError(said, parameter="duration", value=duration)
+    print(f"pathsim-jsbsim: {said}", file=sys.stderr)
 
 
 def _settings(items: Sequence[str]) -> dict[str, Any]:

@@ -15,71 +15,9 @@ from pathsim.blocks import Scope
 from pathsim_jsbsim_blocks import Aircraft, PitchHold
 from pathsim_jsbsim_blocks.pathview import convert_model
 
+from .editor import Drawing
+
 LABELS = ["pitch angle [deg]", "reference [deg]"]
-SIZE = {"width": 1200, "height": 800}  # px: small enough for the text to be read on a page
-
-
-class Drawing:
-    """What a hand does in the editor."""
-
-    def __init__(self, page):
-        self.page = page
-        # a browser's own file dialogs are out of reach; without them PathView downloads and uploads
-        page.add_init_script("delete window.showSaveFilePicker; delete window.showOpenFilePicker")
-
-    def place(self, kind, x, y):
-        """Drag a block from the library to the canvas."""
-        self.page.fill(".node-library .search-input", kind)
-        name = self.page.get_by_text(kind, exact=True)
-        tile = self.page.locator(".node-library .node-tile").filter(has=name)
-        tile.drag_to(self.page.locator(".svelte-flow__pane"), target_position={"x": x, "y": y - 40})
-        self.block(kind).wait_for()
-
-    def block(self, kind):
-        name = self.page.locator(".node-type").get_by_text(kind, exact=True)
-        return self.page.locator(".svelte-flow__node").filter(has=name)
-
-    def port(self, kind, direction, name):
-        """A port by its name, which the canvas cuts to 8 characters."""
-        block = {"Aircraft": Aircraft, "PitchHold": PitchHold}.get(kind)
-        labels = getattr(block, f"{direction}_port_labels", None)
-        index = labels[name] if labels else int(name)
-        return self.block(kind).locator(f".handle-{direction}").nth(index)
-
-    def wire(self, source, target):
-        """Drag from an output to an input."""
-        before = self.page.locator(".svelte-flow__edge").count()
-        self.port(source[0], "output", source[1]).drag_to(self.port(target[0], "input", target[1]))
-        self.page.wait_for_function(
-            "count => document.querySelectorAll('.svelte-flow__edge').length === count",
-            arg=before + 1,
-        )
-
-    def add_input(self, kind):
-        self.block(kind).click()
-        self.block(kind).get_by_title("Add input").click()
-        self.page.locator(".svelte-flow__pane").click(position={"x": 1100, "y": 700})
-
-    def open(self, kind):
-        """Double-click a block: its dialog."""
-        box = self.block(kind).bounding_box()
-        self.block(kind).dblclick(position={"x": box["width"] / 2, "y": 8})
-        return self.page.locator(".properties-dialog")
-
-    def set(self, kind, **parameters):
-        dialog = self.open(kind)
-        for name, text in parameters.items():
-            label = self.page.get_by_text(name, exact=True)
-            dialog.locator(".param-item").filter(has=label).locator("input").fill(text)
-        return dialog
-
-    def close(self, dialog):
-        dialog.locator("button[aria-label='Close']").click()
-        dialog.wait_for(state="detached")
-
-    def panel(self, name):
-        self.page.click(f"button[aria-label='{name}']")
-        self.page.wait_for_timeout(300)  # it slides
 
 
 @pytest.fixture
@@ -125,8 +63,6 @@ def by_hand():
 def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
     page = editor.page
     drawing = Drawing(page)
-    page.set_default_timeout(120_000)  # a busy machine is slow
-    page.set_viewport_size(SIZE)
     page.goto(editor.url(""))
     page.wait_for_selector("button[aria-label='Run']:not([disabled])")
 

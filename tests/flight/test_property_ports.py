@@ -174,6 +174,17 @@ def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(met
         ({"input_properties": ["throttle[2]"]}, PropertyError, r"'fcs/throttle-cmd-norm\[2\]'"),
         ({"input_properties": ["attitude/theta-deg"]}, PropertyError, "cannot be written"),
         ({"input_properties": ["simulation/do_simple_trim"]}, PropertyError, "trims the aircraft"),
+        (
+            {"input_properties": ["position/h-sl-ft"]},
+            PropertyError,
+            "JSBSim integrates it.* altitude, latitude and longitude .* trim condition",
+        ),
+        ({"input_properties": ["position/long-gc-rad"]}, PropertyError, "JSBSim integrates it"),
+        (
+            {"input_properties": ["ic/h-sl-ft"]},
+            PropertyError,
+            r"only where a flight starts.* setup=\{'ic/h-sl-ft': value\}",
+        ),
         ({"input_properties": ["simulation/dt"]}, PropertyError, "cannot be written"),
         (
             {"input_properties": ["fcs/elevator-cmd-norm"]},
@@ -210,6 +221,16 @@ def test_the_lists_cannot_change():
     plane.output_properties = ["gear"]
     with pytest.raises(ParameterError, match="output_properties cannot change"):
         plane.reset()
+
+
+def test_the_drop_in_block_refuses_states_as_inputs_too():
+    with pytest.raises(PropertyError, match="JSBSim integrates it"):
+        JSBSimFDM(
+            input_properties=["position/h-agl-ft"],
+            aircraft_model="c172p",
+            trim_airspeed=90,
+            trim_altitude=5000,
+        )
 
 
 @pytest.mark.parametrize("name", ["propulsion/engine/thrust-lbs", "flaps"])

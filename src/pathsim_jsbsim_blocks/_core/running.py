@@ -61,8 +61,8 @@ def fly(
     number("dt", positive("dt", sim.dt))
     if is_real_time():
         return sim.run(duration, reset)
-    if _wishes:
-        duration = _wishes[-1].take()
+    if _runs:
+        duration = _runs[-1].begin(duration)
     start = 0.0 if reset else sim.time
     tracker = _pathsim.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
@@ -101,52 +101,61 @@ def shown_runs() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def runs_of(duration: float | None) -> Iterator[None]:
+def runs_of(duration: float | None) -> Iterator[Runs]:
     """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
+
+    With None, runs are counted only.
+
+    Yields
+    ------
+    Runs
+        how many runs have begun
 
     Raises
     ------
     ParameterError
         when a second run begins, of which the duration does not tell
     """
-    if duration is None:
-        yield
-        return
-    wish = _Wish(number("duration", positive("duration", duration)))
+    if duration is not None:
+        duration = number("duration", positive("duration", duration))
+    runs = Runs(duration)
 
     def run(
         usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
     ) -> dict[str, Any]:
-        return usual(sim, wish.take(), reset, adaptive)
+        return usual(sim, runs.begin(duration), reset, adaptive)
 
-    _wishes.append(wish)
+    _runs.append(runs)
     try:
         with _pathsim.other_run(run):
-            yield
+            yield runs
     finally:
-        _wishes.remove(wish)
+        _runs.remove(runs)
 
 
 @dataclass
-class _Wish:
-    """The duration that the one run of a script is to have."""
+class Runs:
+    """The runs of a script, and the duration that its one run is to have."""
 
-    duration: float
-    taken: bool = False
+    duration: float | None
+    begun: int = 0
 
-    def take(self) -> float:
-        if self.taken:
+    def begin(self, duration: float) -> float:
+        """Count a run; returns how long it is to last instead of ``duration``."""
+        self.begun += 1
+        if self.duration is None:
+            return duration
+        if self.begun > 1:
             raise ParameterError(
                 f"the script runs more than once: which of its runs is to last "
                 f"{self.duration:g} s is not clear",
                 parameter="duration",
                 value=self.duration,
             )
-        self.taken = True
         return self.duration
 
 
-_wishes: list[_Wish] = []
+_runs: list[Runs] = []
 
 
 def _whole(steps: float) -> int:

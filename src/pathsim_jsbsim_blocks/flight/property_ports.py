@@ -13,6 +13,9 @@ from .airframe import Airframe
 # writing these starts JSBSim's trim search, which ends the process if it finds none
 _COMMANDS = ("simulation/do_simple_trim",)
 
+# JSBSim integrates these: a write moves the aircraft
+_STATES = re.compile(r"position/(h-(sl|agl)-(ft|meters|km)|(lat|long)-gc-(deg|rad))")
+
 # names that stand for properties, as inputs and as outputs; [i] is the number of an engine
 SHORT_INPUTS: Mapping[str, tuple[str, ...]] = {
     "flaps": ("fcs/flap-cmd-norm",),
@@ -85,12 +88,9 @@ def check_ports(
     seen: dict[str, str] = {}
     for name in names:
         for property_ in map(airframe.canonical, behind(name, short)):
-            if parameter == "input_properties" and property_ in _COMMANDS:
+            if parameter == "input_properties" and (why := _no_input(property_)):
                 raise PropertyError(
-                    f"{name!r} cannot be an input: writing it trims the aircraft again at every "
-                    "sample",
-                    aircraft=airframe.aircraft,
-                    name=name,
+                    f"{name!r} cannot be an input: {why}", aircraft=airframe.aircraft, name=name
                 )
             if property_ in taken:
                 raise ParameterError(
@@ -113,3 +113,20 @@ def check_ports(
             parameter=parameter,
             value=names,
         )
+
+
+def _no_input(property_: str) -> str:
+    """Why a property that can be written is no input; empty for others."""
+    if property_ in _COMMANDS:
+        return "writing it trims the aircraft again at every sample"
+    if _STATES.fullmatch(property_):
+        return (
+            "JSBSim integrates it, and writing it moves the aircraft at every sample; altitude, "
+            "latitude and longitude of the start belong to the trim condition"
+        )
+    if property_.startswith("ic/"):
+        return (
+            "JSBSim reads it only where a flight starts; write it there with the trim condition "
+            f"or setup={{{property_!r}: value}}"
+        )
+    return ""

@@ -63,6 +63,9 @@ class FlightRecorder(NamedPorts, Scope):
     ('calibrated airspeed [kt]', 6)
     """
 
+    # PathView plots blocks of this type; it goes by the class name where there is no such attribute
+    type_name = "Scope"
+
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
     output_port_labels: dict[str, int] = {}
 
