@@ -1,10 +1,12 @@
-"""Make the gain tables of the fleet: python docs/gain_tables.py [--fly] [AIRCRAFT ...].
+"""Make the gain tables of the fleet: python docs/gain_tables.py [--fly | --off] [AIRCRAFT ...].
 
-Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three airspeeds, where it
-trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep
-their names: the designed ones of these aircraft are called `AIRCRAFT-designed`.
+Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three altitudes and three
+airspeeds, where it trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The
+hand-tuned tables keep their names: the designed ones of these aircraft are called
+`AIRCRAFT-designed`.
 
-With ``--fly`` the steps are flown with the existing tables, for `docs/designed-gains.md`.
+With ``--fly`` the steps are flown with the existing tables, for `docs/designed-gains.md`; with
+``--off`` at other airspeeds, altitudes and fuel.
 """
 
 import json
@@ -18,33 +20,73 @@ from generate import put
 
 from pathsim_jsbsim_blocks import Aircraft, TrimCondition
 from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains
-from pathsim_jsbsim_blocks.design import DesignedGains, design_gains, design_schedule
+from pathsim_jsbsim_blocks.design import (
+    DesignedGains,
+    DesignedSchedule,
+    design_gains,
+    design_schedule,
+)
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
-from pathsim_jsbsim_blocks.errors import BlocksError, FlightError
+from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
 
-# of the airspeed of level flight, and ft above its altitude
+# of the airspeed of level flight
 SPEEDS = (0.8, 1.0, 1.25)
-HIGHER = (0.0,)
+
+# ft
+LOWEST, HIGHER = 1000.0, 5000.0
+
+
+def flight_of(name):
+    """Level flight of an aircraft by JSBSim's search, or else by the Newton search."""
+    try:
+        return level_flight(name)
+    except TrimError:
+        return level_flight(name, solver="newton")
+
+
+def altitudes(middle):
+    """Altitudes of a table in ft: for each of three, those to try until one has a trim."""
+    return (
+        (middle,),
+        (LOWEST, 0.5 * (LOWEST + middle)),
+        (middle + HIGHER, middle + 0.5 * HIGHER),
+    )
 
 
 def designed(name):
     """The designs of one aircraft."""
-    flight = level_flight(name)
+    flight = flight_of(name)
     condition = flight.condition
 
     def said(found):
         text = "designed" if isinstance(found, DesignedGains) else f"{found}"
         print(f"{name}: {text}", flush=True)
 
-    return design_schedule(
-        name,
-        condition,
-        [condition.altitude + more for more in HIGHER],
-        [float(round(share * condition.speed)) for share in SPEEDS],
-        progress=said,
-        create=flight.create,
-    )
+    designs = []
+    for tries in altitudes(condition.altitude):
+        for altitude in tries:
+            try:
+                found = design_schedule(
+                    name,
+                    condition,
+                    [altitude],
+                    [float(round(share * condition.speed)) for share in SPEEDS],
+                    progress=said,
+                    create=flight.create,
+                )
+            except (TrimError, DesignError):
+                if altitude == condition.altitude:
+                    raise
+            else:
+                designs += found.designs
+                break
+    designs.sort(key=lambda design: (design.condition.altitude, design.condition.speed))
+    nominal = [
+        (d.condition.altitude, d.condition.speed) == (condition.altitude, condition.speed)
+        for d in designs
+    ].index(True)
+    return DesignedSchedule(tuple(designs), nominal, ())
 
 
 def table_of(name):
@@ -93,7 +135,7 @@ def flights(name, gains, condition, create, predicted=None):
         size, seconds = step.size, step.seconds
         if loop == "speed" and throttle > FULL:
             size = -size
-        climb = gains.altitude.hdot_max
+        climb = at_point(gains, condition).altitude.hdot_max
         if loop == "altitude":
             seconds = 80.0 + 1.3 * size / climb
         try:
@@ -128,17 +170,116 @@ def flights(name, gains, condition, create, predicted=None):
     return f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} | {verdict} |\n"
 
 
+def at_point(gains, condition):
+    """The gains of a table, or those given, at a condition."""
+    return gains.at(condition.altitude, condition.speed) if hasattr(gains, "at") else gains
+
+
 def nominal(name):
     """Gains, condition and properties to create of a table's nominal point, and its report."""
     file = table_of(name)
     schedule = read_gains(file)
     point = json.loads(file.read_text(encoding="utf-8"))["points"][schedule.nominal]
-    flight = level_flight(name)
+    flight = flight_of(name)
     condition = replace(
         flight.condition, altitude=float(point["altitude"]), speed=float(point["speed"])
     )
     predicted = {loop: row.get("settling") for loop, row in point["report"].items()}
-    return schedule.points[schedule.nominal].gains, condition, flight.create, predicted
+    return schedule, condition, flight.create, predicted
+
+
+# what off-design steps are held to: settling in s, and the flight after the step in s
+OFF_LIMITS = {"pitch": 6.0, "roll": 7.5, "heading": math.inf, "altitude": math.inf, "speed": 75.0}
+OFF_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0, "speed": 75.0}
+
+# ft of altitude kept in a step of the airspeed, s at the end of a command's travel, deg of sideslip
+OFF_KEPT, OFF_STOP, OFF_SLIP = 1.5 * KEPT, 1.0, 1.0
+
+# of the airspeed; ft; of the tanks
+OFF_SPEEDS, OFF_ALTITUDES, FUELS = (0.8, 1.2), (LOWEST, HIGHER), {"light": 0.2, "heavy": 1.0}
+
+OFF_HEADER = """\
+| aircraft | 0.8 V | 1.2 V | lower | higher | light | heavy |
+|---|---|---|---|---|---|---|
+"""
+
+
+def off_design(name):
+    """One row of the table of off-design flights."""
+    schedule, condition, create, _ = nominal(name)
+    plane = Aircraft(name, condition=condition, create=create)
+    h, vc = condition.altitude, condition.speed
+    there = [replace(condition, speed=share * vc) for share in OFF_SPEEDS]
+    there += [replace(condition, altitude=LOWEST), replace(condition, altitude=h + HIGHER)]
+    there += [replace(condition, fuel=fuel(plane, share)) for share in FUELS.values()]
+    cells = [off_point(name, schedule, point, create) for point in there]
+    return f"| {name} | {' | '.join(cells)} |\n"
+
+
+def fuel(plane, share):
+    """Contents of the tanks in lb, all at the same share of what they hold."""
+    fdm, contents = plane.airframe.fdm, {}
+    for i in range(20):
+        tank = f"propulsion/tank[{i}]/" if i else "propulsion/tank/"
+        if not plane.airframe.has(f"{tank}contents-lbs"):
+            break
+        full = fdm[f"{tank}pct-full"]
+        if full > 0.0:
+            contents[i] = share * fdm[f"{tank}contents-lbs"] / (0.01 * full)
+    return contents
+
+
+def off_point(name, schedule, condition, create):
+    """What the steps at one condition do not meet, or "passes"."""
+
+    def fresh():
+        return Aircraft(name, condition=condition, create=create)
+
+    try:
+        throttle = fresh().trim.throttle[0]
+    except TrimError:
+        return "no trim"
+    climb = schedule.at(condition.altitude, condition.speed).altitude.hdot_max
+    missed = []
+    for loop, step in STEPS.items():
+        size, seconds = step.size, OFF_SECONDS[loop]
+        if loop == "speed" and throttle > FULL:
+            size = -size
+        if loop == "altitude":
+            seconds += 1.3 * size / climb
+        try:
+            flown = fly_step(fresh, schedule, step, size, seconds)
+        except FlightError:
+            missed.append(f"{loop} ends")
+            continue
+        if not flown.quality.settling <= OFF_LIMITS[loop]:
+            missed.append(f"{loop} {flown.quality.settling:.1f} s".replace("nan s", "not settled"))
+        if flown.stop > OFF_STOP:
+            missed.append(f"{loop} at a stop {flown.stop:.0f} s")
+        if loop == "heading":
+            slip = np.abs(flown.outputs["beta"] - flown.outputs["beta"][0]).max()
+            if slip > OFF_SLIP:
+                missed.append(f"sideslip {slip:.1f} deg")
+        elif loop == "speed":
+            kept = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
+            if kept > OFF_KEPT:
+                missed.append(f"{kept:.0f} ft in speed")
+    return "; ".join(missed) or "passes"
+
+
+def fly_off(names):
+    """Fly off-design with the tables, and put the rows into the page."""
+    rows = []
+    for name in names or aircraft_names():
+        if table_of(name).exists():
+            rows.append(off_design(name))
+            print(rows[-1], end="", flush=True)
+    if not names:
+        put(
+            Path(__file__).with_name("designed-gains.md"),
+            "off design",
+            OFF_HEADER + "".join(rows).rstrip(),
+        )
 
 
 def fly(names):
@@ -174,10 +315,9 @@ def main(names):
         except BlocksError as error:
             print(f"{name}: no table: {error}", flush=True)
         else:
-            found = replace(found, refused=())
             found.save(table_of(name))
 
 
 if __name__ == "__main__":
-    chosen = [name for name in sys.argv[1:] if name != "--fly"]
-    (fly if "--fly" in sys.argv else main)(chosen)
+    chosen = [name for name in sys.argv[1:] if not name.startswith("--")]
+    (fly if "--fly" in sys.argv else fly_off if "--off" in sys.argv else main)(chosen)

@@ -202,11 +202,11 @@ def test_airspeed_hold(wires, target):
     assert_same(laws(block, **wires), {"throttle": u, "vc_cmd": reference}, limits)
 
 
-@pytest.mark.parametrize("target", [None, 355.0])
-def test_heading_hold(wires, target):
+@pytest.mark.parametrize(("target", "straight"), [(None, 0.0), (355.0, 0.0), (None, 1.5)])
+def test_heading_hold(wires, target, straight):
     bank, limits = 12.0, (-0.9, 0.9)
     block = HeadingHold(
-        gains={"heading": HEADING, "roll": ATTITUDE},
+        gains={"heading": {**HEADING, "bank": straight}, "roll": ATTITUDE},
         psi_ref=target,
         bank_max=bank,
         authority=0.9,
@@ -225,7 +225,7 @@ def test_heading_hold(wires, target):
         pi = start["pi"]
         if abs(HEADING["Kp"] * error) >= bank:
             pi.integral = 0.0
-        banks.append(pi(error, 0.0))
+        banks.append(pi(error, 0.0, feed=straight))
         return banks[-1]
 
     u, reference = on_a_ramp(
@@ -319,6 +319,27 @@ def test_turn_coordination(wires):
             mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
             if not (last != v and np.sign(v) == -np.sign(beta[k])):  # no further into the limit
                 integral -= Ki * T * beta[k]
+        u[k], engaged = last, not OFF[k]
+    assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
+
+
+def test_turns_are_fed_forward(wires):
+    K, tau, Kp, Kroll, Kbank, limit = 0.02, 1.5, 0.03, -0.01, -0.004, 0.09
+    numbers = {"K": K, "tau": tau, "Kp": Kp, "Kroll": Kroll, "Kbank": Kbank}
+    block = YawDamper(gains=numbers, authority=limit, T=T)
+    beta, p, phi = wander(np.random.default_rng(6), 0.8), wires["p"], wires["phi"]
+    u, last, engaged = np.empty(N), 0.0, False
+    for k in range(N):
+        r = wires["r"][k]
+        turn = Kroll * p[k] + Kbank * 180.0 / math.pi * math.sin(phi[k] * math.pi / 180.0)
+        if OFF[k]:
+            last *= math.exp(-T / tau)
+        else:
+            if not engaged:  # go on from the output; what was held of it fades
+                mean, held = r - last / K, Kp * beta[k] - turn
+            last = clip(K * (r - mean) - Kp * beta[k] + held + turn, -limit, limit)
+            mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
+            held *= math.exp(-T / tau)
         u[k], engaged = last, not OFF[k]
     assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
 

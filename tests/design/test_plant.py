@@ -129,13 +129,14 @@ def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):
 
 
 def test_a_closed_yaw_damper_is_the_law_that_is_flown(plant):
-    gains = YawGains(K=0.05, tau=2.0, Kp=0.01, Ki=0.005)
+    gains = YawGains(K=0.05, tau=2.0, Kp=0.01, Ki=0.005, Kroll=-0.004, Kbank=-0.003)
     law, state = YawLoop(T, gains, FAR), YawLoop.START
-    kick = np.where(np.arange(600) < 60, 0.01, 0.0)
+    # small: the law has the sine of the bank
+    kick = np.where(np.arange(600) < 60, 0.001, 0.0)
 
     def fly_law(k, y):
         nonlocal state
-        command, state = law.sample(state, y["r"], False, y["beta"])
+        command, state = law.sample(state, y["r"], False, y["beta"], y["p"], y["phi"])
         return command + kick[k]
 
     expected = law_flown(plant, "rudder", fly_law, 600)

@@ -52,6 +52,12 @@ def test_the_newton_search_finds_what_jsbsim_does_not(aircraft):
         assert abs(row.drift) < 1.0
 
 
+def test_the_newton_search_can_be_asked_for():
+    flight = level_flight("dr1", solver="newton")
+    assert flight.condition.solver == "newton"
+    assert ("full", flight.condition.speed) == BY_NEWTON["dr1"]
+
+
 @pytest.mark.parametrize("aircraft", first([*FEW, *sorted(set(FLYING) - set(FEW))], len(FEW)))
 def test_level_flight_is_a_plain_loop(aircraft):
     flight = level_flight(aircraft)

@@ -337,7 +337,7 @@ class Autopilot(Hold):
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0
         )
 
-        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0, beta)
+        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0, beta, p, phi)
         return (
             [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
             (altitude, pitch, heading, roll, speed, yaw, (guard, cut)),

@@ -72,10 +72,13 @@ class HeadingGains(_Gains):
         deg/deg
     Ki : float
         1/s
+    bank : float
+        bank of straight flight in deg; with a propeller it is not 0
     """
 
     Kp: float
     Ki: float = 0.0
+    bank: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -134,9 +137,10 @@ class SpeedGains(_Gains):
 
 @dataclass(frozen=True)
 class YawGains(_Gains):
-    """Gains from yaw rate (deg/s) and sideslip (deg) to the rudder command (full travel 1).
+    """Gains from yaw rate (deg/s), sideslip and roll to the rudder command (full travel 1).
 
-    All are positive where positive rudder yaws the nose left.
+    K, Kp and Ki are positive, and Kbank is mostly negative, where positive rudder yaws the nose
+    left.
 
     Parameters
     ----------
@@ -148,12 +152,19 @@ class YawGains(_Gains):
         turn coordination: rudder per angle of sideslip, 1/deg
     Ki : float
         turn coordination: rudder per integral of the sideslip, 1/(deg s)
+    Kroll : float
+        turn coordination: rudder per roll rate, s/deg, against the yaw of ailerons and roll rate
+    Kbank : float
+        turn coordination: rudder per 57.3 times the sine of the bank, 1/deg, for the yaw rate of
+        the turn
     """
 
     K: float
     tau: float = 2.0
     Kp: float = 0.0
     Ki: float = 0.0
+    Kroll: float = 0.0
+    Kbank: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ class HeadingLoop:
     """Bank reference from the heading error, turning through the smaller angle.
 
     .. math::
-        \\phi_\\mathrm{cmd} = K_p \\, e + K_i \\int e \\, dt, \\quad
+        \\phi_\\mathrm{cmd} = \\phi_0 + K_p \\, e + K_i \\int e \\, dt, \\quad
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
@@ -134,9 +134,11 @@ class HeadingLoop:
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
         bank_max = positive("bank_max", bank_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
+        self.bank = gains.bank
 
-    def retune(self, Kp: float, Ki: float) -> None:
+    def retune(self, Kp: float, Ki: float, bank: float) -> None:
         self.pid.retune(Kp, Ki)
+        self.bank = bank
 
     def sample(
         self, state: State, psi: float, target: float | None, increment: float
@@ -149,8 +151,8 @@ class HeadingLoop:
         error = wrap((found if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
         if not engaged or abs(proportional) >= self.pid.high:
-            law = PID.holding(proportional)  # an integral of 0
-        phi, law = self.pid.sample(law, error, 0.0)
+            law = PID.holding(proportional + self.bank)  # an integral of 0
+        phi, law = self.pid.sample(law, error, 0.0, feed=self.bank)
         return phi, (found, law)
 
 
@@ -269,11 +271,12 @@ class SpeedLoop:
 
 
 class YawLoop:
-    """Rudder from washed-out yaw rate, so steady turns are not opposed, and from the sideslip.
+    """Rudder from washed-out yaw rate, so steady turns are not opposed, sideslip and roll.
 
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
         - K_p \\beta - K_i \\int \\beta \\, dt
+        + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
 
     At engagement the output continues from its present value; while off it decays with tau.
     """
@@ -283,22 +286,35 @@ class YawLoop:
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
         self.T = T
         self.low, self.high = authority
-        self.retune(gains.K, gains.tau, gains.Kp, gains.Ki)
+        self.retune(gains.K, gains.tau, gains.Kp, gains.Ki, gains.Kroll, gains.Kbank)
 
-    def retune(self, K: float, tau: float, Kp: float, Ki: float) -> None:
-        self.K, self.Kp, self.Ki = K, Kp, Ki
+    def retune(
+        self, K: float, tau: float, Kp: float, Ki: float, Kroll: float, Kbank: float
+    ) -> None:
+        self.K, self.Kp, self.Ki, self.Kroll, self.Kbank = K, Kp, Ki, Kroll, Kbank
         self._fade = math.exp(-self.T / tau)
 
-    def sample(self, state: State, r: float, off: bool, beta: float = 0.0) -> tuple[float, State]:
-        """Rudder increment and next state, from yaw rate in deg/s and sideslip in deg."""
+    def sample(
+        self,
+        state: State,
+        r: float,
+        off: bool,
+        beta: float = 0.0,
+        p: float = 0.0,
+        phi: float = 0.0,
+    ) -> tuple[float, State]:
+        """Rudder increment and next state, from rates in deg/s and angles in deg."""
         engaged, slow, u, integral = state
         if off:
             u *= self._fade
             return u, (0.0, 0.0, u, 0.0)
+        turn = 0.0
+        if self.Kroll or self.Kbank:
+            turn = self.Kroll * p + self.Kbank * math.degrees(math.sin(math.radians(phi)))
         if not engaged:
             slow = r - u / self.K if self.K else r
-            integral = self.Kp * beta
-        v = self.K * (r - slow) - (self.Kp * beta - integral)
+            integral = self.Kp * beta - turn
+        v = self.K * (r - slow) - (self.Kp * beta - integral) + turn
         u = min(max(v, self.low), self.high)
         if self.Ki:
             # where the rudder is at its limit the integral may only come back from it

@@ -12,7 +12,7 @@ from typing import Any
 from .._core.checks import flag
 from .._core.units import GRAVITY
 from ..control.gains import AircraftGains, AttitudeGains, EnvelopeLimits
-from ..errors import DesignError, FlightError, LinearisationError
+from ..errors import DesignError, FlightError, LinearisationError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
@@ -171,7 +171,8 @@ def design_gains(
     aircraft : str
         name of the JSBSim model
     condition : TrimCondition, optional
-        level flight; default: where `level_flight` trims it
+        level flight; default: where `level_flight` trims it. Where JSBSim's search fails and the
+        Newton search does not, the gains are designed for the latter's trim
     T : float
         sample period of the loops in s
     substeps : int
@@ -216,7 +217,14 @@ def design_gains(
     def fresh() -> Aircraft:
         return Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)
 
-    plane = fresh()
+    try:
+        plane = fresh()
+    except TrimError as error:
+        # the Newton search may have found what JSBSim's has not
+        if condition.solver or error.nearest != replace(condition, solver="newton"):
+            raise
+        condition = error.nearest
+        plane = fresh()
     trim = plane.trim
     if not trim.throttle:
         raise DesignError(
@@ -329,14 +337,15 @@ def _loops(
         if found is None or not math.isfinite(found.settling):
             raise refuse("roll", "no gains of the ailerons settle a step in roll")
         if not last:
-            yaw, outcome = design_rudder(closed(plant, ROLL, found, "phi_cmd"), damper, rudder, vt)
+            rolling = closed(plant, ROLL, found, "phi_cmd")
+            yaw, outcome = design_rudder(rolling, damper, rudder, vt, _ROLL_RAMP)
     note("roll", found)
     note("yaw", outcome)
     roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, _ROLL_RAMP)
     rolls_in = found.settling
     plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
 
-    heading, outcome = design_heading(plant, _ROLL_RAMP, rolls_in, vt)
+    heading, outcome = design_heading(plant, _ROLL_RAMP, rolls_in, vt, trim.phi)
     note("heading", outcome)
     if heading is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import linprog
+from scipy.signal import fftconvolve
 
 from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
-from .margins import margins
+from .margins import Margins, margins
 from .plant import Plant
 from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled
 
@@ -93,7 +95,13 @@ def damped(plant: Plant, gains: YawGains) -> Plant:
         "rudder",
         law=np.array([[1.0 - slow, 0.0], [0.0, 1.0], [-gains.K, 1.0]]),
         read={"r": np.array([slow, 0.0]), "beta": np.array([0.0, -gains.Ki * T])},
-        through={"r": gains.K, "beta": -gains.Kp, "rudder": 1.0},
+        through={
+            "r": gains.K,
+            "beta": -gains.Kp,
+            "p": gains.Kroll,
+            "phi": gains.Kbank,
+            "rudder": 1.0,
+        },
         reference="rudder",
     )
 
@@ -107,9 +115,9 @@ _TURN, _ENTRY = 25.0, 0.6
 
 
 def design_rudder(
-    plant: Plant, damper: YawGains, room: float, vt: float
+    plant: Plant, damper: YawGains, room: float, vt: float, ramp: float
 ) -> tuple[YawGains, Outcome | None]:
-    """Rudder from yaw rate and sideslip, so that a bank turns the aircraft and nothing else.
+    """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft and nothing else.
 
     ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
     """
@@ -143,15 +151,118 @@ def design_rudder(
         + 0.5 * (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
     )
     score[levels(found) > 0] = np.inf
+    chosen = damper
     for i in np.argsort(score)[:30]:
-        gains = YawGains(K=float(K[i]), tau=damper.tau, Kp=float(P[i]), Ki=float(Ki[i]))
         if not math.isfinite(score[i]):
             break
+        gains = YawGains(K=float(K[i]), tau=damper.tau, Kp=float(P[i]), Ki=float(Ki[i]))
         if damped(plant, gains).growth() < _DIVERGES:
-            use = (abs(gains.K) * 10.0 + abs(gains.Kp) * 5.0) / room
-            shown = at(found, i) if use else {}
-            return gains, Outcome(shown, use=use)
-    return damper, None
+            chosen = gains
+            break
+    chosen = coordinate(plant, chosen, room, ramp)
+    use = (
+        abs(chosen.K) * 10.0
+        + abs(chosen.Kp) * 5.0
+        + abs(chosen.Kroll) * ramp
+        + abs(chosen.Kbank) * _TURN
+    ) / room
+    return chosen, Outcome(at(_of_rudder(plant, chosen), 0), use=use) if use else None
+
+
+# s of a turn's entry, largest share of the rudder's remaining travel that it may need, and
+# the shares of the best coordination that are tried for the margins
+_ROLL_IN, _TURN_USE = 12.0, 0.6
+_COORDINATED = (1.0, 0.85, 0.7, 0.5, 0.3)
+
+# deg of sideslip that all of the rudder is worth
+_RUDDER_COST = 0.3
+
+
+def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGains:
+    """Rudder from roll rate and bank for the least sideslip in the entry of a turn.
+
+    ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder. The
+    largest sideslip of the entry is linear in the two gains for a given roll: a linear programme,
+    repeated for the roll that comes of it. They are lowered until the rudder's margins are met.
+
+    Parameters
+    ----------
+    plant : Plant
+    yaw : YawGains
+        the others
+    room : float
+        travel of the rudder
+    ramp : float
+        of the bank's reference, deg/s
+    """
+    feed, found = np.zeros(2), (math.inf, np.zeros(2))
+    for last in (False, False, False, True):
+        beta, p, phi, kick = _entry(
+            plant, replace(yaw, Kroll=float(feed[0]), Kbank=float(feed[1])), ramp
+        )
+        # the rudder that it takes
+        use = np.abs(feed[0] * p + feed[1] * phi).max()
+        score = np.abs(beta).max() + _RUDDER_COST * max(use / room - _TURN_USE, 0.0)
+        if score < found[0]:
+            found = score, feed
+        if last or not np.isfinite(kick).all():
+            break
+        effect = np.array([fftconvolve(kick, signal)[: len(kick)] for signal in (p, phi)])
+        feed = feed + _least_peak(beta, effect.T, np.abs(p).max(), np.abs(phi).max(), room)
+    for share in _COORDINATED:
+        gains = replace(yaw, Kroll=float(share * found[1][0]), Kbank=float(share * found[1][1]))
+        if levels(_of_rudder(plant, gains))[0] == 0 and damped(plant, gains).growth() < _DIVERGES:
+            return gains
+    return yaw
+
+
+def _entry(
+    plant: Plant, gains: YawGains, ramp: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Sideslip, roll rate and bank in the entry of a turn, and the sideslip of a kick of rudder."""
+    p = damped(plant, gains).slower(_COARSE)
+    rows = np.array([p.row("beta"), p.row("p"), p.row("phi")])
+    n = round(_ROLL_IN / p.T)
+    turn, kick = np.empty((n, 3)), np.empty(n)
+    x, z = np.zeros(len(p.A)), np.zeros(len(p.A))
+    bank, rudder = p.column("phi_cmd"), p.column("rudder")
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(n):
+            turn[k], kick[k] = rows @ x, rows[0] @ z
+            x = p.A @ x + bank * min(ramp * p.T * k, _TURN)
+            z = p.A @ z + (rudder if k == 0 else 0.0)
+    return turn[:, 0], turn[:, 1], turn[:, 2], kick
+
+
+def _least_peak(
+    beta: np.ndarray, effect: np.ndarray, p: float, phi: float, room: float
+) -> np.ndarray:
+    """Gains with the least of max |beta + effect gains|, and a little of the rudder's travel."""
+    cost = _RUDDER_COST / room * np.array([p, phi])
+    m = effect.shape[1]
+    # positive and negative parts of the gains, and the largest sideslip
+    one = np.ones((len(beta), 1))
+    both = np.hstack([effect, -effect])
+    found = linprog(
+        np.concatenate([cost, cost, [1.0]]),
+        A_ub=np.block([[both, -one], [-both, -one]]),
+        b_ub=np.concatenate([-beta, beta]),
+    )
+    return np.zeros(m) if found.x is None else found.x[:m] - found.x[m : 2 * m]
+
+
+def _of_rudder(plant: Plant, gains: YawGains) -> Margins:
+    """Margins of the rudder's loops, broken at the rudder."""
+    g = plant.response(OMEGA, "rudder")
+    z = np.exp(1j * OMEGA * plant.T)
+    wash = (z - 1.0) / (z - math.exp(-plant.T / gains.tau))
+    L = (
+        (gains.Kp + gains.Ki * integral(OMEGA, plant.T)) * g["beta"]
+        - gains.K * wash * g["r"]
+        - gains.Kroll * g["p"]
+        - gains.Kbank * g["phi"]
+    )
+    return margins(OMEGA, L[None])
 
 
 def _pi(
@@ -174,9 +285,17 @@ def _pi(
 
 
 def design_heading(
-    plant: Plant, ramp: float, settling: float, vt: float, bank_max: float = 25.0
+    plant: Plant,
+    ramp: float,
+    settling: float,
+    vt: float,
+    straight: float = 0.0,
+    bank_max: float = 25.0,
 ) -> tuple[HeadingGains | None, Outcome]:
-    """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``."""
+    """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``.
+
+    ``straight`` is the bank of straight flight in deg: with a propeller it is not 0.
+    """
     turn = GRAVITY / vt  # psi-dot per phi, 1/s
     fast = min(0.25, 0.7 / max(settling if math.isfinite(settling) else 5.0, 0.5))
     Kp = np.clip(fast / turn * np.geomspace(0.25, 1.6, 14), 0.3, 6.0)
@@ -204,7 +323,7 @@ def design_heading(
     i = int(np.argmin(score))
     if level[i] == len(REQUIREMENTS) or not math.isfinite(time[i]):
         return None, Outcome(at(found, i), float(time[i]), float(over[i]))
-    return HeadingGains(Kp=float(Kp[i])), Outcome(
+    return HeadingGains(Kp=float(Kp[i]), bank=straight), Outcome(
         at(found, i),
         float(time[i]),
         float(over[i]),

@@ -56,7 +56,9 @@ class LevelFlight:
     trim: TrimState
 
 
-def level_flight(aircraft: str, root: str | None = None, tries: int = len(TRIES)) -> LevelFlight:
+def level_flight(
+    aircraft: str, root: str | None = None, tries: int = len(TRIES), solver: str | None = None
+) -> LevelFlight:
     """Find a sensible condition of straight and level flight for an aircraft.
 
     The speed follows from the weight and the wing area. Properties that the model expects from its
@@ -73,6 +75,8 @@ def level_flight(aircraft: str, root: str | None = None, tries: int = len(TRIES)
         JSBSim root directory; default is the one shipped with jsbsim
     tries : int
         maximum number of conditions to try; a failed trim can take seconds
+    solver : str, optional
+        "jsbsim" (the default) or "newton", as in `TrimCondition`
 
     Raises
     ------
@@ -81,7 +85,7 @@ def level_flight(aircraft: str, root: str | None = None, tries: int = len(TRIES)
     TrimError
         if it trims at none of these; the residuals are those of the first
     """
-    return _first(aircraft, root, TRIES[: whole("tries", tries, low=1)], mode="full")
+    return _first(aircraft, root, TRIES[: whole("tries", tries, low=1)], mode="full", solver=solver)
 
 
 def _first(

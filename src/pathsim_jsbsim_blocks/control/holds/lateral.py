@@ -111,7 +111,7 @@ class HeadingHold(Hold):
     """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
     .. math::
-        \\phi_\\mathrm{cmd} = K_p e + K_i \\int e \\, dt, \\quad
+        \\phi_\\mathrm{cmd} = \\phi_0 + K_p e + K_i \\int e \\, dt, \\quad
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
@@ -122,7 +122,8 @@ class HeadingHold(Hold):
     ----------
     gains : str or dict
         "c172p", "737" or "global5000", or {"heading": ..., "roll": ...}, each either the name of
-        a table or numbers; heading: Kp (deg/deg), Ki (1/s); roll: as in ``RollHold``
+        a table or numbers; heading: Kp (deg/deg), Ki (1/s), bank (phi_0, the bank of straight
+        flight, deg); roll: as in ``RollHold``
     psi_ref : float, optional
         heading to hold in deg; default: the value at engagement
     bank_max : float
@@ -211,16 +212,17 @@ class YawDamper(Hold):
     .. math::
         \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
         - K_p \\beta - K_i \\int \\beta \\, dt
+        + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
 
-    sampled at T. The wash-out leaves steady turns unopposed; with the port ``beta`` wired, turns
-    are coordinated.
+    sampled at T. The wash-out leaves steady turns unopposed. With the ports ``beta``, ``p`` and
+    ``phi`` wired, turns are coordinated: the last two act before any sideslip has built up.
 
     Parameters
     ----------
     gains : str, YawGains or dict
         "c172p", "737" or "global5000" (the last two models have their own damper: 0), or numbers:
-        K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), positive where positive rudder yaws the
-        nose left
+        K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), Kroll (s/deg), Kbank (1/deg, of the sine
+        of the bank times 57.3); K, Kp and Ki are positive where positive rudder yaws the nose left
     authority : float or pair
         largest rudder increment, of full travel
     %(T)s
@@ -232,8 +234,10 @@ class YawDamper(Hold):
     off
         0 engaged; otherwise the rudder increment decays to 0 with tau
     beta
-        angle of sideslip in deg; without a wire (0) turns are not coordinated
+        angle of sideslip in deg; without a wire (0) it is not fed back
     %(vc)s
+    p, phi
+        roll rate in deg/s, bank in deg; without a wire (0) they are not fed forward
 
     Outputs
     -------
@@ -245,7 +249,7 @@ class YawDamper(Hold):
 
     measured = ("r",)
     commands = {"rudder": "off"}
-    input_port_labels = {"r": 0, "off": 1, "beta": 2, "vc": 3}
+    input_port_labels = {"r": 0, "off": 1, "beta": 2, "vc": 3, "p": 4, "phi": 5}
     output_port_labels = {"rudder": 0}
 
     def __init__(
@@ -267,8 +271,8 @@ class YawDamper(Hold):
         return YawLoop.START
 
     def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        r, off, beta, vc = u[:4]
+        r, off, beta, vc, p, phi = u[:6]
         if self._schedule is not None:
             self.follow(vc, yaw=self._yaw)
-        rudder, state = self._yaw.sample(state, r, off != 0.0, beta)
+        rudder, state = self._yaw.sample(state, r, off != 0.0, beta, p, phi)
         return [rudder], state
