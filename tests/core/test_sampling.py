@@ -149,6 +149,15 @@ def test_a_plant_latches_at_the_instant_and_shows_at_the_next():
     assert plant.samples == 10
 
 
+@pytest.mark.parametrize("dt", [T, T / 2])
+@pytest.mark.parametrize("states", [0, 1])
+def test_a_long_run_keeps_no_results_of_old_instants(states, dt):
+    plant, _, sim = counting(ramp(), *(Integrator() for _ in range(states)), dt=dt)
+    sim.run(10.0)
+    assert plant.samples == 100
+    assert min(plant._results) >= 99
+
+
 @pytest.mark.parametrize("states", [0, 1])
 def test_the_first_instant_is_one_period_after_the_start(states):
     # `begin_at` counts from the instant before the first one

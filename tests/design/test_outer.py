@@ -73,6 +73,19 @@ def test_no_yaw_damper_where_it_is_of_no_use(plant, room):
     assert design_yaw(plant, room).K == 0.0
 
 
+def test_the_yaw_damper_of_a_slow_rudder_has_the_margins_asked_for():
+    # two lags of 0.35 s, so that a gain that damps well comes near to instability
+    A = [[-0.2, -1, 0, 0], [3.96, -0.2, -4, 0], [0, 0, -1 / 0.35, 1 / 0.35], [0, 0, 0, -1 / 0.35]]
+    plant = sampled(A, [0, 0, 0, 1 / 0.35], "rudder", beta=[1, 0, 0, 0], r=[0, 1, 0, 0])
+    gains = design_yaw(plant, room=1000.0)
+    assert gains.K != 0.0
+    s = 1j * np.geomspace(0.05, 50.0, 2000)
+    rudder = -4.0 / (0.35 * s + 1.0) ** 2 * np.exp(-0.5 * s * T)
+    loop = -gains.K * 2.0 * s / (2.0 * s + 1.0) * rudder * (s + 0.2) / ((s + 0.2) ** 2 + 3.96)
+    assert np.abs(1.0 + loop).min() >= 1 / 1.405
+    assert np.abs(1.0 + loop * np.exp(-0.05 * s)).min() >= 1 / 1.81
+
+
 def test_the_yaw_damper_keeps_to_the_rudder_that_is_left():
     free = abs(design_yaw(yawing(), room=1000.0).K)
     room = 10.0 * free / 0.9 * 0.8

@@ -265,3 +265,11 @@ def test_a_minus_before_a_name_is_no_part_of_it(parameter):
     # JSBSim's own: taking the node aborts the process
     with pytest.raises(PropertyError, match="did you mean 'fcs/flap-cmd-norm'"):
         airliner(**{parameter: ["-fcs/flap-cmd-norm"]})
+
+
+def test_an_input_that_can_only_be_written_is_0_at_the_trim():
+    ports = ["fcs/elevator-cmd-norm", "propulsion/magneto_cmd"]
+    block = JSBSimFDM(
+        aircraft_model="c172p", input_properties=ports, trim_airspeed=90, trim_altitude=5000
+    )
+    assert block.trimmed_inputs() == [block.fdm["fcs/elevator-cmd-norm"], 0.0]

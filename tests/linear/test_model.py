@@ -404,6 +404,15 @@ def test_the_process_does_not_die_of_an_aircraft_without_engines():
             linear_model("SGS", TrimCondition(altitude=3000, speed=50))
 
 
+def test_a_position_follows_the_heading_and_the_sideslip():
+    # northwards from the equator the longitude changes by (psi + beta) V / (a + h)
+    model = plane("737", heading=0.0).linear_model(inputs=["aileron"], outputs=["psi", "lon"])
+    states, V = list(model.states), plane("737").outputs["vt"]
+    for name in ("psi", "beta"):
+        rate = model.A[states.index("lon"), states.index(name)]
+        assert rate == pytest.approx(V / (20_925_646.0 + FLYING["737"][0]), rel=0.01), name
+
+
 def test_states_are_outputs_and_what_completes_them():
     C = np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]])
     rows, signals = _coordinates(C, [0, 1, 3, 2])

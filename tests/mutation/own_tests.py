@@ -19,6 +19,7 @@ OWN_TESTS = {
     "flight/fdm": [
         "test_promises.py",
         "test_limits.py",
+        "test_property_ports.py",
         "test_checkpoint.py",
         "test_reset.py",
         "test_bad_input.py",
