@@ -312,8 +312,8 @@ def duration(seconds):
 
 
 MODES_HEADER = """\
-| aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | remark |
-|---|---|---|---|--:|--:|--:|---|
+| aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | in vt | remark |
+|---|---|---|---|--:|--:|--:|--:|---|
 """
 
 
@@ -331,9 +331,10 @@ def modes_page():
         "ratio,\nreal poles in 1/s. The doublet error is the largest of theta and q (elevator), "
         "phi and p (aileron), beta and r\n(rudder) after a doublet of 0.01 of travel, 1 s and "
         "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
-        "An error above 5 % means that the aircraft is not linear in that range; the remark is the "
-        "warning given, or the error\nwhere there is no model. A glide's throttle is closed, so it "
-        f"is not among the inputs.\n\n{MODES_HEADER}" + "".join(lines)
+        "The next column has the same for vt (throttle). An error above 5 %, in bold, means that "
+        "the aircraft is not linear in\nthat range; the remarks are the warnings given, or the "
+        "error where there is no model. A glide's throttle is closed,\nso it is not among the "
+        f"inputs.\n\n{MODES_HEADER}" + "".join(lines)
     )
 
 
@@ -343,7 +344,7 @@ def modes_of(name):
         return modes_row(name, _level_or_glide(name, len(TRIES)))
     except BlocksError as error:
         reason = error.reason if isinstance(error, TrimError) else "it does not load"
-        return f"| {name} | | | | | | | no trim: {reason} |\n"
+        return f"| {name} | | | | | | | | no trim: {reason} |\n"
 
 
 def modes_row(name, flight):
@@ -360,7 +361,7 @@ def modes_row(name, flight):
             model = plane().linear_model(inputs=inputs)
     except LinearisationError as error:
         reason = str(error).partition(": ")[2].replace("|", "/")
-        return f"| {name} | | | | | | | {reason} |\n"
+        return f"| {name} | | | | | | | | {reason} |\n"
     modes = model.modes()
 
     def cell(name):
@@ -370,20 +371,29 @@ def modes_row(name, flight):
             for m in found
         )
 
-    worst, where = doublet_error(plane, model)
+    errors = doublet_errors(plane, model)
+    in_vt = errors.pop("vt", None)
+    where = max(errors, key=errors.get)
     remark = "; ".join(
         str(w.message).partition(": ")[2].partition(". ")[0]
         for w in said
         if "not linear" in str(w.message)
     )
     cells = [cell(x) for x in ("short period", "phugoid", "Dutch roll", "roll", "spiral")]
-    return f"| {name} | {' | '.join(cells)} | {worst:.1%} ({where}) | {remark} |\n"
+    cells += [f"{marked(errors[where])} ({where})", "" if in_vt is None else marked(in_vt)]
+    return f"| {name} | {' | '.join(cells)} | {remark} |\n"
 
 
-def doublet_error(plane, model):
-    """The largest relative rms error after a doublet on each surface, and where it is."""
+def marked(error):
+    """In bold where the aircraft is not linear."""
+    return f"**{error:.1%}**" if error > 0.05 else f"{error:.1%}"
+
+
+def doublet_errors(plane, model):
+    """The relative rms errors of what each command is for, after a doublet."""
     still, errors = flown(plane, np.zeros((1200, 4))), {}
-    for port, outputs in enumerate((("theta", "q"), ("phi", "p"), ("beta", "r"))):
+    purposes = (("theta", "q"), ("phi", "p"), ("beta", "r"), ("vt",))
+    for port, outputs in enumerate(purposes[: len(model.inputs)]):
         u = np.zeros((1200, 4))
         u[3:123, port], u[123:243, port] = 0.01, -0.01
         response = flown(plane, u) - still
@@ -392,8 +402,7 @@ def doublet_error(plane, model):
             i = model.outputs.index(output)
             missed = ((response - predicted)[:, i] ** 2).mean()
             errors[output] = (missed / (response[:, i] ** 2).mean()) ** 0.5
-    where = max(errors, key=errors.get)
-    return errors[where], where
+    return errors
 
 
 def flown(plane, u):

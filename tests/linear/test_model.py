@@ -77,14 +77,36 @@ def doublet_errors(name, model):
     return errors
 
 
+# the throttle of three is not linear within 0.01: spools accelerate at constant rates
 @pytest.mark.parametrize(
-    "name", first(["737", "c172p", "global5000", "f16", "A4", "B747", "787-8", "MD11"], count=2)
+    ("name", "not_linear"),
+    first(
+        [
+            ("737", []),
+            ("c172p", []),
+            ("global5000", []),
+            ("f16", ["throttle"]),
+            ("A4", ["throttle"]),
+            ("B747", []),
+            ("787-8", ["throttle"]),
+            ("MD11", []),
+            ("F4N", []),
+            ("Concorde", []),
+        ],
+        count=2,
+    ),
 )
-def test_a_doublet_of_the_model_is_that_of_the_aircraft(name):
-    errors = doublet_errors(name, plane(name).linear_model())
+def test_a_doublet_of_the_model_is_that_of_the_aircraft(name, not_linear):
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        errors = doublet_errors(name, plane(name).linear_model())
     assert max(errors[y] for y in ("theta", "q", "phi", "p", "beta", "r")) < 0.03, errors
-    if name != "f16":  # a hundredth of its throttle is beyond the range in which it is linear
-        assert errors["vt"] < {"A4": 0.07, "787-8": 0.06}.get(name, 0.05), errors
+    assert (errors["vt"] < 0.05) == (not not_linear), errors
+    told = [x for x in said if "not linear" in str(x.message)]
+    for name_of_input in not_linear:
+        assert any(f" to {name_of_input} is not linear" in str(x.message) for x in told)
+    if name in ("737", "c172p"):
+        assert not told
 
 
 @pytest.mark.parametrize("name", first(["737", "c172p", "global5000", "f16"], count=1))
@@ -254,11 +276,20 @@ def test_the_kinks_of_linear_surfaces_are_none():
 
 
 # the elevator of the c310 and the aileron of the Short_S23 are linear for the pulse only, and
-# the roll of the T38 shows its kink in a doublet, where the odd parts cancel
+# the roll of the T38 shows its kink in a doublet, where the odd parts cancel. Of a throttle 0.05 is
+# the limit too
 @pytest.mark.parametrize(
     ("name", "port", "output"),
     first(
-        [("c310", "elevator", "theta"), ("T38", "aileron", "phi"), ("Short_S23", "aileron", "phi")]
+        [
+            ("c310", "elevator", "theta"),
+            ("f16", "throttle", "vt"),
+            ("T38", "aileron", "phi"),
+            ("Short_S23", "aileron", "phi"),
+            ("Camel", "throttle", "vt"),
+            ("L17", "throttle", "vt"),
+        ],
+        count=2,
     ),
 )
 def test_what_a_doublet_shows_is_told(name, port, output):

@@ -42,9 +42,16 @@ _TURBINE_THROTTLE, _PISTON_THROTTLE = 1e-3, 1e-2
 # other inputs, by unit
 _AMPLITUDES = {"norm": 5e-3, "deg": 0.1, "rad": 1e-3, "ft/s": 0.1, "kt": 0.1}
 
-# responses below this fraction of the largest one of an output have no meaningful shape. After a
-# doublet that of the airspeed to the throttle is small beside that to the elevator
-_HARDLY, _HARDLY_THROTTLE = 0.3, 0.05
+# responses below this fraction of the largest one of an output have no meaningful shape
+_HARDLY = 0.3
+
+# except those that a command is for
+_PURPOSES = {
+    "fcs/elevator-cmd": ("theta", "q"),
+    "fcs/aileron-cmd": ("phi", "p"),
+    "fcs/rudder-cmd": ("beta", "r"),
+    "fcs/throttle-cmd": ("vt",),
+}
 
 # a doublet follows the pulse, to see how far the model holds: s each way, times the pulse's
 # height, and of full travel for a throttle
@@ -56,10 +63,9 @@ _NOTHING = 1e-9
 # even over odd part of a response: worth a warning, and no linear response at all
 _KINKED, _BROKEN = 0.1, 0.5
 
-# error after a doublet that is worth a warning; and even part or error where few aircraft are
-# linear: with the throttle, because spools accelerate at a constant rate and tables of pistons have
-# corners, and in airspeed and altitude, because drag grows with both deflections
-_MISSED, _UNEVEN = 0.05, 0.25
+# error after a doublet that is worth a warning, in what a command is for and in the rest: drag is
+# even, so that the airspeed follows no elevator within 5 %
+_MISSED, _MISSED_ELSEWHERE = 0.05, 0.15
 
 # growth, as the exponent, with which an aircraft is still near its trim after the pulse
 _GROWTH = 3.0
@@ -147,12 +153,12 @@ def flown_model(
         integrals=integrals,
         abrupt=[i for i, c in enumerate(listed) if acceleration(c) and i not in mute],
     )
-    throttle = np.array([_is_throttle(ports[i]) for i in moved])
+    meant = np.array([[_is_for(ports[i], c) for c in listed] for i in moved])
     doublets = _Doublets(
         np.array(odd)[:, flights.pulsed :],
         np.array(even)[:, flights.pulsed :],
         respond(found, np.array(commands).T, block.T)[:, flights.pulsed :],
-        throttle,
+        meant,
     )
     missed, uneven = doublets.missed(), doublets.uneven()
     missed[mute] = uneven[mute] = np.nan
@@ -162,24 +168,28 @@ def flown_model(
     if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
         _judge_fit(block.airframe.aircraft, names, shown, doublets.missed_of_largest()[rigid])
     kinked, error = np.fmax(kinked, uneven), np.fmax(found.error, missed)
-    _warn(block.airframe.aircraft, names, throttle, shown, kinked[rigid], error[rigid])
+    limit = np.where(meant.T, _MISSED, _MISSED_ELSEWHERE)[rigid]
+    reasons = [_reason(block.airframe, ports[i]) for i in moved]
+    _warn(block.airframe.aircraft, names, reasons, shown, kinked[rigid], error[rigid], limit)
     return _named(block, found, signals, chosen, moved, still[0], kinked, error)
 
 
 class _Doublets:
     """Responses to the doublets, and what the model predicts: shape (inputs, samples, signals)."""
 
-    def __init__(
-        self, odd: np.ndarray, even: np.ndarray, predicted: np.ndarray, throttle: np.ndarray
-    ):
+    def __init__(self, odd: np.ndarray, even: np.ndarray, predicted: np.ndarray, meant: np.ndarray):
         self._odd, self._even, self._predicted = odd, even, predicted
         size = _rms(odd)
-        least = np.where(throttle, _HARDLY_THROTTLE, _HARDLY)[:, None]
-        self._hardly = (size < least * size.max(axis=0, initial=0.0)) | (size == 0.0)
+        hardly = (size < _HARDLY * size.max(axis=0, initial=0.0)) & ~meant
+        self._hardly = hardly | (size == 0.0)
 
     def missed(self) -> np.ndarray:
-        """Error over response, shape (signals, inputs); NaN where a signal hardly responds."""
-        return self._over(_rms(self._odd - self._predicted), _rms(self._odd))
+        """Error over response, shape (signals, inputs); NaN where a signal hardly responds.
+
+        The response is that to the doublet itself, up first, with its even part.
+        """
+        up = self._odd + self._even
+        return self._over(_rms(up - self._predicted), _rms(up))
 
     def missed_of_largest(self) -> np.ndarray:
         """Error over the signal's largest response to any input, likewise."""
@@ -261,6 +271,24 @@ def _is_throttle(port: Channel) -> bool:
     return any(name.startswith("fcs/throttle-cmd") for name in port.properties)
 
 
+def _is_for(port: Channel, signal: Channel) -> bool:
+    """Whether a command is there to move a signal."""
+    return any(
+        name.startswith(command) and signal.name in signals
+        for name in port.properties
+        for command, signals in _PURPOSES.items()
+    )
+
+
+def _reason(airframe: Airframe, port: Channel) -> str:
+    """Why hardly any engine is linear; "" for other inputs."""
+    if not _is_throttle(port):
+        return ""
+    if any(airframe.has(f"propulsion/engine[{i}]/n2") for i in range(airframe.engines)):
+        return " (a turbine's spools accelerate at constant rates)"
+    return " (the slope of the engine's thrust changes)"
+
+
 def _heights(
     airframe: Airframe, ports: Sequence[Channel], amplitude: Mapping[str, float] | None
 ) -> list[float]:
@@ -325,28 +353,26 @@ def _judge_fit(
 def _warn(
     aircraft: str,
     inputs: Sequence[str],
-    throttle: np.ndarray,
+    reasons: Sequence[str],
     signals: Sequence[str],
     kinks: np.ndarray,
     error: np.ndarray,
+    limit: np.ndarray,
 ) -> None:
-    """Warn of a model that holds for small motions only."""
-    drag = np.isin(signals, ["vt", "h"])[:, None]
-    beyond = np.fmax(
-        kinks / np.where(throttle | drag, _UNEVEN, _KINKED),
-        error / np.where(throttle, _UNEVEN, _MISSED),
-    )
-    i, j = _worst(beyond)
-    if beyond.size and beyond[i, j] > 1.0:
-        uneven = kinks[i, j] > _MISSED
-        said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
-        warnings.warn(
-            f"{aircraft}: the response of {signals[i]} to {inputs[j]} is not linear: {said}the "
-            f"model's error after a doublet {error[i, j]:.0%}. The linear model is the mean of "
-            "both sides for small motions; see its kinks and fit",
-            RuntimeWarning,
-            stacklevel=4,
-        )
+    """Warn of a model that holds for small motions only: of the worst response to each input."""
+    beyond = np.fmax(kinks / _KINKED, error / limit)
+    for j, name in enumerate(inputs):
+        i, _ = _worst(beyond[:, [j]])
+        if beyond.size and beyond[i, j] > 1.0:
+            uneven = kinks[i, j] > _MISSED
+            said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
+            warnings.warn(
+                f"{aircraft}: the response of {signals[i]} to {name} is not linear{reasons[j]}: "
+                f"{said}the model's error after a doublet {error[i, j]:.0%}. The linear model is "
+                "the mean of both sides for small motions; see its kinks and fit",
+                RuntimeWarning,
+                stacklevel=4,
+            )
 
 
 def _worst(x: np.ndarray) -> tuple[int, int]:

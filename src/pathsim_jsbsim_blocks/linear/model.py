@@ -78,8 +78,8 @@ class LinearModel:
         those after pulse and doublet: 0 for a linear aircraft; NaN where an output hardly responds
     fit : array, shape (p, m)
         rms error against the responses that were flown, the larger of that after the pulse, over
-        the output's largest rms response to any input, and that after the doublet, over the
-        response itself where it is not small; NaN for the algebraic method, which flies none
+        the output's largest rms response to any input, and that after the doublet, up first, over
+        the response itself where it is not small; NaN for the algebraic method, which flies none
     """
 
     aircraft: str
