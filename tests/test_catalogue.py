@@ -247,7 +247,7 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp
     assert err[-1].startswith("pathsim-jsbsim: ")
     assert err[-1].endswith(f"{text}; what was recorded until t = 0.5 s is saved")
     # the lines of a script that is at fault itself, and none of ours
-    assert len(err) == 1 or (err[0].startswith("Traceback") and "cli.py" not in "".join(err))
+    assert len(err) == 1 or (err[0].startswith("Traceback") and "runs.py" not in "".join(err))
 
 
 def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):

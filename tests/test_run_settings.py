@@ -158,9 +158,9 @@ def test_a_model_from_outside_runs_after_the_users_word_only(outside, tmp_path, 
 
 
 def test_the_user_is_asked(outside, tmp_path, monkeypatch):
-    from pathsim_jsbsim_blocks import cli
+    from pathsim_jsbsim_blocks.cli import editor
 
-    monkeypatch.setattr(cli, "_says_yes", lambda error: True)
+    monkeypatch.setattr(editor, "says_yes", lambda error: True)
     assert main(["run", str(outside)]) == 0
     assert (tmp_path / "owned").exists()
 

@@ -205,7 +205,7 @@ def test_a_model_that_changes_after_the_yes_is_refused(path, monkeypatch):
         path.write_text(path.read_text().replace("1.5", "2.5"))
         return True
 
-    monkeypatch.setattr(cli, "_says_yes", yes)
+    monkeypatch.setattr(cli.editor, "says_yes", yes)
     assert opens(path) == 2
 
 

@@ -1,0 +1,78 @@
+"""``view``, ``export`` and ``convert``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from ..errors import UntrustedModelError
+
+_Opened = TypeVar("_Opened")
+
+
+def view_model(args: argparse.Namespace) -> None:
+    from ..pathview import view
+
+    def opened(trust: bool) -> None:
+        view(
+            args.target,
+            args.port,
+            browser=not args.no_browser,
+            trust=trust,
+            trust_toolboxes=args.trust_toolbox,
+        )
+
+    asking(opened, args.trust)
+
+
+def asking(opened: Callable[[bool], _Opened], trust: bool) -> _Opened:
+    """Open a model, after the question to the user whether to trust it."""
+    from ..pathview.trusted_models import remember
+
+    try:
+        return opened(trust)
+    except UntrustedModelError as error:
+        if not says_yes(error):
+            raise
+        remember(error.digest)
+        return opened(False)  # the file may have changed by now
+
+
+def says_yes(error: UntrustedModelError) -> bool:
+    """Whether the user, at a terminal, trusts a model."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return False
+    print(
+        f"{error.path!a} is {error.reason}:\n"
+        f"  pathsim-jsbsim convert FILE.pvm -o FILE.py     (writes its code, runs none of it)\n"
+        "Open it, now and later? [y/N] ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def export(args: argparse.Namespace) -> None:
+    from ..catalogue import diagram_folder, find_diagram
+    from ..pathview import export_script
+    from ..pathview.pvm import read
+    from ..pathview.trusted_models import digest, remember
+
+    script = find_diagram(args.script)
+    own = script.parent == diagram_folder()
+    output = args.output or (Path(f"{script.stem}.pvm") if own else None)
+    model = export_script(script, output)
+    # all code in the model comes from the script, which has just run here
+    remember(digest(read(model)))
+    print(f"model saved: {model}")
+
+
+def convert(args: argparse.Namespace) -> None:
+    from ..pathview import convert_model
+
+    script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
+    print(f"script saved: {script}")

@@ -1,0 +1,92 @@
+"""``study`` and ``check``."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import inspect
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import FileError, ParameterError
+from .arguments import values_in_range
+from .saving import saving_figures
+
+
+def studies() -> Mapping[str, Any]:
+    """The studies by name; none where jsbsim is not installed."""
+    if importlib.util.find_spec("jsbsim") is None:
+        return {}
+    from ..studies import STUDIES
+
+    return STUDIES
+
+
+def study(args: argparse.Namespace) -> None:
+    speeds = None if args.speeds is None else values_in_range("speeds", args.speeds)
+    run_study(
+        args.name,
+        args.save,
+        args.csv,
+        jobs=args.jobs,
+        resume=args.resume,
+        wide=args.wide or None,
+        aircraft=args.aircraft,
+        altitude=args.altitude,
+        speeds=speeds,
+        speed=args.speed,
+        gamma=args.gamma,
+    )
+
+
+def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
+    """Compute a study, print its result and show its figure; options that are None are left out."""
+    from .._core.checks import one_of, writable
+    from ..plots import show
+    from ..studies import STUDIES
+
+    study = STUDIES[one_of("study", name, STUDIES)]
+    options = {option: value for option, value in options.items() if value is not None}
+    taken = inspect.signature(study.table).parameters
+    for option, value in options.items():
+        if option not in taken:
+            raise ParameterError(
+                f"the study {name} takes no --{option}; it takes "
+                + ", ".join(f"--{x}" for x in taken if x != "progress"),
+                parameter=option,
+                value=value,
+            )
+    if csv_file is not None:
+        writable("csv", csv_file)
+    with saving_figures(figure_file):
+        table = study.table(**options)
+        trimmed = int(table["trimmed"].sum())
+        print(f"{name}: {trimmed} of {len(table)} points trim")
+        if csv_file is not None:
+            try:
+                table.to_csv(csv_file, index=False)
+            except OSError as error:
+                raise FileError("write", csv_file, error) from None
+            print(f"table saved: {csv_file}")
+        figure = study.figure(table)
+        if "aircraft" in options:
+            figure.suptitle(f"{options['aircraft']}: {figure.get_suptitle()}")
+        show(figure, name)
+
+
+def check(args: argparse.Namespace) -> int:
+    from ..check_cases import CASES, compare, comparison_figure, comparison_table, fly_case
+    from ..plots import show
+
+    cases, passed = args.case or [*CASES], 0
+    with saving_figures(args.save):
+        for case in cases:
+            scopes = fly_case(case, args.rate, args.integrators)
+            deviations = compare(case, *scopes)
+            passed += all(d.passes for d in deviations)
+            print(comparison_table(case, deviations), flush=True)
+            if args.save is not None:
+                show(comparison_figure(case, *scopes), "")
+    print(f"{passed} of {len(cases)} cases pass: at {args.rate} Hz, {args.integrators} integrators")
+    return int(passed < len(cases))

@@ -1,0 +1,293 @@
+"""``list`` and ``run``: scripts, models and what they leave."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import contextlib
+import inspect
+import itertools
+import sys
+import traceback
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import BlocksError, ParameterError
+from .console import GONE, directory_is_gone
+from .editor import asking
+from .results import run_study, studies
+from .saving import recording_scopes, save, saving_figures
+
+
+def list_names(args: argparse.Namespace) -> None:
+    from ..catalogue import diagram_folder, diagram_names
+
+    summaries = {}
+    for name in diagram_names():
+        text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
+        summaries[name] = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+    for name, study in studies().items():
+        summaries[name] = "Study: " + (inspect.getdoc(study.table) or "").partition("\n")[0]
+    width = max(map(len, summaries))
+    for name, summary in summaries.items():
+        print(f"{name:<{width}}  {summary}")
+
+
+def run(args: argparse.Namespace) -> int:
+    from .._core._pathsim import keep_warnings_visible
+    from .._core.checks import positive, writable
+    from .._core.running import runs_of, shown_runs
+    from .._core.template import Template, main_program
+    from ..catalogue import find_diagram
+
+    keep_warnings_visible()  # those of a script without a block of ours too
+    if args.name in studies():
+        for option, reason in (
+            ("track", "flies no aircraft"),
+            ("flightgear", "flies no aircraft"),
+            ("set", "is no script"),
+            ("duration", "is no script"),
+        ):
+            if getattr(args, option) not in (None, []):
+                raise ParameterError(
+                    f"the study {args.name} {reason}: it takes no --{option}",
+                    parameter=option,
+                    value=str(getattr(args, option)),
+                )
+        run_study(args.name, args.save, args.csv)
+        return 0
+    settings, duration, source = _settings(args.set), args.duration, None
+    if duration is not None:
+        positive("duration", duration)
+    # a script may change the directory
+    if Path(args.name).suffix in (".pvm", ".json"):
+        script = Path(args.name).absolute()
+        source = _code_of_model(script, args)
+    else:
+        script = find_diagram(args.name, studies()).absolute()
+    csv_file = args.csv
+    if csv_file is not None:
+        csv_file = writable("csv", csv_file).absolute()
+    status = 0
+    try:
+        with (
+            saving_figures(args.save),
+            _as_main(script),
+            _tracking(args.track),
+            shown_runs(),
+            _to_flightgear(args.flightgear),
+            _model_figures(script) if source is not None else contextlib.nullcontext(),
+            contextlib.ExitStack() as timed,
+        ):
+            try:
+                template = Template(script, settings, source)
+                constant = duration is not None and template.has_constant("DURATION")
+                if constant:
+                    settings = {**settings, **_once("DURATION", "duration", settings, duration)}
+                    template = Template(script, settings, source)
+                runs = timed.enter_context(runs_of(None if constant else duration))
+                objects = main_program(template).values()
+                if not runs.begun:
+                    _no_run(objects, duration, constant)
+            except SystemExit as error:  # a script may end normally with sys.exit
+                save(args.save, csv_file, recording_scopes(_left_by(error)))
+                raise
+            except BaseException as error:
+                status = _stopped(error, script, args.save, csv_file)
+                raise
+            save(args.save, csv_file, recording_scopes(objects))
+    except BaseException:
+        if not status:
+            raise
+    return status
+
+
+def _settings(items: Sequence[str]) -> dict[str, Any]:
+    """The values of ``--set NAME=VALUE``, as texts."""
+    from .._core.template import Text
+
+    settings: dict[str, Any] = {}
+    for item in items:
+        name, equals, text = item.partition("=")
+        if not (equals and text.strip()):
+            raise ParameterError(
+                f"--set needs NAME=VALUE, such as hold.theta_ref=5, not {item!r}",
+                parameter="set",
+                value=item,
+            )
+        settings.update(_once(name.strip(), "set", settings, Text(text.strip())))
+    return settings
+
+
+def _once(name: str, option: str, settings: Mapping[str, Any], value: Any) -> dict[str, Any]:
+    """A setting that is not among those given already."""
+    if name in settings:
+        raise ParameterError(
+            f"--{option}: {name} is set twice, to {settings[name]} and {value}",
+            parameter=option,
+            value=str(value),
+        )
+    return {name: value}
+
+
+def _code_of_model(path: Path, args: argparse.Namespace) -> str:
+    """The script of a model, which the user trusts."""
+    import linecache
+
+    from ..pathview import pvm
+    from ..pathview.opening import trusted_code
+
+    def code(trust: bool) -> str:
+        return trusted_code(pvm.read(path), path, trust, args.trust_toolbox)
+
+    source = asking(code, args.trust)
+    # tracebacks show the lines of the script
+    linecache.cache[str(path)] = (len(source), None, source.splitlines(True), str(path))
+    return source
+
+
+@contextlib.contextmanager
+def _model_figures(model: Path) -> Iterator[None]:
+    """Save the figures that a model shows, where there is no display."""
+    import matplotlib.pyplot as plt
+
+    from ..plots import show
+
+    usual = plt.show
+    names = itertools.chain([model.stem], (f"{model.stem}_{n}" for n in itertools.count(2)))
+
+    def shown(*args: Any, **kwargs: Any) -> None:
+        plt.show = usual
+        try:
+            for n in plt.get_fignums():
+                show(plt.figure(n), next(names))
+        finally:
+            plt.show = shown
+
+    plt.show = shown
+    try:
+        yield
+    finally:
+        plt.show = usual
+
+
+@contextlib.contextmanager
+def _tracking(path: Path | None) -> Iterator[None]:
+    """Write the flights within this context to a file, also those before a failure."""
+    if path is None:
+        yield
+        return
+    from ..flight.recording import recorded_flights, tracks
+    from ..tracks.files import save_tracks, track_file
+
+    path = track_file("track", path).absolute()
+    ended = False
+    with recorded_flights() as recordings:
+        try:
+            yield
+            ended = True
+        finally:
+            try:
+                flown = tracks(recordings)
+                if flown:
+                    save_tracks(path, flown)
+                    print(f"track saved: {path}")
+                elif ended:
+                    raise ParameterError(
+                        "the script flies no aircraft", parameter="track", value=str(path)
+                    )
+            except BlocksError as failure:
+                if ended:
+                    raise
+                print(f"pathsim-jsbsim: {failure}", file=sys.stderr)
+
+
+@contextlib.contextmanager
+def _to_flightgear(address: str | None) -> Iterator[None]:
+    """Fly in real time and send all aircraft to FlightGear; report the pace kept."""
+    if address is None:
+        yield
+        return
+    from .._core.realtime import in_real_time
+    from ..flight.flightgear import sending_to
+
+    with in_real_time() as pace, sending_to(address):
+        try:
+            yield
+        finally:
+            print(pace)
+
+
+def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> None:
+    """Say that a script made no run; an error if the duration had no effect.
+
+    ``constant`` tells whether the script has a constant for the duration.
+    """
+    from pathsim import Simulation
+
+    simulations = [x for x in objects if isinstance(x, Simulation)]
+    resting = bool(simulations) and all(x.time == 0.0 for x in simulations)
+    if not resting and (duration is None or constant):
+        return
+    said = (
+        "the script makes no run with sim.run or fly"
+        + (" that --duration could set" if duration is not None else "")
+        + (': add sim.run(10) under if __name__ == "__main__":' if resting else "")
+    )
+    if duration is not None:
+        raise ParameterError(said, parameter="duration", value=duration)
+    print(f"pathsim-jsbsim: {said}", file=sys.stderr)
+
+
+def _stopped(error: BaseException, script: Path, figure: Path | None, csv_file: Path | None) -> int:
+    """Save what a script recorded before it stopped, and print the reason."""
+    scopes = recording_scopes(_left_by(error))
+    saved = ""
+    if scopes and (figure is not None or csv_file is not None):
+        until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
+        try:
+            save(figure, csv_file, scopes, until)
+            saved = f"; what was recorded {until} is saved"
+        except BlocksError as failure:
+            saved = f"; what was recorded {until} is not all saved: {failure}"
+    status, message = 1, str(error)
+    if isinstance(error, KeyboardInterrupt):
+        status, message = 130, "interrupted"
+    elif directory_is_gone():
+        message = GONE
+    elif isinstance(error, SyntaxError):
+        line = f":{error.lineno}" if error.lineno else ""
+        message = f"{error.filename or script}{line}: {error.msg}"
+    elif not isinstance(error, BlocksError):
+        message = f"{script}: {type(error).__name__}: {error}"
+        inside = error.__traceback__
+        while inside is not None and inside.tb_frame.f_code.co_filename != str(script):
+            inside = inside.tb_next
+        if inside is not None:
+            # the script's own fault: show its lines, as python does
+            traceback.print_exception(type(error), error, inside)
+            message = f"{script} failed"
+    print(f"pathsim-jsbsim: {message}{saved}", file=sys.stderr)
+    return status
+
+
+def _left_by(error: BaseException) -> list[Any]:
+    """Variables of the script that an exception ended, those of its functions included."""
+    return [
+        x
+        for frame, _ in traceback.walk_tb(error.__traceback__)
+        for x in list(frame.f_locals.values())
+    ]
+
+
+@contextlib.contextmanager
+def _as_main(script: Path) -> Iterator[None]:
+    """Arguments and import path as ``python script.py`` sets them."""
+    argv, path = sys.argv, sys.path[:]
+    sys.argv = [str(script)]
+    sys.path.insert(0, str(script.resolve().parent))
+    try:
+        yield
+    finally:
+        sys.argv, sys.path[:] = argv, path
