@@ -6,9 +6,11 @@ nz / vc^2 in a deceleration at idle. The limits of the gain tables are 2 to 3 de
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
-from flights import POINTS, STATES, on, start, step
+from flights import POINTS, STATES, on, start, step, wrap
 from flights import fly as fly_unprotected
 from how_many import bounded, first
 from pathsim import Connection, Simulation
@@ -22,6 +24,7 @@ from pathsim_jsbsim_blocks import (
     GlideslopeHold,
     ParameterError,
     RollHold,
+    TrimError,
 )
 from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits
 from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
@@ -191,6 +194,17 @@ def test_without_the_airspeed_altitude_hold_keeps_the_angle_of_attack_alone():
     assert plane.outputs["h"] > 5080.0
 
 
+def test_a_gust_is_no_loss_of_energy():
+    # 20 kt less in 4 s, 5 kt/s, in level flight: drag at idle takes 2.4 kt/s from a 737
+    protection = Protection(1 / 60, None, limits("737"))
+    state, climbs = Protection.START, []
+    for k in range(8 * 60):
+        vc = 210.0 - 5.0 * min(max(k / 60 - 2.0, 0.0), 4.0)
+        _, climb, _, state = protection.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, 210.0)
+        climbs.append(climb)
+    assert min(climbs) > -5.0  # ft/s; at vc_min it may be -48
+
+
 RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is asked for
     "c172p": ((2000.0, 9000.0), (65.0, 110.0), 150.0),
     "737": ((4000.0, 25_000.0), (200.0, 310.0), 450.0),
@@ -198,18 +212,33 @@ RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is aske
 }
 
 
-def any_trim(rng, name):
-    (low, high), (slow, fast), _ = RANGES[name]
+def at(name, altitude, speed, heading=0.0):
     gear = {} if name == "c172p" else {"gear": 0.0}
-    return Aircraft(
-        name,
-        altitude=rng.uniform(low, high),
-        speed=rng.uniform(slow, fast),
-        heading=rng.uniform(0.0, 360.0),
-        T=T,
-        substeps=2,
-        **gear,
-    )
+    return Aircraft(name, altitude=altitude, speed=speed, heading=heading, T=T, substeps=2, **gear)
+
+
+def any_trim(rng, name):
+    """An aircraft at any altitude and airspeed at which it flies: a c172p not above 8400 ft."""
+    (low, high), (slow, fast), _ = RANGES[name]
+    while True:
+        place = rng.uniform(low, high), rng.uniform(slow, fast), rng.uniform(0.0, 360.0)
+        with contextlib.suppress(TrimError):
+            return at(name, *place)
+
+
+def any_goal(rng, name, h):
+    """Altitude and airspeed that can be reached: level flight there leaves a tenth of the throttle.
+
+    At 8700 ft and 62 KCAS it takes 98 %, and a climb to there no end.
+    """
+    slowest = limits(name).vc_min
+    while True:
+        altitude = max(h + rng.uniform(-800.0, 400.0), 1000.0)
+        speed = rng.uniform(1.03 * slowest, 1.5 * slowest)
+        with contextlib.suppress(TrimError):
+            if max(at(name, altitude, speed).trim.throttle) < 0.9:
+                return altitude, speed
+        h -= 100.0
 
 
 def any_change(rng, name, h):
@@ -226,8 +255,16 @@ def any_change(rng, name, h):
     return {"vc_ref": rng.uniform(0.0, RANGES[name][2])}
 
 
+# ft, deg and kt about the last references, for 20 s; the c172p's airspeed creeps (Kp / Ki is 90 s)
+REACHED, STAY, LONGEST = {"h": 10.0, "psi": 0.5, "vc": 2.0}, 20.0, 400.0
+
+
 def fly_a_sequence(seed):
-    """Six changes in a row, then references that can be reached; the record and the last ones."""
+    """Six changes in a row, then references that can be reached.
+
+    The name, the largest angle of attack, whether the last references are reached, and by how much
+    they are missed at the end.
+    """
     rng = np.random.default_rng(seed)
     name = list(RANGES)[seed % 3]
     plane, autopilot = any_trim(rng, name), Autopilot(name, reference="absolute", T=T)
@@ -237,35 +274,41 @@ def fly_a_sequence(seed):
     seen = dict(zip(STATES, y, strict=True))
     given = {"h_ref": seen["h"], "psi_ref": seen["psi"], "vc_ref": seen["vc"]}
     changes = np.cumsum(rng.uniform(3.0, 20.0, size=7))
-    end = changes[-1] + (150.0 if name == "c172p" else 240.0)
-    state, record = autopilot.initial_state(), []
+    end = changes[-1] + LONGEST
+    state, alpha, stays, missed = autopilot.initial_state(), 0.0, 0.0, {}
     for k in range(int(end / T)):
         if len(changes) and k * T >= changes[0]:
             changes = changes[1:]
             if len(changes):
                 given |= any_change(rng, name, seen["h"])
             else:
+                altitude, speed = any_goal(rng, name, seen["h"])
                 given |= {
                     "pitch_mode": 0.0,
                     "roll_mode": 0.0,
-                    "h_ref": max(seen["h"] + rng.uniform(-800.0, 400.0), 1000.0),
+                    "h_ref": altitude,
                     "psi_ref": (seen["psi"] + rng.uniform(-120.0, 120.0)) % 360.0,
-                    "vc_ref": rng.uniform(1.03 * limits(name).vc_min, 1.5 * limits(name).vc_min),
+                    "vc_ref": speed,
                 }
         u = [seen[n] if n in seen else given.get(n, 0.0) for n in autopilot.input_port_labels]
         command, state = autopilot.law(u, state)
         y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
         seen = dict(zip(STATES, y, strict=True))
-        record.append([seen[n] for n in ("alpha", "h", "psi", "vc")])
-    return name, np.array(record).T, given
+        alpha = max(alpha, seen["alpha"])
+        if not len(changes):
+            missed = {n: seen[n] - given[f"{n}_ref"] for n in REACHED}
+            missed["psi"] = wrap(missed["psi"])
+            near = all(abs(missed[n]) < most for n, most in REACHED.items())
+            stays = stays + T if near else 0.0
+            if stays > STAY:
+                break
+    return name, alpha, stays > STAY, missed
 
 
 def check_a_sequence(seed):
-    name, (alpha, h, psi, vc), last = fly_a_sequence(seed)
-    assert np.max(alpha) < limits(name).alpha_max + 1.0, (seed, name)
-    assert h[-1] == pytest.approx(last["h_ref"], abs=15.0), (seed, name)
-    assert abs((psi[-1] - last["psi_ref"] + 180.0) % 360.0 - 180.0) < 1.5, (seed, name)
-    assert vc[-1] == pytest.approx(last["vc_ref"], abs=4.0), (seed, name)
+    name, alpha, reached, missed = fly_a_sequence(seed)
+    assert alpha < limits(name).alpha_max + 1.0, (seed, name)
+    assert reached, (seed, name, missed)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
