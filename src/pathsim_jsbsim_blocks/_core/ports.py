@@ -19,6 +19,28 @@ from .checks import did_you_mean, nearest
 # relative to an input's value, and the least
 _STEP = 1e-6
 
+# labels of the ports whose names PathView would cut, at 8 characters
+_LABELS = {
+    "wind_north": "wind_N",
+    "wind_east": "wind_E",
+    "wind_down": "wind_D",
+    "theta_ref": "θ_ref",
+    "theta_cmd": "θ_cmd",
+    "pitch_mode": "pitch_md",
+    "roll_mode": "roll_md",
+    "pitch_off": "pit_off",
+    "speed_off": "spd_off",
+    "temp_deviation": "temp_dev",
+    "temperature": "temp",
+    "speed_of_sound": "sound",
+    "viscosity": "visc",
+}
+
+
+def label(port: str) -> str:
+    """What PathView writes at a port of a block here: its name, or a shorter one in its place."""
+    return _LABELS.get(port, port)
+
 
 class NamedPorts(Block):
     """Base of all blocks here: ``block["name"]`` and ``block.set(name=...)`` check the name."""
@@ -31,6 +53,19 @@ class NamedPorts(Block):
             if repr(value) != repr(parameter.default):
                 said.append(f"{name}={reprlib.repr(value)}")
         return f"{type(self).__name__}({', '.join(said)})"
+
+    @classmethod
+    def info(cls) -> dict[str, Any]:
+        """Metadata of the block, as PathSim gives it, with the ports as PathView labels them."""
+        found = super().info()
+        sides = ("input_port_labels", "output_port_labels")
+        return {
+            **found,
+            **{
+                side: found[side] and {label(n): i for n, i in found[side].items()}
+                for side in sides
+            },
+        }
 
     def __getitem__(self, key: Any) -> Any:
         names = [*port_names(self.inputs), *port_names(self.outputs)]

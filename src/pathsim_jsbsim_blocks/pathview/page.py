@@ -28,6 +28,30 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
     "units": ("Units", "rect"),
 }
 
+# wires pass behind the names of ports
+_STYLE = "<style>.port-label { background: var(--surface); }</style>"
+
+# PathView fits the blocks into the window, not the wires around them: zoom out until these are seen
+_WHOLE = """async () => {
+        const shown = () => [...document.querySelectorAll(".svelte-flow__edge-path")].map(
+            wire => wire.getBoundingClientRect());
+        let busy = false, before = "", still = 0;
+        for (const kind of ["pointerdown", "keydown", "wheel"])
+            addEventListener(kind, event => { busy ||= event.isTrusted; }, true);
+        for (let i = 0; i < 100 && still < 4 && !busy; i++) {
+            await pause(250);
+            const now = JSON.stringify(shown());
+            still = now === before && now !== "[]" ? still + 1 : 0;
+            before = now;
+        }
+        const outside = () => shown().some(wire => wire.left < 0 || wire.right > innerWidth
+            || wire.top < 40 || wire.bottom > innerHeight);
+        for (let i = 0; i < 4 && !busy && outside(); i++) {
+            document.body.dispatchEvent(new KeyboardEvent("keydown", {key: "-", bubbles: true}));
+            await pause(400);
+        }
+    }"""
+
 
 def policy(nonce: str = "") -> str:
     """Content-Security-Policy of all answers; ``nonce`` marks a page's own inline scripts."""
@@ -54,7 +78,7 @@ def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
     nonce = secrets.token_urlsafe(16)
     page = re.sub(r"<script(?=[\s>])", f'<script nonce="{nonce}"', page)
     script = f'<script nonce="{nonce}">{registration(required)}</script>'
-    return page.replace("<head>", f"<head>{script}", 1), nonce
+    return page.replace("<head>", f"<head>{_STYLE}{script}", 1), nonce
 
 
 def local_scripts(static: Path) -> dict[str, str]:
@@ -90,9 +114,11 @@ def registration(required: list[Toolbox]) -> str:
         // a model that opens before its toolboxes are there is drawn, and wired, at wrong sizes
         const fetched = window.fetch, ready = "button[aria-label='Run']:not([disabled])";
         const pause = ms => new Promise(done => setTimeout(done, ms));
+        const whole = {_WHOLE};
         window.fetch = async (url, ...rest) => {{
-            if (String(url).startsWith("/model/"))
-                for (let i = 0; i < 600 && !document.querySelector(ready); i++) await pause(100);
+            if (!String(url).startsWith("/model/")) return fetched(url, ...rest);
+            for (let i = 0; i < 600 && !document.querySelector(ready); i++) await pause(100);
+            whole();
             return fetched(url, ...rest);
         }};
     }})();"""

@@ -520,7 +520,7 @@ def _steps_jsbsim(block: Block) -> bool:
 def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
     """Names of a block's ports: its labels, names derived from its parameters, or ``in 0``."""
     register = block.inputs if side == "input" else block.outputs
-    labels = getattr(kind, f"{side}_port_labels")
+    labels = kind.info()[f"{side}_port_labels"]
     if kind in (Interface, Subsystem):
         n = wired
     elif labels is not None:
@@ -530,7 +530,8 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     # PathView shows eight characters, so keep the last part of a path
     names = {
         i: name.rpartition("/")[2] or name
-        for name, i in (port_names(register) or labels or {}).items()
+        for ports in (port_names(register), labels or {})
+        for name, i in ports.items()
     }
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
