@@ -1,4 +1,8 @@
-"""PathView's console shows what Python warns of."""
+"""PathView's console shows what Python warns of.
+
+A batch is no part of a diagram: PathView runs a model's code twice for each run and gives it 30 s.
+So "a worker died" has no place here; it is a warning of Python, as the model's own one below.
+"""
 
 import json
 
