@@ -1,6 +1,7 @@
 """Linear models against the flights that they stand for."""
 
 import contextlib
+import json
 import math
 import socket
 import warnings
@@ -369,6 +370,67 @@ def test_a_model_is_saved_and_loaded(tmp_path):
     for name in ("A", "B", "C", "D", "x0", "u0", "y0", "kinks", "fit", "latency"):
         assert np.array_equal(getattr(model, name), getattr(loaded, name), equal_nan=True), name
     assert (loaded.states, loaded.units, loaded.dt) == (model.states, model.units, model.dt)
+
+
+@pytest.mark.parametrize(
+    ("changed", "text"),
+    [
+        ({"dt": -1}, "dt must be greater than 0"),
+        ({"dt": "0.1"}, "dt must be a number"),
+        ({"latency": [-1, 1, 1, 1]}, "whole periods"),
+        ({"latency": [1.5, 1, 1, 1]}, "whole periods"),
+        ({"u0": [None] * 4}, "u0 must be finite"),
+        ({"inputs": ["elevator"] * 4}, "lists a name twice"),
+        ({"units": 5}, "units must be a dict"),
+    ],
+)
+def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):
+    file = tmp_path / "model.json"
+    plane("737").linear_model("algebraic").save(file)
+    file.write_text(json.dumps({**json.loads(file.read_text()), **changed}))
+    with pytest.raises(ParameterError, match=f"holds no linear model: .*{text}"):
+        LinearModel.load(file)
+
+
+def test_bad_frequencies_and_lags_are_refused():
+    model = plane("737").linear_model("algebraic")
+    # heading and position are integrals
+    with pytest.raises(ParameterError, match="omega must be a list of frequencies"):
+        model.frequency_response([0.0])
+    with pytest.raises(ParameterError, match="omega must be a list of frequencies"):
+        model.frequency_response(1.0)
+    for tau in (-1.0, [0.1, 0.2], math.nan):
+        with pytest.raises(ParameterError, match="tau must be one time from 0 s on, or 4 of them"):
+            model.with_lags(tau)
+
+
+@pytest.mark.parametrize("heading", [0.0, 90.0, 359.9999])
+def test_the_heading_of_the_algebraic_model_goes_through_north(heading):
+    # in level flight psi' = r / cos(theta), and a roll rate does not turn the nose
+    model = plane("737", heading=heading).linear_model("algebraic")
+    theta = math.radians(model.y0[model.outputs.index("theta")])
+    row = dict(zip(model.states, model.A[model.states.index("psi")], strict=True))
+    assert row["r"] == pytest.approx(1 / math.cos(theta), rel=1e-4)
+    assert abs(row["p"]) < 1e-4
+    column = model.C[model.outputs.index("psi")]
+    assert column[model.states.index("psi")] == pytest.approx(1.0)
+
+
+def test_the_modes_do_not_depend_on_a_steady_wind():
+    windy = linear_model("c172p", TrimCondition(altitude=5000, speed=90, wind_north=30)).modes()
+    calm = linear_model("c172p", TrimCondition(altitude=5000, speed=90)).modes()
+    for name in ("short period", "Dutch roll", "roll", "phugoid", "spiral", "engine"):
+        one, other = ([m.pole for m in modes if m.name == name] for modes in (windy, calm))
+        assert len(one) == len(other) == 1, name
+        # the algebraic method finds the same difference, 4 % in the short period
+        assert abs(one[0] - other[0]) < 0.06 * abs(other[0]) + 0.01, name
+
+
+def test_a_period_that_hides_the_short_period_is_refused():
+    # at 1 s a short period of 6.4 rad/s looks like one of 2.9
+    with pytest.raises(LinearisationError, match=r"T up to 0\.25 s") as caught:
+        plane("c172p", T=1.0, substeps=120).linear_model()
+    assert caught.value.reason == "no fit"
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "another"}', "[" * 100_000])

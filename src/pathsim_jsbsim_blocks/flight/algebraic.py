@@ -13,7 +13,7 @@ from .._core.checks import mapping
 from ..errors import ParameterError
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
-from .channels import RIGID, Channel, driven, ignorable
+from .channels import RIGID, Channel, driven, full_circle, ignorable
 
 if TYPE_CHECKING:
     from .block import FlightBlock
@@ -87,9 +87,9 @@ def algebraic_model(
 
     rates = [rate for _, _, rate, _ in _STATES]
     rates += [_POSITIONS[c.properties[0]] for c in places]
-    read = [(airframe.reader(name), 1.0) for name in rates]
+    read = [(airframe.reader(name), Channel(name, (name,))) for name in rates]
     read += [
-        (airframe.reader(c.properties[0]), c.factor) if c.properties else (lambda: 0.0, 1.0)
+        (airframe.reader(c.properties[0]) if c.properties else lambda: 0.0, c)
         for c in (*RIGID, *shown)
     ]
     with airframe.engines_stopped():
@@ -154,11 +154,13 @@ class _Differences:
         self,
         airframe: Airframe,
         moved: Sequence[Channel],
-        shown: Sequence[tuple[Callable[[], float], float]],
+        shown: Sequence[tuple[Callable[[], float], Channel]],
     ):
         self._fdm = airframe.fdm
         self._readers = [read for read, _ in shown]
-        self._factors = np.array([factor for _, factor in shown])
+        self._factors = np.array([channel.factor for _, channel in shown])
+        # a heading of 0 is next to 360
+        self._circles = np.array([full_circle(channel) or np.inf for _, channel in shown])
         self._states = [
             (airframe.writer(initial), airframe.fdm[present], step)
             for initial, present, _, step in _STATES
@@ -166,6 +168,7 @@ class _Differences:
         self._inputs = [
             [(airframe.writer(name), airframe.fdm[name]) for name in c.properties] for c in moved
         ]
+        self._still = np.zeros(len(shown))
         self._still = self._at()
 
     def states(self) -> np.ndarray:
@@ -200,4 +203,7 @@ class _Differences:
             fdm.run()
         fdm.resume_integration()
         fdm.set_trim_status(False)
-        return self._factors * [read() for read in self._readers]
+        moved = self._factors * [read() for read in self._readers] - self._still
+        around = np.isfinite(self._circles)
+        moved[around] -= self._circles[around] * np.round(moved[around] / self._circles[around])
+        return self._still + moved

@@ -307,7 +307,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         ------
         LinearisationError
             without a steady trim in flight (modes "none", "ground" and "pull-up"), for an input
-            at the end of its range or without response, and where no linear model fits
+            at the end of its range or without response, and where no linear model fits; flown, for
+            a ``T`` above 0.25 s, which does not show the short period
         ParameterError
             for an unknown method or port, naming the nearest
         """
@@ -372,12 +373,12 @@ class FlightBlock(NamedPorts, SampledPlant):
         LinearizationError
             PathSim's: where there is no linear model
         """
-        flight = self._flight()
-        if self._linear is None or self._linear[0] != flight:
-            try:
+        try:
+            flight = self._flight()
+            if self._linear is None or self._linear[0] != flight:
                 self._linear = flight, self.linear_model()
-            except BlocksError as error:
-                raise LinearizationError(str(error)) from error
+        except BlocksError as error:
+            raise LinearizationError(str(error)) from error
         model = self._linear[1]
         A, B, C, D = model.with_lags(model.delay)
         beyond = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))

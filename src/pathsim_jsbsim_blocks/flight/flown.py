@@ -33,6 +33,9 @@ _PULSE = 0.025
 # s; the phugoid is identified from a fraction of its period, because the data have no noise
 _DURATION = 8.0
 
+# s; samples further apart show a short period of 8 rad/s as a slower one
+_LONGEST_PERIOD = 0.25
+
 # samples before the pulse: the first step sets the spools of a turbine to the throttle
 _SETTLING = 3
 
@@ -85,6 +88,14 @@ def flown_model(
     The other parameters, and the errors, are those of `FlightBlock.linear_model`.
     """
     block = build()
+    if block.T > _LONGEST_PERIOD:
+        raise LinearisationError(
+            f"no linear model of {block.airframe.aircraft!r}: samples every {block.T:g} s do not "
+            f"show its short period; identify a block with T up to {_LONGEST_PERIOD:g} s, or use "
+            "method='algebraic'",
+            aircraft=block.airframe.aircraft,
+            reason="no fit",
+        )
     ports, channels = block.channels()
     wanted = find("inputs", [c.name for c in ports], inputs)
     moved = driven(block.airframe, ports, wanted, inputs is not None)

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm, logm, qr, schur
 
+from ..errors import LinearisationError
+
 # rows of blocks in the Hankel matrix: the outputs show nearly all states at once
 _ROWS = 3
 
@@ -22,7 +24,7 @@ _GOOD = 3e-3
 
 _ORDERS = range(4, 21)
 
-# a further state is worth it if it lowers the error at least by this factor
+# each further state is worth it if it lowers the error at least by this factor
 _WORTH = 0.8
 
 # singular values below this fraction of the largest are noise
@@ -178,11 +180,16 @@ def _search(
         B = np.linalg.lstsq(observed, wanted, rcond=None)[0]
         missed = (wanted - observed @ B).T.reshape(m, len(after), p)
         error = float(np.sqrt((missed**2).mean(axis=1))[:, judged].max(initial=0.0))
-        if best is None or error < _WORTH * best[0]:
+        worth = best is None or error < _WORTH ** (len(A) - len(best[1])) * best[0]
+        if worth or error < _GOOD:
             best = error, A, C, B
         if error < _GOOD:
             break
-    assert best is not None
+    if best is None:
+        raise LinearisationError(
+            f"no linear model: the responses have fewer than {_ORDERS[0]} independent parts",
+            reason="no fit",
+        )
     return best[1:]
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import expm
 
-from .._core.checks import as_path, did_you_mean, nearest
+from .._core.checks import as_path, did_you_mean, mapping, nearest, positive
 from .._core.extras import required
 from ..errors import FileError, ParameterError
 
@@ -35,6 +35,9 @@ _ARRAYS = {
     "latency": ("inputs",),
 }
 _NAMES = ("states", "inputs", "outputs")
+
+# arrays with NaN where a response is too small to judge
+_UNKNOWN = ("kinks", "fit")
 
 # what a saved model says of its kind
 _FORMAT = "pathsim-jsbsim-blocks linear model 1"
@@ -80,6 +83,12 @@ class LinearModel:
         rms error against the responses that were flown, the larger of that after the pulse, over
         the output's largest rms response to any input, and that after the doublet, up first, over
         the response itself where it is not small; NaN for the algebraic method, which flies none
+
+    Raises
+    ------
+    ParameterError
+        for arrays that do not have the shape of the names or are not finite, a name that is there
+        twice, a ``dt`` that is not positive, a ``latency`` that is not in whole periods
     """
 
     aircraft: str
@@ -102,8 +111,11 @@ class LinearModel:
     fit: np.ndarray
 
     def __post_init__(self) -> None:
+        positive("dt", self.dt)
+        object.__setattr__(self, "units", mapping("units", self.units))
         for name in _NAMES:
             object.__setattr__(self, name, tuple(getattr(self, name)))
+            find(name, getattr(self, name), getattr(self, name))
         sizes = {name: len(getattr(self, name)) for name in _NAMES}
         for name, shape in _ARRAYS.items():
             value = np.array(getattr(self, name), dtype=float)
@@ -118,8 +130,16 @@ class LinearModel:
                     parameter=name,
                     value=value,
                 )
+            if name not in _UNKNOWN and not np.all(np.isfinite(value)):
+                raise ParameterError(f"{name} must be finite", parameter=name, value=value)
             value.setflags(write=False)
             object.__setattr__(self, name, value)
+        if np.any((self.latency < 0) | (self.latency != np.round(self.latency))):
+            raise ParameterError(
+                f"latency is in whole periods, not {self.latency.tolist()}",
+                parameter="latency",
+                value=self.latency,
+            )
 
     @property
     def delay(self) -> np.ndarray:
@@ -210,9 +230,21 @@ class LinearModel:
         Returns
         -------
         complex array, shape (k, p, m)
+
+        Raises
+        ------
+        ParameterError
+            for what is not a list of numbers, or 0 where a state only integrates others
         """
         s = 1j * np.asarray(omega, dtype=float)
-        states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
+        try:
+            states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
+        except (IndexError, np.linalg.LinAlgError):
+            raise ParameterError(
+                f"omega must be a list of frequencies at which no pole lies, not {omega!r}",
+                parameter="omega",
+                value=omega,
+            ) from None
         return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -220,8 +252,20 @@ class LinearModel:
 
         The lags are the last states; an input without one (``tau`` 0) acts directly. With lags on
         all inputs there is no direct feedthrough, so that the model closes no algebraic loop.
+
+        Raises
+        ------
+        ParameterError
+            for a tau that is not one number, or one for each input, from 0 on
         """
-        tau = np.broadcast_to(np.asarray(tau, dtype=float), len(self.inputs))
+        m, given = len(self.inputs), np.asarray(tau, dtype=float)
+        if given.shape not in ((), (m,)) or not np.all((given >= 0.0) & np.isfinite(given)):
+            raise ParameterError(
+                f"tau must be one time from 0 s on, or {m} of them, not {tau!r}",
+                parameter="tau",
+                value=tau,
+            )
+        tau = np.broadcast_to(given, m)
         lagging = np.flatnonzero(tau)
         n, k = len(self.states), len(lagging)
         rate = np.diag(1.0 / tau[lagging])
