@@ -7,8 +7,8 @@ trimming the aircraft that is linearised: FGLinearization stops the clock of the
 and ends the process for models without engines. The flown model trims nine aircraft of its own.
 BLAS has one thread, because idle ones would count. Each aircraft flies level where the fleet's
 table has it. Targets are in s: 0.05 for the algebraic model and 1 for the flown one. Short_S23,
-with four piston engines that settle in each trim, has 5 s for the flown model; there FGLinearization
-does not end within a minute and is left out.
+with four piston engines that settle in each trim, has 5 s for the flown model. FGLinearization does
+not end within a minute there and is left out.
 """
 
 import os
