@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
 from pathsim_jsbsim_blocks.design.search import REQUIREMENTS
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import DesignError, ParameterError, TrimError
+
+designed_module = sys.modules["pathsim_jsbsim_blocks.design.designed"]
 
 # a piston engine, an airliner, a fighter with control laws of its own
 SOME = ("c172p", "A320", "f16")
@@ -100,6 +103,25 @@ def test_hysteresis_of_the_elevator_is_refused():
 def test_an_aircraft_that_does_not_trim_is_refused():
     with pytest.raises(TrimError):
         design_gains("c172p", TrimCondition(altitude=5000, speed=30))
+
+
+def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch):
+    there, create = condition("A320")
+    flights = []
+
+    def flown(fresh, design):
+        # three times as much as is allowed, then half
+        overshoot = 0.25 * (0.5 if flights else 3.0)
+        flights.append(design)
+        first = dataclasses.replace(design.report[0], flown_overshoot=overshoot)
+        return dataclasses.replace(design, report=(first, *design.report[1:]))
+
+    monkeypatch.setattr(designed_module, "_flown", flown)
+    found = design_gains("A320", there, create=create)
+    first, second = flights
+    assert second.report[0].overshoot <= first.report[0].overshoot
+    assert found.pitch == second.pitch
+    assert found.report[0].flown_overshoot == 0.125
 
 
 def test_check_is_a_flag():

@@ -41,7 +41,13 @@ def test_a_saved_schedule_is_read_back_to_six_digits(found, tmp_path):
         for loop in ("pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"):
             numbers = vars(getattr(design.gains, loop))
             assert vars(getattr(point.gains, loop)) == pytest.approx(numbers, rel=6e-6)
-    report = json.loads(file.read_text())["points"][0]["report"]
+    digits = []
+    document = json.loads(
+        file.read_text(), parse_float=lambda text: digits.append(text) or float(text)
+    )
+    assert len(digits) > 50
+    assert all(float(text) == float(f"{float(text):.6g}") for text in digits)
+    report = document["points"][0]["report"]
     assert report["pitch"]["Ms"] == pytest.approx(found.designs[0].report[0].Ms, rel=6e-6)
     assert PitchHold(gains=str(file)).gains == str(file)
 

@@ -12,7 +12,7 @@ from urllib.parse import quote, urlsplit
 import pytest
 from served_pathview import page_headers
 
-from pathsim_jsbsim_blocks.errors import DiagramError
+from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError
 from pathsim_jsbsim_blocks.pathview import page, view
 from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
@@ -38,6 +38,12 @@ def server():
     ) as server:
         threading.Thread(target=server.run, daemon=True).start()
         yield server
+
+
+def test_a_server_without_pathview_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pathview", None)
+    with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[pathview\]"):
+        Server({}, port=0)
 
 
 @pytest.fixture(scope="module")

@@ -495,6 +495,16 @@ REFUSED = {
         10,
         "'a' is changed after it is built: engine.x",
     ),
+    "state, through a list": (
+        script("a = Integrator()", after="parts = [a]\nparts[0].engine.set(3.0)"),
+        11,
+        "'a' is changed after it is built: engine.x",
+    ),
+    "state, through a dictionary": (
+        script("a = Integrator()", after="parts = {'a': a}\nparts['a'].engine.set(3.0)"),
+        11,
+        "'a' is changed after it is built: engine.x",
+    ),
     "steady state": (
         script(
             "a = Integrator(1.0)\nb = Amplifier(-1.0)",
@@ -579,6 +589,22 @@ def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, ex
         assert caught.value.line == line
         assert str(caught.value).startswith(f"{tmp_path / 'script.py'}:{line}: ")
     assert os.listdir(tmp_path) == ["script.py"]
+
+
+def test_settings_are_those_of_the_simulation_that_a_function_returns(export):
+    settings = export(
+        """
+        from pathsim import Simulation
+        from pathsim.blocks import Constant
+        a = Constant(1.0)
+        step = 0.5  # another one than the function's
+        def build(step):
+            return Simulation([a], [], dt=step, log=False)
+        sim = build(0.02)
+        sim.run(3)
+        """
+    )["simulationSettings"]
+    assert float(settings["dt"]) == 0.02
 
 
 def test_a_value_that_a_function_of_the_script_changes(export):

@@ -1,6 +1,7 @@
 """Each format is read back by another program's reader, and compared with the track."""
 
 import base64
+import dataclasses
 import datetime
 import json
 import math
@@ -328,3 +329,11 @@ def test_a_track_checks_its_columns(change, text):
     columns = {key: [0.0, 1.0] for key in COLUMNS}
     with pytest.raises(ParameterError, match=text):
         Track("one", "c172p", **{**columns, **change})
+
+
+def test_a_track_may_cross_a_pole_and_cannot_be_changed():
+    columns = {key: [0.0, 1.0] for key in COLUMNS}
+    track = Track("one", "c172p", **{**columns, "lat": [89.0, 90.0], "lon": [0.0, 180.0]})
+    assert track.lat[1] == 90.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        track.name = "two"
