@@ -97,9 +97,8 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
         _, command, *options = words
         target = tmp_path / options[0] if options else tmp_path
         if target.suffix and not target.exists():
-            target.write_bytes(
-                find_diagram("step_response").with_suffix(target.suffix).read_bytes()
-            )
+            diagram = find_diagram("hello_jsbsim" if "--track" in options else "step_response")
+            target.write_bytes(diagram.with_suffix(target.suffix).read_bytes())
         for package_name in (b for a, b in pairwise(options) if a == "--toolbox"):
             folder = tmp_path.joinpath("site", *Toolbox.parse(package_name).import_path.split("."))
             folder.mkdir(parents=True)
@@ -107,8 +106,9 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
         before = set(tmp_path.iterdir())
         assert main(words[1:]) == 0
         new = set(tmp_path.iterdir()) - before
-        if command == "run":  # a table, and the figures where there is no display
-            assert tmp_path / "flight.csv" in new
+        if command == "run":  # a table or a track, and the figures where there is no display
+            written = next(b for a, b in pairwise(options) if a in ("--csv", "--track"))
+            assert tmp_path / written in new
         else:
             assert len(new) == (command != "view"), f"command {number} writes {new}"
     assert len(shown) == sum(command.split()[1] == "view" for command in session)

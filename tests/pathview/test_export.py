@@ -1018,6 +1018,17 @@ def test_what_comes_after_the_first_run_is_named(after, told, export):
         assert text in str(caught[0].message)
 
 
+def test_a_look_at_what_was_recorded_changes_nothing(export):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model = export(
+            "from pathsim import Simulation\nfrom pathsim_jsbsim_blocks import FlightRecorder\n"
+            "recorder = FlightRecorder()\nsim = Simulation([recorder], [], log=False)\nsim.run(1)\n"
+            "recorder.save('flight.kml')\nprint(recorder.to_frame(), recorder.to_track().lat)\n"
+        )
+    assert node(model, "recorder")["type"] == "FlightRecorder"
+
+
 @pytest.mark.parametrize("call", ["fly(sim, 7.0)", "fly(duration=7.0, sim=sim)", "b.fly(sim, 7.0)"])
 def test_fly_is_a_run(call, export):
     model = export(

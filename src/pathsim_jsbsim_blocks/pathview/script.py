@@ -43,6 +43,10 @@ HARMLESS = {
     "plot3D",
     "read",
     "save",
+    "to_dict",
+    "to_frame",
+    "to_track",
+    "linear_model",
 }
 
 
