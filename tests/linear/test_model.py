@@ -404,6 +404,17 @@ def test_bad_frequencies_and_lags_are_refused():
             model.with_lags(tau)
 
 
+@pytest.mark.parametrize("method", ["flown", "algebraic"])
+def test_states_and_outputs_of_the_trim_agree(method):
+    # JSBSim has 360 for a heading of 0
+    model = plane("737").linear_model(method, inputs=["elevator"])
+    shown = [name for name in model.states if name in model.outputs]
+    assert "psi" in shown
+    for name in shown:
+        x, y = model.x0[model.states.index(name)], model.y0[model.outputs.index(name)]
+        assert x == pytest.approx(y, rel=1e-3, abs=2e-3), name
+
+
 @pytest.mark.parametrize("heading", [0.0, 90.0, 359.9999])
 def test_the_heading_of_the_algebraic_model_goes_through_north(heading):
     # in level flight psi' = r / cos(theta), and a roll rate does not turn the nose

@@ -54,6 +54,8 @@ def test_simulate_holds_and_delays():
     np.testing.assert_allclose(
         lag().simulate(u)[:, 0], [0, 0, step, step * np.exp(-2 / 120), step * np.exp(-4 / 120)]
     )
+    # nothing has arrived yet
+    assert not lag(latency=6).simulate(u).any()
 
 
 def test_an_unknown_name_is_refused():

@@ -13,7 +13,7 @@ from .._core.checks import mapping
 from ..errors import ParameterError
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
-from .channels import RIGID, Channel, driven, full_circle, ignorable
+from .channels import RIGID, Channel, as_shown, driven, full_circle, ignorable
 
 if TYPE_CHECKING:
     from .block import FlightBlock
@@ -74,7 +74,7 @@ def algebraic_model(
     shown = [channels[i] for i in chosen]
     y0 = np.array(values(block.outputs))[chosen]
     u0 = np.array(block.trimmed_inputs())[wanted]
-    x0 = np.array([c.factor * airframe.fdm[c.properties[0]] for c in RIGID])
+    x0 = np.array([as_shown(c, airframe.fdm[c.properties[0]]) for c in RIGID])
     places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
     for c in shown:
         if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):

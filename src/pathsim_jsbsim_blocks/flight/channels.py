@@ -121,6 +121,12 @@ def acceleration(channel: Channel) -> bool:
     return any(name.startswith("accelerations/") for name in channel.properties)
 
 
+def as_shown(channel: Channel, value: float) -> float:
+    """A value in the channel's unit, of a property's, as the ports show it: north as 0."""
+    value = channel.factor * value
+    return 0.0 if channel.unit == "deg" and value > ALMOST_NORTH else value
+
+
 def full_circle(channel: Channel) -> float:
     """Where an angle starts anew, in its unit; 0 for other quantities."""
     return {"deg": 360.0, "rad": 2.0 * math.pi}.get(channel.unit, 0.0)

@@ -18,6 +18,7 @@ from .channels import (
     RIGID,
     Channel,
     acceleration,
+    as_shown,
     driven,
     engine_channels,
     full_circle,
@@ -437,7 +438,7 @@ def _named(
         units={c.name: c.unit for c in [*states, *inputs, *shown]},
         x0=np.array(
             [
-                s.factor * start[i] if i >= 0 else 0.0
+                as_shown(s, start[i]) if i >= 0 else 0.0
                 for s, i in zip(states, found.signals, strict=True)
             ]
         ),

@@ -207,7 +207,7 @@ class LinearModel:
             )
         du = np.zeros_like(u)
         for j, late in enumerate(self.latency.astype(int)):
-            du[late:, j] = (u[:, j] - self.u0[j])[: len(u) - late]
+            du[late:, j] = (u[:, j] - self.u0[j])[: max(len(u) - late, 0)]
         n, m = self.B.shape
         both = np.zeros((n + m, n + m))
         both[:n, :n], both[:n, n:] = self.A, self.B
