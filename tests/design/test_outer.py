@@ -9,6 +9,7 @@ from scipy.linalg import expm
 from pathsim_jsbsim_blocks.control.gains import YawGains
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.design.outer import (
+    coordinate,
     damped,
     design_altitude,
     design_heading,
@@ -191,3 +192,31 @@ def test_an_airspeed_settles_as_reported(room, step):
     assert np.abs(vc[-2400:] - step).max() < 0.1
     assert throttle.min() >= room[0]
     assert throttle.max() <= room[1]
+
+
+def turning(slip_per_bank, slip_per_rate, power):
+    """Bank with a lag, and a sideslip that bank, roll rate and rudder build up: 2nd input."""
+    lag, decay = 0.4, 1.5
+    A = np.array([[0.0, 1.0, 0.0], [-1 / lag**2, -2 / lag, 0.0], [0.0, 0.0, -decay]])
+    A[2] = slip_per_bank, slip_per_rate, -decay
+    B = np.array([[0.0, 0.0], [1 / lag**2, 0.0], [0.0, power]])
+    both = expm(np.block([[A, B], [np.zeros((2, 5))]]) * T)
+    C = np.zeros((len(OUTPUTS), 3))
+    for name, row in (("phi", [1, 0, 0]), ("p", [0, 1, 0]), ("beta", [0, 0, 1])):
+        C[OUTPUTS.index(name)] = row
+    return Plant(both[:3, :3], both[:3, 3:], C, ["phi_cmd", "rudder"], OUTPUTS, T)
+
+
+@pytest.mark.parametrize("power", [-3.0, 5.0])
+def test_what_bank_and_roll_rate_do_to_the_sideslip_is_cancelled(power):
+    gains = coordinate(turning(0.12, -0.08, power), YawGains(K=0.0), 1.0, 10.0)
+    # the rudder's effect is the opposite of theirs
+    assert gains.Kbank == pytest.approx(-0.12 / power, rel=0.02)
+    assert gains.Kroll == pytest.approx(0.08 / power, rel=0.05)
+
+
+def test_little_rudder_is_kept_for_the_turn():
+    free = coordinate(turning(0.12, -0.08, -3.0), YawGains(K=0.0), 1.0, 10.0)
+    # a hundredth of the rudder: a degree of sideslip is cheaper
+    short = coordinate(turning(0.12, -0.08, -3.0), YawGains(K=0.0), 0.001, 10.0)
+    assert abs(short.Kbank) < 0.2 * abs(free.Kbank)
