@@ -209,9 +209,11 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
             break
         effect = np.array([fftconvolve(kick, signal)[: len(kick)] for signal in (p, phi)])
         feed = feed + _least_peak(beta, effect.T, np.abs(p).max(), np.abs(phi).max(), room)
+    # what diverges without them, as an airspeed that is too low, is left to the loops around
+    most = max(_DIVERGES, 1.01 * damped(plant, yaw).growth())
     for share in _COORDINATED:
         gains = replace(yaw, Kroll=float(share * found[1][0]), Kbank=float(share * found[1][1]))
-        if levels(_of_rudder(plant, gains))[0] == 0 and damped(plant, gains).growth() < _DIVERGES:
+        if levels(_of_rudder(plant, gains))[0] == 0 and damped(plant, gains).growth() < most:
             return gains
     return yaw
 
