@@ -10,10 +10,12 @@ import pytest
 from fleet_conditions import FEW, FLYING
 from how_many import first
 from pathsim import Simulation
+from scipy.optimize import lsq_linear
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.flight._newton import _bounded
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
@@ -492,6 +494,19 @@ def test_a_warm_start_finds_what_a_cold_one_finds(aircraft, altitude, speeds):
         for name in ("alpha", "theta", "phi", "pitch_trim", "aileron", "rudder"):
             assert getattr(ours, name) == pytest.approx(getattr(cold, name), abs=1e-9), name
         assert ours.throttle == pytest.approx(cold.throttle, abs=1e-9)
+
+
+def test_the_bounded_step_is_the_one_that_scipy_finds():
+    rng = np.random.default_rng(15)
+    for rows, columns in [(6, 6), (3, 3), (7, 6), (6, 5), (3, 4)] * 20:
+        a = rng.normal(size=(rows, columns)) * 10.0 ** rng.uniform(-2, 2, columns)
+        b = rng.normal(size=rows)
+        low, high = -(rng.random(columns) ** 3) - 1e-9, rng.random(columns) ** 3 + 1e-9
+        ours = _bounded(a, b, low, high)
+        theirs = lsq_linear(a, b, bounds=(low, high), method="bvls", tol=1e-14).x
+        assert ((low <= ours) & (ours <= high)).all()
+        left, least = (np.linalg.norm(a @ x - b) for x in (ours, theirs))
+        assert left <= least * (1.0 + 1e-9) + 1e-12
 
 
 def test_a_sweep_is_the_same_whatever_its_order_and_chunks():

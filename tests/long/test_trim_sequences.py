@@ -93,11 +93,11 @@ with open(log, "w", buffering=1) as log:
                 if "solver" in said:  # what `trim` promises, in ft/s2 and rad/s2
                     counts["by Newton"] += 1
                     # what JSBSim itself says, in the state in which the search has left it; in a
-                    # turn in wind the velocity over the ground turns
+                    # turn or pull-up in wind the velocity over the ground turns
                     limits = {"uvw": 1e-4, "pqr": 1e-5}
                     if said["mode"] == "longitudinal":
                         limits = {"uw": 1e-4, "q": 1e-5}
-                    turns = said["mode"] == "turn" and "wind_north" in said
+                    turns = said["mode"] in ("turn", "pull-up") and "wind_north" in said
                     for axis, most in ((a, x) for axes, x in limits.items() for a in axes):
                         unit = "ft_sec2" if axis in "uvw" else "rad_sec2"
                         now = airframe.fdm[f"accelerations/{axis}dot-{unit}"]

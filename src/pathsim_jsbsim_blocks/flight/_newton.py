@@ -91,11 +91,15 @@ class Seed(NamedTuple):
         of the residuals by these, in tolerances
     has_memory : bool
         whether the flight control system takes more than one reading to settle
+    near : bool
+        whether the last search of its kind has found its trim: otherwise the next starts from its
+        own guesses
     """
 
     free: Mapping[str, float]
     slopes: np.ndarray
     has_memory: bool
+    near: bool = True
 
 
 class Found(NamedTuple):
@@ -234,9 +238,9 @@ class Search:
         With a seed the result is the same, to the precision of the search.
         """
         time = self._fdm.get_sim_time()
-        x, slopes = self._from(seed) if seed else (None, None)
+        x, slopes = self._from(seed) if seed and seed.near else (None, None)
         if x is None:
-            x, slopes = self._from_guesses()
+            x, slopes = self._from_guesses(seed)
         has_memory, self._has_memory = self._has_memory, True
         # the last state written need not be the best
         r = self._settled(x)
@@ -253,12 +257,9 @@ class Search:
 
     def _from(self, seed: Seed) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Where the search from a seed ends; None if it does not find a trim to full precision."""
-        if "elevator" in seed.free:
-            self._without_pitch_trim()
-        if list(seed.free) != list(self._ranges) or len(seed.slopes) != len(self._used):
+        if not self._takes(seed):
             return None, None
-        self._has_memory = seed.has_memory
-        x = np.clip(list(seed.free.values()), *self._limits)
+        x = np.array(list(seed.free.values())).clip(*self._limits)
         x, r, slopes = self._descend(x, seed.slopes)
         if self._size(r) <= _POLISHED:
             return x, slopes
@@ -267,12 +268,23 @@ class Search:
         self.steps = 0
         return None, None
 
-    def _from_guesses(self) -> tuple[np.ndarray, np.ndarray | None]:
+    def _takes(self, seed: Seed) -> bool:
+        """Take over what a seed knows of the model, if it is that of a search of this kind."""
+        if "elevator" in seed.free:
+            self._without_pitch_trim()
+        if list(seed.free) != list(self._ranges) or len(seed.slopes) != len(self._used):
+            self._ranges = self._free()
+            return False
+        self._has_memory = seed.has_memory
+        return True
+
+    def _from_guesses(self, seed: Seed | None) -> tuple[np.ndarray, np.ndarray | None]:
         """Where the best of the searches from the first guesses ends."""
         best: tuple[float, np.ndarray, np.ndarray | None] | None = None
         low, high = self._limits
         start = np.clip([r.start for r in self._ranges.values()], low, high)
-        self._try_out(start)
+        if not (seed and self._takes(seed)):
+            self._try_out(start)
         for alpha in _ALPHAS:
             x = start.copy()
             x[list(self._ranges).index("alpha")] = math.radians(alpha)
@@ -342,7 +354,7 @@ class Search:
                 slopes = None
                 continue
             for fraction in (1.0, 0.4, 0.16, 0.06, 0.02) if fresh else (1.0,):
-                y = np.clip(x + fraction * full, low, high)
+                y = (x + fraction * full).clip(low, high)
                 ry = self._settled(y) if self._propellers else self._residuals(y)
                 shorter = self._norm(ry)
                 if shorter < norm * (1.0 - 1e-3 * fraction):
@@ -505,27 +517,35 @@ class Search:
 
 
 def _bounded(a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Least squares of a x - b within limits."""
-    # what lsq_linear finds in 0.3 ms, for the usual case that takes no search for what is limited
+    """Least squares of a x - b within limits, low < high."""
+    # the active set method of Stark and Parker (1995), started at what the optimum without limits
+    # exceeds: scipy's lsq_linear takes longer, and its import half of the time to import a trim
     x = np.linalg.lstsq(a, b, rcond=None)[0]
-    at = np.clip(x, low, high)
-    held = at != x
-    for _ in range(len(x)):
+    held = (x < low) | (x > high)
+    x = np.clip(x, low, high)
+    for _ in range(4 * len(x)):
         free = ~held
-        x = at.copy()
-        x[free] = np.linalg.lstsq(a[:, free], b - a[:, held] @ at[held], rcond=None)[0]
-        beyond = (x < low) | (x > high)
-        if not beyond.any():
+        y = x.copy()
+        y[free] = np.linalg.lstsq(a[:, free], b - a[:, held] @ x[held], rcond=None)[0]
+        beyond = (y < low) | (y > high)
+        if beyond.any():
+            # as far as the first limit
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ways = np.where(beyond, (np.where(y < low, low, high) - x) / (y - x), np.inf)
+            i = int(np.argmin(ways))
+            x = np.clip(x + max(ways[i], 0.0) * (y - x), low, high)
+            x[i] = low[i] if y[i] < low[i] else high[i]
+            held[i] = True
+            continue
+        x = y
+        # how much each limit holds back; negative where it does not
+        uphill = a.T @ (a @ x - b)
+        back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
+        i = int(np.argmin(back))
+        if back[i] >= -1e-10 * (1.0 + abs(uphill).max()):
             break
-        at = np.clip(x, low, high)
-        held |= beyond
-    # the optimum, if each limit holds back
-    uphill = a.T @ (a @ x - b)
-    if (uphill[held & (at == low)] >= 0.0).all() and (uphill[held & (at == high)] <= 0.0).all():
-        return x
-    from scipy.optimize import lsq_linear  # half of the time to import a trim
-
-    return lsq_linear(a, b, bounds=(low, high), method="bvls").x
+        held[i] = False
+    return x
 
 
 def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jsbsim
+import numpy as np
 
 from .._core.checks import mapping, number, one_of
 from .._core.extras import required
@@ -64,6 +65,9 @@ _REASONS = {
     "gamma": "path angle",
 }
 _ANGLES = ("alpha", "phi", "beta", "gamma")
+
+# relative, of a state that is initialised again
+_ROUNDING = 1e-12
 
 # how far an aircraft in steady flight may be from its trim, controls held
 _STEADY = {"height": 20.0, "speed": 6.0, "bank": 10.0}  # ft, kt, deg
@@ -345,9 +349,9 @@ def trim(
     TrimError
         if no trim is found, or with JSBSim's search and constant-speed propellers not within
         10 s of computing (no limit on Windows). The airframe stays usable: after a failure of
-        JSBSim's search the next trim starts from a fresh executive (`Airframe.renew`), as does a
-        trim on the ground after any other. This discards fuel burnt in between and direct writes to
-        ``airframe.fdm``
+        JSBSim's search that leaves engines, systems or accelerations other than before, the next
+        trim starts from a fresh executive (`Airframe.renew`), as does a trim on the ground after
+        any other. This discards fuel burnt in between and direct writes to ``airframe.fdm``
     AircraftError
         if the model cannot be initialised
     PropertyError
@@ -653,7 +657,15 @@ def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> 
     if condition.searched_by == "newton" or (dead and flies):
         return _by_newton(airframe, condition, seed)
     if condition.mode != "none":
-        _find(airframe, condition)
+        before = airframe.internal()
+        try:
+            _find(airframe, condition)
+        except TrimError:
+            # in the air most searches with jet engines leave nothing behind, which saves to renew
+            if condition.mode in ("full", "longitudinal"):
+                _initialise(airframe, condition, condition.heading)
+                airframe.spent = not _same(before, airframe.internal())
+            raise
     if condition.mode == "turn":
         # JSBSim keeps the track and turns the nose, so start with the opposite offset
         beyond = math.remainder(airframe.fdm[_STATE["psi"]] - condition.heading, 360.0)
@@ -683,6 +695,7 @@ def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) 
             airframe.spent = False
             airframe.seed = found.seed
             return reached
+    airframe.seed = seed and seed._replace(near=False)
     for name in ("pitch-trim", "elevator", "aileron", "rudder"):
         airframe.fdm[f"fcs/{name}-cmd-norm"] = 0.0
     for i in range(airframe.engines):
@@ -698,6 +711,12 @@ def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) 
     if limit is not None and found.binding in _ANGLES:
         limit = math.degrees(limit)
     raise _failure(airframe, condition, reason, residuals=found.residuals, limit=limit)
+
+
+def _same(before: list[float], now: list[float]) -> bool:
+    """Whether two internal states are the same up to rounding; false where one is not finite."""
+    a, b = np.array(before), np.array(now)
+    return bool((abs(a - b) <= _ROUNDING * np.maximum(abs(a), 1.0)).all())
 
 
 def _not_finite(found: TrimState) -> list[str]:

@@ -147,6 +147,10 @@ def _model_file(aircraft: str, root: str | None) -> Path:
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
+# the flow of fuel is that of the pass before
+_INTERNAL = re.compile(
+    r"fcs/|systems/|propulsion/(?!.*/fuel-flow-rate-)|accelerations/[uvwpqr]dot-"
+)
 _GROUND = "ic/terrain-elevation-ft"
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
@@ -232,6 +236,7 @@ class Airframe:
         if gravity is not None:
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
+        self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
         self._open()
 
@@ -242,7 +247,9 @@ class Airframe:
         still belong to the previous executive.
         """
         written, self._written = self._written, {}
+        names = self._names
         self._open()
+        self._names = names  # those of the same model
         self.write(written)
 
     def twin(self) -> Airframe:
@@ -279,10 +286,11 @@ class Airframe:
             self.fdm[name] = value
         self._properties = self.fdm.get_property_manager()
         self._choose_outputs()
-        self._names: list[str] | None = None
+        self._names = None
         # a trim map reads and writes the same few properties at every point
         self._readers: dict[str, Callable[[], float]] = {}
         self._writers: dict[str, Callable[[float], Any]] = {}
+        self._internal: list[jsbsim.FGPropertyNode] | None = None
         self._created: set[str] = set()
         self._ground_before: float | None = None
         self._create()
@@ -483,6 +491,14 @@ class Airframe:
         nodes = [self._node(name, "w", "written") for name in names]
         put = jsbsim.FGPropertyNode.set_double_value
         return lambda values: list(map(put, nodes, values))
+
+    def internal(self) -> list[float]:
+        """State of engines and systems, and the six accelerations that follow from it."""
+        if self._internal is None:
+            names = filter(_INTERNAL.match, self._catalogue())
+            nodes = map(self._properties.get_node, names)
+            self._internal = [node for node in nodes if node is not None]
+        return list(map(jsbsim.FGPropertyNode.get_double_value, self._internal))
 
     def write(self, values: Mapping[str, float] | None, what: str = "properties") -> None:
         """Write a dict of properties in its order, all checked first.

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from functools import partial
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +25,9 @@ from .workers import WORKER_DIED, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
+# points from one fresh aircraft to the next; part of what a table is made of
+_CHAIN = 20
+
 # fields of a state that a table shows, in this order
 _FOUND = [name for name in UNITS if name in {f.name for f in dataclasses.fields(TrimState)}]
 
@@ -33,16 +38,17 @@ def trim_sweep(
     *,
     outputs: Sequence[str] = (),
     root: str | None = None,
-    chunk: int = 40,
+    chunk: int = 20,
     jobs: int = -1,
     resume: str | Path | None = None,
     progress: bool = True,
 ) -> pd.DataFrame:
     """Trim an aircraft at every point of a grid.
 
-    The table does not depend on the number of workers, bit for bit: a loaded aircraft is reused
-    only within a chunk of points, and the chunks are fixed by the grid. A failed search alters
-    JSBSim's state, so the next point gets a fresh aircraft.
+    The table does not depend on the order of the points, on ``chunk`` and on the number of workers,
+    bit for bit: the points are sorted and cut into chains of 20, each trimmed on a fresh aircraft
+    from one end to the other. The Newton search starts at the trim before. A failed search that
+    alters JSBSim's state is followed by a fresh aircraft, too.
 
     Parameters
     ----------
@@ -59,8 +65,7 @@ def trim_sweep(
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
     chunk : int
-        points that share a loaded aircraft; 1 loads a fresh one for each point. Results agree to
-        rounding (2e-13 in alpha) for any value
+        points that a worker takes at once, rounded up to whole chains of 20
     jobs : int
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
@@ -95,9 +100,11 @@ def trim_sweep(
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = whole("chunk", chunk, low=1)
     _try_out(aircraft, root, conditions, outputs)
+    order = sorted(range(len(points)), key=lambda i: _place(conditions[i]))
+    ordered = [conditions[i] for i in order]
     rows = run_parts(
         partial(_trim_points, aircraft, root, tuple(outputs)),
-        _chunks(conditions, chunk),
+        _chunks(ordered, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
         title=f"trim_sweep {aircraft}, {len(points)} points",
@@ -106,13 +113,15 @@ def trim_sweep(
             "root": root and str(root),
             "outputs": outputs,
             "chunk": chunk,
-            "conditions": [dataclasses.asdict(c) for c in conditions],
+            "chain": _CHAIN,
+            "conditions": [dataclasses.asdict(c) for c in ordered],
             "jsbsim": jsbsim.__version__,
         },
         jobs=jobs,
         resume=resume,
         progress=progress,
     )
+    rows = [row for _, row in sorted(zip(order, rows, strict=True), key=lambda found: found[0])]
     found = [column(name) for name in _FOUND] + outputs
     table = pd.concat(
         [
@@ -128,8 +137,24 @@ def trim_sweep(
     return table
 
 
+def _place(condition: TrimCondition) -> tuple[Any, ...]:
+    """Where a condition stands among all: like ones together, near ones side by side."""
+    values = [getattr(condition, field.name) for field in dataclasses.fields(condition)]
+    return structure(condition), *map(_sortable, [condition.empty_cg_x, *values])
+
+
+def _sortable(value: Any) -> tuple[Any, ...]:
+    """A value of a condition as one that can be compared with any other."""
+    if isinstance(value, Mapping):
+        value = tuple(value.items())
+    if value is None:
+        return ("",)
+    return ("number" if isinstance(value, Real) else type(value).__name__), value
+
+
 def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:
-    """The conditions in order, cut so that each chunk can be trimmed on one aircraft."""
+    """The conditions in order, cut at the ends of chains, which begin where the kind changes."""
+    size = math.ceil(size / _CHAIN) * _CHAIN
     chunks: list[list[TrimCondition]] = []
     before = None
     for condition in conditions:
@@ -156,9 +181,10 @@ def _try_out(
 def _trim_points(
     aircraft: str, root: str | None, outputs: tuple[str, ...], conditions: list[TrimCondition]
 ) -> list[dict[str, Any]]:
-    airframe = Airframe(aircraft, root=root, empty_cg_x=conditions[0].empty_cg_x)
     rows: list[dict[str, Any]] = []
-    for condition in conditions:
+    for i, condition in enumerate(conditions):
+        if i % _CHAIN == 0:
+            airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
         try:
             state = trim(airframe, condition, hint=False, warm=True)
         except TrimError as error:
