@@ -34,7 +34,7 @@ _PULSE = 0.025
 # s; the phugoid is identified from a fraction of its period, because the data have no noise
 _DURATION = 8.0
 
-# s; samples further apart show a short period of 8 rad/s as a slower one
+# s; samples 0.4 s apart show a short period of 8 rad/s as a slower one
 _LONGEST_PERIOD = 0.25
 
 # samples before the pulse: the first step sets the spools of a turbine to the throttle
