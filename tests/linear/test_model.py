@@ -22,7 +22,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
-from pathsim_jsbsim_blocks.linear.identification import _coordinates
+from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
 # what each input is for
 RESPONSES = {
@@ -515,6 +515,26 @@ def test_a_position_follows_the_heading_and_the_sideslip():
     for name in ("psi", "beta"):
         rate = model.A[states.index("lon"), states.index(name)]
         assert rate == pytest.approx(V / (20_925_646.0 + FLYING["737"][0]), rel=0.01), name
+
+
+def pulse_responses(poles):
+    """Responses in 8 s at 120 Hz of first-order lags to one pulse of 3 samples."""
+    t, g = np.arange(960) / 120, np.zeros((1, 960, len(poles)))
+    for i, pole in enumerate(poles):
+        for start in np.arange(3) / 120:
+            after = t - start - 1 / 120
+            g[0, :, i] += np.where(after > -1e-9, np.exp(pole * after), 0.0)
+    return g
+
+
+def test_a_model_of_four_independent_parts_is_the_smallest():
+    poles = [-0.3, -1.0, -2.5, -6.0]
+    others = {"rigid": [0, 1, 2, 3], "engines": [], "integrals": [], "abrupt": []}
+    found = realise(pulse_responses(poles), 1 / 120, 3, **others)
+    assert np.sort(np.linalg.eigvals(found.A).real) == pytest.approx(sorted(poles), rel=1e-3)
+    with pytest.raises(LinearisationError, match="fewer than 4 independent parts") as error:
+        realise(pulse_responses([-0.3, -1.0, -2.5, -2.5]), 1 / 120, 3, **others)
+    assert error.value.reason == "no fit"
 
 
 def test_states_are_outputs_and_what_completes_them():
