@@ -166,6 +166,28 @@ def test_turbulence(name):
     assert rms["vc"] < 8.0
 
 
+# altitude in ft and airspeed in KCAS; requirements: 60 ft of altitude, 5 % of the throttle's stop
+LOW_SPEED = {"global5000": (8000.0, 220.0), "737": (5000.0, 210.0)}
+
+
+@pytest.mark.parametrize("name", first(LOW_SPEED))
+def test_turbulence_at_low_speed_on_designed_gains(name):
+    altitude, speed = LOW_SPEED[name]
+    worst = {}
+    for gains in (f"{name}-designed", name):
+        plane = start(
+            name,
+            altitude=altitude,
+            speed=speed,
+            properties={**TURBULENCE, "atmosphere/randomseed": 1},
+        )
+        flight = fly(plane, 90.0, unwired=(), gains=gains)
+        worst[gains] = np.max(np.abs(flight["h"] - altitude))
+        assert np.mean(flight["thr_sat"] != 0.0) < 0.05
+    assert worst[f"{name}-designed"] < 60.0
+    assert worst[f"{name}-designed"] < 0.8 * worst[name]
+
+
 class Sensors(SampledLaw):
     """White noise on what the autopilot sees, the same in every flight."""
 

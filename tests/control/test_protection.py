@@ -27,6 +27,7 @@ from pathsim_jsbsim_blocks import (
     TrimError,
 )
 from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits
+from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
 
 T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
@@ -203,6 +204,15 @@ def test_a_gust_is_no_loss_of_energy():
         _, climb, _, state = protection.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, 210.0)
         climbs.append(climb)
     assert min(climbs) > -5.0  # ft/s; at vc_min it may be -48
+
+
+def test_throttle_added_does_not_unwind_the_integral():
+    # 30 % of the throttle left, all of it asked for in 20 s: afterwards it is where it was
+    loop, state, u = SpeedLoop(T, GAINS["c172p"].speed, (-1.0, 1.0)), SpeedLoop.START, 0.0
+    for k in range(25 * 60):
+        boost = 1.0 if k < 20 * 60 else 0.0
+        u, _, state = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - 0.3, 0.0), False, boost)
+    assert u == pytest.approx(0.0, abs=1e-3)
 
 
 RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is asked for

@@ -265,9 +265,17 @@ class SpeedLoop:
     ) -> tuple[float, float, State]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
-        ``boost`` is added to the throttle.
+        ``boost`` is added to the throttle; the integral does not unwind for it.
         """
-        return self.loop.sample(state, vc, 0.0, target, increment, sat, off, self.Kc * hdot + boost)
+        sat -= min(max(sat, 0.0), boost)
+        u, reference, state = self.loop.sample(
+            state, vc, 0.0, target, increment, sat, off, self.Kc * hdot
+        )
+        if boost and not off:
+            u = min(u + boost, self.loop.pid.high)
+            found, reference, (phase, integral, _, *others) = state
+            state = (found, reference, (phase, integral, u, *others))
+        return u, reference, state
 
 
 class YawLoop:
