@@ -301,6 +301,19 @@ def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+def test_a_copy_that_something_else_has_removed_is_no_error(monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    load = Airframe._load
+
+    def load_and_remove(self):
+        load(self)
+        for copy in tmp_path.iterdir():
+            shutil.rmtree(copy)
+
+    monkeypatch.setattr(Airframe, "_load", load_and_remove)
+    Airframe("global5000", empty_cg_x=700.0)
+
+
 def refused_trim():
     with pytest.raises(TrimError):
         Aircraft("737", altitude=15000, speed=120)

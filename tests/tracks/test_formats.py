@@ -198,7 +198,8 @@ def test_a_report_holds_the_flights_east_north_and_up_of_the_first(tmp_path):
     n = 30_001
     time = np.linspace(0.0, 300.0, n)
     still = np.zeros(n)
-    first = Track("a", "c172p", time, 47 + time / 3e4, 11 + still, 1e3 + time, still, still, still)
+    moved = time / 3e4
+    first = Track("a", "c172p", time, 47 + moved, 11 + moved, 1e3 + time, still, still, still)
     heading = (350 + time) % 360
     # 0.01 deg further north and east, 100 ft higher
     second = Track(
