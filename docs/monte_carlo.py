@@ -27,7 +27,7 @@ CG = 0.03  # of the chord, either way
 FUEL = (0.2, 1.0)  # of the tanks
 WIND = 40.0  # ft/s, from any direction
 
-# off its point an aircraft may take so many times what it may at its point
+# times the limits at a table's design point
 OFF = 1.5
 HEADING = 60.0  # s
 IN_TURBULENCE = 90.0  # s
@@ -132,7 +132,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
 
 
 def within(results, keys):
-    """Which cases are within their limits; none is that did not end."""
+    """Which cases are within their limits; a case that failed is not."""
     return np.all([results[key] <= ROWS[key][1] for key in keys], axis=0)
 
 

@@ -38,7 +38,7 @@ _LABELS = {
 
 
 def label(port: str) -> str:
-    """What PathView writes at a port of a block here: its name, or a shorter one in its place."""
+    """What PathView writes at a port: its name, or a shorter label."""
     return _LABELS.get(port, port)
 
 

@@ -114,7 +114,7 @@ def runs_of(duration: float | None) -> Iterator[Runs]:
     Raises
     ------
     ParameterError
-        when a second run begins, of which the duration does not tell
+        when a second run begins: it is not clear which of them has the duration
     """
     if duration is not None:
         duration = number("duration", positive("duration", duration))

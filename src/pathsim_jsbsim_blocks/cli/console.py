@@ -1,4 +1,4 @@
-"""What the command says in more than one place."""
+"""Messages that several commands share."""
 
 from __future__ import annotations
 

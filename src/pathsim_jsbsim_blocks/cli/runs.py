@@ -1,4 +1,4 @@
-"""``list`` and ``run``: scripts, models and what they leave."""
+"""``list`` and ``run``."""
 
 from __future__ import annotations
 

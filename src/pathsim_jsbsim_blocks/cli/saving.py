@@ -1,4 +1,4 @@
-"""Files of what was run: figures and signals."""
+"""Save the figures and signals of a run."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Autopilot(Hold):
     Parameters
     ----------
     gains : str, AircraftGains or dict
-        "c172p", "737" or "global5000", or {"pitch": ..., "roll": ..., "heading": ...,
+        name of a gain table ("c172p"), or {"pitch": ..., "roll": ..., "heading": ...,
         "altitude": ..., "speed": ..., "yaw": ...}, each either the name of a table or numbers as
         in the holds
     theta_ref : float, optional

@@ -77,7 +77,7 @@ class Hold(TunableLaw):
         return parameter, value
 
     def protection(self, alpha: float) -> Protection | Unprotected:
-        """The protection, with the port ``alpha`` wired."""
+        """The protection, or one that limits nothing: without limits, or with ``alpha`` unwired."""
         return self._protection if alpha and self._protection is not None else UNPROTECTED
 
     def doubt(self, port: str, value: float, measured: float, unit: str) -> None:

@@ -113,7 +113,7 @@ class Protection:
         most, boost = math.inf, 0.0
         if self.vc_min and vc > 0.0:
             slowest = true_airspeed(self.vc_min, h)
-            # a gust changes the airspeed by more than thrust and drag can
+            # a gust changes the airspeed faster than thrust and drag can
             excess = hdot + v * acceleration / GRAVITY
             excess = min(max(excess, -self.descent_max), self.climb_max)
             if not known:
@@ -173,7 +173,7 @@ class Protection:
 
     @staticmethod
     def share_of_climb(vc: float, vc_cmd: float) -> float:
-        """Share of the largest rate of climb that the airspeed leaves: all, see `sample`."""
+        """1: the rate of climb from `sample` takes the airspeed into account."""
         return 1.0
 
     def bank(self, state: State, h: float) -> float:
@@ -185,7 +185,7 @@ class Protection:
 
 
 class Unprotected:
-    """What stands in for a `Protection` without an angle of attack: it limits nothing."""
+    """Stands in for a `Protection` without limits or angle of attack; it limits nothing."""
 
     vc_min = -math.inf
 

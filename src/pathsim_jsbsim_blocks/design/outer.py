@@ -174,22 +174,23 @@ def design_rudder(
 _ROLL_IN, _TURN_USE = 12.0, 0.6
 _COORDINATED = (1.0, 0.85, 0.7, 0.5, 0.3)
 
-# deg of sideslip that all of the rudder is worth
+# cost of the rudder's whole travel, as deg of sideslip
 _RUDDER_COST = 0.3
 
 
 def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGains:
     """Rudder from roll rate and bank for the least sideslip in the entry of a turn.
 
-    ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder. The
-    largest sideslip of the entry is linear in the two gains for a given roll: a linear programme,
-    repeated for the roll that comes of it. They are lowered until the rudder's margins are met.
+    ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder. For a
+    given roll the sideslip is linear in the two gains, so a linear programme finds its smallest
+    peak; this is repeated with the roll that results. The gains are then lowered until the rudder's
+    margins are met.
 
     Parameters
     ----------
     plant : Plant
     yaw : YawGains
-        the others
+        the rudder's other gains
     room : float
         travel of the rudder
     ramp : float
@@ -200,7 +201,6 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
         beta, p, phi, kick = _entry(
             plant, replace(yaw, Kroll=float(feed[0]), Kbank=float(feed[1])), ramp
         )
-        # the rudder that it takes
         use = np.abs(feed[0] * p + feed[1] * phi).max()
         score = np.abs(beta).max() + _RUDDER_COST * max(use / room - _TURN_USE, 0.0)
         if score < found[0]:
@@ -209,7 +209,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
             break
         effect = np.array([fftconvolve(kick, signal)[: len(kick)] for signal in (p, phi)])
         feed = feed + _least_peak(beta, effect.T, np.abs(p).max(), np.abs(phi).max(), room)
-    # what diverges without them, as an airspeed that is too low, is left to the loops around
+    # a divergence that is there without them, as at low airspeed, is left to the outer loops
     most = max(_DIVERGES, 1.01 * damped(plant, yaw).growth())
     for share in _COORDINATED:
         gains = replace(yaw, Kroll=float(share * found[1][0]), Kbank=float(share * found[1][1]))
@@ -221,7 +221,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
 def _entry(
     plant: Plant, gains: YawGains, ramp: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Sideslip, roll rate and bank in the entry of a turn, and the sideslip of a kick of rudder."""
+    """Sideslip, roll rate and bank in the entry of a turn; sideslip after an impulse of rudder."""
     p = damped(plant, gains).slower(_COARSE)
     rows = np.array([p.row("beta"), p.row("p"), p.row("phi")])
     n = round(_ROLL_IN / p.T)
@@ -239,7 +239,7 @@ def _entry(
 def _least_peak(
     beta: np.ndarray, effect: np.ndarray, p: float, phi: float, room: float
 ) -> np.ndarray:
-    """Gains with the least of max |beta + effect gains|, and a little of the rudder's travel."""
+    """Gains that minimise max |beta + effect gains| plus a small cost of the rudder's travel."""
     cost = _RUDDER_COST / room * np.array([p, phi])
     m = effect.shape[1]
     # positive and negative parts of the gains, and the largest sideslip

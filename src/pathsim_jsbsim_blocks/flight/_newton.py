@@ -92,8 +92,8 @@ class Seed(NamedTuple):
     has_memory : bool
         whether the flight control system takes more than one reading to settle
     near : bool
-        whether the last search of its kind has found its trim: otherwise the next starts from its
-        own guesses
+        whether the last search found its trim; otherwise the next one starts from its own
+        guesses
     """
 
     free: Mapping[str, float]
@@ -269,7 +269,7 @@ class Search:
         return None, None
 
     def _takes(self, seed: Seed) -> bool:
-        """Take over what a seed knows of the model, if it is that of a search of this kind."""
+        """Adopt what a seed knows of the model; False if it is from a search of another kind."""
         if "elevator" in seed.free:
             self._without_pitch_trim()
         if list(seed.free) != list(self._ranges) or len(seed.slopes) != len(self._used):
@@ -518,8 +518,8 @@ class Search:
 
 def _bounded(a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Least squares of a x - b within limits, low < high."""
-    # the active set method of Stark and Parker (1995), started at what the optimum without limits
-    # exceeds: scipy's lsq_linear takes longer, and its import half of the time to import a trim
+    # the active set method of Stark and Parker (1995), started with the limits that the optimum
+    # without limits exceeds; scipy's lsq_linear is slower, also to import
     x = np.linalg.lstsq(a, b, rcond=None)[0]
     held = (x < low) | (x > high)
     x = np.clip(x, low, high)

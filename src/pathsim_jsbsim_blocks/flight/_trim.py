@@ -66,7 +66,7 @@ _REASONS = {
 }
 _ANGLES = ("alpha", "phi", "beta", "gamma")
 
-# relative, of a state that is initialised again
+# largest relative difference between two initialisations of the same state
 _ROUNDING = 1e-12
 
 # how far an aircraft in steady flight may be from its trim, controls held
@@ -349,9 +349,9 @@ def trim(
     TrimError
         if no trim is found, or with JSBSim's search and constant-speed propellers not within
         10 s of computing (no limit on Windows). The airframe stays usable: after a failure of
-        JSBSim's search that leaves engines, systems or accelerations other than before, the next
-        trim starts from a fresh executive (`Airframe.renew`), as does a trim on the ground after
-        any other. This discards fuel burnt in between and direct writes to ``airframe.fdm``
+        JSBSim's search that has changed engines, systems or accelerations, the next trim starts
+        from a fresh executive (`Airframe.renew`), as does a trim on the ground after any other.
+        This discards fuel burnt in between and direct writes to ``airframe.fdm``
     AircraftError
         if the model cannot be initialised
     PropertyError
@@ -661,7 +661,7 @@ def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> 
         try:
             _find(airframe, condition)
         except TrimError:
-            # in the air most searches with jet engines leave nothing behind, which saves to renew
+            # in the air, most failed searches with jet engines leave nothing behind to renew for
             if condition.mode in ("full", "longitudinal"):
                 _initialise(airframe, condition, condition.heading)
                 airframe.spent = not _same(before, airframe.internal())

@@ -147,7 +147,7 @@ def _model_file(aircraft: str, root: str | None) -> Path:
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
-# the flow of fuel is that of the pass before
+# without the flow of fuel, which is that of the pass before
 _INTERNAL = re.compile(
     r"fcs/|systems/|propulsion/(?!.*/fuel-flow-rate-)|accelerations/[uvwpqr]dot-"
 )

@@ -122,7 +122,7 @@ def acceleration(channel: Channel) -> bool:
 
 
 def as_shown(channel: Channel, value: float) -> float:
-    """A value in the channel's unit, of a property's, as the ports show it: north as 0."""
+    """A property's value in the channel's unit, as the ports show it: a heading of 360 as 0."""
     value = channel.factor * value
     return 0.0 if channel.unit == "deg" and value > ALMOST_NORTH else value
 

@@ -49,7 +49,7 @@ _AMPLITUDES = {"norm": 5e-3, "deg": 0.1, "rad": 1e-3, "ft/s": 0.1, "kt": 0.1}
 # responses below this fraction of the largest one of an output have no meaningful shape
 _HARDLY = 0.3
 
-# except those that a command is for
+# but these are judged however small: what each command is for
 _PURPOSES = {
     "fcs/elevator-cmd": ("theta", "q"),
     "fcs/aileron-cmd": ("phi", "p"),
@@ -284,7 +284,7 @@ def _is_throttle(port: Channel) -> bool:
 
 
 def _is_for(port: Channel, signal: Channel) -> bool:
-    """Whether a command is there to move a signal."""
+    """Whether moving the signal is what the command is for."""
     return any(
         name.startswith(command) and signal.name in signals
         for name in port.properties
@@ -293,7 +293,7 @@ def _is_for(port: Channel, signal: Channel) -> bool:
 
 
 def _reason(airframe: Airframe, port: Channel) -> str:
-    """Why hardly any engine is linear; "" for other inputs."""
+    """Why an engine's response is not linear; "" for inputs other than a throttle."""
     if not _is_throttle(port):
         return ""
     if any(airframe.has(f"propulsion/engine[{i}]/n2") for i in range(airframe.engines)):

@@ -87,8 +87,8 @@ class LinearModel:
     Raises
     ------
     ParameterError
-        for arrays that do not have the shape of the names or are not finite, a name that is there
-        twice, a ``dt`` that is not positive, a ``latency`` that is not in whole periods
+        for arrays whose shape does not match the names or that are not finite, a duplicate name, a
+        ``dt`` that is not positive, a ``latency`` that is not in whole periods
     """
 
     aircraft: str
@@ -234,7 +234,7 @@ class LinearModel:
         Raises
         ------
         ParameterError
-            for what is not a list of numbers, or 0 where a state only integrates others
+            if omega is not a list of numbers, or a pole lies at one of them (0 for an integrator)
         """
         s = 1j * np.asarray(omega, dtype=float)
         try:
@@ -256,7 +256,7 @@ class LinearModel:
         Raises
         ------
         ParameterError
-            for a tau that is not one number, or one for each input, from 0 on
+            if tau is not one number from 0 on, or one for each input
         """
         m, given = len(self.inputs), np.asarray(tau, dtype=float)
         if given.shape not in ((), (m,)) or not np.all((given >= 0.0) & np.isfinite(given)):

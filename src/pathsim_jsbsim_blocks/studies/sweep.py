@@ -25,7 +25,7 @@ from .workers import WORKER_DIED, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
-# points from one fresh aircraft to the next; part of what a table is made of
+# points trimmed on one aircraft; tables depend on it
 _CHAIN = 20
 
 # fields of a state that a table shows, in this order
@@ -45,10 +45,10 @@ def trim_sweep(
 ) -> pd.DataFrame:
     """Trim an aircraft at every point of a grid.
 
-    The table does not depend on the order of the points, on ``chunk`` and on the number of workers,
-    bit for bit: the points are sorted and cut into chains of 20, each trimmed on a fresh aircraft
-    from one end to the other. The Newton search starts at the trim before. A failed search that
-    alters JSBSim's state is followed by a fresh aircraft, too.
+    The table does not depend on the order of the points, on ``chunk`` or on the number of workers,
+    bit for bit: the points are sorted and cut into chains of 20, each trimmed in order on a fresh
+    aircraft. The Newton search starts at the trim of the point before in its chain. A failed search
+    that alters JSBSim's state is followed by a fresh aircraft, too.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def trim_sweep(
 
 
 def _place(condition: TrimCondition) -> tuple[Any, ...]:
-    """Where a condition stands among all: like ones together, near ones side by side."""
+    """Key that sorts conditions: those of one kind together, near ones side by side."""
     values = [getattr(condition, field.name) for field in dataclasses.fields(condition)]
     return structure(condition), *map(_sortable, [condition.empty_cg_x, *values])
 
@@ -153,7 +153,7 @@ def _sortable(value: Any) -> tuple[Any, ...]:
 
 
 def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:
-    """The conditions in order, cut at the ends of chains, which begin where the kind changes."""
+    """The conditions in order, cut between chains; a new kind of condition begins a new chain."""
     size = math.ceil(size / _CHAIN) * _CHAIN
     chunks: list[list[TrimCondition]] = []
     before = None

@@ -32,7 +32,7 @@ class RollHold(Hold):
     Parameters
     ----------
     gains : str, AttitudeGains or dict
-        "c172p", "737" or "global5000", or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
+        name of a gain table ("c172p"), or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
         ramp (deg/s)
     phi_ref : float, optional
         roll angle to hold in deg, right positive; default: the value at engagement
@@ -121,7 +121,7 @@ class HeadingHold(Hold):
     Parameters
     ----------
     gains : str or dict
-        "c172p", "737" or "global5000", or {"heading": ..., "roll": ...}, each either the name of
+        name of a gain table ("c172p"), or {"heading": ..., "roll": ...}, each either the name of
         a table or numbers; heading: Kp (deg/deg), Ki (1/s), bank (phi_0, the bank of straight
         flight, deg); roll: as in ``RollHold``
     psi_ref : float, optional
@@ -220,9 +220,10 @@ class YawDamper(Hold):
     Parameters
     ----------
     gains : str, YawGains or dict
-        "c172p", "737" or "global5000" (the last two models have their own damper: 0), or numbers:
-        K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), Kroll (s/deg), Kbank (1/deg, of the sine
-        of the bank times 57.3); K, Kp and Ki are positive where positive rudder yaws the nose left
+        name of a gain table ("c172p"; in "737" and "global5000", whose models have their own
+        damper, K is 0), or numbers: K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), Kroll (s/deg),
+        Kbank (1/deg, of the sine of the bank times 57.3); K, Kp and Ki are positive where positive
+        rudder yaws the nose left
     authority : float or pair
         largest rudder increment, of full travel
     %(T)s

@@ -34,7 +34,7 @@ class PitchHold(Hold):
     Parameters
     ----------
     gains : str, AttitudeGains or dict
-        "c172p", "737" or "global5000", or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
+        name of a gain table ("c172p"), or numbers: Kp (1/deg), Ki (1/(deg s)), Kr (s/deg), b,
         ramp (deg/s)
     theta_ref : float, optional
         pitch angle to hold in deg; default: the value at engagement
@@ -127,7 +127,7 @@ class AltitudeHold(Hold):
     Parameters
     ----------
     gains : str or dict
-        "c172p", "737" or "global5000", or {"altitude": ..., "pitch": ...}, each either the name
+        name of a gain table ("c172p"), or {"altitude": ..., "pitch": ...}, each either the name
         of a table or numbers; altitude: Kh (1/s), Kp (deg/(ft/s)), Ki (deg/ft), hdot_max (ft/s);
         pitch: as in ``PitchHold``
     h_ref : float, optional
@@ -276,7 +276,7 @@ class AirspeedHold(Hold):
     Parameters
     ----------
     gains : str, SpeedGains or dict
-        "c172p", "737" or "global5000", or numbers: Kp (1/kt), Ki (1/(kt s)), Kd (s/kt), Tf (s),
+        name of a gain table ("c172p"), or numbers: Kp (1/kt), Ki (1/(kt s)), Kd (s/kt), Tf (s),
         b, ramp (kt/s), Kc (s/ft)
     vc_ref : float, optional
         airspeed to hold, KCAS; default: the value at engagement
