@@ -206,6 +206,19 @@ def test_a_gust_is_no_loss_of_energy():
     assert min(climbs) > -5.0  # ft/s; at vc_min it may be -48
 
 
+def test_an_airspeed_that_comes_later_counts_from_where_it_comes():
+    # a port behind a delay is 0 at first
+    late, there = (Protection(1 / 60, None, limits("737")) for _ in range(2))
+    found, expected = [], []
+    for guard, out in ((late, found), (there, expected)):
+        state = Protection.START
+        for k in range(60):
+            vc = 0.0 if guard is late and k == 0 else 210.0
+            *y, state = guard.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, 210.0)
+            out.append(y)
+    assert found[1:] == expected[:-1]
+
+
 def test_throttle_added_does_not_unwind_the_integral():
     # 30 % of the throttle left, all of it asked for in 20 s: afterwards it is where it was
     loop, state, u = SpeedLoop(T, GAINS["c172p"].speed, (-1.0, 1.0)), SpeedLoop.START, 0.0

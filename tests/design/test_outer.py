@@ -217,6 +217,6 @@ def test_what_bank_and_roll_rate_do_to_the_sideslip_is_cancelled(power):
 
 def test_little_rudder_is_kept_for_the_turn():
     free = coordinate(turning(0.12, -0.08, -3.0), YawGains(K=0.0), 1.0, 10.0)
-    # a hundredth of the rudder: a degree of sideslip is cheaper
+    # a thousandth of the rudder: a degree of sideslip is cheaper
     short = coordinate(turning(0.12, -0.08, -3.0), YawGains(K=0.0), 0.001, 10.0)
     assert abs(short.Kbank) < 0.2 * abs(free.Kbank)

@@ -6,6 +6,7 @@ import math
 import pickle
 import subprocess
 import sys
+import warnings
 
 import pytest
 from how_many import first
@@ -570,3 +571,11 @@ def test_a_state_as_a_dict_and_as_a_table():
     assert table.loc["alpha", "unit"] == "deg"
     assert table.loc["throttle[1]", "unit"] == "norm"
     assert table["value"].to_dict() == numbers
+
+
+def test_a_failed_search_with_an_infinite_property_warns_of_nothing():
+    # the air-fuel ratio of an engine that burns nothing
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(TrimError):
+            trim(Airframe("p51d"), TrimCondition(altitude=5000, speed=40), hint=False)

@@ -133,7 +133,7 @@ def runs_of(duration: float | None) -> Iterator[Runs]:
         _runs.remove(runs)
 
 
-@dataclass
+@dataclass(eq=False)
 class Runs:
     """The runs of a script, and the duration that its one run is to have."""
 

@@ -105,6 +105,7 @@ class Protection:
         v = true_airspeed(vc, h)
         if known:
             alpha_rate += self._alpha_filter * ((alpha - alpha_last) / self.T - alpha_rate)
+        if v_last:
             acceleration += self._speed_filter * ((v - v_last) / self.T - acceleration)
             airspeed += self._speed_filter * (v - airspeed)
         else:
@@ -116,7 +117,7 @@ class Protection:
             # a gust changes the airspeed faster than thrust and drag can
             excess = hdot + v * acceleration / GRAVITY
             excess = min(max(excess, -self.descent_max), self.climb_max)
-            if not known:
+            if not v_last:
                 available, measured = self.climb_max, excess
             measured += self._adapt * (excess - measured)
             available += self._adapt * ((excess if full_throttle else self.climb_max) - available)

@@ -716,7 +716,8 @@ def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) 
 def _same(before: list[float], now: list[float]) -> bool:
     """Whether two internal states are the same up to rounding; false where one is not finite."""
     a, b = np.array(before), np.array(now)
-    return bool((abs(a - b) <= _ROUNDING * np.maximum(abs(a), 1.0)).all())
+    with np.errstate(invalid="ignore"):
+        return bool((abs(a - b) <= _ROUNDING * np.maximum(abs(a), 1.0)).all())
 
 
 def _not_finite(found: TrimState) -> list[str]:
