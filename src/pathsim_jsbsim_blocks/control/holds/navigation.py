@@ -251,6 +251,15 @@ class CourseHold(Hold):
             (ground, found, leg, direct, heading, roll),
         )
 
+    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
+        super().load_checkpoint(prefix, json_data, npz)
+        # what was saved are tuples without names
+        for i, (y, state) in self._results.items():
+            (here, *others), found, leg, direct, *loops = state
+            ground = _Ground(here and Place(*here), *others)
+            direct = direct and GreatCircle(*direct)
+            self._results[i] = y, (ground, found, leg, direct, *loops)
+
     def _lag(self, speed: float) -> float:
         """Time constant of the heading loop, s."""
         gain = abs(self._heading.pid.Kp)
