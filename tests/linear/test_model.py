@@ -78,34 +78,35 @@ def doublet_errors(name, model):
     return errors
 
 
-# the throttle of three is not linear within 0.01: spools accelerate at constant rates
+# largest error in vt; the throttle of three is not linear within 0.01: spools accelerate at
+# constant rates
 @pytest.mark.parametrize(
-    ("name", "not_linear"),
+    ("name", "in_vt"),
     first(
         [
-            ("737", []),
-            ("c172p", []),
-            ("global5000", []),
-            ("f16", ["throttle"]),
-            ("A4", ["throttle"]),
-            ("B747", []),
-            ("787-8", ["throttle"]),
-            ("MD11", []),
-            ("F4N", []),
-            ("Concorde", []),
+            ("737", 0.05),
+            ("c172p", 0.05),
+            ("global5000", 0.05),
+            ("f16", 0.12),
+            ("A4", 0.07),
+            ("B747", 0.05),
+            ("787-8", 0.06),
+            ("MD11", 0.05),
+            ("F4N", 0.05),
+            ("Concorde", 0.05),
         ],
         count=2,
     ),
 )
-def test_a_doublet_of_the_model_is_that_of_the_aircraft(name, not_linear):
+def test_a_doublet_of_the_model_is_that_of_the_aircraft(name, in_vt):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         errors = doublet_errors(name, plane(name).linear_model())
     assert max(errors[y] for y in ("theta", "q", "phi", "p", "beta", "r")) < 0.03, errors
-    assert (errors["vt"] < 0.05) == (not not_linear), errors
+    assert errors["vt"] < in_vt, errors
     told = [x for x in said if "not linear" in str(x.message)]
-    for name_of_input in not_linear:
-        assert any(f" to {name_of_input} is not linear" in str(x.message) for x in told)
+    if errors["vt"] > 0.05:
+        assert any(" to throttle is not linear" in str(x.message) for x in told)
     if name in ("737", "c172p"):
         assert not told
 

@@ -39,5 +39,8 @@ def test_the_first_case_is_within_what_the_page_says(monte_carlo, column, name):
         worst = float(table[label][column].split(" / ")[1].split(" ")[0])
         # two digits on the page
         assert found[key].max() <= worst + 0.06 * abs(worst), label
+        # the 737's table exceeds the steady error of the roll angle in one case of six
+        if key in monte_carlo.STILL and (name, key) != ("737", "error"):
+            assert found[key].max() <= limit, label
         if limit != monte_carlo.ENDLESS:
             assert float(table[label][-1]) == pytest.approx(limit)

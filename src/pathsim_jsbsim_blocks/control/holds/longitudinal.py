@@ -158,7 +158,8 @@ class AltitudeHold(Hold):
         ``Aircraft`` output of that name, for anti-windup at the end of travel
     vc
         calibrated airspeed in kt, for gains that depend on it, and for the protection; without a
-        wire (0) the gains are those of the table's nominal point
+        wire (0) the gains are those of the table's nominal point, and the protection limits neither
+        the airspeed nor the load factor
     alpha
         angle of attack in deg; without a wire (0) there is no protection from the stall
 

@@ -394,7 +394,8 @@ class GlideslopeHold(Hold):
         ``Aircraft`` output of that name, for anti-windup at the end of travel
     %(vc)s
     alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall
+        angle of attack in deg; without a wire (0) there is no protection from the stall. The load
+        factor is limited with ``vc`` wired only
 
     Outputs
     -------
