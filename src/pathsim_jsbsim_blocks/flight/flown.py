@@ -64,8 +64,9 @@ _WAY, _DOUBLET, _DOUBLET_THROTTLE = 1.0, 2.0, 0.01
 # relative to the size of a signal: no response at all
 _NOTHING = 1e-9
 
-# even over odd part of a response: worth a warning, and no linear response at all
-_KINKED, _BROKEN = 0.1, 0.5
+# even over odd part of a response: worth a warning (above 10 %, in the whole percent that it is
+# told in), and no linear response at all
+_KINKED, _BROKEN = 0.105, 0.5
 
 # error after a doublet that is worth a warning, in what a command is for and in the rest: drag is
 # even, so that the airspeed follows no elevator within 5 %
