@@ -116,11 +116,24 @@ KEPT = 15.0
 # less throttle than this is left where +10 kt cannot be flown: the step is one down
 FULL = 0.85
 
+# s of the steps, that of the altitude without its climb
+SECONDS = {loop: step.seconds for loop, step in STEPS.items()} | {"altitude": 80.0}
+
 HEADER = """\
 | aircraft | KCAS | pitch: s, deg | roll: s, deg | heading: s, deg | in the turn: sideslip deg, ft \
 | altitude: s, ft | speed: s, kt, ft | largest error at the end | predicted settling | |
 |---|--:|--:|--:|--:|--:|--:|--:|---|--:|---|
 """
+
+
+def asked(loop, gains, condition, throttle, seconds):
+    """Size and seconds of a step: down where no throttle is left, longer by its climb."""
+    size = STEPS[loop].size
+    if loop == "speed" and throttle > FULL:
+        size = -size
+    if loop == "altitude":
+        seconds += 1.3 * size / at_point(gains, condition).altitude.hdot_max
+    return size, seconds
 
 
 def flights(name, gains, condition, create, predicted=None):
@@ -132,12 +145,7 @@ def flights(name, gains, condition, create, predicted=None):
     throttle = fresh().trim.throttle[0]
     cells, missed, late, apart = [], [], [], []
     for loop, step in STEPS.items():
-        size, seconds = step.size, step.seconds
-        if loop == "speed" and throttle > FULL:
-            size = -size
-        climb = at_point(gains, condition).altitude.hdot_max
-        if loop == "altitude":
-            seconds = 80.0 + 1.3 * size / climb
+        size, seconds = asked(loop, gains, condition, throttle, SECONDS[loop])
         try:
             flown = fly_step(fresh, gains, step, size, seconds)
         except FlightError:
@@ -239,14 +247,9 @@ def off_point(name, schedule, condition, create):
         throttle = fresh().trim.throttle[0]
     except TrimError:
         return "no trim"
-    climb = schedule.at(condition.altitude, condition.speed).altitude.hdot_max
     missed = []
     for loop, step in STEPS.items():
-        size, seconds = step.size, OFF_SECONDS[loop]
-        if loop == "speed" and throttle > FULL:
-            size = -size
-        if loop == "altitude":
-            seconds += 1.3 * size / climb
+        size, seconds = asked(loop, schedule, condition, throttle, OFF_SECONDS[loop])
         try:
             flown = fly_step(fresh, schedule, step, size, seconds)
         except FlightError:

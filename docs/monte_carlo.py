@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from gain_tables import FULL, KEPT, LIMITS
+from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point
 from generate import put
 
 T = 1 / 60
@@ -82,7 +82,6 @@ def draw(table, cases):
 def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
     """Fly one case: five steps without turbulence, and a turn in it."""
     from pathsim_jsbsim_blocks import Aircraft, TrimCondition
-    from pathsim_jsbsim_blocks.control.gains import GainSchedule
     from pathsim_jsbsim_blocks.control.gains import table as gains_called
     from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 
@@ -103,17 +102,11 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         return Aircraft(aircraft, condition=condition, T=T, substeps=2, properties=properties)
 
     gains = gains_called(table)
-    here = gains.at(altitude, speed) if isinstance(gains, GainSchedule) else gains
+    throttle = max(fresh().trim.throttle)
     found, errors, alpha = {}, [], 0.0
     for loop, step in STEPS.items():
-        size = step.size
-        if loop == "speed" and max(fresh().trim.throttle) > FULL:
-            size = -size
-        seconds = step.seconds
-        if loop == "heading":
-            seconds = HEADING
-        elif loop == "altitude":
-            seconds = 80.0 + 1.3 * step.size / here.altitude.hdot_max
+        seconds = {**SECONDS, "heading": HEADING}[loop]
+        size, seconds = asked(loop, gains, condition, throttle, seconds)
         flown = fly_step(fresh, gains, step, size, seconds)
         found[f"{loop}_time"] = flown.quality.settling
         found[f"{loop}_over"] = flown.quality.overshoot
@@ -121,6 +114,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         alpha = max(alpha, flown.outputs["alpha"].max())
         if loop == "speed":
             found["speed_kept"] = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
+    here = at_point(gains, condition)
     found["error"], found["alpha"] = max(errors), alpha - here.envelope.alpha_max
 
     rough = {"atmosphere/randomseed": float(seed % 30_000), **TURBULENCE}

@@ -62,8 +62,7 @@ def server(models):
 def profile(browser, server):
     """A browser profile that has opened the editor: PathView's worker process runs."""
     with Editor(browser, server.address, server.url) as first:
-        first.page.goto(server.url())
-        first.page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=120_000)
+        first.open_empty()
         yield first.context
 
 

@@ -82,8 +82,16 @@ class Editor:
         self.page.goto(self.url(name))
         self.ready()
 
-    def ready(self):
+    def open_empty(self):
+        """Open the editor without a model, and wait until it can run one."""
+        self.page.goto(self.url(""))
+        self._can_run()
+
+    def _can_run(self):
         self.page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=120_000)
+
+    def ready(self):
+        self._can_run()
         self.page.wait_for_selector(".svelte-flow__node")
 
     def blocks(self):

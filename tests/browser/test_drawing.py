@@ -63,8 +63,7 @@ def by_hand():
 def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
     page = editor.page
     drawing = Drawing(page)
-    page.goto(editor.url(""))
-    page.wait_for_selector("button[aria-label='Run']:not([disabled])")
+    editor.open_empty()
 
     drawing.panel("Blocks")
     drawing.place("Aircraft", 660, 400)

@@ -30,8 +30,7 @@ def test_a_recorder_is_plotted_and_its_model_writes_a_track(editor, tmp_path, ca
     monkeypatch.setenv("MPLBACKEND", "agg")
     page = editor.page
     drawing = Drawing(page)
-    page.goto(editor.url(""))
-    page.wait_for_selector("button[aria-label='Run']:not([disabled])")
+    editor.open_empty()
     drawing.panel("Blocks")
     drawing.place("Aircraft", 520, 450)
     drawing.place("FlightRecorder", 900, 450)

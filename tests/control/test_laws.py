@@ -16,14 +16,13 @@ from pathsim_jsbsim_blocks import (
     AirspeedHold,
     AltitudeHold,
     Autopilot,
-    CourseHold,
     DiscretePID,
-    GlideslopeHold,
     HeadingHold,
     PitchHold,
     RollHold,
     YawDamper,
 )
+from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.loops import wrap
 from pathsim_jsbsim_blocks.control.protection import Unprotected
 
@@ -451,19 +450,7 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
 
 
 @pytest.mark.parametrize(
-    "hold",
-    [
-        PitchHold,
-        RollHold,
-        HeadingHold,
-        AltitudeHold,
-        AirspeedHold,
-        YawDamper,
-        CourseHold,
-        GlideslopeHold,
-        Autopilot,
-        DiscretePID,
-    ],
+    "hold", [*(getattr(holds, name) for name in holds.__all__), Autopilot, DiscretePID]
 )
 def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     # PathSim makes room for any port number that is wired

@@ -16,27 +16,16 @@ from pathsim_jsbsim_blocks import (
     AirspeedHold,
     AltitudeHold,
     Autopilot,
-    CourseHold,
-    GlideslopeHold,
     HeadingHold,
     ParameterError,
     PitchHold,
     RollHold,
     YawDamper,
 )
+from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import GAINS, DesignPoint, GainSchedule
 
-HOLDS = [
-    PitchHold,
-    RollHold,
-    HeadingHold,
-    AltitudeHold,
-    AirspeedHold,
-    YawDamper,
-    Autopilot,
-    CourseHold,
-    GlideslopeHold,
-]
+HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
 N = 400
 
 

@@ -189,6 +189,10 @@ class AltitudeLoop:
         if not self._own_hdot_max:
             self.hdot_max = hdot_max
 
+    def climb_rate(self, error: float, climb: float = 1.0) -> float:
+        """Rate of climb demanded in ft/s for an altitude error in ft; ``climb`` as in `sample`."""
+        return min(max(self.Kh * error, -self.hdot_max), climb * self.hdot_max)
+
     def sample(
         self,
         state: State,
@@ -215,7 +219,7 @@ class AltitudeLoop:
         if not engaged:
             law = PID.holding(theta)
         error = (found if target is None else target) + increment - h
-        hdot_cmd = min(max(self.Kh * error, -self.hdot_max), climb * self.hdot_max)
+        hdot_cmd = self.climb_rate(error, climb)
         if hdot_cmd > most:
             hdot_cmd = most
         theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)

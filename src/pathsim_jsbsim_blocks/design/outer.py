@@ -45,9 +45,7 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
     if bare is None or bare[1] >= _DAMPED:
         return YawGains(K=0.0, tau=_TAU)
     g = plant.response(OMEGA, "rudder")["r"]
-    fade = math.exp(-plant.T / _TAU)
-    z = np.exp(1j * OMEGA * plant.T)
-    washed = (z - 1.0) / (z - fade) * g
+    washed = _wash_out(plant.T, _TAU) * g
     k = int(np.argmin(np.abs(OMEGA - bare[0])))
     K = -np.sign(washed[k].real) * _YAW_SHARES / np.abs(g[k])
     # 10 deg/s of yaw should not need all of the rudder
@@ -67,6 +65,12 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
     if best is None or best[0] < bare[1] + 0.02:
         return YawGains(K=0.0, tau=_TAU)
     return YawGains(K=float(K[best[1]]), tau=_TAU)
+
+
+def _wash_out(T: float, tau: float) -> np.ndarray:
+    """Frequency response of the wash-out of the yaw rate."""
+    z = np.exp(1j * OMEGA * T)
+    return (z - 1.0) / (z - math.exp(-T / tau))
 
 
 def dutch_roll(plant: Plant) -> tuple[float, float] | None:
@@ -123,9 +127,7 @@ def design_rudder(
     """
     T = plant.T
     rudder, bank = plant.response(OMEGA, "rudder"), plant.response(OMEGA, "phi_cmd")
-    fade = math.exp(-T / damper.tau)
-    z = np.exp(1j * OMEGA * T)
-    wash = (z - 1.0) / (z - fade)
+    wash = _wash_out(T, damper.tau)
     sign = float(np.sign(rudder["beta"][0].real))
     slip = np.abs(rudder["beta"][:60]).max()
     K = damper.K * _SLIP_DAMPERS
@@ -197,7 +199,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
         of the bank's reference, deg/s
     """
     feed, found = np.zeros(2), (math.inf, np.zeros(2))
-    for last in (False, False, False, True):
+    for rounds_left in (3, 2, 1, 0):
         beta, p, phi, kick = _entry(
             plant, replace(yaw, Kroll=float(feed[0]), Kbank=float(feed[1])), ramp
         )
@@ -205,7 +207,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
         score = np.abs(beta).max() + _RUDDER_COST * max(use / room - _TURN_USE, 0.0)
         if score < found[0]:
             found = score, feed
-        if last or not np.isfinite(kick).all():
+        if not rounds_left or not np.isfinite(kick).all():
             break
         effect = np.array([fftconvolve(kick, signal)[: len(kick)] for signal in (p, phi)])
         feed = feed + _least_peak(beta, effect.T, np.abs(p).max(), np.abs(phi).max(), room)
@@ -256,11 +258,9 @@ def _least_peak(
 def _of_rudder(plant: Plant, gains: YawGains) -> Margins:
     """Margins of the rudder's loops, broken at the rudder."""
     g = plant.response(OMEGA, "rudder")
-    z = np.exp(1j * OMEGA * plant.T)
-    wash = (z - 1.0) / (z - math.exp(-plant.T / gains.tau))
     L = (
         (gains.Kp + gains.Ki * integral(OMEGA, plant.T)) * g["beta"]
-        - gains.K * wash * g["r"]
+        - gains.K * _wash_out(plant.T, gains.tau) * g["r"]
         - gains.Kroll * g["p"]
         - gains.Kbank * g["phi"]
     )

@@ -656,16 +656,17 @@ def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> 
     flies = condition.mode not in ("ground", "none")
     if condition.searched_by == "newton" or (dead and flies):
         return _by_newton(airframe, condition, seed)
-    if condition.mode != "none":
+    if condition.mode in ("full", "longitudinal"):
         before = airframe.internal()
         try:
             _find(airframe, condition)
         except TrimError:
-            # in the air, most failed searches with jet engines leave nothing behind to renew for
-            if condition.mode in ("full", "longitudinal"):
-                _initialise(airframe, condition, condition.heading)
-                airframe.spent = not _same(before, airframe.internal())
+            # most failed searches with jet engines leave nothing behind to renew for
+            _initialise(airframe, condition, condition.heading)
+            airframe.spent = not _same(before, airframe.internal())
             raise
+    elif condition.mode != "none":
+        _find(airframe, condition)
     if condition.mode == "turn":
         # JSBSim keeps the track and turns the nose, so start with the opposite offset
         beyond = math.remainder(airframe.fdm[_STATE["psi"]] - condition.heading, 360.0)

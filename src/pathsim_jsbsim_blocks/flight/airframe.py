@@ -236,7 +236,6 @@ class Airframe:
         if gravity is not None:
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
-        self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
         self._open()
 
@@ -286,7 +285,7 @@ class Airframe:
             self.fdm[name] = value
         self._properties = self.fdm.get_property_manager()
         self._choose_outputs()
-        self._names = None
+        self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
         self._readers: dict[str, Callable[[], float]] = {}
         self._writers: dict[str, Callable[[float], Any]] = {}

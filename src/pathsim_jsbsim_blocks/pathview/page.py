@@ -36,8 +36,9 @@ _WHOLE = """async () => {
         const shown = () => [...document.querySelectorAll(".svelte-flow__edge-path")].map(
             wire => wire.getBoundingClientRect());
         let busy = false, before = "", still = 0;
+        const over = new AbortController(), options = {capture: true, signal: over.signal};
         for (const kind of ["pointerdown", "keydown", "wheel"])
-            addEventListener(kind, event => { busy ||= event.isTrusted; }, true);
+            addEventListener(kind, event => { busy ||= event.isTrusted; }, options);
         for (let i = 0; i < 100 && still < 4 && !busy; i++) {
             await pause(250);
             const now = JSON.stringify(shown());
@@ -50,6 +51,7 @@ _WHOLE = """async () => {
             document.body.dispatchEvent(new KeyboardEvent("keydown", {key: "-", bubbles: true}));
             await pause(400);
         }
+        over.abort();
     }"""
 
 

@@ -121,7 +121,8 @@ def trim_sweep(
         resume=resume,
         progress=progress,
     )
-    rows = [row for _, row in sorted(zip(order, rows, strict=True), key=lambda found: found[0])]
+    found_at = dict(zip(order, rows, strict=True))
+    rows = [found_at[i] for i in range(len(points))]
     found = [column(name) for name in _FOUND] + outputs
     table = pd.concat(
         [

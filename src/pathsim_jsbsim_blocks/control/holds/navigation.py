@@ -513,9 +513,9 @@ class GlideslopeHold(Hold):
         else:
             if climb[0] <= 0.0:
                 found, climb = h, PID.holding(ReferenceLoop.reference(pitch, theta))
-            hdot_cmd = self._limited(found - h)
+            hdot_cmd = self._altitude.climb_rate(found - h)
             if speed is not None:
-                descent = self._limited(-above) - speed * self._slope
+                descent = self._altitude.climb_rate(-above) - speed * self._slope
                 lower = rate > 0.0 and descent <= hdot_cmd and degrees <= _CAPTURE
                 captured = captured or lower
                 hdot_cmd = descent if captured else hdot_cmd
@@ -528,8 +528,3 @@ class GlideslopeHold(Hold):
             [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
             (away, speed, found, captured, climb, pitch, (guard, cut)),
         )
-
-    def _limited(self, error: float) -> float:
-        """Rate of climb demanded for an error of altitude."""
-        most = self._altitude.hdot_max
-        return min(max(self._altitude.Kh * error, -most), most)
