@@ -60,8 +60,8 @@ def _uses_pathview(command):
     return command.split()[1] in ("view", "export", "convert") or ".pvm" in command
 
 
-# test_published computes these two in each run of the tests
-LONG = ("trim_envelope", "thrust_vectoring")
+# test_published and tests/design compute these in each run of the tests
+LONG = ("trim_envelope", "thrust_vectoring", "gains c172p")
 COMMANDS = [
     pytest.param(
         c, id=f"{page}: {c}", marks=pytest.mark.long if any(name in c for name in LONG) else ()

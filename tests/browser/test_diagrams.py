@@ -56,12 +56,11 @@ def assert_same(streamed, expected):
         np.testing.assert_allclose(streamed[name][1], signals, rtol=1e-12, atol=1e-12)
 
 
-# an aircraft under a hold, and plain blocks; subsystems and events are in test_scripts
-FIRST = ("pitch_hold", "wind_to_body")
+# an aircraft under a hold first; subsystems and events are in test_scripts
 # the check cases differ in numbers only
 NAMES = sorted(
     (n for n in diagram_names() if n == "check_case_01" or not n.startswith("check_case")),
-    key=lambda name: name not in FIRST,
+    key=lambda name: name != "pitch_hold",
 )
 
 
@@ -71,7 +70,7 @@ def editor(fresh_editor):
     return fresh_editor
 
 
-@pytest.mark.parametrize("name", first(NAMES, 2))
+@pytest.mark.parametrize("name", first(NAMES))
 def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")
     script = load_diagram(name)

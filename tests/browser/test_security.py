@@ -113,7 +113,7 @@ class Elsewhere:
         self.server.server_close()
 
 
-@pytest.fixture(params=["127.0.0.1", "localhost"])  # the same site, and another one
+@pytest.fixture(params=first(["127.0.0.1", "localhost"]))  # the same site, and another one
 def elsewhere(request):
     elsewhere = Elsewhere(request.param)
     yield elsewhere
@@ -138,8 +138,7 @@ def model(models):
             '<img src=q onerror="{}">',
             "$\\href{{javascript:{}}}{{x}}$",
             '$x$<iframe src="javascript:{}"></iframe>',
-        ],
-        2,
+        ]
     ),
 )
 def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path):
@@ -169,8 +168,7 @@ def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path)
             '[a](x" onmouseover="{}" class="trap)',
             '$x$<img src=q onerror="{}">',
             "<script>{}</script>",
-        ],
-        2,
+        ]
     ),
 )
 def test_a_note_runs_nothing(note, editor, models):

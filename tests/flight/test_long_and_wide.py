@@ -104,8 +104,6 @@ def lives(count):
     [
         # 64800 steps at two numbers a second are 10 kB; a leak of 100 bytes a step were 6 MB
         pytest.param(minutes, 10, 3.0, marks=pytest.mark.long),
-        # the same of a leak of 420 bytes a step, as a number or two that are kept
-        (minutes, 3, 3.0),
         # an aircraft takes 0.37 MB: 90 that stay were 33 MB, 900 were 330
         (lives, 100, 8.0),
         pytest.param(lives, 1000, 8.0, marks=pytest.mark.long),

@@ -190,7 +190,9 @@ def test_a_failed_search_does_not_show_in_the_next_point(aircraft, altitude, spe
     assert len(found) == len(speeds) // 2 + 1
 
 
-@pytest.mark.parametrize(("aircraft", "speed", "keeps"), [("737", 100, True), ("c182", 150, False)])
+@pytest.mark.parametrize(
+    ("aircraft", "speed", "keeps"), first([("737", 100, True), ("c182", 150, False)])
+)
 def test_an_aircraft_is_loaded_again_only_after_a_search_that_left_something(
     aircraft, speed, keeps
 ):
