@@ -236,6 +236,7 @@ class Airframe:
         if gravity is not None:
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
+        self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
         self._open()
 
@@ -285,7 +286,7 @@ class Airframe:
             self.fdm[name] = value
         self._properties = self.fdm.get_property_manager()
         self._choose_outputs()
-        self._names: list[str] | None = None
+        self._names = None
         # a trim map reads and writes the same few properties at every point
         self._readers: dict[str, Callable[[], float]] = {}
         self._writers: dict[str, Callable[[float], Any]] = {}
