@@ -20,7 +20,8 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     TrimCondition,
 )
-from pathsim_jsbsim_blocks.flight import linear_model
+from pathsim_jsbsim_blocks.flight import flown as flown_models
+from pathsim_jsbsim_blocks.flight import linear_model, rehearsal
 from pathsim_jsbsim_blocks.linear import LinearModel
 from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
@@ -61,13 +62,13 @@ def doublet(n, port, size=0.01):
     return u
 
 
-def doublet_errors(name, model):
+def doublet_errors(name, model, size=0.01):
     """rms error over rms of the response, of the outputs that each input is for."""
     errors = {}
     still = flown(name, np.zeros((1200, 4)))
     for port, (name_of_input, outputs) in enumerate(RESPONSES.items()):
         if name_of_input in model.inputs:
-            u = doublet(1200, port)
+            u = doublet(1200, port, size)
             response = flown(name, u) - still
             moved = [list(RESPONSES).index(name) for name in model.inputs]
             predicted = model.simulate(u[:, moved]) - model.y0
@@ -78,8 +79,9 @@ def doublet_errors(name, model):
     return errors
 
 
-# largest error in vt; the throttle of three is not linear within 0.01: spools accelerate at
-# constant rates
+# largest error in vt with a doublet that begins upwards. In that of the f16 and A4 the thrust's
+# impulse, none in a linear engine, is 2.8 and 1.2 % of one way's: no delay and gain has less than
+# 10.2 and 5.8 %
 @pytest.mark.parametrize(
     ("name", "in_vt"),
     first(
@@ -87,10 +89,10 @@ def doublet_errors(name, model):
             ("737", 0.05),
             ("c172p", 0.05),
             ("global5000", 0.05),
-            ("f16", 0.12),
-            ("A4", 0.07),
+            ("f16", 0.11),
+            ("A4", 0.06),
             ("B747", 0.05),
-            ("787-8", 0.06),
+            ("787-8", 0.05),
             ("MD11", 0.05),
             ("F4N", 0.05),
             ("Concorde", 0.05),
@@ -101,7 +103,8 @@ def doublet_errors(name, model):
 def test_a_doublet_of_the_model_is_that_of_the_aircraft(name, in_vt):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        errors = doublet_errors(name, plane(name).linear_model())
+        model = plane(name).linear_model()
+    errors = doublet_errors(name, model)
     assert max(errors[y] for y in ("theta", "q", "phi", "p", "beta", "r")) < 0.03, errors
     assert errors["vt"] < in_vt, errors
     told = [x for x in said if "not linear" in str(x.message)]
@@ -109,6 +112,10 @@ def test_a_doublet_of_the_model_is_that_of_the_aircraft(name, in_vt):
         assert any(" to throttle is not linear" in str(x.message) for x in told)
     if name in ("737", "c172p"):
         assert not told
+    # within 8 s, not 10
+    downwards = doublet_errors(name, model, -0.01)["vt"]
+    shown = model.fit[model.outputs.index("vt"), model.inputs.index("throttle")]
+    assert shown == pytest.approx(max(errors["vt"], downwards), rel=0.15, abs=0.005)
 
 
 @pytest.mark.parametrize("name", first(["737", "c172p", "global5000", "f16"], count=1))
@@ -128,6 +135,26 @@ def test_both_methods_find_the_same_rigid_aircraft():
     ]
     for a, b in zip(*poles, strict=True):
         assert abs(a - b) < 0.02 * abs(a) + 2e-3, poles
+
+
+# where trims take long, flights start from copies of one; a copy may fail, or there is no fork
+@pytest.mark.parametrize("rehearse", [rehearsal.rehearse, lambda action, seconds: None])
+def test_flights_from_copies_give_the_same_model(rehearse, monkeypatch):
+    block = plane("c172p")
+    afresh = block.linear_model(inputs=["elevator"])
+    monkeypatch.setattr(flown_models, "_LONG", 0.0)
+    monkeypatch.setattr(flown_models, "rehearse", rehearse)
+    from_copies = block.linear_model(inputs=["elevator"])
+    for name in ("A", "B", "C", "D", "x0", "y0", "kinks", "fit"):
+        one, other = getattr(afresh, name), getattr(from_copies, name)
+        assert np.array_equal(one, other, equal_nan=True), name
+
+
+def test_a_throttle_has_the_latency_of_a_step():
+    # a sample, and the mean of half the time that the 787-8's spools need for 0.01 of throttle:
+    # 0.1 s up and 0.033 s down
+    model = plane("787-8").linear_model(inputs=["throttle"])
+    assert model.latency[0] * model.dt == pytest.approx(1 / 120 + 0.033, abs=1 / 120)
 
 
 def test_a_look_in_mid_run_leaves_the_flight_as_it_is():

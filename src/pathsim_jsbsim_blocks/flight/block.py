@@ -298,10 +298,10 @@ class FlightBlock(NamedPorts, SampledPlant):
         Warns
         -----
         RuntimeWarning
-            for each input with a response to a doublet that is not linear: its even part is above
-            10 % of the odd part, or the model's error above 5 % in what the command is for (theta
-            and q for the elevator, phi and p for the aileron, beta and r for the rudder, vt for
-            the throttle) or above 15 % in the rest
+            for each input with a response to a doublet, upwards first, that is not linear: its even
+            part is above 10 % of the odd part, or the model's error above 5 % in what the command
+            is for (theta and q for the elevator, phi and p for the aileron, beta and r for the
+            rudder, vt for the throttle) or above 15 % in the rest
 
         Raises
         ------

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from mmap import mmap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +26,7 @@ from .channels import (
     full_circle,
     ignorable,
 )
+from .rehearsal import rehearse
 
 if TYPE_CHECKING:
     from .block import FlightBlock
@@ -75,6 +78,12 @@ _MISSED, _MISSED_ELSEWHERE = 0.05, 0.15
 # growth, as the exponent, with which an aircraft is still near its trim after the pulse
 _GROWTH = 3.0
 
+# s of processor time from which on loading and trimming costs more than a copy of the process
+_LONG = 0.1
+
+# s of processor time for a flight in such a copy
+_LONGEST_FLIGHT = 60
+
 # largest error of a model that is one
 _WORST_FIT = 0.3
 
@@ -89,7 +98,9 @@ def flown_model(
 
     The other parameters, and the errors, are those of `FlightBlock.linear_model`.
     """
+    start = time.process_time()
     block = build()
+    slow = time.process_time() - start > _LONG
     if block.T > _LONGEST_PERIOD:
         raise LinearisationError(
             f"no linear model of {block.airframe.aircraft!r}: samples every {block.T:g} s do not "
@@ -128,10 +139,13 @@ def flown_model(
         )
         for i, height in zip(moved, heights, strict=True)
     ]
+    pairs = [
+        [flights.from_trim(block, slow, port, sign * command) for sign in (1, -1)]
+        for port, command in zip(moved, commands, strict=True)
+    ]
     still = flights.fly(block, None, np.zeros_like(commands[0]))
     odd, even = [], []
-    for port, height, command in zip(moved, heights, commands, strict=True):
-        up, down = (flights.fly(build(), port, sign * command) for sign in (1, -1))
+    for port, height, (up, down) in zip(moved, heights, pairs, strict=True):
         odd.append((up - down) / 2)
         even.append((up + down) / 2 - still)
         if np.all(_rms(odd[-1][: flights.pulsed]) < _nothing(still)):
@@ -167,23 +181,34 @@ def flown_model(
         abrupt=[i for i, c in enumerate(listed) if acceleration(c) and i not in mute],
     )
     meant = np.array([[_is_for(ports[i], c) for c in listed] for i in moved])
+    predicted = respond(found, np.array(commands).T, block.T)
+    for j, i in enumerate(moved):
+        # a spool takes the longer the further it goes: what the pulse shows is no delay at all
+        if _is_throttle(ports[i]):
+            seen = [k for k in np.flatnonzero(meant[j]) if k not in mute]
+            later = flights.later(odd[j][:, seen], predicted[j][:, seen])
+            found.latency[j] += later
+            predicted[j, later:] = predicted[j, : len(predicted[j]) - later]
     doublets = _Doublets(
         np.array(odd)[:, flights.pulsed :],
         np.array(even)[:, flights.pulsed :],
-        respond(found, np.array(commands).T, block.T)[:, flights.pulsed :],
+        predicted[:, flights.pulsed :],
         meant,
     )
-    missed, uneven = doublets.missed(), doublets.uneven()
-    missed[mute] = uneven[mute] = np.nan
+    upwards, downwards, uneven = doublets.missed(1), doublets.missed(-1), doublets.uneven()
+    upwards[mute] = downwards[mute] = uneven[mute] = np.nan
     shown = [listed[i].name for i in rigid]
     _judge_fit(block.airframe.aircraft, names, shown, found.error[rigid])
     # an unstable aircraft is far from its trim by now
     if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
         _judge_fit(block.airframe.aircraft, names, shown, doublets.missed_of_largest()[rigid])
-    kinked, error = np.fmax(kinked, uneven), np.fmax(found.error, missed)
-    limit = np.where(meant.T, _MISSED, _MISSED_ELSEWHERE)[rigid]
+    kinked, error = np.fmax(kinked, uneven), np.fmax(found.error, upwards)
+    limit = np.where(meant.T, _MISSED, _MISSED_ELSEWHERE)
+    beyond = np.fmax(kinked / _KINKED, error / limit)
+    error = np.fmax(error, downwards)
     reasons = [_reason(block.airframe, ports[i]) for i in moved]
-    _warn(block.airframe.aircraft, names, reasons, shown, kinked[rigid], error[rigid], limit)
+    told = beyond[rigid], kinked[rigid], error[rigid]
+    _warn(block.airframe.aircraft, names, reasons, shown, *told)
     return _named(block, found, signals, chosen, moved, still[0], kinked, error)
 
 
@@ -196,13 +221,14 @@ class _Doublets:
         hardly = (size < _HARDLY * size.max(axis=0, initial=0.0)) & ~meant
         self._hardly = hardly | (size == 0.0)
 
-    def missed(self) -> np.ndarray:
+    def missed(self, sign: int) -> np.ndarray:
         """Error over response, shape (signals, inputs); NaN where a signal hardly responds.
 
-        The response is that to the doublet itself, up first, with its even part.
+        The response is that to the doublet that begins upwards (1) or downwards (-1), with its even
+        part.
         """
-        up = self._odd + self._even
-        return self._over(_rms(up - self._predicted), _rms(up))
+        even = sign * self._even
+        return self._over(_rms(self._odd + even - self._predicted), _rms(self._odd + even))
 
     def missed_of_largest(self) -> np.ndarray:
         """Error over the signal's largest response to any input, likewise."""
@@ -221,7 +247,7 @@ class _Flights:
     """Flights with a pulse on one input each and a doublet after it, and what is recorded."""
 
     def __init__(self, build: Callable[[], FlightBlock], signals: Mapping[str, Channel], T: float):
-        self._signals = signals
+        self._build, self._signals = build, signals
         self.width = max(round(_PULSE / T), 1)
         self._n = round(_DURATION / T / self.width) * self.width
         self._way = max(round(_WAY / T), 1)
@@ -235,6 +261,31 @@ class _Flights:
         u[self._n :][: self._way] = doublet
         u[self._n + self._way :][: self._way] = -doublet
         return u
+
+    def later(self, odd: np.ndarray, predicted: np.ndarray) -> int:
+        """Periods by which the doublet's first way acts later than a model has it."""
+        start, end = self.pulsed, self.pulsed + self._way
+        errors = [
+            float(((odd[start:end] - predicted[start - k : end - k]) ** 2).sum())
+            for k in range(self._way)
+        ]
+        return int(np.argmin(errors))
+
+    def from_trim(
+        self, plane: FlightBlock, copied: bool, port: int, commands: np.ndarray
+    ) -> np.ndarray:
+        """The signals of `fly`, from a copy of the plane or another one: this one stays there."""
+        if copied:
+            # the last byte tells that the flight has ended well
+            shared = mmap(-1, 8 * (len(commands) + 1) * len(self._signals) + 1)
+
+            def fly() -> None:
+                shared[:] = self.fly(plane, port, commands).tobytes() + b"y"
+
+            rehearse(fly, _LONGEST_FLIGHT)
+            if shared[-1:] == b"y":
+                return np.frombuffer(shared[:-1]).reshape(len(commands) + 1, -1)
+        return self.fly(self._build(), port, commands)
 
     def fly(self, plane: FlightBlock, port: int | None, commands: np.ndarray) -> np.ndarray:
         """Signals from the start of the pulse on, shape (samples, signals)."""
@@ -368,12 +419,11 @@ def _warn(
     inputs: Sequence[str],
     reasons: Sequence[str],
     signals: Sequence[str],
+    beyond: np.ndarray,
     kinks: np.ndarray,
     error: np.ndarray,
-    limit: np.ndarray,
 ) -> None:
     """Warn of a model that holds for small motions only: of the worst response to each input."""
-    beyond = np.fmax(kinks / _KINKED, error / limit)
     for j, name in enumerate(inputs):
         i, _ = _worst(beyond[:, [j]])
         if beyond.size and beyond[i, j] > 1.0:

@@ -75,14 +75,16 @@ class LinearModel:
     dt : float
         sample period of the block in s
     latency : array of int, shape (m,)
-        periods by which each input acts late
+        periods by which each input acts late; flown, a throttle's is that of a step of the
+        doublet's height
     kinks : array, shape (p, m)
         even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``, the larger of
         those after pulse and doublet: 0 for a linear aircraft; NaN where an output hardly responds
     fit : array, shape (p, m)
-        rms error against the responses that were flown, the larger of that after the pulse, over
-        the output's largest rms response to any input, and that after the doublet, up first, over
-        the response itself where it is not small; NaN for the algebraic method, which flies none
+        rms error against the responses that were flown, the largest of that after the pulse, over
+        the output's largest rms response to any input, and those after doublets that begin upwards
+        and downwards, over the response itself where it is not small; NaN for the algebraic method,
+        which flies none
 
     Raises
     ------
