@@ -20,12 +20,16 @@ from pathsim_jsbsim_blocks import (
     AircraftError,
     BlocksError,
     FlightError,
+    ISAtmosphere,
     JSBSimFDM,
     ParameterError,
+    PitchHold,
     PropertyError,
     TrimCondition,
     TrimError,
+    fly,
 )
+from pathsim_jsbsim_blocks._core._pathsim import port_names
 
 pytestmark = pytest.mark.matrix
 
@@ -399,6 +403,29 @@ def test_more_fuel_than_a_tank_holds_is_refused(fuel):
         Aircraft("c172p", **fuel)
 
 
+@pytest.mark.parametrize(
+    ("block", "right", "wrong"),
+    [
+        (lambda: Aircraft("c172p", altitude=5000, speed=90), "theta", "thta"),
+        (lambda: Aircraft("c172p", speed=90, output_properties=["flaps"]), "flaps", "flap"),
+        (PitchHold, "elevator", "elevater"),
+        (ISAtmosphere, "pressure", "presure"),
+    ],
+)
+def test_an_output_read_by_a_wrong_name_is_refused(block, right, wrong):
+    outputs = block().outputs
+    assert outputs[right] == outputs[list(port_names(outputs)).index(right)]
+    with pytest.raises(ParameterError, match=rf"no port '{wrong}'; did you mean .*'{right}'"):
+        outputs[wrong]
+    with pytest.raises(ParameterError, match=rf"no port 'xyzxyz'; there is .*{right}"):
+        outputs["xyzxyz"]
+
+
+def test_only_a_simulation_is_flown():
+    with pytest.raises(ParameterError, match="sim must be a Simulation, not PitchHold"):
+        fly(PitchHold(), 1.0)
+
+
 @pytest.mark.parametrize(("altitude", "elevator"), [(500, 1.0), (1000, 1.0), (500, -1.0)])
 def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
     plane = Aircraft("c172p", altitude=altitude, speed=90)
@@ -410,6 +437,7 @@ def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
         sim.run(60.0)
     assert plane.outputs["h"] < 10.0
     assert abs(error.value.value) > 50.0
+    assert f" is {error.value.value:.6g} at " in str(error.value)
 
 
 def test_a_step_too_long_for_jsbsim_is_refused():

@@ -405,7 +405,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
         (
             ["run", "trim_envelop"],
-            "no diagram or study 'trim_envelop'; did you mean 'trim_envelope'",
+            "no diagram, study or script 'trim_envelop'; did you mean 'trim_envelope'",
         ),
         (
             ["study", "climb_schedule", "--altitude", "3000"],

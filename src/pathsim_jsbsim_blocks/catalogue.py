@@ -51,7 +51,7 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     if name in names:
         return diagram_folder() / f"{name}.py"
     raise ParameterError(
-        f"no diagram {'or study ' if also else ''}{name!r}"
+        f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
         + did_you_mean(nearest(name, names + also)),
         parameter="name",
         value=name,

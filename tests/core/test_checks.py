@@ -120,7 +120,13 @@ def test_nearest_names():
     assert checks.nearest("vt-fsp", names) == ["velocities/vt-fps"]
     # two letters are contained in too much
     assert checks.nearest("at", names) == []
-    assert checks.nearest("ATTITUDE/P", names) == ["attitude/phi-deg"]
+    # without regard to capital letters
+    assert checks.nearest("ATTITUDE/P", names)[0] == "attitude/phi-deg"
+    assert checks.nearest("PA-28", ["OV10", "pa28"]) == ["pa28"]
+    # those that it contains, the longest first
+    aircraft = ["A320", "A4", "c172", "c172p"]
+    assert checks.nearest("Airbus A320", aircraft) == ["A320"]
+    assert checks.nearest("c172p-slow.json", aircraft)[:2] == ["c172p", "c172"]
     assert len(checks.nearest("deg", names)) == 3
     assert checks.did_you_mean(["a", "b"]) == "; did you mean 'a' or 'b'?"
     assert checks.did_you_mean([]) == ""

@@ -460,3 +460,23 @@ def test_runs_within_runs_are_counted_apart():
             pass
         fly(Simulation([Constant(1.0)], [], dt=0.1, log=False), 0.2)
     assert (outer.begun, inner.begun) == (1, 0)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, float("nan"), float("inf"), "0.01"])
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda sim: sim.run(0.2),
+        lambda sim: fly(sim, 0.2),
+        lambda sim: list(sim.run_streaming(0.2)),
+        lambda sim: list(sim.run_realtime(0.2)),
+    ],
+)
+def test_a_step_without_which_the_run_never_ends_is_refused(run, dt):
+    sim = Simulation([Scope()], dt=0.1, log=False)
+    sim.dt = dt
+    with pytest.raises(ParameterError, match="dt must be"):
+        run(sim)
+    sim.dt = 0.1
+    run(sim)
+    assert sim.time == pytest.approx(0.2, abs=0.11)

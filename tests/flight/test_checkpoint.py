@@ -123,6 +123,14 @@ def test_a_checkpoint_of_another_flight_is_refused(change, duration, tmp_path):
     assert plane.samples == 0
 
 
+def test_the_refusal_names_what_differs_between_the_flights(tmp_path):
+    sim, _, _ = diagram()
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    other, _, _ = diagram(substeps=2)
+    with pytest.raises(ParameterError, match=r"it has substeps=1; this block has substeps=2$"):
+        other.load_checkpoint(str(tmp_path / "stop"))
+
+
 def test_a_checkpoint_of_other_ports_is_refused(tmp_path):
     def build(input_, output):
         fdm = JSBSimFDM(

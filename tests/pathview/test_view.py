@@ -122,7 +122,7 @@ def test_this_package_is_always_registered_and_the_models_toolboxes_last():
 @pytest.mark.parametrize(
     ("target", "error", "message"),
     [
-        ("no_such_diagram", ParameterError, "no diagram 'no_such_diagram'"),
+        ("no_such_diagram", ParameterError, "no diagram or script 'no_such_diagram'"),
         ("missing.pvm", DiagramError, "cannot be read"),
     ],
 )

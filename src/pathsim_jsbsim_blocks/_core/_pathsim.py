@@ -25,6 +25,9 @@ from pathsim.utils.logger import LoggerManager
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
+from ..errors import ParameterError
+from .checks import did_you_mean, nearest, number, positive
+
 
 def values(register: Register) -> list[float]:
     """The values in a block's inputs or outputs."""
@@ -51,7 +54,20 @@ def own_events(subsystem: Subsystem) -> list[Event]:
     return subsystem._events
 
 
-class WiredRegister(Register):
+class NamedRegister(Register):
+    """Values by name; a name that does not exist is refused, where PathSim reads 0."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str) and key not in self._mapping:
+            close = nearest(key, self._mapping)
+            known = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
+            raise ParameterError(f"no port {key!r}{known}", parameter="port", value=key)
+        return super().__getitem__(key)
+
+
+class WiredRegister(NamedRegister):
     """Inputs that record which ports are connected: PathSim looks up their numbers."""
 
     __slots__ = ["wired"]
@@ -158,6 +174,8 @@ def _announce_runs() -> None:
 
     @functools.wraps(loop)
     def announced(self: Simulation, *args: Any, **kwargs: Any) -> Any:
+        # PathSim's loop never ends without
+        number("dt", positive("dt", self.dt))
         for call in before_runs:
             call(self)
         return loop(self, *args, **kwargs)

@@ -16,16 +16,18 @@ from ..errors import ParameterError
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
-    """The names most like ``name``: those that contain it first, then by spelling.
+    """The names most like ``name``: those that contain it, those in it, then by spelling.
 
-    Names that are paths (``attitude/theta-deg``) are compared whole and by their last part.
+    Names that are paths (``attitude/theta-deg``) are compared whole and by their last part; capital
+    letters do not count.
     """
     names = list(names)
     low = str(name).lower()
     holds = sorted((x for x in names if len(low) > 2 and low in x.lower()), key=len)
-    tails = {x.rpartition("/")[2]: x for x in reversed(names)}
-    close = difflib.get_close_matches(str(name), [*names, *tails], n=n, cutoff=0.55)
-    return list(dict.fromkeys([*holds[:n], *(tails.get(x, x) for x in close)]))[:n]
+    held = sorted((x for x in names if len(x) > 2 and x.lower() in low), key=len, reverse=True)
+    spelt = {part.lower(): x for x in reversed(names) for part in (x.rpartition("/")[2], x)}
+    close = difflib.get_close_matches(low, spelt, n=n, cutoff=0.55)
+    return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
 def did_you_mean(names: Iterable[str]) -> str:

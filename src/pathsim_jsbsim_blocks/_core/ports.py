@@ -13,7 +13,7 @@ from pathsim.optim.operator import Operator
 
 from ..errors import BlocksError, ParameterError
 from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
-from ._pathsim import port_names
+from ._pathsim import NamedRegister, port_names
 from .checks import did_you_mean, nearest
 
 # relative to an input's value, and the least
@@ -119,6 +119,7 @@ class NamedFunction(NamedPorts, Function):
     def __init__(self, func: Callable[..., Any]) -> None:
         # past the constructors of pathsim-flight's classes, which take no function
         Function.__init__(self, func)
+        self.outputs = NamedRegister(len(self.outputs), port_names(self.outputs))
 
         # Function's own operator gives a tuple, which PathSim cannot differentiate
         def outputs(u: np.ndarray) -> np.ndarray:

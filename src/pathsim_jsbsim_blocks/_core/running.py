@@ -55,10 +55,11 @@ def fly(
     Raises
     ------
     ParameterError
-        if the duration or the step is not positive and finite
+        if the duration or the step is not positive and finite, or ``sim`` is no simulation
     """
+    if not isinstance(sim, Simulation):
+        raise ParameterError(f"sim must be a Simulation, not {sim!r}", parameter="sim", value=sim)
     duration = number("duration", positive("duration", duration))
-    number("dt", positive("dt", sim.dt))
     if is_real_time():
         return sim.run(duration, reset)
     if _runs:
@@ -88,7 +89,6 @@ def shown_runs() -> Iterator[None]:
     ) -> dict[str, Any]:
         if sim.log:  # PathSim itself shows the progress
             return usual(sim, duration, reset, adaptive)
-        number("dt", positive("dt", sim.dt))
         start = 0.0 if reset else sim.time
         tracker = _pathsim.tracker(sim, duration)
         with tracker, progress_bar(duration) as bar:

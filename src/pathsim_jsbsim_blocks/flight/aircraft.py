@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from pathsim.utils.register import Register
 
-from .._core._pathsim import port_names
+from .._core._pathsim import NamedRegister, port_names
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
@@ -371,9 +371,9 @@ class _Further:
             put(min(max(start + increment, self._low), self._high))
 
 
-def _register(fixed: Mapping[str, int], further: Sequence[str]) -> Register:
+def _register(fixed: Mapping[str, int], further: Sequence[str]) -> NamedRegister:
     names = [*fixed, *further]
-    return Register(len(names), {name: i for i, name in enumerate(names)})
+    return NamedRegister(len(names), {name: i for i, name in enumerate(names)})
 
 
 def _range(trim: float) -> tuple[float, float]:

@@ -574,7 +574,7 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _fail(self, what: str, name: str, value: float, t: float) -> None:
         raise FlightError(
-            f"aircraft {self.airframe.aircraft!r}: {what} is {value} at t = {t:.9g} s",
+            f"aircraft {self.airframe.aircraft!r}: {what} is {value:.6g} at t = {t:.9g} s",
             aircraft=self.airframe.aircraft,
             time=t,
             name=name,
@@ -629,8 +629,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         """
         flight = json_data.get("flight")
         if flight != self._flight():
+            there, here = str(flight).split(", "), self._flight().split(", ")
             raise ParameterError(
-                f"the checkpoint is of another flight: {flight}; this block flies {self._flight()}",
+                f"the checkpoint is of another flight: it has "
+                f"{', '.join(x for x in there if x not in here) or flight}; this block has "
+                f"{', '.join(x for x in here if x not in there) or self._flight()}",
                 parameter="checkpoint",
                 value=flight,
             )

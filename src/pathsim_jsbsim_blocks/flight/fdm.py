@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from pathsim.utils.register import Register
-
-from .._core._pathsim import port_names
+from .._core._pathsim import NamedRegister, port_names
 from .block import FlightBlock, Read, Write, fill
 from .channels import Channel, unit_of
 from .condition import TrimCondition
@@ -143,10 +141,10 @@ class JSBSimFDM(FlightBlock):
         self.trim_mode = trim_mode
         self.gear = gear
         self.flaps = flaps
-        self.inputs = Register(
+        self.inputs = NamedRegister(
             len(self.input_properties), {n: i for i, n in enumerate(self.input_properties)}
         )
-        self.outputs = Register(
+        self.outputs = NamedRegister(
             len(self.output_properties), {n: i for i, n in enumerate(self.output_properties)}
         )
         self.take_off()
