@@ -275,6 +275,15 @@ def test_an_input_at_the_end_of_its_range_is_refused():
     assert caught.value.name == "fcs/aileron-cmd-norm"
 
 
+@pytest.mark.parametrize("inputs", [["elevator", "throttle"], ["throttle"]])
+def test_a_closed_throttle_is_refused(inputs):
+    # what it does not move at all, sideslip and bank, is no answer to up and down
+    glide = TrimCondition(altitude=5000, speed=260, gear=0.0, mode="glide", solver="newton")
+    with pytest.raises(LinearisationError, match="leave that out of the inputs") as caught:
+        linear_model("737", glide, inputs=inputs)
+    assert (caught.value.reason, caught.value.name) == ("limit", "throttle")
+
+
 def test_an_input_without_response_is_refused():
     # the elevator of this model has a hysteresis wider than the pulse
     with pytest.raises(LinearisationError, match="does not respond to 'elevator'") as caught:
@@ -420,8 +429,11 @@ def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):
         LinearModel.load(file)
 
 
-def test_bad_frequencies_and_lags_are_refused():
+def test_bad_inputs_frequencies_and_lags_are_refused():
     model = plane("737").linear_model("algebraic")
+    for u in (np.zeros(4), np.zeros((5, 3)), np.full((5, 4), math.nan)):
+        with pytest.raises(ParameterError, match=r"u must have .* 4 columns .* of finite numbers"):
+            model.simulate(u)
     # heading and position are integrals
     with pytest.raises(ParameterError, match="omega must be a list of frequencies"):
         model.frequency_response([0.0])

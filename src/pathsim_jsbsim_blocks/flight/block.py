@@ -289,7 +289,8 @@ class FlightBlock(NamedPorts, SampledPlant):
             shows how far the model holds. "algebraic": central differences of JSBSim's
             accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms
         inputs, outputs : list of str, optional
-            names of ports; default all that the aircraft has: one without engines has no throttle
+            names of ports; default all that the aircraft has: one without engines has no throttle.
+            The wind of an `Aircraft` and its ``input_properties`` are not among the inputs
         amplitude : dict, optional
             height of the pulse on an input, by its name, in its unit; default 0.005 for
             surfaces, 0.001 for the throttle of a turbine and 0.01 for that of a piston engine. The

@@ -161,8 +161,10 @@ def flown_model(
     kinked = _ratio([y[: flights.pulsed] for y in even], pulsed, _nothing(still))
     # what answers alike to up and down does not answer in the first order
     mute = [i for i in range(len(listed)) if np.all(kinked[i] > _BROKEN)]
-    rigid = [i for i, c in enumerate(listed) if c in RIGID and i not in mute]
-    _judge_inputs(block.airframe.aircraft, names, kinked[rigid])
+    motion = [i for i, c in enumerate(listed) if c in RIGID]
+    rigid = [i for i in motion if i not in mute]
+    responds = (_rms(pulsed) > _nothing(still)).T
+    _judge_inputs(block.airframe.aircraft, names, np.where(responds, kinked, np.nan)[motion])
     g = pulsed / np.reshape(heights, (-1, 1, 1))
     rms = np.sqrt((g**2).mean(axis=1)).T
     kinked[rms < _HARDLY * rms.max(axis=1, keepdims=True)] = np.nan
@@ -386,12 +388,13 @@ def _heights(
 
 
 def _judge_inputs(aircraft: str, inputs: Sequence[str], kinks: np.ndarray) -> None:
-    """Refuse inputs to which nothing responds up and down alike."""
+    """Refuse inputs to which nothing that responds does so up and down alike."""
     for name, kink in zip(inputs, kinks.T, strict=True):
-        if np.all(kink > _BROKEN):
+        if np.any(kink > _BROKEN) and not np.any(kink <= _BROKEN):
             raise LinearisationError(
                 f"no linear model of {aircraft!r}: up and down are not opposite in any response to "
-                f"{name!r}: it is at the end of its range, or the control system has a step there",
+                f"{name!r}: it is at the end of its range, or the control system has a step there; "
+                "leave that out of the inputs",
                 aircraft=aircraft,
                 reason="limit",
                 name=name,

@@ -192,7 +192,7 @@ class LinearModel:
         Parameters
         ----------
         u : array, shape (n, m)
-            inputs over n periods of ``dt``, full values
+            inputs over n periods of ``dt``, full values, finite
 
         Returns
         -------
@@ -200,10 +200,10 @@ class LinearModel:
             full values of the outputs, the trim first
         """
         u = np.asarray(u, dtype=float)
-        if u.ndim != 2 or u.shape[1] != len(self.inputs):
+        if u.ndim != 2 or u.shape[1] != len(self.inputs) or not np.isfinite(u).all():
             raise ParameterError(
                 f"u must have a row for each period and {len(self.inputs)} columns "
-                f"({', '.join(self.inputs)}), not the shape {u.shape}",
+                f"({', '.join(self.inputs)}) of finite numbers, not {u!r}",
                 parameter="u",
                 value=u,
             )
