@@ -10,8 +10,11 @@ from pathsim_jsbsim_blocks import (
     Aircraft,
     Autopilot,
     DiscretePID,
+    FlightRecorder,
+    Microburst,
     ParameterError,
     PitchHold,
+    WindShear,
     YawDamper,
     fly,
 )
@@ -106,6 +109,24 @@ def test_two_wires_into_one_port_by_name_and_by_number():
         "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder. "
         "One of them has no effect"
     ]
+
+
+def test_a_place_without_a_wire():
+    plane, recorder = Aircraft(), FlightRecorder(signals=["calibrated airspeed [kt]"])
+    shear, burst = WindShear(), Microburst()
+    wires = [
+        Connection(plane["lat"], recorder[0], burst["lat"]),
+        Connection(plane["h", "theta", "phi", "psi"], recorder["h", "theta", "phi", "psi"]),
+        Connection(plane["lon"], burst["lon"]),
+        Connection(shear["north"], plane["wind_north"]),
+    ]
+    sim = Simulation([plane, recorder, shear, burst], wires, dt=1 / 120, log=False)
+    assert said(sim) == [
+        "recorder['lon'] is 0: no wire leads to it",
+        "shear['h'] is 0: no wire leads to it",
+        "burst['h'] is 0: no wire leads to it",
+    ]
+    assert said(sim) == []
 
 
 def test_in_vector_wires():

@@ -239,6 +239,21 @@ def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
         airliner()[name]
 
 
+@pytest.mark.parametrize(
+    ("ports", "wrong", "right"),
+    [
+        ("input_properties", "flap", "flaps"),
+        ("output_properties", "thrst[0]", "thrust[i]"),
+        ("input_properties", "fcs/flap-cmd-nrm", "fcs/flap-cmd-norm"),
+    ],
+)
+def test_a_misspelt_port_suggests_short_names_too(ports, wrong, right):
+    with pytest.raises(PropertyError, match="has no property") as error:
+        airliner(**{ports: [wrong]})
+    assert error.value.nearest[0] == right
+    assert repr(right) in str(error.value)
+
+
 def test_short_names_are_properties_of_every_engine():
     assert behind("throttle[3]", SHORT_INPUTS) == ("fcs/throttle-cmd-norm[3]",)
     assert behind("thrust[0]", SHORT_OUTPUTS) == ("propulsion/engine[0]/thrust-lbs",)

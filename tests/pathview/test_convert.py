@@ -102,8 +102,10 @@ def test_a_model_becomes_a_script(convert):
 
 
 def test_parameters_that_no_block_has_are_left_out_with_a_warning(convert):
-    with pytest.warns(UserWarning, match="'Step': no parameter 'old'"):
+    with pytest.warns(UserWarning, match="'Step': no parameter 'old', left out$"):
         assert "old" not in convert(changed("graph", "nodes", 0, params={"old": "1"}))
+    with pytest.warns(UserWarning, match="'amplitud', left out; did you mean 'amplitude'"):
+        convert(changed("graph", "nodes", 0, params={"amplitud": "1"}))
 
 
 def test_type_names_of_old_files(convert):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import traceback
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import FrameType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -65,6 +65,9 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                     # by name and by number; the same words twice PathSim refuses
                     yield f"{_conflict(other, k, source, i, target, j)}. One of them has no effect"
     for block in blocks:
+        for i in _numbers(getattr(block, "places", ()), block.inputs):
+            if (id(block), i) not in ends:
+                yield f"{_port(block, i, block.inputs)} is 0: no wire leads to it"
         commands: Mapping[str, str] = getattr(block, "commands", {})
         for command, switch in commands.items():
             (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
@@ -110,7 +113,7 @@ def _contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connec
     return blocks, connections
 
 
-def _numbers(ports: list[Any], register: Register) -> list[Any]:
+def _numbers(ports: Iterable[Any], register: Register) -> list[Any]:
     # a look-up by the register itself would mark the port as wired
     return [port_names(register).get(port, port) for port in ports]
 

@@ -137,8 +137,8 @@ def _model_file(aircraft: str, root: str | None) -> Path:
             )
         close = nearest(aircraft, names)
         raise AircraftError(
-            f"no aircraft {aircraft!r} among the {len(names)} models in {folder}"
-            + did_you_mean(close),
+            f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} in "
+            f"{folder}" + did_you_mean(close),
             aircraft=aircraft,
             nearest=close,
         )

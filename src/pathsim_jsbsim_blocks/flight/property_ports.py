@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .._core.checks import property_list
+from .._core.checks import did_you_mean, nearest, property_list
 from ..errors import ParameterError, PropertyError
 from .airframe import Airframe
 
@@ -87,7 +87,7 @@ def check_ports(
     names = listed(parameter, names)
     seen: dict[str, str] = {}
     for name in names:
-        for property_ in map(airframe.canonical, behind(name, short)):
+        for property_ in _properties(name, short, airframe):
             if parameter == "input_properties" and (why := _no_input(property_)):
                 raise PropertyError(
                     f"{name!r} cannot be an input: {why}", aircraft=airframe.aircraft, name=name
@@ -113,6 +113,23 @@ def check_ports(
             parameter=parameter,
             value=names,
         )
+
+
+def _properties(name: str, short: Mapping[str, tuple[str, ...]], airframe: Airframe) -> list[str]:
+    """The properties that a name stands for; for one that is unknown, short names are near too."""
+    try:
+        return [airframe.canonical(property_) for property_ in behind(name, short)]
+    except PropertyError as error:
+        close = [] if "/" in name else nearest(name, short)
+        if not close or behind(name, short) != (name,):
+            raise
+        close = [*close, *error.nearest][:3]
+        raise PropertyError(
+            f"aircraft {airframe.aircraft!r} has no property {name!r}" + did_you_mean(close),
+            aircraft=airframe.aircraft,
+            name=name,
+            nearest=close,
+        ) from None
 
 
 def _no_input(property_: str) -> str:

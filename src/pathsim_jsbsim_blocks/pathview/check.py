@@ -200,7 +200,11 @@ class Check:
                 continue
             if name not in known:
                 # leftovers of older versions, which PathView also drops
-                warnings.warn(f"{self.path}: {what}: no parameter {name!r}; left out", stacklevel=2)
+                warnings.warn(
+                    f"{self.path}: {what}: no parameter {name!r}, left out"
+                    + did_you_mean(nearest(name, known, 1)),
+                    stacklevel=2,
+                )
             else:
                 self._parsed(f"{what}: parameter {name!r}", value)
 

@@ -68,6 +68,8 @@ class FlightRecorder(NamedPorts, Scope):
 
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
     output_port_labels: dict[str, int] = {}
+    # inputs that must be connected
+    places = tuple(POSITION)
 
     def __init__(
         self,

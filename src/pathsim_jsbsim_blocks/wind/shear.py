@@ -100,6 +100,8 @@ class WindShear(NamedFunction):
 
     input_port_labels = {"h": 0}
     output_port_labels = {"north": 0, "east": 1}
+    # inputs that must be connected
+    places = ("h",)
 
     def __init__(
         self,
