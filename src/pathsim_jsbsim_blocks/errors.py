@@ -98,7 +98,8 @@ class TrimError(BlocksError, RuntimeError):
         the nearest that trims, if one was looked for and found: the same with ``solver="newton"``,
         or at another speed
     limit : float or None
-        the value at which it ran out (command, deg, ft/s), if the Newton search says so
+        the value at which it ran out (command, deg, ft/s), if a Newton search has ended there;
+        with ``trim(..., hint=True)`` one follows a failure of JSBSim's search
     """
 
     def __init__(

@@ -14,8 +14,8 @@ from scipy.optimize import lsq_linear
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.flight import trim
-from pathsim_jsbsim_blocks.flight._newton import _bounded
+from pathsim_jsbsim_blocks.flight import _newton, _trim, trim
+from pathsim_jsbsim_blocks.flight._newton import _bounded, _solution
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
@@ -431,6 +431,74 @@ def test_a_failure_says_at_which_value_the_limit_is(condition, limit):
     assert error.value.limit == pytest.approx(limit)
 
 
+@pytest.mark.parametrize("solver", ["jsbsim", "newton"])
+@pytest.mark.parametrize(
+    ("aircraft", "condition", "reason", "limit", "slower"),
+    [
+        # the model's own alphalimits, 0.28 rad
+        ("c172p", {"altitude": 5000, "speed": 40}, "alpha limit", math.degrees(0.28), False),
+        ("737", {"altitude": 30000, "speed": 420}, "thrust", 1.0, True),
+        (
+            "c172p",
+            {"altitude": 5000, "speed": 60, "payload": [1500]},
+            "alpha limit",
+            math.degrees(0.28),
+            False,
+        ),
+    ],
+    ids=["too slow", "too fast", "too heavy"],
+)
+def test_both_searches_say_what_is_wrong(solver, aircraft, condition, reason, limit, slower):
+    with pytest.raises(TrimError, match=f", {limit:.4g};") as error:
+        trim(Airframe(aircraft), TrimCondition(**condition, solver=solver))
+    assert error.value.reason == reason
+    assert error.value.limit == pytest.approx(limit)
+    assert (error.value.nearest.speed < condition["speed"]) is slower
+    assert f"solver={solver!r}" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition", "reason", "limit"),
+    [
+        # the Newton search ends at the pitch trim's limit; JSBSim's range of alpha without a model's
+        ("A320", {"altitude": 5000, "speed": 144, "gear": 0.0}, "alpha limit", 20.0),
+        # it gets stuck at no throttle
+        ("c172p", {"altitude": 5000, "speed": 170}, "thrust", 1.0),
+    ],
+)
+def test_the_limit_that_jsbsim_names_is_told_with_its_value(aircraft, condition, reason, limit):
+    with pytest.raises(TrimError) as error:
+        trim(Airframe(aircraft), TrimCondition(**condition))
+    assert (error.value.reason, error.value.limit) == (reason, pytest.approx(limit))
+    with pytest.raises(TrimError) as error:
+        trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
+    assert (error.value.reason, error.value.limit) == (reason, None)
+
+
+def test_a_search_that_is_stuck_names_no_limit():
+    # no throttle is no cause of too little thrust
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("c172p"), TrimCondition(speed=170, solver="newton"), hint=False)
+    assert error.value.residuals["udot"] < -1.0
+    assert error.value.reason == "no convergence"
+    assert error.value.limit is None
+
+
+def test_all_searches_of_a_trim_have_one_budget(monkeypatch):
+    for module in (_newton, _trim):
+        monkeypatch.setattr(module, "EFFORT", 20_000)
+    airframe = Airframe("c172p")
+    # without this limit it takes 55,000 steps and finds 47 KCAS
+    with pytest.raises(TrimError) as error:
+        trim(airframe, TrimCondition(speed=30))
+    assert error.value.reason == "alpha limit"
+    assert error.value.nearest is None
+    # up to one evaluation more
+    assert 20_000 < airframe.effort < 22_000
+    # the next one has its own
+    trim(airframe, TrimCondition(speed=90, solver="newton"))
+
+
 def test_the_command_says_whether_a_trim_is_steady(capsys):
     assert main(["trim", "c172p", "--speed", "90", "--steady"]) == 0
     assert "steady: after 10 s with controls held +" in capsys.readouterr().out
@@ -502,11 +570,20 @@ def test_the_bounded_step_is_the_one_that_scipy_finds():
         a = rng.normal(size=(rows, columns)) * 10.0 ** rng.uniform(-2, 2, columns)
         b = rng.normal(size=rows)
         low, high = -(rng.random(columns) ** 3) - 1e-9, rng.random(columns) ** 3 + 1e-9
-        ours = _bounded(a, b, low, high)
+        ours = _bounded(a, b, low, high, np.linalg.lstsq(a, b, rcond=None)[0])
         theirs = lsq_linear(a, b, bounds=(low, high), method="bvls", tol=1e-14).x
         assert ((low <= ours) & (ours <= high)).all()
         left, least = (np.linalg.norm(a @ x - b) for x in (ours, theirs))
         assert left <= least * (1.0 + 1e-9) + 1e-12
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_slopes_beyond_all_numbers_are_no_error():
+    # a paraglider at Mach 0.04 reaches 1e24 ft/s2
+    a = np.array([[1e200, 2e200, 0.0], [3e200, 1e200, 0.0], [0.0, 0.0, 0.0]])
+    step = _bounded(a, np.full(3, 1e201), -np.ones(3), np.ones(3), _solution(a, np.full(3, 1e201)))
+    assert np.isnan(step).any() or (abs(step) <= 1.0).all()
+    assert np.isnan(_solution(a.T @ a, np.ones(3))).all()
 
 
 def test_a_sweep_is_the_same_whatever_its_order_and_chunks():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -53,9 +54,18 @@ RESIDUALS = {
     "qdot": ("accelerations/qdot-rad_sec2", 1e-5),
     "rdot": ("accelerations/rdot-rad_sec2", 1e-5),
 }
-_VELOCITIES = (*(f"ic/{axis}-fps" for axis in "uvw"), *(f"ic/{axis}-rad_sec" for axis in "pqr"))
 _LONGITUDINAL = ("udot", "wdot", "qdot")
 _THRUST_TOLERANCE = 1e-3  # lbf
+
+# what one evaluation writes, and from what
+_WRITTEN = (
+    *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
+    *(f"ic/{axis}-fps" for axis in "uvw"),
+    *(f"ic/{axis}-rad_sec" for axis in "pqr"),
+    *(f"fcs/{name}-cmd-norm" for name in ("pitch-trim", "elevator", "aileron", "rudder")),
+)
+_FLIGHT = itemgetter("speed", "alpha", "beta", "phi", "gamma", "psi")
+_CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
 
 # fractions of the tolerances: where the search ends, and what two readings may differ by
 _POLISHED = 1e-5
@@ -69,15 +79,23 @@ _HOPE_AT_LIMIT = 0.9
 _ITERATIONS = 30
 _READINGS = 30  # of one state, until a flight control system with memory has settled
 
-# steps of JSBSim that one search may take (about 0.7 s)
-_BUDGET = 80_000
+# what one search may take in steps of JSBSim (those that find a trim take 40,000 at most), and all
+# searches of one trim together; a step takes 5 to 14 us (Short_S23: 60)
+_BUDGET = 60_000
+EFFORT = 100_000
 
-# what JSBSim's own settling of an engine is counted as: 120 to 6000 passes through the engine alone
-_STEADY_STATE = 200
+# what one reading with its share of the search, and JSBSim's own settling of an engine are counted
+# as; the latter takes 1 to 170
+_READING = 4
+_STEADY_STATE = 150
 
 # rows of steps in which an engine with propeller settles, and how often
 _ROW = 40
 _ROWS = 60
+
+# rows after which blades that stand still are taken for those of an engine that never settles; 3
+# are enough for the others
+_ROWS_AT_FIXED_PITCH = 10
 
 
 class Seed(NamedTuple):
@@ -157,25 +175,23 @@ class Search:
         self._ranges = self._free()
         self._limits = np.array([[r.low, r.high] for r in self._ranges.values()]).T
         self._strides = np.array([r.stride for r in self._ranges.values()])
-        residuals = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
-        self._names = list(RESIDUALS)
-        self._used = [self._names.index(name) for name in residuals]
-        self._tolerances = np.array([tolerance for _, tolerance in RESIDUALS.values()])
+        self._used = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
+        tolerances = {name: tolerance for name, (_, tolerance) in RESIDUALS.items()}
+        readers = {name: airframe.reader(source) for name, (source, _) in RESIDUALS.items()}
+        # zero but for turns in wind and a thrust
+        self._targets = dict.fromkeys(RESIDUALS, 0.0)
         if condition.thrust is not None:
-            self._used.append(len(self._names))
-            self._tolerances = np.append(self._tolerances, _THRUST_TOLERANCE)
-        self._read = [airframe.reader(source) for source, _ in RESIDUALS.values()]
-        self._write = [
-            airframe.writer(name)
-            for name in (
-                *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
-                *_VELOCITIES,
-                *(
-                    f"fcs/{name}-cmd-norm"
-                    for name in ("pitch-trim", "elevator", "aileron", "rudder")
-                ),
-            )
-        ]
+            self._used = *self._used, "thrust"
+            tolerances["thrust"] = _THRUST_TOLERANCE
+            thrusts = [airframe.reader(name) for name in airframe.of_engines("thrust-lbs")]
+            readers["thrust"] = lambda: sum(read() for read in thrusts)
+            self._targets["thrust"] = condition.thrust
+        self._readers = readers
+        self._read = [readers[name] for name in self._used]
+        self._target = np.array([self._targets[name] for name in self._used])
+        self._tolerances = np.array([tolerances[name] for name in self._used])
+        self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
+        self._write = [airframe.writer(name) for name in _WRITTEN] + self._throttles
         # what the search does not move
         self._given = {
             "speed": self._speed,
@@ -192,15 +208,8 @@ class Search:
                 )
             },
         }
-        self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
-        self._thrusts = [airframe.reader(f"propulsion/engine[{i}]/thrust-lbs") for i in engines]
-        speeds, pitches, governors = (
-            [
-                name
-                for name in (f"propulsion/engine[{i}]/{quantity}" for i in engines)
-                if airframe.has(name)
-            ]
-            for quantity in ("propeller-rpm", "blade-angle", "constant-speed-mode")
+        speeds, pitches, governors = map(
+            airframe.of_engines, ("propeller-rpm", "blade-angle", "constant-speed-mode")
         )
         self._pitches = [airframe.reader(name) for name in pitches]
         self._propellers = [airframe.reader(name) for name in speeds] + self._pitches
@@ -208,10 +217,15 @@ class Search:
         self._gravity = fdm["accelerations/gravity-ft_sec2"]
         wind = condition.wind_north, condition.wind_east, 0.0
         self._wind = np.array(wind) if any(wind) else None
-        self._target = np.zeros(3)
-        self._settled_at: tuple[float, ...] | None = None
+        self._settled_at: float | None = None
         self._has_memory = True
-        self.steps = 0
+        self._start = airframe.effort
+
+    @property
+    def _spent(self) -> bool:
+        """Whether the search has taken all that it may."""
+        effort = self._airframe.effort
+        return effort - self._start > _BUDGET or effort > EFFORT
 
     def _free(self) -> dict[str, _Range]:
         """The quantities that may move, throttle last: its engines settle anew."""
@@ -250,8 +264,8 @@ class Search:
         return Found(
             converged=converged,
             free=free,
-            binding="" if converged else self._binding(x),
-            residuals=dict(zip(self._names, (r * self._tolerances).tolist(), strict=False)),
+            binding="" if converged else self._binding(x, r),
+            residuals={name: self._readers[name]() - self._targets[name] for name in RESIDUALS},
             seed=Seed(free, slopes, has_memory) if converged and slopes is not None else None,
         )
 
@@ -265,7 +279,7 @@ class Search:
             return x, slopes
         self._ranges = self._free()
         self._has_memory = True
-        self.steps = 0
+        self._airframe.effort = self._start
         return None, None
 
     def _takes(self, seed: Seed) -> bool:
@@ -291,8 +305,8 @@ class Search:
             x, r, slopes = self._descend(np.clip(x, low, high))
             size = self._size(r)
             if best is None or size < best[0]:
-                best = size, x, slopes
-            if best[0] <= 1.0 or self.steps > _BUDGET or self._at_limit(best[1]).any():
+                best, binding = (size, x, slopes), self._binding(x, r)
+            if best[0] <= 1.0 or self._spent or binding:
                 break
         assert best is not None
         return best[1:]
@@ -316,19 +330,31 @@ class Search:
             for name, quantity in self._ranges.items()
         }
 
-    def _at_limit(self, x: np.ndarray) -> np.ndarray:
-        low, high = self._limits
-        return (x <= low) | (x >= high)
+    def _at_limit(self, x: np.ndarray) -> list[bool]:
+        return [
+            not low < value < high
+            for value, low, high in zip(x.tolist(), *self._limits.tolist(), strict=True)
+        ]
 
-    def _binding(self, x: np.ndarray) -> str:
-        limited = self._at_limit(x)
-        names = [name for name, at in zip(self._ranges, limited, strict=True) if at]
+    def _binding(self, x: np.ndarray, r: np.ndarray) -> str:
+        """The quantity at the end of its range that holds the search back; empty if none is."""
+        more = {"alpha": r[self._used.index("wdot")] > 0.0}
+        if self._condition.thrust is None:
+            more["throttle"] = r[0] < 0.0
+        names = [
+            name
+            for name, at, end in zip(
+                self._ranges, self._at_limit(x), x >= self._limits[1], strict=True
+            )
+            # a search that has got stuck where the other end would help
+            if at and more.get(name, end) == end
+        ]
         return min(names, key=_CAUSES.index, default="")
 
     def _size(self, r: np.ndarray) -> float:
-        """Largest of the residuals that count, in tolerances."""
-        size = float(np.abs(r[self._used]).max())
-        return size if math.isfinite(size) else math.inf
+        """Largest of the residuals, in tolerances."""
+        sizes = list(map(abs, r.tolist()))
+        return max(sizes) if all(map(math.isfinite, sizes)) else math.inf
 
     def _descend(
         self, x: np.ndarray, slopes: np.ndarray | None = None
@@ -338,23 +364,23 @@ class Search:
         r = self._settled(x)
         norm = self._norm(r)
         for _ in range(_ITERATIONS):
-            if self._size(r) <= _POLISHED or not math.isfinite(norm) or self.steps > _BUDGET:
+            if self._size(r) <= _POLISHED or not math.isfinite(norm) or self._spent:
                 break
             fresh = slopes is None
             if slopes is None:
                 slopes = self._slopes(x, r)
                 if not np.all(np.isfinite(slopes)):
                     break
-            full = self._step(x, r[self._used], slopes)
-            left = r[self._used] + slopes @ full
-            hope = _HOPE_AT_LIMIT if self._at_limit(x + full).any() else _HOPE
-            if math.sqrt(left @ left) > hope * norm:
+            full = self._step(x, r, slopes)
+            left = r + slopes @ full
+            hope = _HOPE_AT_LIMIT if any(self._at_limit(x + full)) else _HOPE
+            if self._norm(left) > hope * norm:
                 if fresh:
                     break
                 slopes = None
                 continue
             for fraction in (1.0, 0.4, 0.16, 0.06, 0.02) if fresh else (1.0,):
-                y = (x + fraction * full).clip(low, high)
+                y = np.minimum(np.maximum(x + fraction * full, low), high)
                 ry = self._settled(y) if self._propellers else self._residuals(y)
                 shorter = self._norm(ry)
                 if shorter < norm * (1.0 - 1e-3 * fraction):
@@ -367,43 +393,35 @@ class Search:
             moved = (y - x) / self._strides
             if shorter < 0.5 * norm:
                 # Broyden's update in the scaled unknowns
-                gap = (ry - r)[self._used] - slopes @ (y - x)
-                slopes = slopes + np.outer(gap, moved / self._strides) / (moved @ moved)
+                gap = ry - r - slopes @ (y - x)
+                slopes = slopes + gap[:, None] * (moved / self._strides / (moved @ moved))
             else:
                 slopes = None
             x, r, norm = y, ry, shorter
         return x, r, slopes
 
     def _norm(self, r: np.ndarray) -> float:
-        used = r[self._used]
-        norm = math.sqrt(used @ used)
+        norm = math.sqrt(r @ r)
         return norm if math.isfinite(norm) else math.inf
 
     def _slopes(self, x: np.ndarray, r: np.ndarray) -> np.ndarray:
-        slopes = np.empty((len(self._used), len(x)))
+        slopes = np.empty((len(r), len(x)))
         high = self._limits[1]
         for i, quantity in enumerate(self._ranges.values()):
             step = quantity.step if x[i] + quantity.step <= high[i] else -quantity.step
             y = x.copy()
             y[i] += step
-            slopes[:, i] = (self._residuals(y) - r)[self._used] / step
+            slopes[:, i] = (self._residuals(y) - r) / step
         return slopes
 
     def _step(self, x: np.ndarray, r: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """The step of Newton, or the best one within limits and strides."""
-        try:
-            step = np.linalg.solve(slopes, -r)
-        except np.linalg.LinAlgError:
-            step = np.full(len(x), math.inf)
-        low = np.maximum(self._limits[0] - x, -self._strides)
-        high = np.minimum(self._limits[1] - x, self._strides)
-        if ((low <= step) & (step <= high)).all():
-            return step
-        scaled = slopes * self._strides
+        strides = self._strides
+        scaled = slopes * strides
         # at a limit the interval would be empty
-        low = np.minimum(low / self._strides, -1e-12)
-        high = np.maximum(high / self._strides, 1e-12)
-        return _bounded(scaled, -r, low, high) * self._strides
+        low = np.minimum(np.maximum((self._limits[0] - x) / strides, -1.0), -1e-12)
+        high = np.maximum(np.minimum((self._limits[1] - x) / strides, 1.0), 1e-12)
+        return _bounded(scaled, -r, low, high, _solution(scaled, -r)) * strides
 
     def _settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""
@@ -411,12 +429,12 @@ class Search:
         return self._residuals(x)
 
     def _residuals(self, x: np.ndarray) -> np.ndarray:
-        """All six accelerations at a state, in their tolerances."""
-        throttles = self._put(x)
+        """The residuals at a state, in their tolerances."""
+        throttle = self._put(x)
         r = self._accelerations()
-        if self._propellers and throttles != self._settled_at:
+        if self._propellers and throttle != self._settled_at:
             self._spin(self._size(r))
-            self._settled_at = throttles
+            self._settled_at = throttle
             self._put(x)
             r = self._accelerations()
         for _ in range(_READINGS if self._has_memory else 0):
@@ -425,13 +443,12 @@ class Search:
                 break
         return r
 
-    def _put(self, x: np.ndarray) -> tuple[float, ...]:
-        """Write state and controls; returns the throttles."""
-        condition, write = self._condition, self._write
+    def _put(self, x: np.ndarray) -> float:
+        """Write state and controls; returns the throttle."""
+        condition = self._condition
         values = {**self._given, **dict(zip(self._ranges, x.tolist(), strict=True))}
-        v, alpha, beta, phi, gamma, throttle = (
-            values[name] for name in ("speed", "alpha", "beta", "phi", "gamma", "throttle")
-        )
+        v, alpha, beta, phi, gamma, psi = _FLIGHT(values)
+        throttle = values["throttle"]
         theta = _theta(alpha, beta, phi, gamma)
         p = q = r = 0.0
         if condition.mode == "turn":
@@ -444,17 +461,17 @@ class Search:
         across = v * math.cos(beta)
         ground = across * math.cos(alpha), v * math.sin(beta), across * math.sin(alpha)
         if self._wind is not None:
-            wind = _to_body(phi, theta, values["psi"]) @ self._wind
+            wind = _to_body(phi, theta, psi) @ self._wind
             ground = tuple((wind + ground).tolist())
             # the wind turns in the axes of an aircraft that turns
-            self._target = -np.cross([p, q, r], wind)
-        controls = (values[name] for name in ("pitch_trim", "elevator", "aileron", "rudder"))
-        state = values["psi"], theta, phi, *ground, p, q, r
-        for put, value in zip(write, (*state, *controls), strict=True):
-            put(value)
-        for put in self._throttles:
-            put(throttle)
-        return (throttle,)
+            turning = -np.cross([p, q, r], wind)
+            self._targets.update(zip(("udot", "vdot", "wdot"), turning.tolist(), strict=True))
+            self._target = np.array([self._targets[name] for name in self._used])
+        throttles = (throttle for _ in self._throttles)
+        state = psi, theta, phi, *ground, p, q, r, *_CONTROLS(values), *throttles
+        for write, value in zip(self._write, state, strict=True):
+            write(value)
+        return throttle
 
     def _accelerations(self) -> np.ndarray:
         fdm = self._fdm
@@ -464,12 +481,8 @@ class Search:
             fdm.run_ic()
         finally:
             fdm.set_trim_status(False)
-        self.steps += 2
-        r = np.array([read() for read in self._read])
-        r[:3] -= self._target
-        if self._condition.thrust is not None:
-            r = np.append(r, sum(read() for read in self._thrusts) - self._condition.thrust)
-        return r / self._tolerances
+        self._airframe.effort += _READING
+        return (np.array([read() for read in self._read]) - self._target) / self._tolerances
 
     def _spin(self, size: float) -> None:
         """Let the propellers settle in a wind tunnel: held in place, in the wind of the flight."""
@@ -484,13 +497,14 @@ class Search:
         try:
             self._spin_at_fixed_pitch()
             before = [read() for read in self._propellers]
+            still = 0
             for _ in range(_ROWS):
-                if self.steps > _BUDGET:
+                if self._spent or still == _ROWS_AT_FIXED_PITCH:
                     break
                 pitch = [read() for read in self._pitches]
                 for _ in range(_ROW):
                     fdm.run()
-                self.steps += _ROW
+                self._airframe.effort += _ROW
                 now = [read() for read in self._propellers]
                 if all(
                     abs(a - b) <= tolerance * max(abs(a), 1.0)
@@ -498,6 +512,7 @@ class Search:
                 ):
                     break
                 if pitch == [read() for read in self._pitches]:
+                    still += 1
                     self._spin_at_fixed_pitch()
                     now = [read() for read in self._propellers]
                 before = now
@@ -511,29 +526,38 @@ class Search:
         for governor in self._governors:
             self._fdm[governor] = 0.0
         self._fdm.get_propulsion().get_steady_state()
-        self.steps += _STEADY_STATE * len(self._throttles)
+        self._airframe.effort += _STEADY_STATE * len(self._throttles)
         for governor in self._governors:
             self._fdm[governor] = 1.0
 
 
-def _bounded(a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Least squares of a x - b within limits, low < high."""
+def _bounded(
+    a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray, best: np.ndarray
+) -> np.ndarray:
+    """Least squares of a x - b within limits, low < high; ``best`` is the optimum without them."""
     # the active set method of Stark and Parker (1995), started with the limits that the optimum
     # without limits exceeds; scipy's lsq_linear is slower, also to import
-    x = np.linalg.lstsq(a, b, rcond=None)[0]
-    held = (x < low) | (x > high)
-    x = np.clip(x, low, high)
+    held = (best < low) | (best > high)
+    if not held.any():
+        return best
+    x = np.minimum(np.maximum(best, low), high)
+    square, aim, unit = a.T @ a, a.T @ b, np.eye(len(best))
+    limits = list(zip(low.tolist(), high.tolist(), strict=True))
     for _ in range(4 * len(x)):
-        free = ~held
-        y = x.copy()
-        y[free] = np.linalg.lstsq(a[:, free], b - a[:, held] @ x[held], rcond=None)[0]
-        beyond = (y < low) | (y > high)
-        if beyond.any():
-            # as far as the first limit
-            with np.errstate(divide="ignore", invalid="ignore"):
-                ways = np.where(beyond, (np.where(y < low, low, high) - x) / (y - x), np.inf)
-            i = int(np.argmin(ways))
-            x = np.clip(x + max(ways[i], 0.0) * (y - x), low, high)
+        fixed = np.where(held, x, 0.0)
+        y = _solution(
+            np.where(held[:, None] | held, unit, square),
+            np.where(held, fixed, aim - square @ fixed),
+        )
+        # as far as the first limit
+        ways = [
+            1.0 if least <= to <= most else ((least if to < least else most) - at) / (to - at)
+            for at, to, (least, most) in zip(x.tolist(), y.tolist(), limits, strict=True)
+        ]
+        way = min(ways)
+        if way < 1.0:
+            i = ways.index(way)
+            x = x + max(way, 0.0) * (y - x)
             x[i] = low[i] if y[i] < low[i] else high[i]
             held[i] = True
             continue
@@ -541,11 +565,22 @@ def _bounded(a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray) ->
         # how much each limit holds back; negative where it does not
         uphill = a.T @ (a @ x - b)
         back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
-        i = int(np.argmin(back))
+        i = int(back.argmin())
         if back[i] >= -1e-10 * (1.0 + abs(uphill).max()):
             break
         held[i] = False
     return x
+
+
+def _solution(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The solution of a x = b, the least one if there are many; NaN where numbers overflow."""
+    try:
+        return np.linalg.solve(a, b)
+    except np.linalg.LinAlgError:
+        # of infinities it never returns
+        if np.isfinite(a).all() and np.isfinite(b).all():
+            return np.linalg.lstsq(a, b, rcond=None)[0]
+        return np.full(len(b), math.nan)
 
 
 def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:

@@ -19,7 +19,7 @@ import numpy as np
 from .._core.checks import mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
-from ._newton import Search, Seed, alpha_range
+from ._newton import EFFORT, Search, Seed, alpha_range
 from .airframe import ENGINE_RUNS, Airframe, has_retractable_gear
 from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition
@@ -328,8 +328,9 @@ def trim(
     setup : dict, optional
         further properties, written before the model is initialised and after the condition's
     hint : bool
-        after a failure look for the nearest speed that trims, which the error then names; warn of a
-        landing gear that is down above 200 KCAS where it retracts and the condition does not say so
+        after a failure ask the Newton search which limit is reached, and look for the nearest
+        speed that trims: the error names both. Warn of a landing gear that is down above 200 KCAS
+        where it retracts and the condition does not say so
     steady : float
         fly another aircraft of the same kind from its trim for this time in s (up to 3600),
         controls held (10 shows most departures, some take 30): the state's ``drift`` and
@@ -375,24 +376,9 @@ def trim(
             found = dataclasses.replace(found, drift=drift)
         return found
     except TrimError as error:
-        nearest = None
-        if hint:
-            # at another speed a model may be impossible to initialise
-            with contextlib.suppress(AircraftError):
-                nearest = _nearest(airframe, condition, setup, error.reason)
-        if nearest is None:
+        if not hint:
             raise
-        there = nearest.mach == condition.mach and nearest.speed == condition.speed
-        how = "with solver='newton'" if there else f"at {nearest.speed:.0f} KCAS there"
-        raise TrimError(
-            f"{error}. It trims {how}",
-            aircraft=error.aircraft,
-            condition=condition,
-            reason=error.reason,
-            residuals=error.residuals,
-            nearest=nearest,
-            limit=error.limit,
-        ) from None
+        raise _explained(airframe, condition, setup, error) from None
 
 
 def _drift(
@@ -487,58 +473,93 @@ def _each(airframe: Airframe, name: str) -> list[float]:
     return [airframe.fdm[name] for name in names]
 
 
-# factors of the speed at which a condition that fails is tried, and what a search for it may cost
-# in steps of JSBSim (about 0.5 s)
+# factors of the speed at which a condition that fails is tried
 _FASTER = (1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.65, 1.9, 2.3)
 _SLOWER = (0.97, 0.93, 0.87, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-_EFFORT = 60_000
 
 
-def _nearest(
-    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None, reason: str
-) -> TrimCondition | None:
-    """The condition at the nearest speed that trims; None if there is none or it cannot help."""
-    helps = reason in ("thrust", "alpha limit", "elevator", "no convergence")
+def _explained(
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    error: TrimError,
+) -> TrimError:
+    """The error of a failed trim with the limit that is reached and the nearest that trims."""
     powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
-    still = condition.mode in ("ground", "none")
-    if still or not helps or not powered or condition.balance == "speed":
-        return None
+    if condition.mode in ("ground", "none") or not powered or error.reason in ("mach", "ground"):
+        return error
     airframe.renew()
-    airframe.spent = True  # whatever follows, the next trim starts afresh
-    airframe.write(_properties(airframe, condition, setup), "setup")
-    with airframe.engines_stopped():
-        return _nearest_speed(airframe, condition)
+    nearest, how = None, "with solver='newton'"
+    try:
+        airframe.write(_properties(airframe, condition, setup), "setup")
+        # at another speed a model may be impossible to initialise
+        with airframe.engines_stopped(), contextlib.suppress(AircraftError):
+            _initialise(airframe, condition, condition.heading)
+            speed = airframe.fdm[_STATE["speed"]]
+            if condition.searched_by == "jsbsim":
+                try:
+                    _by_newton(airframe, condition, None)
+                    nearest = dataclasses.replace(condition, solver="newton")
+                except TrimError as ours:
+                    error = _with_limit(airframe, error, ours)
+            helps = error.reason in ("thrust", "alpha limit", "elevator", "no convergence")
+            if nearest is None and helps and condition.balance != "speed" and math.isfinite(speed):
+                nearest = _nearest_speed(airframe, condition, speed)
+                how = f"at {nearest.speed:.0f} KCAS there" if nearest else ""
+    finally:
+        airframe.spent = True  # whatever the searches left, the next trim starts afresh
+    if nearest is None:
+        return error
+    return TrimError(
+        f"{error}. It trims {how}",
+        aircraft=error.aircraft,
+        condition=condition,
+        reason=error.reason,
+        residuals=error.residuals,
+        nearest=nearest,
+        limit=error.limit,
+    )
 
 
-def _nearest_speed(airframe: Airframe, condition: TrimCondition) -> TrimCondition | None:
-    _initialise(airframe, condition, condition.heading)
-    speed, effort = airframe.fdm[_STATE["speed"]], 0
+def _with_limit(airframe: Airframe, error: TrimError, newton: TrimError) -> TrimError:
+    """The error of JSBSim's search with the limit and residuals of the Newton search."""
+    reason, limit, residuals = error.reason, newton.limit, newton.residuals
+    if reason == "no convergence":
+        reason = newton.reason
+    elif reason != newton.reason:
+        low, high = alpha_range(airframe)
+        limit = {
+            "thrust": 1.0 if residuals["udot"] < 0.0 else 0.0,
+            "alpha limit": high if residuals["wdot"] > 0.0 else low,
+        }.get(reason)
+    if limit is None:
+        return error
+    return _failure(airframe, error.condition, reason, residuals=residuals, limit=limit)
 
-    def trims(knots: float | None) -> TrimCondition | None:
-        nonlocal effort
-        other = condition
-        if knots is not None:
-            if knots <= 0.0:
-                return None
-            other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
+
+def _nearest_speed(
+    airframe: Airframe, condition: TrimCondition, speed: float
+) -> TrimCondition | None:
+    """The condition at the speed nearest to ``speed`` in KCAS that trims; None without one."""
+
+    def trims(knots: float) -> TrimCondition | None:
+        if knots <= 0.0:
+            return None
+        other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
         _initialise(airframe, other, other.heading)
         if not math.isfinite(airframe.fdm[_STATE["tas"]]):
             return None
-        search = Search(airframe, other)
-        found = search.find()
-        effort += search.steps
+        found = Search(airframe, other).find()
         touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
         return other if found.converged and not touches else None
 
-    if condition.searched_by == "jsbsim" and trims(None):
-        return dataclasses.replace(condition, solver="newton")
     for faster, slower in zip(_FASTER, _SLOWER, strict=True):
         for factor in (faster, slower):
-            if effort > _EFFORT:
+            if airframe.effort > EFFORT:
                 return None
             if nearest := trims(float(round(speed * factor))):
                 low, high = speed, nearest.speed
-                while abs(high - low) > 1.0 and effort < _EFFORT:
+                while abs(high - low) > 1.0 and airframe.effort < EFFORT:
                     middle = float(round(0.5 * (low + high)))
                     if middle in (low, high):
                         break
@@ -593,7 +614,9 @@ def _trim(
     condition: TrimCondition,
     setup: Mapping[str, float] | None,
     warm: bool = False,
+    effort: int = 0,
 ) -> TrimState:
+    airframe.effort = effort
     if airframe.spent or (airframe.used and condition.mode == "ground"):
         airframe.renew()
     used = airframe.used
@@ -622,7 +645,7 @@ def _trim(
     # the previous flight left NaN or inf in the executive, or engines from which a search with
     # constant-speed propellers does not converge: this call renews it
     airframe.spent = True
-    return _trim(airframe, condition, setup)
+    return _trim(airframe, condition, setup, effort=airframe.effort)
 
 
 def _stopped(
@@ -701,8 +724,8 @@ def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) 
         airframe.fdm[f"fcs/{name}-cmd-norm"] = 0.0
     for i in range(airframe.engines):
         airframe.fdm[f"fcs/throttle-cmd-norm[{i}]"] = 0.0
-    _initialise(airframe, condition, condition.heading)
-    airframe.spent = bool(_not_finite(state(airframe, condition)))
+    # if NaN or inf are left, the next trim finds them
+    airframe.spent = False
     if touches:
         raise _failure(
             airframe, condition, "ground", "a wheel or another contact point touches the ground"
@@ -755,8 +778,7 @@ def _refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
 
 def _propellers(airframe: Airframe, quantity: str) -> list[float]:
     """A quantity of each propeller; empty without propellers."""
-    names = (f"propulsion/engine[{i}]/{quantity}" for i in range(airframe.engines))
-    return [airframe.fdm[name] for name in names if airframe.has(name)]
+    return [airframe.fdm[name] for name in airframe.of_engines(quantity)]
 
 
 def state(airframe: Airframe, condition: TrimCondition) -> TrimState:

@@ -196,6 +196,8 @@ class Airframe:
         point; `pathsim_jsbsim_blocks.flight.trim` sets and checks them
     seed : Seed or None
         where the last Newton search found its trim
+    effort : int
+        steps of JSBSim that the last trim's Newton searches have taken, roughly
     stopped : frozenset of int
         engines that do not run, set by a trim
 
@@ -238,6 +240,7 @@ class Airframe:
         self._written: dict[str, float] = {}
         self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
+        self.effort = 0
         self._open()
 
     def renew(self) -> None:
@@ -291,6 +294,7 @@ class Airframe:
         self._readers: dict[str, Callable[[], float]] = {}
         self._writers: dict[str, Callable[[float], Any]] = {}
         self._internal: list[jsbsim.FGPropertyNode] | None = None
+        self._of_engines: dict[str, list[str]] = {}
         self._created: set[str] = set()
         self._ground_before: float | None = None
         self._create()
@@ -383,6 +387,13 @@ class Airframe:
     def engines(self) -> int:
         """Number of the model's engines."""
         return self.fdm.get_propulsion().get_num_engines()
+
+    def of_engines(self, quantity: str) -> list[str]:
+        """Names of a quantity of each engine that has it."""
+        if quantity not in self._of_engines:
+            names = (f"propulsion/engine[{i}]/{quantity}" for i in range(self.engines))
+            self._of_engines[quantity] = [name for name in names if self.has(name)]
+        return self._of_engines[quantity]
 
     def start_engines(self) -> None:
         """Start the engines, but stop those in `stopped`."""

@@ -122,6 +122,7 @@ def _first(
         condition=first.condition,
         reason=first.reason,
         residuals=first.residuals,
+        limit=first.limit,
     )
 
 

@@ -7,7 +7,6 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,11 +145,13 @@ def _place(condition: TrimCondition) -> tuple[Any, ...]:
 
 def _sortable(value: Any) -> tuple[Any, ...]:
     """A value of a condition as one that can be compared with any other."""
-    if isinstance(value, Mapping):
-        value = tuple(value.items())
+    if isinstance(value, (float, int)):
+        return "number", value
     if value is None:
         return ("",)
-    return ("number" if isinstance(value, Real) else type(value).__name__), value
+    if isinstance(value, Mapping):
+        value = tuple(value.items())
+    return type(value).__name__, value
 
 
 def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:
