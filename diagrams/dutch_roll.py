@@ -1,6 +1,6 @@
 """Dutch roll of a 737 with the gain of its yaw damper at 0, 1 and 2.
 
-Three of 737 at 5000 ft and 260 KCAS, gear up, get the same rudder pulse, 0.1 from 1 s to 1.5 s. The
+Three 737s at 5000 ft and 260 KCAS, gear up, get the same rudder pulse, 0.1 from 1 s to 1.5 s. The
 damper inside the model moves the rudder by the yaw rate in rad/s: by 0.0175 of travel for 1 deg/s.
 What a gain outside adds to it takes it away in one aircraft and doubles it in another.
 

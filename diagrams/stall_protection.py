@@ -1,10 +1,10 @@
-"""Stall protection: a Cessna 172 is asked for 55 KCAS, with and without its angle of attack.
+"""Stall protection: a Cessna 172 is asked for 55 KCAS, with and without the port alpha.
 
-Two c172p at 5000 ft and 90 KCAS under the same ``Autopilot``: altitude held, airspeed asked for 35
-kt less at 10 s. The wire to the port ``alpha`` is all that differs. Without it the autopilot sees
-only the airspeed: it pulls to hold the altitude behind the power curve, the wing stalls, and in the
-stall the airspeed is above the reference again, so it goes on pulling. With it the pitch reference
-is bounded by the angle of attack, and the power comes up in time.
+Two Cessnas at 5000 ft and 90 KCAS under the same ``Autopilot``: altitude held, airspeed asked for
+35 kt less at 10 s. The wire to the port ``alpha`` is all that differs. Without it the autopilot
+sees only the airspeed: it pulls to hold the altitude behind the power curve, the wing stalls, and
+in the stall the airspeed is above the reference again, so it goes on pulling. With it the pitch
+reference is bounded by the angle of attack, and the power comes up in time.
 
 Expected: with alpha, at least 51.9 kt, alpha at most 11.2 deg, altitude within 32 ft; the speed
 creeps up to the 55 kt. Without it, 46.5 kt and 24.2 deg, and 4078 ft are lost in 200 s.

@@ -1,6 +1,6 @@
 """Yaw damper of a Cessna 172: a rudder pulse, with the damper and without it.
 
-Two of c172p at 5000 ft and 90 KCAS get the same rudder pulse, 0.3 from 1 s to 1.5 s. In one of
+Two Cessnas at 5000 ft and 90 KCAS get the same rudder pulse, 0.3 from 1 s to 1.5 s. In one of
 them ``YawDamper`` feeds the yaw rate back to the rudder, through a wash-out that lets steady turns
 pass.
 
