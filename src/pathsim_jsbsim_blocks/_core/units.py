@@ -101,13 +101,29 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
 
 _DIMENSION = {unit: dimension for dimension, units in UNITS.items() for unit in units}
 
+# how others write them, for the message
+_ELSEWHERE = {
+    "feet": "ft",
+    "fpm": "ft/min",
+    "fps": "ft/s",
+    "kts": "kt",
+    "KTAS": "kt",
+    "KCAS": "kt",
+    "lbs": "lb",
+    "rad_sec": "rad/s",
+    "R": "degR",
+    "C": "degC",
+    "F": "degF",
+}
+
 
 def _known(parameter: str, unit: Any) -> str:
     if isinstance(unit, str) and unit in _DIMENSION:
         return _DIMENSION[unit]
+    other = _ELSEWHERE.get(str(unit))
     raise ParameterError(
         f"{parameter} must be a unit such as 'kt', 'ft' or 'm/s', not {unit!r}"
-        + did_you_mean(nearest(str(unit), _DIMENSION)),
+        + did_you_mean([other] if other else nearest(str(unit), _DIMENSION)),
         parameter=parameter,
         value=unit,
     )
