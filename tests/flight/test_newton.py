@@ -499,6 +499,26 @@ def test_all_searches_of_a_trim_have_one_budget(monkeypatch):
     trim(airframe, TrimCondition(speed=90, solver="newton"))
 
 
+def test_a_second_attempt_shares_the_budget():
+    airframe = Airframe("B17")
+    condition = TrimCondition(speed=120, mode="glide", beta=-8, engines_off="all")
+    with pytest.raises(TrimError):
+        trim(airframe, condition, hint=False)
+    # on an airframe that has flown the search is repeated on a fresh one
+    airframe.spent = False
+    with pytest.raises(TrimError):
+        trim(airframe, condition, hint=False)
+    assert 100_000 < airframe.effort < 105_000
+
+
+def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():
+    # at full throttle this fast the propeller's speed goes on oscillating
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("c172p"), TrimCondition(speed=140, solver="newton"))
+    assert (error.value.reason, error.value.limit) == ("thrust", 1.0)
+    assert 120.0 < error.value.nearest.speed < 140.0
+
+
 def test_the_command_says_whether_a_trim_is_steady(capsys):
     assert main(["trim", "c172p", "--speed", "90", "--steady"]) == 0
     assert "steady: after 10 s with controls held +" in capsys.readouterr().out
