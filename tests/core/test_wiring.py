@@ -8,9 +8,11 @@ from pathsim.blocks import Adder, Amplifier, Constant, Scope, Source
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
+    AltitudeHold,
     Autopilot,
     DiscretePID,
     FlightRecorder,
+    ISAtmosphere,
     Microburst,
     ParameterError,
     PitchHold,
@@ -59,6 +61,20 @@ def test_the_warning_is_at_the_line_that_runs():
         with pytest.warns(RuntimeWarning, match="source is wired") as caught:
             run(sim)
         assert [w.filename for w in caught] == [__file__]
+
+
+def test_warnings_in_flight_are_at_the_line_that_runs():
+    low, high, hold, air = Constant(5e3), Constant(9e4), AltitudeHold(), ISAtmosphere()
+    sim = Simulation(
+        [low, high, hold, air],
+        [Connection(low, hold["h"]), Connection(high, hold["h_ref"], air["altitude"])],
+        dt=1 / 50,
+        log=False,
+    )
+    with pytest.warns(RuntimeWarning) as caught:
+        sim.run(0.1)
+    for text in ("jumps over a sample", "measures 0 where", "is an increment", "extrapolated"):
+        assert [w.filename for w in caught if text in str(w.message)] == [__file__]
 
 
 def test_a_wired_block_that_is_not_in_the_simulation():

@@ -34,7 +34,6 @@ line and leave all others to a second method, because a call costs as much as th
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any, NamedTuple
 
 from pathsim.blocks import Block
@@ -56,6 +55,7 @@ from ._pathsim import (
 )
 from .checks import number, positive
 from .continuous import Matrices, continuous_equivalent
+from .wiring import warn_user
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -385,12 +385,10 @@ class SampledBlock(Block):
         if self._warned:
             return
         self._warned = True
-        warnings.warn(
+        warn_user(
             f"{type(self).__name__} samples every {self.clock.period:.9g} s, but the diagram's "
             f"step from {self.clock.step_start:.9g} s to {t:.9g} s jumps over a sample instant: "
-            "time is kept, but the inputs there are not known. Use a dt that divides T.",
-            RuntimeWarning,
-            stacklevel=2,
+            "time is kept, but the inputs there are not known. Use a dt that divides T."
         )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +10,7 @@ from ._pathsim import port_names
 from .checks import positive
 from .ports import NamedPorts
 from .sampling import SampledLaw
+from .wiring import warn_user
 
 
 class _Parameter:
@@ -74,10 +74,8 @@ class TunableLaw(NamedPorts, SampledLaw):
         ports = port_names(self.inputs)
         missing = [name for name in self.measured if ports[name] not in self.inputs.wired]
         if missing:
-            warnings.warn(
-                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}",
-                RuntimeWarning,
-                stacklevel=2,
+            warn_user(
+                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
             )
 
     def _put(self, values: dict[str, Any]) -> None:

@@ -24,15 +24,20 @@ _OURS = (__name__.partition(".")[0], "pathsim")
 _told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
 
 
+def warn_user(message: str) -> None:
+    """Warn at the line of the user's that the calls come from."""
+    callers = list(_frames())
+    user = next(filter(_is_users, callers), callers[-1])
+    warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
+
+
 def warn_of_wiring(sim: Simulation) -> None:
     """Warn of each mistake once in the life of a diagram, at the user's line."""
     told = _told.setdefault(sim, set())
     for message in dict.fromkeys(_mistakes(sim)):
         if message not in told:
             told.add(message)
-            callers = list(_frames())
-            user = next(filter(_is_users, callers), callers[-1])
-            warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
+            warn_user(message)
 
 
 before_runs.append(warn_of_wiring)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from bisect import bisect_right
 from itertools import pairwise
 from math import sqrt
@@ -12,6 +11,7 @@ import pathsim_flight.atmosphere as flight
 
 from .._core.checks import finite, one_of
 from .._core.ports import NamedFunction
+from .._core.wiring import warn_user
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
     A0,
@@ -102,9 +102,7 @@ class AirDataBlock(NamedFunction):
             raise ParameterError(message, parameter="altitude", value=altitude)
         if not self._warned:
             self._warned = True
-            warnings.warn(
-                f"{type(self).__name__}: {message}; extrapolated", RuntimeWarning, stacklevel=2
-            )
+            warn_user(f"{type(self).__name__}: {message}; extrapolated")
         return altitude
 
 

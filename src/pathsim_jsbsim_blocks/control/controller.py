@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 from .._core._pathsim import port_names
 from .._core.checks import one_of
 from .._core.docs import filler
 from .._core.tunable import TunableLaw
+from .._core.wiring import warn_user
 from .gains import EnvelopeLimits, loop_gains, schedule_of
 from .loops import ReferenceLoop, ScheduledLoop, optional
 from .protection import UNPROTECTED, Protection, Unprotected
@@ -85,12 +85,10 @@ class Hold(TunableLaw):
         if self._absolute or self._doubted:
             return
         self._doubted = True
-        warnings.warn(
+        warn_user(
             f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
             f"{measured + value:.0f} {unit}; reference='absolute' makes the port the reference "
-            "itself",
-            RuntimeWarning,
-            stacklevel=2,
+            "itself"
         )
 
     def follow(self, vc: float, h: float | None = None, **loops: Any) -> None:
