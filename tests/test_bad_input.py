@@ -25,11 +25,13 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     PitchHold,
     PropertyError,
+    RampSource,
     TrimCondition,
     TrimError,
     fly,
 )
 from pathsim_jsbsim_blocks._core._pathsim import port_names
+from pathsim_jsbsim_blocks.flight import trim
 
 pytestmark = pytest.mark.matrix
 
@@ -410,6 +412,12 @@ def test_more_fuel_than_a_tank_holds_is_refused(fuel):
         (lambda: Aircraft("c172p", speed=90, output_properties=["flaps"]), "flaps", "flap"),
         (PitchHold, "elevator", "elevater"),
         (ISAtmosphere, "pressure", "presure"),
+        (RampSource, "out", "outt"),
+        (
+            lambda: Aircraft("c172p", speed=90).linear_model("algebraic").block(),
+            "theta",
+            "thta",
+        ),
     ],
 )
 def test_an_output_read_by_a_wrong_name_is_refused(block, right, wrong):
@@ -419,6 +427,11 @@ def test_an_output_read_by_a_wrong_name_is_refused(block, right, wrong):
         outputs[wrong]
     with pytest.raises(ParameterError, match=rf"no port 'xyzxyz'; there is .*{right}"):
         outputs["xyzxyz"]
+
+
+def test_the_name_of_an_aircraft_is_not_trimmed():
+    with pytest.raises(ParameterError, match=r"airframe must be an Airframe, .* not 'c172p'"):
+        trim("c172p", TrimCondition(altitude=5000, speed=90))
 
 
 def test_only_a_simulation_is_flown():

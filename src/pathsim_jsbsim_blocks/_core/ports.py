@@ -43,7 +43,11 @@ def label(port: str) -> str:
 
 
 class NamedPorts(Block):
-    """Base of all blocks here: ``block["name"]`` and ``block.set(name=...)`` check the name."""
+    """Base of all blocks here: ``block["name"]``, its outputs and ``block.set`` check names."""
+
+    def __init__(self, *arguments: Any, **keywords: Any) -> None:
+        super().__init__(*arguments, **keywords)
+        self.outputs = NamedRegister(len(self.outputs), port_names(self.outputs))
 
     def __repr__(self) -> str:
         said = []

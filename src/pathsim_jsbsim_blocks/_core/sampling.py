@@ -44,9 +44,7 @@ from ..errors import ParameterError
 from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
 from ._pathsim import (
     ClockEvent,
-    NamedRegister,
     WiredRegister,
-    port_names,
     show,
     show_without_stages,
     step_begins,
@@ -234,7 +232,6 @@ class SampledBlock(Block):
 
     def __init__(self, T: float, first: int):
         super().__init__()
-        self.outputs = NamedRegister(len(self.outputs), port_names(self.outputs))
         self.T = _period(T)
         self.clock = self._clock(self, first)
         self.events: list[Event] = [self.clock]

@@ -358,8 +358,15 @@ def trim(
     PropertyError
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     ParameterError
-        for initial conditions in ``setup`` that the trim would overwrite
+        for initial conditions in ``setup`` that the trim would overwrite, and for an aircraft's
+        name in place of an `Airframe`
     """
+    if not isinstance(airframe, Airframe):
+        raise ParameterError(
+            f"airframe must be an Airframe, as in trim(Airframe('c172p'), ...), not {airframe!r}",
+            parameter="airframe",
+            value=airframe,
+        )
     if not isinstance(condition, TrimCondition):
         raise ParameterError(
             f"condition must be a TrimCondition, not {condition!r}",

@@ -6,8 +6,8 @@ from typing import Any
 
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
-from pathsim.utils.register import Register
 
+from .._core._pathsim import NamedRegister
 from .._core.ports import NamedPorts
 from ..errors import ParameterError
 from .model import LinearModel
@@ -53,8 +53,10 @@ class LinearModelBlock(NamedPorts, StateSpace):
             )
         super().__init__(*model.with_lags(model.latency * model.dt))
         self.model = model
-        self.inputs = Register(len(model.inputs), {name: i for i, name in enumerate(model.inputs)})
-        self.outputs = Register(
+        self.inputs = NamedRegister(
+            len(model.inputs), {name: i for i, name in enumerate(model.inputs)}
+        )
+        self.outputs = NamedRegister(
             len(model.outputs), {name: i for i, name in enumerate(model.outputs)}
         )
         self.op_dyn = DynamicOperator(
