@@ -14,7 +14,7 @@ from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point
 from generate import put
 
 T = 1 / 60
-TABLES = ("c172p", "737", "A320", "T38")
+TABLES = ("c172p-designed", "737-designed", "A320", "T38")
 
 # altitude [ft], airspeed [KCAS], capacity of the tanks [lb], x of the empty CG and chord [in]
 FLEET = {

@@ -167,7 +167,7 @@ def test_turbulence(name):
 
 
 # altitude in ft and airspeed in KCAS; requirements: 60 ft of altitude, 5 % of the throttle's stop
-LOW_SPEED = {"global5000": (8000.0, 220.0), "737": (5000.0, 210.0)}
+LOW_SPEED = {"737": (5000.0, 210.0), "global5000": (8000.0, 220.0)}
 
 
 @pytest.mark.parametrize("name", first(LOW_SPEED))
@@ -186,6 +186,17 @@ def test_turbulence_at_low_speed_on_designed_gains(name):
         assert np.mean(flight["thr_sat"] != 0.0) < 0.05
     assert worst[f"{name}-designed"] < 60.0
     assert worst[f"{name}-designed"] < 0.8 * worst[name]
+
+
+def test_turbulence_at_75_kcas_on_designed_gains():
+    rough = {**TURBULENCE, "atmosphere/randomseed": 4}
+    flight = fly(
+        start("c172p", speed=75.0, properties=rough), 90.0, unwired=(), gains="c172p-designed"
+    )
+    assert np.std(flight["nz"]) > 0.1
+    # requirements
+    assert np.std(flight["theta"]) < 5.0
+    assert np.mean(flight["thr_sat"] != 0.0) < 0.05
 
 
 class Sensors(SampledLaw):

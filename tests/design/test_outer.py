@@ -153,7 +153,7 @@ def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
     gains, found = design_altitude(plant, ramp, hdot_max)
     assert gains.hdot_max == hdot_max
     x, total, cmd, flown = np.zeros(3), 0.0, 0.0, []
-    for _ in range(round(1.6 * 500.0 / hdot_max / T) + 3600):
+    for _ in range(round((80.0 + 1.3 * 500.0 / hdot_max) / T)):
         h, hdot = plant.row("h") @ x, plant.row("hdot") @ x
         flown.append((h, hdot, cmd))
         error = min(max(gains.Kh * (500.0 - h), -hdot_max), hdot_max) - hdot
@@ -163,8 +163,10 @@ def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
         x = plant.A @ x + plant.column("theta_cmd") * cmd
     h, _, theta = np.array(flown).T
     assert found.settling == pytest.approx(settles(h, 500.0, 10.0), abs=0.3)
-    assert found.overshoot == pytest.approx(max(h.max() - 500.0, 0.0), abs=0.3)
+    # the design computes with 6 periods in one step
+    assert found.overshoot == pytest.approx(max(h.max() - 500.0, 0.0), abs=0.6)
     assert found.use == pytest.approx(np.abs(theta).max() / 10.0, abs=0.02)
+    assert found.late == pytest.approx(np.abs(h[-round(5.0 / T) :] - 500.0).max(), abs=0.01)
     assert found.overshoot <= 5.0
     # in closed form: L = (Kp + Ki / s) (1 + Kh / s) hdot / theta, and the hold of T
     s = 1j * found.margins["crossover"]
@@ -181,7 +183,7 @@ def test_an_airspeed_settles_as_reported(room, step):
     gains, found = design_speed(plant, room, 0.0, step)
     law, state = SpeedLoop(T, gains, room), SpeedLoop.START
     x, flown = np.zeros(2), []
-    for k in range(round(100.0 / T)):
+    for k in range(round(150.0 / T)):
         vc = plant.row("vc") @ x
         command, _, state = law.sample(state, vc, 0.0, step if k else 0.0, 0.0, 0.0, False)
         flown.append((vc, command))
@@ -190,6 +192,7 @@ def test_an_airspeed_settles_as_reported(room, step):
     assert found.settling == pytest.approx(settles(vc, step, 0.5), abs=0.5)
     assert found.overshoot == pytest.approx(max((np.sign(step) * (vc - step)).max(), 0.0), abs=0.05)
     assert np.abs(vc[-2400:] - step).max() < 0.1
+    assert found.late == pytest.approx(np.abs(vc[-round(5.0 / T) :] - step).max(), abs=0.005)
     assert throttle.min() >= room[0]
     assert throttle.max() <= room[1]
 

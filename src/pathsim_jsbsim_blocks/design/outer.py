@@ -14,6 +14,7 @@ from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
 from .margins import Margins, margins
 from .plant import Plant
 from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled
+from .turbulence import AIR, Rough, at_a_stop, rms
 
 # periods of the loop in one step of a slow response
 _COARSE = 6
@@ -31,6 +32,8 @@ class Outcome:
     overshoot: float = math.nan
     use: float = math.nan
     relaxed: str = ""
+    # largest error in the last 5 s of the step
+    late: float = math.nan
 
 
 # the Dutch roll is damped to this; a model that has as much needs no damper
@@ -338,35 +341,49 @@ def design_heading(
 _GUST = 12.0
 _TF = 0.5
 _SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
-_SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 60.0])
+_SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
 _SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
+
+# shares of the throttle that a rate of climb takes to be fed forward
+_SPEED_RISES = np.array([1.0, 0.5, 0.0])
+_UNFED = 20.0  # s of settling, for none of it
 
 
 def design_speed(
-    plant: Plant, room: tuple[float, float], Kc: float, step: float
+    plant: Plant, room: tuple[float, float], Kc: float, step: float, stops: float = 1.0
 ) -> tuple[SpeedGains | None, Outcome]:
-    """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held."""
+    """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
+
+    ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some.
+    """
     T = plant.T
     g = plant.response(OMEGA, "throttle")
     G = g["vc"]
     travel = min(-room[0], room[1])
-    share, time_ = (x.ravel() for x in np.meshgrid(_SPEED_SHARES, _SPEED_TIMES, indexing="ij"))
+    share, time_, rise = (
+        x.ravel() for x in np.meshgrid(_SPEED_SHARES, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
+    )
     Kp = share * travel / _GUST
     Ki = Kp / time_
+    feed = rise * Kc
     alpha = -math.expm1(-T / _TF)
     z = np.exp(1j * OMEGA * T)
     slope = alpha / (1 - (1 - alpha) / z) * (1 - 1 / z) / T
-    L = (Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)) * G - Kc * g["hdot"]
+    law = Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)
+    L = law * G - feed[:, None] * g["hdot"]
     found = margins(OMEGA, L)
     level = levels(found)
     pick = np.flatnonzero(level < len(REQUIREMENTS))
     if not len(pick):
         return None, Outcome(at(found, 0))
-    k, r = (x.ravel() for x in np.meshgrid(pick, np.arange(len(_SPEED_RAMPS)), indexing="ij"))
-    ramp = _SPEED_RAMPS[r]
+    air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
+    moved = [(feed[:, None] * gust["hdot"] - law * gust["vc"]) / (1.0 + L) for gust in air]
+    none = np.zeros(len(Kp))
+    rough = Rough(none, none, at_a_stop(rms(OMEGA, *moved, np.zeros_like(L)), room))
+    k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
     p = plant.slower(_COARSE)
     c, climb, B = p.row("vc"), p.row("hdot"), p.column("throttle")[:, None]
-    dt, seconds = p.T, 100.0
+    dt, seconds = p.T, 150.0
     a = -math.expm1(-dt / _TF)
     n = len(k)
     x, total, slow, ref = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n), np.zeros(n)
@@ -377,21 +394,23 @@ def design_speed(
             y[j] = c @ x
             slow = slow + a * (y[j] - slow)
             ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
-            v = Kp[k] * (ref - slow) + total + Kc * (climb @ x)
+            v = Kp[k] * (ref - slow) + total + feed[k] * (climb @ x)
             u = np.clip(v, room[0], room[1])
             peak = np.maximum(peak, np.abs(v))
             total += Ki[k] * dt * (ref - y[j]) + unwind * (u - v)
             x = p.A @ x + B * u
     time = settled(y - step, 0.5, dt)
-    late = np.abs(y[-round(20.0 / dt) :] - step).max(axis=0)
+    late = np.abs(y[-round(5.0 / dt) :] - step).max(axis=0)
     over = np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0)
     score = (
         np.maximum(time, 12.0)
         + 30.0 * np.maximum(over - 0.25, 0.0)
-        + 60.0 * np.maximum(late - 0.02, 0.0)
-        + 8.0 * level[k]
+        + 300.0 * np.maximum(late - 0.1, 0.0)
+        + 60.0 * level[k]
         + 10.0 * share[k]
         + 5.0 * peak / travel
+        + _UNFED * (1.0 - rise[k])
+        + rough.cost(stops)[k]
     )
     score = np.where(np.isfinite(score), score, 1e6 + late)
     i = int(np.argmin(score))
@@ -404,14 +423,15 @@ def design_speed(
         Tf=_TF,
         b=1.0,
         ramp=float(ramp[i]),
-        Kc=Kc,
+        Kc=float(feed[j]),
     )
     return gains, Outcome(
         at(found, j),
         float(time[i]),
         float(over[i]),
         float(peak[i] / travel),
-        said(level[j], "" if math.isfinite(time[i]) else "settling"),
+        said(level[j], "" if math.isfinite(time[i]) else "settling", *rough.said(j)),
+        float(late[i]),
     )
 
 
@@ -458,6 +478,7 @@ def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
             "vc_cmd": gains.Kp * gains.b,
         },
         reference="vc_cmd",
+        command="throttle",
     )
 
 
@@ -472,15 +493,26 @@ def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
     )
 
 
-_CLIMB_CROSSOVERS = np.geomspace(0.15, 1.2, 9)
-_CLIMB_PHASES = np.radians([60.0, 68.0, 76.0, 84.0, 92.0])
-_CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 6.0])
+_CLIMB_CROSSOVERS = np.geomspace(0.15, 1.6, 32)
+_CLIMB_PHASES = np.radians([60.0, 68.0, 76.0, 84.0, 92.0, 100.0, 108.0])
+_CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 7.0, 12.0, 24.0])
+
+# s of settling
+_HOPE = 300.0
 
 
 def design_altitude(
-    plant: Plant, ramp: float, hdot_max: float, step: float = 500.0
+    plant: Plant,
+    ramp: float,
+    hdot_max: float,
+    step: float = 500.0,
+    room: tuple[float, float] = (-1.0, 1.0),
+    stops: float = 1.0,
 ) -> tuple[AltitudeGains | None, Outcome]:
-    """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed."""
+    """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
+
+    ``room`` is the throttle's; ``stops`` as in `design_speed`.
+    """
     T = plant.T
     g = plant.response(OMEGA, "theta_cmd")
     Kp, Ki = _pi(g["hdot"], T, _CLIMB_CROSSOVERS, _CLIMB_PHASES)
@@ -490,40 +522,40 @@ def design_altitude(
     wc = margins(OMEGA, (Kp[:, None] + Ki[:, None] * sums) * g["hdot"]).crossover
     k, r = (x.ravel() for x in np.meshgrid(np.arange(len(Kp)), _CLIMB_RATIOS, indexing="ij"))
     Kp, Ki, Kh = Kp[k], Ki[k], np.minimum(wc[k] / r, 0.3)
-    L = (Kp[:, None] + Ki[:, None] * sums) * (g["hdot"] + Kh[:, None] * g["h"])
+    law = Kp[:, None] + Ki[:, None] * sums
+    L = law * (g["hdot"] + Kh[:, None] * g["h"])
     found = margins(OMEGA, L)
     level = levels(found)
-    pick = np.flatnonzero(level < len(REQUIREMENTS))
-    if not len(pick):
+    air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
+    moved = [-law * (gust["hdot"] + Kh[:, None] * gust["h"]) / (1.0 + L) for gust in air]
+    off, pitch, throttle = (
+        rms(
+            OMEGA,
+            np.zeros_like(L),
+            *(gust[name] + g[name] * u for gust, u in zip(air, moved, strict=True)),
+        )
+        if name in g
+        else np.zeros(len(Kp))
+        for name in ("h", "theta", "throttle")
+    )
+    rough = Rough(off, pitch, at_a_stop(throttle, room))
+    cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
+    valid = level < len(REQUIREMENTS)
+    if not valid.any():
         return None, Outcome(at(found, 0))
-    p = plant.slower(_COARSE)
-    dt, seconds = p.T, 30.0 + 1.6 * step / hdot_max
-    rows = np.array([p.row("h"), p.row("hdot"), p.row("vc")])
-    B = p.column("theta_cmd")[:, None]
-    n = len(pick)
-    x, total, cmd = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n)
-    y, speed, peak = np.empty((round(seconds / dt), n)), np.zeros(n), np.zeros(n)
-    kp, ki, kh = Kp[pick], Ki[pick], Kh[pick]
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(len(y)):
-            h, hdot, vc = rows @ x
-            y[j] = h
-            speed = np.maximum(speed, np.abs(vc))
-            wanted = np.clip(kh * (step - h), -hdot_max, hdot_max)
-            target = kp * (wanted - hdot) + total
-            total += ki * dt * (wanted - hdot)
-            cmd = cmd + np.clip(target - cmd, -ramp * dt, ramp * dt)
-            peak = np.maximum(peak, np.abs(cmd))
-            x = p.A @ x + B * cmd
-    time = settled(y - step, 10.0, dt)
-    over = np.maximum((y - step).max(axis=0), 0.0)
-    late = np.abs(y[-round(5.0 / dt) :] - step).max(axis=0)
+    # no step makes up for a cost that is higher by so much
+    for pick in (valid & (cost <= cost[valid].min() + _HOPE), valid):
+        pick = np.flatnonzero(pick)
+        time, over, late, speed, peak = _climbs(
+            plant, Kh[pick], Kp[pick], Ki[pick], ramp, hdot_max, step
+        )
+        if np.isfinite(time).any():
+            break
     score = (
         time
-        + 5.0 * np.maximum(over - 2.0, 0.0)
-        + 10.0 * np.maximum(late - 1.0, 0.0)
-        + 6.0 * level[pick]
-        + 6.0 * found.crossover[pick]
+        + 10.0 * np.maximum(over - 1.0, 0.0)
+        + 200.0 * np.maximum(late - 0.05, 0.0)
+        + cost[pick]
         + 2.0 * speed
         + np.maximum(peak - 8.0, 0.0)
     )
@@ -540,5 +572,44 @@ def design_altitude(
             level[j],
             "" if math.isfinite(time[i]) else "settling",
             f"overshoot {over[i]:.1f} ft" if over[i] > 5.0 else "",
+            *rough.said(j),
         ),
+        float(late[i]),
+    )
+
+
+def _climbs(
+    plant: Plant,
+    Kh: np.ndarray,
+    Kp: np.ndarray,
+    Ki: np.ndarray,
+    ramp: float,
+    hdot_max: float,
+    step: float,
+) -> tuple[np.ndarray, ...]:
+    """Settling, overshoot, last error, and largest changes of airspeed and pitch of climbs."""
+    p = plant.slower(_COARSE)
+    dt, seconds = p.T, 80.0 + 1.3 * step / hdot_max
+    rows = np.array([p.row("h"), p.row("hdot"), p.row("vc")])
+    B = p.column("theta_cmd")[:, None]
+    n = len(Kh)
+    x, total, cmd = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n)
+    y, speed, peak = np.empty((round(seconds / dt), n)), np.zeros(n), np.zeros(n)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(len(y)):
+            h, hdot, vc = rows @ x
+            y[j] = h
+            speed = np.maximum(speed, np.abs(vc))
+            wanted = np.clip(Kh * (step - h), -hdot_max, hdot_max)
+            target = Kp * (wanted - hdot) + total
+            total += Ki * dt * (wanted - hdot)
+            cmd = cmd + np.clip(target - cmd, -ramp * dt, ramp * dt)
+            peak = np.maximum(peak, np.abs(cmd))
+            x = p.A @ x + B * cmd
+    return (
+        settled(y - step, 10.0, dt),
+        np.maximum((y - step).max(axis=0), 0.0),
+        np.abs(y[-round(5.0 / dt) :] - step).max(axis=0),
+        speed,
+        peak,
     )

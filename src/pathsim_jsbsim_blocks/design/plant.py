@@ -93,6 +93,7 @@ class Plant:
         read: Mapping[str, np.ndarray],
         through: Mapping[str, float],
         reference: str | None = None,
+        command: str | None = None,
     ) -> Plant:
         """The plant with a law of its own states around one input.
 
@@ -111,6 +112,8 @@ class Plant:
             from the name of an output or of the reference to d
         reference : str, optional
             name of the new input that takes the place of ``input_``
+        command : str, optional
+            name of a new output: what the law moves the input to without the reference
         """
         n, c = len(self.A), law.shape[1]
         F, h = law[:-1], law[-1]
@@ -135,7 +138,11 @@ class Plant:
                 [b * through.get(reference, 0.0), read.get(reference, np.zeros(c))]
             )
             inputs[j] = reference
-        return Plant(A, B, C, inputs, self.outputs, self.T)
+        outputs = list(self.outputs)
+        if command is not None:
+            C = np.vstack([C, np.concatenate([d, h])])
+            outputs.append(command)
+        return Plant(A, B, C, inputs, outputs, self.T)
 
     def slower(self, n: int) -> Plant:
         """The same with inputs held over ``n`` periods."""

@@ -1,0 +1,128 @@
+"""Turbulence on a linear aircraft: how far it moves what the loops hold, and the throttle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from ..linear.model import LinearModel
+from ..wind import dryden_field
+from .plant import Plant
+
+AIR = ("along", "up")
+
+
+def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
+    """The plant with moderate turbulence as two further inputs, white noise of unit density.
+
+    The states of the aircraft are those relative to the air. Where the air accelerates they change
+    by the opposite, and the aircraft rises with it:
+
+    .. math::
+        \\dot V = \\ldots - \\dot u, \\quad \\dot\\alpha = \\ldots + \\dot w / V, \\quad
+        \\dot h = \\ldots + w
+
+    with u along the flight path and w up. Both are noise through a lag, of L / V and L / 2V, with
+    the rms and the lengths of `dryden_field`, as JSBSim's MIL-spec turbulence has them.
+
+    Parameters
+    ----------
+    plant : Plant
+        of the model, without loops
+    model : LinearModel
+    altitude : float
+        ft
+
+    Returns
+    -------
+    Plant
+        without turbulence if the model has states that no output shows: what the air does to them
+        is unknown
+    """
+    n, T = len(plant.A), plant.T
+    states = list(model.states)
+    if "x1" in states:
+        return plant
+    vt = float(model.x0[states.index("vt")])
+    field = dryden_field(altitude)
+    rate = np.array([vt / field.L_u, 2.0 * vt / field.L_w])
+    size = np.array([field.sigma_u, field.sigma_w]) * np.sqrt(2.0 * rate)
+    fade = np.exp(-rate * T)
+    enters = (1.0 - fade) / rate * size
+    # what increments of u and w do to the states, and w itself
+    moves, lifts = np.zeros((n, 2)), np.zeros((n, 2))
+    moves[states.index("vt"), 0] = -1.0
+    moves[states.index("alpha"), 1] = math.degrees(1.0 / vt)
+    lifts[states.index("h"), 1] = T
+    m = plant.B.shape[1]
+    A = np.block([[plant.A, moves * (fade - 1.0) + lifts], [np.zeros((2, n)), np.diag(fade)]])
+    B = np.block([[plant.B, moves * enters], [np.zeros((2, m)), np.diag(enters)]])
+    C = np.hstack([plant.C, np.zeros((len(plant.C), 2))])
+    C[plant.outputs.index("hdot"), n + 1] = 1.0
+    return Plant(A, B, C, [*plant.inputs, *AIR], plant.outputs, T)
+
+
+def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
+    """Root mean square of signals from their responses to white noises, over the last axis."""
+    power = sum(np.abs(response) ** 2 for response in responses)
+    return np.sqrt(np.trapezoid(power, omega, axis=-1) / np.pi)
+
+
+# what is asked for in turbulence: ft, deg of rms, share of the time with the throttle at a stop
+ALTITUDE, PITCH, STOP = 60.0, 5.0, 0.05
+
+# the largest altitude error of a flight of some minutes, in rms
+_PEAK = 3.3
+
+# shares of the others that are aimed at: single flights scatter about what is expected
+_PITCH_AIM, _STOP_AIM = 0.75, 0.2
+
+# s of settling for an excess as large as what is aimed at
+_ALTITUDE_COST, _PITCH_COST, _STOP_COST = 30.0, 800.0, 40.0
+
+# excesses beyond which nothing is gained by a little less
+_PITCH_LOST, _STOP_LOST = 0.5, 4.0
+
+
+@dataclass(frozen=True)
+class Rough:
+    """What turbulence does to some loops, arrays of shape (loops,).
+
+    Attributes
+    ----------
+    altitude, pitch : array
+        rms in ft and deg
+    stop : array
+        share of the time for which the throttle is at a stop
+    """
+
+    altitude: np.ndarray
+    pitch: np.ndarray
+    stop: np.ndarray
+
+    def cost(self, stops: float) -> np.ndarray:
+        """In s of settling; ``stops`` is a weight of the throttle's stops."""
+        h = np.maximum(self.altitude * _PEAK / ALTITUDE - 1.0, 0.0)
+        theta = np.clip(self.pitch / (_PITCH_AIM * PITCH) - 1.0, 0.0, _PITCH_LOST)
+        stop = np.clip(self.stop / (_STOP_AIM * STOP) - 1.0, 0.0, _STOP_LOST)
+        return _ALTITUDE_COST * h + _PITCH_COST * theta + stops * _STOP_COST * stop
+
+    def said(self, i: int) -> tuple[str, ...]:
+        """What one of them does not meet, in words."""
+        found = []
+        if self.altitude[i] * _PEAK > ALTITUDE:
+            found.append(f"turbulence {self.altitude[i]:.0f} ft rms")
+        if self.pitch[i] > PITCH:
+            found.append(f"turbulence {self.pitch[i]:.1f} deg rms")
+        if self.stop[i] > STOP:
+            found.append(f"turbulence {self.stop[i]:.0%} at the throttle's stop")
+        return tuple(found)
+
+
+def at_a_stop(throttle: np.ndarray, room: tuple[float, float]) -> np.ndarray:
+    """Share of the time at a stop, from the rms of the throttle and its room."""
+    throttle = np.maximum(throttle, 1e-9)
+    return ndtr(room[0] / throttle) + ndtr(-room[1] / throttle)

@@ -1,0 +1,156 @@
+"""Turbulence on linear aircraft, against flights through moving air, noise and closed forms."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks import Aircraft, Autopilot
+from pathsim_jsbsim_blocks.control.gains import GAINS
+from pathsim_jsbsim_blocks.design import outer, search
+from pathsim_jsbsim_blocks.design.plant import Plant
+from pathsim_jsbsim_blocks.design.search import OMEGA
+from pathsim_jsbsim_blocks.design.turbulence import AIR, Rough, at_a_stop, in_turbulence, rms
+from pathsim_jsbsim_blocks.wind import dryden_field
+
+T = 1 / 120
+LINEAR = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
+POINT = {"altitude": 5000.0, "speed": 90.0}
+
+
+@pytest.fixture(scope="module")
+def model():
+    plane = Aircraft("c172p", **POINT)
+    return plane.linear_model(inputs=["elevator", "aileron", "rudder", "throttle"], outputs=LINEAR)
+
+
+@pytest.fixture(scope="module")
+def rough(model):
+    return in_turbulence(Plant.of(model), model, POINT["altitude"])
+
+
+def held(plant, gains):
+    """The plant with pitch angle, airspeed and altitude held."""
+    pitch = gains.pitch
+    found = search.Found(pitch.Kp, pitch.Ki, pitch.Kr, pitch.b, {}, 0.0, 0.0, 0.0, "")
+    plant = search.closed(plant, search.PITCH, found, "theta_cmd")
+    return outer.with_altitude(outer.with_speed(plant, gains.speed), gains.altitude)
+
+
+def flown(wind, omega, gains):
+    """Complex amplitudes of the outputs per ft/s of a wind that oscillates."""
+    plane, autopilot = Aircraft("c172p", **POINT), Autopilot(gains=gains, T=T)
+    ports, names = autopilot.input_port_labels, list(Aircraft.output_port_labels)
+    wired = [(ports[name], i) for i, name in enumerate(names) if name in ports and name != "alpha"]
+    period = round(2 * np.pi / omega / T)
+    # what begins with the wind has decayed
+    n = round(40.0 / T) + 2 * period
+    u, state, rows = [0.0] * len(ports), autopilot.initial_state(), np.empty((n, len(names) + 1))
+    command, y = [0.0] * len(plane.input_port_labels), plane.outputs.to_array().tolist()
+    for k in range(n):
+        plane.fdm[f"atmosphere/wind-{wind}-fps"] = np.sin(omega * k * T)
+        rows[k] = *y, command[3]
+        for port, i in wired:
+            u[port] = y[i]
+        out, state = autopilot.law(u, state)
+        command[:4] = out[:4]
+        y = plane.advance(k + 1, command)
+    late = rows[-2 * period :]
+    turn = np.exp(-1j * omega * T * np.arange(n - 2 * period, n)) / period * 1j
+    return dict(zip([*names, "throttle"], (late - late.mean(axis=0)).T @ turn, strict=True))
+
+
+@pytest.mark.parametrize(("wind", "sign", "air"), [("north", 1.0, "along"), ("down", -1.0, "up")])
+def test_moving_air_moves_the_linear_aircraft_as_the_flown_one(rough, wind, sign, air):
+    # the aircraft flies north, where JSBSim's wind blows to
+    omega, gains = 0.4, GAINS["c172p"]
+    plant = held(rough, gains)
+    response = plant.response(np.array([omega]), air)
+    # per ft/s of the air's own motion, which is the state after its lag
+    z = np.exp(1j * omega * T)
+    x = np.linalg.solve(z * np.eye(len(plant.A)) - plant.A, plant.column(air))
+    moves = x[len(rough.A) - len(AIR) + AIR.index(air)]
+    amplitudes = flown(wind, omega, gains)
+    for name in ("h", "hdot", "theta", "vc", "throttle"):
+        expected = sign * response[name][0] / moves
+        assert amplitudes[name] == pytest.approx(expected, abs=0.03 * abs(expected)), name
+
+
+def test_a_frozen_aircraft_rises_with_the_air(model):
+    # a plant that does nothing by itself: hdot is w
+    n = len(model.states)
+    still = Plant(np.eye(n), np.zeros((n, 1)), np.zeros((len(LINEAR), n)), ["elevator"], LINEAR, T)
+    omega = np.geomspace(1e-4, 300.0, 2000)
+    rising = in_turbulence(still, model, 5000.0).response(omega, "up")["hdot"]
+    assert rms(omega, rising) == pytest.approx(dryden_field(5000.0).sigma_w, rel=0.01)
+    # and below 1000 ft the air rises less: MIL-F-8785C, a tenth of 30 kt
+    rising = in_turbulence(still, model, 900.0).response(omega, "up")["hdot"]
+    assert rms(omega, rising) == pytest.approx(3.0 * 1852 / 3600 / 0.3048, rel=0.01)
+
+
+def test_the_rms_of_independent_noises_adds_in_squares():
+    omega = np.geomspace(1e-4, 1e4, 4000)
+    # unit noise through sqrt(2 a) / (s + a): 1
+    lag = np.sqrt(2 * 0.5) / (1j * omega + 0.5)
+    assert rms(omega, 3.0 * lag, 4.0 * lag) == pytest.approx(5.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("room", [(-0.5, 0.5), (-0.9, 0.1), (-0.2, 0.8)])
+def test_the_share_at_a_stop_is_that_of_normal_numbers(room):
+    throttle = 0.2 * np.random.default_rng(3).normal(size=400_000)
+    expected = np.mean((throttle <= room[0]) | (throttle >= room[1]))
+    assert at_a_stop(np.array([0.2]), room)[0] == pytest.approx(expected, abs=0.002)
+    assert at_a_stop(np.array([0.0]), room)[0] == 0.0
+
+
+def judged(altitude=0.0, pitch=0.0, stop=0.0):
+    return Rough(*(np.array([x]) for x in (altitude, pitch, stop)))
+
+
+def test_what_is_asked_for_in_turbulence():
+    met = judged(18.0, 3.7, 0.009)
+    assert met.cost(1.0)[0] == 0.0
+    assert met.said(0) == ()
+    for worse in (judged(altitude=19.0), judged(pitch=4.0), judged(stop=0.02)):
+        assert worse.cost(1.0)[0] > 0.0
+    assert judged(stop=0.02).cost(0.0)[0] == 0.0
+    missed = judged(20.0, 5.2, 0.06).said(0)
+    assert missed == (
+        "turbulence 20 ft rms",
+        "turbulence 5.2 deg rms",
+        "turbulence 6% at the throttle's stop",
+    )
+
+
+def test_strong_turbulence_takes_a_weaker_airspeed_loop(rough):
+    found = search.Found(0.1, 0.12, 0.004, 0.45, {}, 0.0, 0.0, 0.0, "")
+    plant = search.closed(rough, search.PITCH, found, "theta_cmd")
+    plant.B[:, [plant.inputs.index(name) for name in AIR]] *= 2.0
+    room, feed = (-0.7, 0.3), 0.004
+
+    def at_stops(**weight):
+        gains, _ = outer.design_speed(plant, room, feed, 10.0, **weight)
+        closed = outer.with_speed(plant, gains)
+        moves = rms(OMEGA, *(closed.response(OMEGA, name)["throttle"] for name in AIR))
+        return at_a_stop(moves, room)
+
+    # aimed at is 1 %
+    assert at_stops(stops=0.0) > 0.03
+    assert at_stops() < 0.015
+
+
+def test_states_that_no_output_shows_leave_turbulence_out(model):
+    hidden = dataclasses.replace(model, states=(*model.states[:-1], "x1"))
+    assert in_turbulence(Plant.of(hidden), hidden, 5000.0).inputs == list(hidden.inputs)
+
+
+def test_the_law_of_the_throttle_is_an_output(rough):
+    gains = dataclasses.replace(GAINS["c172p"].speed, Kd=-0.01, Tf=0.5)
+    plant = outer.with_speed(rough, gains)
+    omega = np.array([0.05, 0.3])
+    y = plant.response(omega, "elevator")
+    s = 1j * omega
+    # the continuous law
+    law = gains.Kp + gains.Ki / s + gains.Kd * s / (gains.Tf * s + 1.0)
+    expected = gains.Kc * y["hdot"] - law * y["vc"]
+    assert y["throttle"] == pytest.approx(expected, rel=0.01)
