@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.special import ndtr
 
 from ..linear.model import LinearModel
@@ -68,7 +69,7 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
 def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
     """Root mean square of signals from their responses to white noises, over the last axis."""
     power = sum(np.abs(response) ** 2 for response in responses)
-    return np.sqrt(np.trapezoid(power, omega, axis=-1) / np.pi)
+    return np.sqrt(trapezoid(power, omega, axis=-1) / np.pi)
 
 
 # what is asked for in turbulence: ft, deg of rms, share of the time with the throttle at a stop
