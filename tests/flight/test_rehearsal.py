@@ -39,4 +39,4 @@ def test_outcomes(action, outcome):
 def test_a_search_without_end_is_given_up():
     # its turboprops do not settle up there: JSBSim's search takes 20 s
     with pytest.raises(TrimError, match=r"given up after 10 s of computing"):
-        trim(Airframe("DHC6"), TrimCondition(altitude=32341, speed=158))
+        trim(Airframe("DHC6"), TrimCondition(altitude=32341, speed=158), hint=False)

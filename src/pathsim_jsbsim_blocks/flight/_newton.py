@@ -93,8 +93,7 @@ _STEADY_STATE = 150
 _ROW = 40
 _ROWS = 60
 
-# rows after which blades that stand still are taken for those of an engine that never settles; 3
-# are enough for the others
+# the same with blades that no governor moves: engines that settle then need 3
 _ROWS_AT_FIXED_PITCH = 10
 
 
@@ -497,9 +496,8 @@ class Search:
         try:
             self._spin_at_fixed_pitch()
             before = [read() for read in self._propellers]
-            still = 0
-            for _ in range(_ROWS):
-                if self._spent or still == _ROWS_AT_FIXED_PITCH:
+            for _ in range(_ROWS if self._governors else _ROWS_AT_FIXED_PITCH):
+                if self._spent:
                     break
                 pitch = [read() for read in self._pitches]
                 for _ in range(_ROW):
@@ -512,7 +510,6 @@ class Search:
                 ):
                     break
                 if pitch == [read() for read in self._pitches]:
-                    still += 1
                     self._spin_at_fixed_pitch()
                     now = [read() for read in self._propellers]
                 before = now
