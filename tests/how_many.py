@@ -14,11 +14,23 @@ def first(cases, count=1):
     ]
 
 
+# diagrams with several aircraft or linear models, which take seconds to build
+HEAVY = (
+    "doublet_linear_nonlinear",
+    "dutch_roll",
+    "fleet_pitch_hold",
+    "gust_response",
+    "microburst_approach",
+    "stall_protection",
+    "turbulence_rides",
+)
+
+
 def families_once(names):
-    """Diagram names for an expensive test: of the check cases, which are built alike, the first."""
+    """Diagram names for an expensive test: none that is heavy, and of the check cases the first."""
     return [
         pytest.param(n, marks=pytest.mark.long)
-        if n.startswith("check_case_") and n != "check_case_01"
+        if n in HEAVY or (n.startswith("check_case_") and n != "check_case_01")
         else n
         for n in names
     ]

@@ -25,6 +25,8 @@ def by_hand():
     return recorder.read()
 
 
+# test_drawing draws by hand in each run of the tests
+@pytest.mark.long
 def test_a_recorder_is_plotted_and_its_model_writes_a_track(editor, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")

@@ -16,6 +16,7 @@ def table():
     return modes_over_speed(aircraft="c172p", speeds=[30, 80, 110], jobs=1, progress=False)
 
 
+@pytest.mark.long
 def test_each_point_has_the_modes_of_its_model(table):
     assert table.trimmed.tolist() == [False, True, True]
     assert table.reason[0] != ""
@@ -27,6 +28,7 @@ def test_each_point_has_the_modes_of_its_model(table):
     assert np.isnan(row.short_period_2_real)
 
 
+@pytest.mark.long
 def test_the_frequencies_are_those_that_theory_expects(table):
     # the short period and the Dutch roll grow with airspeed, the phugoid is near sqrt(2) g / V
     slow, fast = table.iloc[1], table.iloc[2]
@@ -42,6 +44,7 @@ def test_the_frequencies_are_those_that_theory_expects(table):
     assert size(slow, "phugoid") == pytest.approx(2**0.5 * 32.174 / true_airspeed, rel=0.15)
 
 
+@pytest.mark.long
 def test_the_chart_has_frequency_damping_and_real_poles(table):
     figure = modes_chart(table)
     frequency, damping, real = figure.axes
