@@ -52,6 +52,7 @@ OWN_TESTS = {
     "_core/scopes": ["test_recorder.py", "test_formats.py", "test_plots.py"],
     "_core/progress": ["test_running.py", "test_run_settings.py", "-k", "bar"],
     "_core/template": ["test_template.py"],
+    "_core/callers": ["test_wiring.py"],
     "_core/wiring": ["test_wiring.py"],
     "_core/units": ["test_units.py", "test_gust.py"],
     "flight/airframe": [

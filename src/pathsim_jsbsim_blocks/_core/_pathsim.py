@@ -11,7 +11,7 @@ import functools
 import logging
 import math
 import warnings
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from operator import itemgetter
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -58,6 +58,12 @@ class NamedRegister(Register):
     """Values by name; a name that does not exist is refused, where PathSim reads 0."""
 
     __slots__ = ()
+
+    @classmethod
+    def of(cls, names: Iterable[str]) -> NamedRegister:
+        """A register with a port for each name."""
+        names = list(names)
+        return cls(len(names), {name: i for i, name in enumerate(names)})
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str) and key not in self._mapping:

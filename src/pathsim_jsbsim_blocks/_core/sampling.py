@@ -51,9 +51,9 @@ from ._pathsim import (
     values,
     without_stages,
 )
+from .callers import warn_user
 from .checks import number, positive
 from .continuous import Matrices, continuous_equivalent
-from .wiring import warn_user
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._pathsim import port_names
+from .callers import warn_user
 from .checks import positive
 from .ports import NamedPorts
 from .sampling import SampledLaw
-from .wiring import warn_user
 
 
 class _Parameter:

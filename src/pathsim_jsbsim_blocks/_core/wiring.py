@@ -5,10 +5,7 @@ PathSim refuses two wires into one port without a name, and runs on with the oth
 
 from __future__ import annotations
 
-import traceback
-import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from types import FrameType
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -18,17 +15,9 @@ from pathsim.utils.register import Register
 
 from ..errors import ParameterError
 from ._pathsim import before_runs, explain_conflicts, port_names
-
-_OURS = (__name__.partition(".")[0], "pathsim")
+from .callers import frames, is_users, warn_user
 
 _told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
-
-
-def warn_user(message: str) -> None:
-    """Warn at the line of the user's that the calls come from."""
-    callers = list(_frames())
-    user = next(filter(_is_users, callers), callers[-1])
-    warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
 
 
 def warn_of_wiring(sim: Simulation) -> None:
@@ -130,18 +119,9 @@ def _port(block: Block, number: int, register: Register) -> str:
 
 def _name(block: Block) -> str:
     """The user's variable of a block; its class where there is none."""
-    for frame in filter(_is_users, _frames()):
+    for frame in filter(is_users, frames()):
         for variables in (frame.f_locals, frame.f_globals):
             for name, value in list(variables.items()):
                 if value is block and not name.startswith("_"):
                     return name
     return type(block).__name__
-
-
-def _frames() -> Iterator[FrameType]:
-    """Frames of the callers, the innermost first: they hold the names that the user gave."""
-    return (frame for frame, _ in traceback.walk_stack(None))
-
-
-def _is_users(frame: FrameType) -> bool:
-    return str(frame.f_globals.get("__name__", "")).partition(".")[0] not in _OURS

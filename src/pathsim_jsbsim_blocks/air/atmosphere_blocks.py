@@ -9,9 +9,9 @@ from typing import Any
 
 import pathsim_flight.atmosphere as flight
 
+from .._core.callers import warn_user
 from .._core.checks import finite, one_of
 from .._core.ports import NamedFunction
-from .._core.wiring import warn_user
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
     A0,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from .._core._pathsim import port_names
+from .._core.callers import warn_user
 from .._core.checks import one_of
 from .._core.docs import filler
 from .._core.tunable import TunableLaw
-from .._core.wiring import warn_user
 from .gains import EnvelopeLimits, loop_gains, schedule_of
 from .loops import ReferenceLoop, ScheduledLoop, optional
 from .protection import UNPROTECTED, Protection, Unprotected

@@ -218,9 +218,9 @@ class Aircraft(FlightBlock):
         self.input_properties = listed("input_properties", input_properties)
         self.output_properties = listed("output_properties", output_properties)
         if self.input_properties:
-            self.inputs = _register(self.input_port_labels, self.input_properties)
+            self.inputs = NamedRegister.of([*self.input_port_labels, *self.input_properties])
         if self.output_properties:
-            self.outputs = _register(self.output_port_labels, self.output_properties)
+            self.outputs = NamedRegister.of([*self.output_port_labels, *self.output_properties])
         self.take_off()
 
     def _model(self) -> str:
@@ -369,11 +369,6 @@ class _Further:
             self._start = [read() for read in self._readers]
         for put, start in zip(self._writers, self._start, strict=True):
             put(min(max(start + increment, self._low), self._high))
-
-
-def _register(fixed: Mapping[str, int], further: Sequence[str]) -> NamedRegister:
-    names = [*fixed, *further]
-    return NamedRegister(len(names), {name: i for i, name in enumerate(names)})
 
 
 def _range(trim: float) -> tuple[float, float]:

@@ -141,12 +141,8 @@ class JSBSimFDM(FlightBlock):
         self.trim_mode = trim_mode
         self.gear = gear
         self.flaps = flaps
-        self.inputs = NamedRegister(
-            len(self.input_properties), {n: i for i, n in enumerate(self.input_properties)}
-        )
-        self.outputs = NamedRegister(
-            len(self.output_properties), {n: i for i, n in enumerate(self.output_properties)}
-        )
+        self.inputs = NamedRegister.of(self.input_properties)
+        self.outputs = NamedRegister.of(self.output_properties)
         self.take_off()
 
     def _model(self) -> str:

@@ -53,12 +53,8 @@ class LinearModelBlock(NamedPorts, StateSpace):
             )
         super().__init__(*model.with_lags(model.latency * model.dt))
         self.model = model
-        self.inputs = NamedRegister(
-            len(model.inputs), {name: i for i, name in enumerate(model.inputs)}
-        )
-        self.outputs = NamedRegister(
-            len(model.outputs), {name: i for i, name in enumerate(model.outputs)}
-        )
+        self.inputs = NamedRegister.of(model.inputs)
+        self.outputs = NamedRegister.of(model.outputs)
         self.op_dyn = DynamicOperator(
             func=lambda x, u, t: self.A @ x + self.B @ (u - model.u0),
             jac_x=lambda x, u, t: self.A,
