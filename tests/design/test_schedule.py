@@ -89,6 +89,17 @@ def test_the_command_says_why_there_are_none(capsys):
     assert "does not respond to 'elevator'" in capsys.readouterr().err
 
 
+def test_the_command_says_it_once(capsys):
+    too_fast = ["gains", "c172p", "--altitude", "5000", "--speed"]
+    assert main([*too_fast, "300"]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("pathsim-jsbsim: aircraft 'c172p' does not trim at altitude=5000.0")
+    assert err.count("does not trim") == 1
+    assert main([*too_fast, "300", "310"]) == 1
+    assert capsys.readouterr().err.count("does not trim") == 2
+
+
 def test_the_command_saves_what_can_be_read_only(tmp_path, capsys):
     assert main(["gains", "c172p", "--save", str(tmp_path / "gains.txt")]) == 1
     assert f"did you mean {str(tmp_path / 'gains.json')!r}" in capsys.readouterr().err

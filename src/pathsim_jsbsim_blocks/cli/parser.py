@@ -125,7 +125,8 @@ def command_parser() -> argparse.ArgumentParser:
         "--csv",
         metavar="FILE",
         type=Path,
-        help="write all recorded signals, including those of a run that crashes or is interrupted",
+        help="write all recorded signals as CSV, including those of a run that crashes or is "
+        "interrupted",
     )
     sub.add_argument(
         "--track",
@@ -248,7 +249,7 @@ def command_parser() -> argparse.ArgumentParser:
         "or trim_envelope",
     )
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
-    sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
+    sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table as CSV")
     sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
     sub.add_argument(
         "--resume",

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import FileError, ParameterError
 from .arguments import values_in_range
-from .saving import saving_figures
+from .saving import csv_path, saving_figures
 
 
 def studies() -> Mapping[str, Any]:
@@ -42,7 +42,7 @@ def study(args: argparse.Namespace) -> None:
 
 def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
     """Compute a study, print its result and show its figure; options that are None are left out."""
-    from .._core.checks import one_of, writable
+    from .._core.checks import one_of
     from ..plots import show
     from ..studies import STUDIES
 
@@ -58,7 +58,7 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
                 value=value,
             )
     if csv_file is not None:
-        writable("csv", csv_file)
+        csv_path(csv_file)
     with saving_figures(figure_file):
         table = study.table(**options)
         trimmed = int(table["trimmed"].sum())

@@ -17,7 +17,7 @@ from ..errors import BlocksError, ParameterError
 from .console import GONE, directory_is_gone
 from .editor import asking
 from .results import run_study, studies
-from .saving import recording_scopes, save, saving_figures
+from .saving import csv_path, recording_scopes, save, saving_figures
 
 
 def list_names(args: argparse.Namespace) -> None:
@@ -36,7 +36,7 @@ def list_names(args: argparse.Namespace) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from .._core._pathsim import keep_warnings_visible
-    from .._core.checks import positive, writable
+    from .._core.checks import positive
     from .._core.running import runs_of, shown_runs
     from .._core.template import Template, main_program
     from ..catalogue import find_diagram
@@ -66,9 +66,7 @@ def run(args: argparse.Namespace) -> int:
         source = _code_of_model(script, args)
     else:
         script = find_diagram(args.name, studies()).absolute()
-    csv_file = args.csv
-    if csv_file is not None:
-        csv_file = writable("csv", csv_file).absolute()
+    csv_file = None if args.csv is None else csv_path(args.csv).absolute()
     status = 0
     try:
         with (

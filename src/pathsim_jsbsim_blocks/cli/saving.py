@@ -39,6 +39,27 @@ def _save_open_figures() -> None:
         show(plt.figure(n), "")
 
 
+def csv_path(path: Path) -> Path:
+    """``path`` if a table can be written there; without an ending it may be a pipe.
+
+    Raises
+    ------
+    ParameterError
+        for an ending that promises another format, and for a file that cannot be written
+    """
+    from .._core.checks import writable
+
+    path = writable("csv", path)
+    if path.suffix.lower() not in ("", ".csv"):
+        raise ParameterError(
+            f"--csv writes comma-separated values, which {path.suffix} is not; did you mean "
+            f"{str(path.with_suffix('.csv'))!r}?",
+            parameter="csv",
+            value=str(path),
+        )
+    return path
+
+
 def saving_figures(path: Path | None) -> contextlib.AbstractContextManager[None]:
     from ..plots import saving_to
 
