@@ -423,6 +423,8 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
+        (["run", "hello_jsbsim", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
+        (["study", "climb_schedule", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
         (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
         (["run", str(diagram_folder().parent / "README.md")], "is not a Python script"),
         (["trim", "c172"], "did you mean 'c172p'"),
@@ -452,6 +454,23 @@ def test_trim_prints_the_published_state(capsys):
     radians, degrees = re.search(r"elevator_rad +(\S+) rad \((\S+) deg\)", out).groups()
     assert float(degrees) == pytest.approx(float(radians) * 57.29578, abs=1e-4)
     assert re.search(r"weight +\d+\.\d+ lb\n +cg_x +\d+\.\d+ in", out)
+
+
+def test_trim_prints_what_the_state_prints(capsys):
+    from pathsim_jsbsim_blocks import Aircraft
+
+    assert main(["trim", "737", "--altitude", "10000", "--speed", "280", "--gear", "0"]) == 0
+    state = Aircraft("737", altitude=10_000, speed=280, gear=0).trim
+    assert capsys.readouterr().out == f"{state}\n"
+    assert max(map(len, str(state).splitlines())) < 80
+    assert repr(state).startswith("TrimState(aircraft='737', condition=TrimCondition(")
+
+
+def test_a_state_without_engines_prints(capsys):
+    assert main(["trim", "SGS", "--speed", "55", "--mode", "glide"]) == 0
+    out = capsys.readouterr().out
+    assert "throttle" not in out
+    assert "gamma " in out
 
 
 def test_trim_creates_what_a_model_misses(capsys):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
+
+_Error = TypeVar("_Error", bound="BlocksError")
 
 
 class BlocksError(Exception):
@@ -13,8 +15,12 @@ class BlocksError(Exception):
         # the default pickles the message alone, and workers send errors back to the caller
         return _restored, (type(self), self.args, self.__dict__)
 
+    def reworded(self: _Error, message: str, **changed: Any) -> _Error:
+        """The same error with another message, and with other data where given."""
+        return _restored(type(self), (message,), {**self.__dict__, **changed})
 
-def _restored(kind: type[BlocksError], args: tuple[Any, ...], data: dict[str, Any]) -> BlocksError:
+
+def _restored(kind: type[_Error], args: tuple[Any, ...], data: dict[str, Any]) -> _Error:
     error = kind.__new__(kind, *args)
     error.__dict__.update(data)
     return error

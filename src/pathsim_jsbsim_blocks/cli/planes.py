@@ -5,15 +5,17 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import math
+import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..errors import BlocksError, ParameterError
+from ..errors import BlocksError, DesignError, ParameterError, TrimError
 from .arguments import condition_of, values_of
 from .saving import saving_figures
 
 if TYPE_CHECKING:
+    from ..design import DesignedGains
     from ..flight.airframe import Airframe
 
 
@@ -104,7 +106,7 @@ def _in_state(args: argparse.Namespace) -> Airframe:
 
 
 def print_trim(args: argparse.Namespace) -> None:
-    from ..flight._trim import UNITS, trim
+    from ..flight._trim import trim
     from ..flight.airframe import Airframe
 
     setup, create = values_of("set", args.set), values_of("create", args.create)
@@ -113,28 +115,7 @@ def print_trim(args: argparse.Namespace) -> None:
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         state = trim(airframe, condition, setup, steady=args.steady)
-    print(f"{args.aircraft}: {condition}")
-    rows: dict[str, Any] = {f.name: getattr(state, f.name) for f in dataclasses.fields(state)}
-    free, drift = rows.pop("free"), rows.pop("drift")
-    if math.isfinite(state.turn_radius):
-        rows |= {"turn_rate": state.turn_rate, "turn_radius": state.turn_radius}
-    units = {**UNITS, "turn_rate": "deg/s", "turn_radius": "ft"}
-    for name, value in rows.items():
-        values = value if isinstance(value, tuple) else (value,)
-        if values and isinstance(values[0], float):
-            # adding 0 turns -0.0 into 0.0
-            shown = [round(x, 6) + 0.0 for x in values]
-            numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in shown)
-            degrees = f" ({math.degrees(values[0]):.4f} deg)" if units[name] == "rad" else ""
-            print(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
-    if free:
-        print(f"  {'free':<13} {', '.join(free)}")
-    if drift is not None:
-        print(
-            f"  {'steady' if state.steady else 'not steady'}: after {drift.duration:g} s with "
-            f"controls held {drift.height:+.2f} ft, {drift.speed:+.2f} kt, "
-            f"{drift.bank:+.2f} deg of bank"
-        )
+    print(state)
     for warning in said:
         print(f"  {warning.message}")
 
@@ -177,7 +158,7 @@ def print_modes(args: argparse.Namespace) -> None:
             show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 
 
-def print_gains(args: argparse.Namespace) -> None:
+def print_gains(args: argparse.Namespace) -> int:
     from .._core.checks import writable
     from ..design import design_schedule
     from ..flight import TrimCondition, level_flight
@@ -206,15 +187,26 @@ def print_gains(args: argparse.Namespace) -> None:
     middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
     if args.altitude is not None or args.speed is not None:
         condition = dataclasses.replace(condition, **middle)
-    found = design_schedule(
-        args.aircraft,
-        condition,
-        altitudes,
-        speeds,
-        progress=lambda design: print(f"{design}\n", flush=True),
-        root=args.root,
-        create=create,
-    )
+
+    def tell(found: DesignedGains | Exception) -> None:
+        if isinstance(found, Exception):
+            print(f"pathsim-jsbsim: {found}", file=sys.stderr)
+        else:
+            print(f"{found}\n", flush=True)
+
+    try:
+        found = design_schedule(
+            args.aircraft,
+            condition,
+            altitudes,
+            speeds,
+            progress=tell,
+            root=args.root,
+            create=create,
+        )
+    except (DesignError, TrimError):  # at no condition: told already
+        return 1
     if args.save is not None:
         found.save(args.save)
         print(f"gains saved: {args.save}")
+    return 0

@@ -211,6 +211,32 @@ class TrimState:
     free: tuple[str, ...]
     drift: Drift | None = None
 
+    def __str__(self) -> str:
+        """The state as a table: name, value and unit in each line."""
+        rows: dict[str, Any] = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        units = UNITS
+        if math.isfinite(self.turn_radius):
+            rows |= {"turn_rate": self.turn_rate, "turn_radius": self.turn_radius}
+            units = {**UNITS, "turn_rate": "deg/s", "turn_radius": "ft"}
+        lines = [f"{self.aircraft}: {self.condition}"]
+        for name, value in rows.items():
+            values = value if isinstance(value, tuple) else (value,)
+            if name in units and values:
+                # adding 0 turns -0.0 into 0.0
+                shown = [round(x, 6) + 0.0 for x in values]
+                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in shown)
+                degrees = f" ({math.degrees(value):.4f} deg)" if units[name] == "rad" else ""
+                lines.append(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
+        if self.free:
+            lines.append(f"  {'free':<13} {', '.join(self.free)}")
+        if self.drift is not None:
+            lines.append(
+                f"  {'steady' if self.steady else 'not steady'}: after {self.drift.duration:g} s "
+                f"with controls held {self.drift.height:+.2f} ft, {self.drift.speed:+.2f} kt, "
+                f"{self.drift.bank:+.2f} deg of bank"
+            )
+        return "\n".join(lines)
+
     def to_dict(self) -> dict[str, float]:
         """The state's numbers by name; those of each engine as ``throttle[0]``."""
         found: dict[str, float] = {}
@@ -517,15 +543,7 @@ def _explained(
         airframe.spent = True  # whatever the searches left, the next trim starts afresh
     if nearest is None:
         return error
-    return TrimError(
-        f"{error}. It trims {how}",
-        aircraft=error.aircraft,
-        condition=condition,
-        reason=error.reason,
-        residuals=error.residuals,
-        nearest=nearest,
-        limit=error.limit,
-    )
+    return error.reworded(f"{error}. It trims {how}", nearest=nearest)
 
 
 def _with_limit(airframe: Airframe, error: TrimError, newton: TrimError) -> TrimError:

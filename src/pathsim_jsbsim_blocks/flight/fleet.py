@@ -116,14 +116,7 @@ def _first(
     others = len(tries) - 1
     elsewhere = f" and at {others} other conditions" if others else ""
     sought = "glide" if said["mode"] == "glide" else "level flight"
-    raise TrimError(
-        f"no {sought}: {first} (tried there{elsewhere})",
-        aircraft=aircraft,
-        condition=first.condition,
-        reason=first.reason,
-        residuals=first.residuals,
-        limit=first.limit,
-    )
+    raise first.reworded(f"no {sought}: {first} (tried there{elsewhere})")
 
 
 def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, float]]:
