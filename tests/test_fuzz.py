@@ -17,7 +17,7 @@ def test_random_arguments_end_in_our_own_errors_and_leave_nothing_behind(tmp_pat
     temporary.mkdir()
     report = tmp_path / "report.json"
     done = subprocess.run(
-        [sys.executable, str(FUZZ), str(report), str(settings().max_examples // 20)],
+        [sys.executable, str(FUZZ), str(report), str(settings().max_examples // 33)],
         cwd=work,
         capture_output=True,
         timeout=600,

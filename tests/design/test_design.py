@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 from fleet_conditions import FLYING
+from how_many import first
 
 from pathsim_jsbsim_blocks import Aircraft, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks.control.gains import TABLES, AircraftGains, read_gains
@@ -30,7 +31,7 @@ def condition(name):
     )
 
 
-@pytest.fixture(scope="module", params=SOME)
+@pytest.fixture(scope="module", params=first(SOME))
 def designed(request):
     there, create = condition(request.param)
     return design_gains(request.param, there, create=create)
@@ -105,6 +106,7 @@ def test_an_aircraft_that_does_not_trim_is_refused():
         design_gains("c172p", TrimCondition(altitude=5000, speed=30))
 
 
+@pytest.mark.long
 def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch):
     there, create = condition("A320")
     flights = []
@@ -129,6 +131,7 @@ def test_check_is_a_flag():
         design_gains("c172p", check="no")
 
 
+@pytest.mark.long
 def test_the_climb_is_what_full_throttle_gives():
     # flown: the pitch angle of the trimmed climb found by bisection, at full throttle
     designed = design_gains("737", TrimCondition(altitude=5000, speed=260, gear=0.0), check=False)
@@ -180,6 +183,7 @@ def test_the_bank_of_straight_flight_leaves_no_error_of_the_heading():
     assert flown.quality.steady_error < 0.05
 
 
+@pytest.mark.long
 def test_the_newton_search_is_tried_where_jsbsims_fails():
     there = TrimCondition(altitude=5000, speed=89, gear=0.0)
     with pytest.raises(TrimError):

@@ -176,23 +176,23 @@ def test_in_mid_run_the_model_is_that_of_the_trim():
     assert np.array_equal(one.y0, other.y0)
 
 
-def test_the_matrices_repeat():
+@pytest.mark.parametrize("seed", first([1, 2]))
+def test_the_matrices_repeat(seed):
     chosen = {"inputs": ["aileron", "rudder"]}
     reference = plane("737").linear_model(**chosen)
-    for seed in (1, 2):
-        np.random.seed(seed)  # noqa: NPY002 as a user's script may have done
-        for first_of_both in (True, False):
-            aircraft, other = plane("737"), plane("c172p")
-            blocks = [aircraft, other] if first_of_both else [other, aircraft]
-            sim = Simulation(blocks, [], dt=1 / 120, log=False)
-            for _ in range(3):  # ten models and more, in other places, before and in the flight
-                model = aircraft.linear_model(**chosen)
-                other.linear_model("algebraic")
-                for name in "ABCD":
-                    np.testing.assert_allclose(
-                        getattr(model, name), getattr(reference, name), rtol=1e-9, atol=1e-9
-                    )
-                sim.run(0.1)
+    np.random.seed(seed)  # noqa: NPY002 as a user's script may have done
+    for first_of_both in (True, False):
+        aircraft, other = plane("737"), plane("c172p")
+        blocks = [aircraft, other] if first_of_both else [other, aircraft]
+        sim = Simulation(blocks, [], dt=1 / 120, log=False)
+        for _ in range(3):  # in other places, before and in the flight
+            model = aircraft.linear_model(**chosen)
+            other.linear_model("algebraic")
+            for name in "ABCD":
+                np.testing.assert_allclose(
+                    getattr(model, name), getattr(reference, name), rtol=1e-9, atol=1e-9
+                )
+            sim.run(0.1)
 
 
 def test_ports_are_chosen_by_name():

@@ -3,6 +3,7 @@
 import shutil
 
 import pytest
+from how_many import families_once
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -10,7 +11,7 @@ from pathsim_jsbsim_blocks.pathview import export_script
 pytest.importorskip("pathview")
 
 
-@pytest.mark.parametrize("name", diagram_names())
+@pytest.mark.parametrize("name", families_once(diagram_names()))
 def test_a_model_is_current(name, tmp_path):
     committed = diagram_folder() / f"{name}.pvm"
     again = tmp_path / committed.name
