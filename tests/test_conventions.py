@@ -1,7 +1,9 @@
 """What every public name keeps to, and who may import whom."""
 
+import dataclasses
 import importlib
 import inspect
+import pickle
 import pkgutil
 import re
 import subprocess
@@ -12,12 +14,20 @@ import pytest
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks import BlocksError
+from pathsim_jsbsim_blocks import BlocksError, ParameterError, PitchHold, TrimCondition
+from pathsim_jsbsim_blocks.control import gains
+from pathsim_jsbsim_blocks.errors import KeywordError
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = {n: getattr(package, n) for n in package.__all__ if n != "fly"}
 BLOCKS = {n: o for n, o in PUBLIC.items() if issubclass(o, Block)}
 DATA = {n: o for n, o in PUBLIC.items() if n in ("TrimCondition", "TrimState")}
+
+GAINS = [
+    o
+    for o in vars(gains).values()
+    if dataclasses.is_dataclass(o) and o.__module__ == gains.__name__ and o.__name__[0] != "_"
+]
 
 
 def parameters(cls):
@@ -127,6 +137,38 @@ def test_parameters_are_kept_as_attributes(name):
 def test_unknown_keywords_are_refused(name):
     with pytest.raises(TypeError, match="no_such_parameter"):
         {**BLOCKS, **DATA}[name](no_such_parameter=1)
+
+
+@pytest.mark.parametrize(
+    "make", [*BLOCKS.values(), TrimCondition, *GAINS], ids=lambda c: c.__name__
+)
+def test_a_misspelt_keyword_is_refused_naming_the_nearest(make):
+    known = [*inspect.signature(make).parameters]
+    said = f"^{make.__name__} has no parameter 'XYZ_'; it has {', '.join(known) or 'none'}$"
+    with pytest.raises(KeywordError, match=said):
+        make(XYZ_=1.0)
+    for name in known:
+        with pytest.raises(TypeError, match=f"no parameter '{name}_'; did you mean .*'{name}'"):
+            make(**{f"{name}_": 1.0})
+
+
+def test_a_misspelt_keyword_is_known_with_its_value():
+    with pytest.raises(ParameterError) as error:
+        PitchHold(gans="737")
+    assert (error.value.parameter, error.value.value) == ("gans", "737")
+    again = pickle.loads(pickle.dumps(error.value))
+    assert (type(again), str(again)) == (KeywordError, str(error.value))
+
+
+def test_a_keyword_that_a_users_own_block_passes_on_is_checked_too():
+    class Mine(PitchHold):
+        def __init__(self, **keywords):
+            super().__init__(**keywords)
+
+    with pytest.raises(
+        KeywordError, match=r"^Mine has no parameter 'theta'; did you mean 'theta_ref"
+    ):
+        Mine(gains="737", theta=3.0)
 
 
 @pytest.mark.parametrize("name", BLOCKS)

@@ -43,6 +43,13 @@ class ParameterError(BlocksError, ValueError):
         self.value = value
 
 
+class KeywordError(ParameterError, TypeError):
+    """A block or condition is given a parameter that it does not have.
+
+    A `TypeError` too, as Python's own. `parameter` and `value` are those that were given.
+    """
+
+
 class AircraftError(BlocksError, ValueError):
     """An aircraft model is unknown or cannot be loaded.
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import functools
+import inspect
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..errors import KeywordError, ParameterError
+
+Checked = TypeVar("Checked", bound=type)
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
@@ -34,6 +38,48 @@ def did_you_mean(names: Iterable[str]) -> str:
     """Suffix for an error message; empty if there are no suggestions."""
     names = list(names)
     return f"; did you mean {' or '.join(repr(x) for x in names)}?" if names else ""
+
+
+def refuse_unknown(owner: str, values: Mapping[str, Any], known: Iterable[str]) -> None:
+    """Check the names of parameters.
+
+    Raises
+    ------
+    KeywordError
+        for one that is not known, naming the nearest, or all that there are
+    """
+    known = list(known)
+    for name, value in values.items():
+        if name not in known:
+            close = did_you_mean(nearest(name, known))
+            raise KeywordError(
+                f"{owner} has no parameter {name!r}{close or f'; it has {_listed(known)}'}",
+                parameter=name,
+                value=value,
+            )
+
+
+def known_keywords(cls: Checked) -> Checked:
+    """A class whose constructor refuses keywords that it does not have, naming the nearest.
+
+    A constructor that passes further keywords on is left alone.
+    """
+    init = cls.__init__  # type: ignore[misc]
+    parameters = list(inspect.signature(init).parameters.values())[1:]
+    if not any(p.kind is p.VAR_KEYWORD for p in parameters):
+        known = [p.name for p in parameters]
+
+        @functools.wraps(init)
+        def checked(self: Any, *args: Any, **kwargs: Any) -> None:
+            refuse_unknown(type(self).__name__, kwargs, known)
+            init(self, *args, **kwargs)
+
+        cls.__init__ = checked  # type: ignore[misc]
+    return cls
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "none"
 
 
 def number(

@@ -14,7 +14,7 @@ from pathsim.optim.operator import Operator
 from ..errors import BlocksError, ParameterError
 from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
 from ._pathsim import NamedRegister, port_names
-from .checks import did_you_mean, nearest
+from .checks import did_you_mean, known_keywords, nearest, refuse_unknown
 
 # relative to an input's value, and the least
 _STEP = 1e-6
@@ -43,7 +43,12 @@ def label(port: str) -> str:
 
 
 class NamedPorts(Block):
-    """Base of all blocks here: ``block["name"]``, its outputs and ``block.set`` check names."""
+    """Base of all blocks here: parameters, ``block["name"]`` and outputs are checked by name."""
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "__init__" in vars(cls):
+            known_keywords(cls)
 
     def __init__(self, *arguments: Any, **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)
@@ -96,15 +101,7 @@ class NamedPorts(Block):
         ParameterError
             for a parameter that the block does not have, naming the nearest, and for bad values
         """
-        known = self.info()["parameters"]
-        for name, value in values.items():
-            if name not in known:
-                raise ParameterError(
-                    f"{type(self).__name__} has no parameter {name!r}"
-                    + did_you_mean(nearest(name, known)),
-                    parameter=name,
-                    value=value,
-                )
+        refuse_unknown(type(self).__name__, values, self.info()["parameters"])
         before = {name: getattr(self, name) for name in values}
         try:
             self._put(values)

@@ -15,7 +15,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, number, one_of, positive, whole
+from .._core.checks import did_you_mean, known_keywords, nearest, number, one_of, positive, whole
 from ..errors import FileError, ParameterError
 
 FORMAT = "pathsim-jsbsim-blocks gains 1"
@@ -37,6 +37,7 @@ _POSITIVE = ("ramp", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
 _NOT_NEGATIVE = ("b", "Tf", "climb_max")
 
 
+@known_keywords
 @dataclass(frozen=True)
 class AttitudeGains(_Gains):
     """Gains from pitch or roll angle (deg) to the elevator or aileron command (full travel 1).
@@ -62,6 +63,7 @@ class AttitudeGains(_Gains):
     ramp: float = 3.0
 
 
+@known_keywords
 @dataclass(frozen=True)
 class HeadingGains(_Gains):
     """Gains from heading error (deg) to the bank reference (deg).
@@ -81,6 +83,7 @@ class HeadingGains(_Gains):
     bank: float = 0.0
 
 
+@known_keywords
 @dataclass(frozen=True)
 class AltitudeGains(_Gains):
     """Gains from altitude error (ft) via rate of climb (ft/s) to the pitch reference (deg).
@@ -103,6 +106,7 @@ class AltitudeGains(_Gains):
     hdot_max: float = 10.0
 
 
+@known_keywords
 @dataclass(frozen=True)
 class SpeedGains(_Gains):
     """Gains from airspeed error (kt) to the throttle command (full range 1).
@@ -135,6 +139,7 @@ class SpeedGains(_Gains):
     Kc: float = 0.0
 
 
+@known_keywords
 @dataclass(frozen=True)
 class YawGains(_Gains):
     """Gains from yaw rate (deg/s), sideslip and roll to the rudder command (full travel 1).
@@ -167,6 +172,7 @@ class YawGains(_Gains):
     Kbank: float = 0.0
 
 
+@known_keywords
 @dataclass(frozen=True)
 class EnvelopeLimits(_Gains):
     """What the aircraft can fly at one altitude and airspeed, measured in flight.
@@ -189,6 +195,7 @@ class EnvelopeLimits(_Gains):
     descent_max: float
 
 
+@known_keywords
 @dataclass(frozen=True)
 class AircraftGains:
     """The gains of all loops of one aircraft at one altitude and airspeed.
@@ -216,6 +223,7 @@ class AircraftGains:
 _LOOPS = {**get_type_hints(AircraftGains), "envelope": EnvelopeLimits}
 
 
+@known_keywords
 @dataclass(frozen=True)
 class DesignPoint:
     """Gains, and the altitude and airspeed they are for.
@@ -244,6 +252,7 @@ class DesignPoint:
             )
 
 
+@known_keywords
 @dataclass(frozen=True)
 class GainSchedule:
     """Gains of one aircraft over altitude and airspeed.
@@ -521,14 +530,14 @@ def _read(path: Path, written: int) -> GainSchedule:
         )
     try:
         return schedule_from(document)
-    except (KeyError, TypeError) as cause:
-        raise ParameterError(
-            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
-        ) from cause
     except ParameterError as error:
         raise ParameterError(
             f"{path}: {error}", parameter=error.parameter, value=error.value
         ) from error
+    except (KeyError, TypeError) as cause:
+        raise ParameterError(
+            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
+        ) from cause
 
 
 def schedule_from(document: Mapping[str, Any]) -> GainSchedule:

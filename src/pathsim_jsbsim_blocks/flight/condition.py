@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .._core.checks import mapping, number, one_of, whole
+from .._core.checks import known_keywords, mapping, number, one_of, whole
 from ..errors import ParameterError
 
 # JSBSim's numbers for simulation/do_simple_trim
@@ -52,6 +52,7 @@ class FixedMapping(Mapping):
         return dict(self._values)
 
 
+@known_keywords
 @dataclass(frozen=True)
 class TrimCondition:
     """What to trim for.
