@@ -1,6 +1,7 @@
 """Warnings reach the user of a diagram, in the way that the user has chosen."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -39,6 +40,51 @@ def python(*arguments, code=1):
     return ended.stdout, ended.stderr
 
 
+MINE = """
+from pathsim import Simulation
+from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.flight import Airframe, linear_model, trim
+
+fast = TrimCondition(altitude=10_000, speed=280)
+plane = Aircraft("737", altitude=10_000, speed=280)  # gear
+JSBSimFDM(aircraft_model="737", condition=fast)  # gear
+state = trim(Airframe("737"), fast)  # gear
+sim = Simulation([plane], dt=plane.T, log=False)
+sim.reset()  # gear
+linear_model("787-8", TrimCondition(altitude=10_000, speed=250, gear=1))  # response
+slow = Aircraft("pa28", altitude=2000, speed=95)
+slow.linear_model(inputs=["throttle"])  # response
+"""
+
+
+@pytest.mark.parametrize("start", first([[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]]))
+def test_a_warning_shows_the_line_of_the_users_script(start, tmp_path):
+    script = tmp_path / "mine.py"
+    script.write_text(MINE)
+    _, errors = python(*start, str(script), code=0)
+    said = re.findall(
+        rf"^{re.escape(str(script))}:(\d+): RuntimeWarning: .*(gear|response) ", errors, re.M
+    )
+    expected = re.findall(r"# (gear|response)", MINE)
+    lines = [i for i, line in enumerate(MINE.splitlines(), 1) if "# " in line]
+    assert [(int(line), what) for line, what in said] == list(zip(lines, expected, strict=True))
+    assert errors.count("RuntimeWarning") == len(lines)
+    # the cause of a piston engine's is not known
+    assert errors.count("throttle is not linear (a turbine's spools") == 1
+    assert errors.count("throttle is not linear: ") == 1
+
+
+def test_a_command_without_a_script_prints_a_warning_without_a_line(capsys):
+    from pathsim_jsbsim_blocks.cli import main
+
+    assert main(["modes", "787-8", "--altitude", "10000", "--speed", "250"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    gear, response = out.splitlines()[-2:]
+    assert gear.startswith("  787-8 at 250 KCAS: the landing gear is down")
+    assert response.startswith("  787-8: the response of vt to throttle is not linear (a turbine's")
+
+
 def count(errors):
     return [errors.count(text) for text in SAID]
 
@@ -48,6 +94,7 @@ def count(errors):
 def test_each_warning_is_seen_once(start):
     _, errors = python(*start, str(SCRIPT), code=0)
     assert count(errors) == [1] * len(SAID)
+    assert errors.count(f"{SCRIPT}:36: RuntimeWarning: ") == 2
     assert "RuntimeWarning" in errors
 
 

@@ -10,11 +10,17 @@ from types import FrameType
 _OURS = (__name__.partition(".")[0], "pathsim")
 
 
-def warn_user(message: str) -> None:
-    """Warn at the line of the user's that the calls come from."""
+def warn_user(message: str, *, once: bool = False) -> None:
+    """Warn at the line of the user's that the calls come from.
+
+    ``once`` shows the same message once for each line, as Python's own warnings do.
+    """
     callers = list(frames())
     user = next(filter(is_users, callers), callers[-1])
-    warnings.warn_explicit(message, RuntimeWarning, user.f_code.co_filename, user.f_lineno)
+    registry = user.f_globals.setdefault("__warningregistry__", {}) if once else None
+    warnings.warn_explicit(
+        message, RuntimeWarning, user.f_code.co_filename, user.f_lineno, registry=registry
+    )
 
 
 def frames() -> Iterator[FrameType]:

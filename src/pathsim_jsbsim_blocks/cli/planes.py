@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import math
 import sys
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -105,6 +107,17 @@ def _in_state(args: argparse.Namespace) -> Airframe:
     return plane.airframe
 
 
+@contextlib.contextmanager
+def _warnings_last() -> Iterator[None]:
+    """Print what is warned of after the result: there is no line of the user's to show."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("default")
+        yield
+    for warning in said:
+        print(f"  {warning.message}")
+
+
+@_warnings_last()
 def print_trim(args: argparse.Namespace) -> None:
     from ..flight._trim import trim
     from ..flight.airframe import Airframe
@@ -112,14 +125,10 @@ def print_trim(args: argparse.Namespace) -> None:
     setup, create = values_of("set", args.set), values_of("create", args.create)
     condition = condition_of(args)
     airframe = Airframe(args.aircraft, root=args.root, create=create)
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        state = trim(airframe, condition, setup, steady=args.steady)
-    print(state)
-    for warning in said:
-        print(f"  {warning.message}")
+    print(trim(airframe, condition, setup, steady=args.steady))
 
 
+@_warnings_last()
 def print_modes(args: argparse.Namespace) -> None:
     from ..flight.linear import linear_model
     from ..linear import flying_qualities

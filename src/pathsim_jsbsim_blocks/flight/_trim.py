@@ -7,7 +7,6 @@ import dataclasses
 import itertools
 import math
 import re
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jsbsim
 import numpy as np
 
+from .._core.callers import warn_user
 from .._core.checks import mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
@@ -439,11 +439,10 @@ def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:
     condition = found.condition
     fast = found.gear > 0.0 and found.speed > _FAST_FOR_GEAR and condition.mode != "ground"
     if condition.gear is None and fast and has_retractable_gear(airframe.aircraft, airframe.root):
-        warnings.warn(
+        warn_user(
             f"{airframe.aircraft} at {found.speed:.0f} KCAS: the landing gear is down, as the "
             "model has it; gear=0 retracts it, gear=1 says that it is meant",
-            RuntimeWarning,
-            stacklevel=3,
+            once=True,
         )
 
 

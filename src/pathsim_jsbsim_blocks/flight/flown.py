@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from mmap import mmap
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._core._pathsim import values
+from .._core.callers import warn_user
 from .._core.checks import did_you_mean, mapping, nearest, positive
 from ..errors import FlightError, LinearisationError, ParameterError
 from ..linear.identification import Realisation, realise, respond
@@ -347,12 +347,14 @@ def _is_for(port: Channel, signal: Channel) -> bool:
 
 
 def _reason(airframe: Airframe, port: Channel) -> str:
-    """Why an engine's response is not linear; "" for inputs other than a throttle."""
-    if not _is_throttle(port):
-        return ""
-    if any(airframe.has(f"propulsion/engine[{i}]/n2") for i in range(airframe.engines)):
+    """Why the response to a turbine's throttle is not linear; "" where the reason is not known.
+
+    With a piston engine it may be the thrust (pa28) or the aircraft's motion (Camel).
+    """
+    spools = any(airframe.has(f"propulsion/engine[{i}]/n2") for i in range(airframe.engines))
+    if _is_throttle(port) and spools:
         return " (a turbine's spools accelerate at constant rates)"
-    return " (the slope of the engine's thrust changes)"
+    return ""
 
 
 def _heights(
@@ -432,12 +434,11 @@ def _warn(
         if beyond.size and beyond[i, j] > 1.0:
             uneven = kinks[i, j] > _MISSED
             said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
-            warnings.warn(
+            warn_user(
                 f"{aircraft}: the response of {signals[i]} to {name} is not linear{reasons[j]}: "
                 f"{said}the model's error after a doublet {error[i, j]:.0%}. The linear model is "
                 "the mean of both sides for small motions; see its kinks and fit",
-                RuntimeWarning,
-                stacklevel=4,
+                once=True,
             )
 
 

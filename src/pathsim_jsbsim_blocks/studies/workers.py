@@ -8,11 +8,11 @@ depend on which worker computed what.
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from .._core.callers import warn_user
 from .._core.checks import whole
 from .._core.extras import required
 from ..errors import ParameterError
@@ -132,12 +132,10 @@ def _run(
                 else:
                     keep(index, result)
             if suspects:
-                warnings.warn(
+                warn_user(
                     "a worker process died while these points were under way: "
                     + "; ".join(_span(parts[i], describe) for i in suspects)
-                    + ". They are computed again, one part at a time",
-                    RuntimeWarning,
-                    stacklevel=4,
+                    + ". They are computed again, one part at a time"
                 )
             for index in suspects:
                 keep(index, _alone(work, parts[index], died, describe))
@@ -155,7 +153,7 @@ def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) ->
     if result is not _DIED:
         return result
     if len(part) == 1:
-        warnings.warn(f"{WORKER_DIED} at {describe(part[0])}", RuntimeWarning, stacklevel=5)
+        warn_user(f"{WORKER_DIED} at {describe(part[0])}")
         return [died]
     return [row for point in part for row in _alone(work, [point], died, describe)]
 
