@@ -228,6 +228,18 @@ def test_throttle_added_does_not_unwind_the_integral():
     assert u == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.parametrize(("left", "learnt"), [(1.0, 0.01), (0.005, 0.0)])
+def test_throttle_added_and_applied_is_taken_up_by_the_integral(left, learnt):
+    # as for an error: after Kp / Ki, 90.4 s, the integral holds as much as was added
+    gains = GAINS["c172p"].speed
+    loop, state = SpeedLoop(T, gains, (-1.0, 1.0)), SpeedLoop.START
+    u = 0.0
+    for _ in range(round(gains.Kp / gains.Ki / T)):
+        u, _, state = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - left, 0.0), False, 0.01)
+    u, _, _ = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - left, 0.0), False)
+    assert u == pytest.approx(learnt, abs=1e-3)
+
+
 RANGES = {  # trims: altitude (ft) and airspeed (KCAS); the fastest that is asked for
     "c172p": ((2000.0, 9000.0), (65.0, 110.0), 150.0),
     "737": ((4000.0, 25_000.0), (200.0, 310.0), 450.0),
@@ -328,14 +340,10 @@ def fly_a_sequence(seed):
     return name, alpha, stays > STAY, missed
 
 
-# a c172p asked for 59 KCAS comes near its references, but not for 20 s within 400 s
-UNSETTLED = {297}
-
-
 def check_a_sequence(seed):
     name, alpha, reached, missed = fly_a_sequence(seed)
     assert alpha < limits(name).alpha_max + 1.0, (seed, name)
-    assert reached != (seed in UNSETTLED), (seed, name, missed)
+    assert reached, (seed, name, missed)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -345,7 +353,8 @@ def test_no_sequence_of_references_leads_into_the_stall(seed):
 
 @pytest.mark.long
 def test_many_sequences_of_references():
-    for seed in range(3, bounded(30, 503)):
+    # 297 is a c172p asked for 59 KCAS after a long descent at little throttle
+    for seed in {297, *range(3, bounded(30, 503))}:
         check_a_sequence(seed)
 
 

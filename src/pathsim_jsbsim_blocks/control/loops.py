@@ -269,15 +269,18 @@ class SpeedLoop:
     ) -> tuple[float, float, State]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
-        ``boost`` is added to the throttle; the integral does not unwind for it.
+        ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
+        boost would leave it no error to correct; at the aircraft's limit it stays.
         """
-        sat -= min(max(sat, 0.0), boost)
+        rest = sat - min(max(sat, 0.0), boost)
         u, reference, state = self.loop.sample(
-            state, vc, 0.0, target, increment, sat, off, self.Kc * hdot
+            state, vc, 0.0, target, increment, rest, off, self.Kc * hdot
         )
         if boost and not off:
+            found, reference, (phase, integral, before, *others) = state
             u = min(u + boost, self.loop.pid.high)
-            found, reference, (phase, integral, _, *others) = state
+            if not sat:
+                integral += self.loop.pid.unwind * (u - before)
             state = (found, reference, (phase, integral, u, *others))
         return u, reference, state
 

@@ -97,7 +97,7 @@ class PID:
         self._filter = _share(self.T, Tf)
         self._fade = math.exp(-self.T / positive("Te", Te))
         # without integral action, back-calculation would leave a permanent offset
-        self._unwind = self.T / Tt if Tt and self.Ki else 0.0
+        self.unwind = self.T / Tt if Tt and self.Ki else 0.0
 
     def retune(
         self,
@@ -112,7 +112,7 @@ class PID:
         self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
         self._KiT = Ki * self.T
         self._filter = _share(self.T, Tf)
-        self._unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
+        self.unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
 
     def released(self, state: State, r: float) -> State:
         """The state with the proportional part in the integral, so that other gains take over."""
@@ -187,7 +187,7 @@ class PID:
             u = self.low
         if u > self.high:
             u = self.high
-        integral += self._KiT * (r - y) + self._unwind * (u - v - sat)
+        integral += self._KiT * (r - y) + self.unwind * (u - v - sat)
         return u, (1.0, integral, u, self._fade * offset, y, slope)
 
 
