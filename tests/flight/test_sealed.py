@@ -25,7 +25,7 @@ from fleet_conditions import FLYING
 
 from pathsim_jsbsim_blocks import Aircraft, TrimError
 from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
-from pathsim_jsbsim_blocks.flight.console import capture_console
+from pathsim_jsbsim_blocks.flight.console import capture_console, messages
 
 INSTALLED = Path(jsbsim.__file__).parent
 TESTS = Path(__file__).parents[1]
@@ -350,22 +350,44 @@ def test_what_jsbsim_says_in_other_threads_reaches_the_logger(caplog, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def in_a_thread(action):
+    thread = threading.Thread(target=action)
+    thread.start()
+    thread.join()
+    time.sleep(0.1)  # a thread frees its storage after it can be joined
+
+
 def test_the_end_of_a_thread_does_not_free_its_logger():
     # JSBSim drops its reference without the GIL: if that were the last one, the process would
     # crash occasionally
-    consoles, others = [], threading.Barrier(2)
+    class Own(jsbsim.FGLogger):
+        pass
+
+    loggers = []
 
     def listen():
-        consoles.append(weakref.ref(capture_console()))
-        others.wait()
+        loggers.append(weakref.ref(capture_console()))
 
-    threads = [threading.Thread(target=listen) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    time.sleep(0.1)  # a thread frees its storage after it can be joined
-    assert None not in [console() for console in consoles]
+    def listen_oneself():
+        capture_console()
+        own = Own()
+        loggers.append(weakref.ref(own))
+        jsbsim.set_logger(own)
+        messages(lambda: None)  # puts it back
+        in_a_thread(listen)  # JSBSim's module knows this one from now on
+
+    in_a_thread(listen)
+    in_a_thread(listen_oneself)
+    assert None not in [logger() for logger in loggers[1:]]
+
+
+def test_a_thread_keeps_its_console_when_others_listen():
+    console = capture_console()
+    others = []
+    in_a_thread(lambda: others.append(capture_console()))
+    assert jsbsim.get_logger() is others[0]  # JSBSim knows the last one only
+    messages(lambda: None)
+    assert jsbsim.get_logger() is console
 
 
 def test_a_handler_that_raises_does_no_harm(capfd):

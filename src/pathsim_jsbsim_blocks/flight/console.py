@@ -28,9 +28,9 @@ _LEVELS = {
 _install_lock = threading.Lock()
 _thread = threading.local()
 
-# by thread: when a thread ends JSBSim releases its logger without holding the GIL, which kills
-# the process if that was the last reference
-_consoles: dict[int, _Console] = {}
+# by thread, what is installed there: when a thread ends JSBSim releases its logger without holding
+# the GIL, which kills the process if that was the last reference
+_installed: dict[int, jsbsim.FGLogger] = {}
 
 
 class _Console(jsbsim.FGLogger):
@@ -74,7 +74,7 @@ def capture_console() -> _Console:
     """Route JSBSim's console of the calling thread to the logger (once per thread)."""
     console = getattr(_thread, "console", None)
     if console is None:
-        console = _thread.console = _consoles[threading.get_ident()] = _Console()
+        console = _thread.console = _Console()
         _install(console)
         jsbsim.FGJSBBase().debug_lvl = 0
     return console
@@ -83,9 +83,9 @@ def capture_console() -> _Console:
 def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[str]]:
     """Result of ``action()`` and JSBSim's messages meanwhile; ``hushed`` logs them at DEBUG."""
     console = capture_console()
+    # the logger installed last, on any thread
     previous = jsbsim.get_logger()
     if previous is not console:
-        # restored below: another logger was installed on this thread
         _install(console)
     console.kept = []
     console.hushed = hushed
@@ -94,7 +94,8 @@ def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, l
     finally:
         console.kept = None
         console.hushed = False
-        if previous is not console:
+        # another thread's console stays there
+        if not isinstance(previous, _Console):
             _install(previous)
 
 
@@ -102,3 +103,4 @@ def _install(logger: jsbsim.FGLogger) -> None:
     # JSBSim aborts the process if two threads install at once
     with _install_lock:
         jsbsim.set_logger(logger)
+        _installed[threading.get_ident()] = logger
