@@ -18,7 +18,9 @@ from pathsim_jsbsim_blocks import (
     Aircraft,
     FlightError,
     JSBSimFDM,
+    ParameterError,
     PropertyError,
+    fly,
 )
 from pathsim_jsbsim_blocks.errors import CopyError
 
@@ -137,6 +139,50 @@ def test_an_aircraft_that_something_holds_ends_the_flight():
     sim.reset()
     sim.run(1.0)
     assert plane.samples == 120
+
+
+def test_two_simulations_cannot_fly_an_aircraft_by_turns():
+    plane = Aircraft()
+    first, second = flying(plane), flying(plane)
+    first.run(1.0)
+    second.run(1.0)
+    with pytest.raises(ParameterError, match=r"^plane has gone on in another simulation") as error:
+        first.run(1.0)
+    assert error.value.value is plane
+    with pytest.raises(ParameterError, match=r"^plane has gone on"):
+        fly(first, 1.0)
+    assert plane.samples == 240
+    second.run(1.0)
+    assert plane.samples == 360
+
+
+@pytest.mark.parametrize("again", ["reset", "run"])
+def test_a_simulation_takes_its_aircraft_back_with_a_reset(again):
+    plane, elevator = Aircraft(), 0.02
+    first = flying(plane, elevator)
+    first.run(1.0)
+    once = plane.outputs.to_array().copy()
+    second = flying(plane)
+    second.run(1.0)
+    if again == "reset":
+        first.reset()
+    first.run(1.0, reset=again == "run")
+    assert (plane.outputs.to_array() == once).all()
+    with pytest.raises(ParameterError, match=r"^plane has gone on"):
+        second.run(1.0)
+
+
+def test_a_simulation_made_later_changes_nothing_before_it_runs():
+    def run(later):
+        plane, kick, angle = Aircraft(), Constant(0.02), Integrator(0.0)
+        wires = [Connection(kick, plane["elevator"]), Connection(plane["q"], angle)]
+        sim = Simulation([plane, kick, angle], wires, dt=plane.T, log=False)
+        if later:
+            flying(plane)
+        sim.run(1.0)
+        return angle.outputs[0]
+
+    assert run(True) == run(False)
 
 
 def test_an_aircraft_that_is_run_from_outside_ends_the_flight():

@@ -169,8 +169,8 @@ def _events(subsystem: Subsystem) -> list[Event]:
 Subsystem.events = property(_events, doc=Subsystem.events.__doc__)
 
 
-# called with the simulation when a run begins, of any kind
-before_runs: list[Callable[[Simulation], None]] = []
+# called when a run begins, of any kind, with the simulation and whether the run resets it
+before_runs: list[Callable[[Simulation, bool], None]] = []
 
 
 def _announce_runs() -> None:
@@ -179,12 +179,12 @@ def _announce_runs() -> None:
         loop = loop.__wrapped__
 
     @functools.wraps(loop)
-    def announced(self: Simulation, *args: Any, **kwargs: Any) -> Any:
+    def announced(self: Simulation, duration: float, reset: bool, *args: Any, **kwargs: Any) -> Any:
         # PathSim's loop never ends without
         number("dt", positive("dt", self.dt))
         for call in before_runs:
-            call(self)
-        return loop(self, *args, **kwargs)
+            call(self, reset)
+        return loop(self, duration, reset, *args, **kwargs)
 
     Simulation._run_loop = announced
 

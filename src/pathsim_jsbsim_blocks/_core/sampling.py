@@ -36,6 +36,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 from pathsim.exceptions import LinearizationError
@@ -45,6 +46,7 @@ from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
 from ._pathsim import (
     ClockEvent,
     WiredRegister,
+    before_runs,
     show,
     show_without_stages,
     step_begins,
@@ -54,6 +56,7 @@ from ._pathsim import (
 from .callers import warn_user
 from .checks import number, positive
 from .continuous import Matrices, continuous_equivalent
+from .wiring import contents, name_of
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -92,7 +95,7 @@ class SampleClock(ClockEvent):
 
     def __init__(self, block: SampledBlock, first: int):
         self._block = block
-        self._first = first
+        self.first = first
         # the fields of an `Instant`; as a plain tuple it is made and read in a third of the time
         self.instant: tuple[int, float, float, float, float, float]
         super().__init__()
@@ -108,7 +111,7 @@ class SampleClock(ClockEvent):
         self.in_step = False
         self.settling = False
         self.reached = 0.0
-        self.begin_at(0.0, self._first)
+        self.begin_at(0.0, self.first)
 
     @property
     def next(self) -> Instant:
@@ -236,6 +239,9 @@ class SampledBlock(Block):
         self.clock = self._clock(self, first)
         self.events: list[Event] = [self.clock]
         self._engine: Any = None
+        # engine of the simulation that ran it last, and of those that ran it before
+        self._runs_in: Any = None
+        self._left: set[Any] = set()
         # the last step had solver stages, so the next one probably has them too
         self._stages = False
         self._dt = 0.0
@@ -272,6 +278,30 @@ class SampledBlock(Block):
         self._acted_at = None
         self._engine = parent
         self.clock.nested = False
+
+    def enter(self, sim: Simulation, reset: bool) -> None:
+        """Follow the simulation that begins to run.
+
+        A block may go on in another simulation, but not come back to one whose clock has stood
+        still since, unless the block begins anew.
+
+        Raises
+        ------
+        ParameterError
+            if it comes back
+        """
+        engine = sim.engine
+        if engine in self._left and not reset and self.awaited > self.clock.first:
+            raise ParameterError(
+                f"{name_of(self)} has gone on in another simulation since this one ran: two "
+                "simulations cannot share it. Build a block for each, or reset this one first",
+                parameter="blocks",
+                value=self,
+            )
+        if engine is not self._engine:
+            self.set_solver(sim.Solver, engine)
+        self._left = {*self._left, self._runs_in} - {engine, None}
+        self._runs_in = engine
 
     def reset(self) -> None:
         super().reset()
@@ -387,6 +417,15 @@ class SampledBlock(Block):
             f"step from {self.clock.step_start:.9g} s to {t:.9g} s jumps over a sample instant: "
             "time is kept, but the inputs there are not known. Use a dt that divides T."
         )
+
+
+def _enter(sim: Simulation, reset: bool) -> None:
+    for block in contents(sim)[0]:
+        if isinstance(block, SampledBlock):
+            block.enter(sim, reset)
+
+
+before_runs.append(_enter)
 
 
 class SampledPlant(SampledBlock):

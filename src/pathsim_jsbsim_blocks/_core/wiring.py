@@ -20,7 +20,7 @@ from .callers import frames, is_users, warn_user
 _told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
 
 
-def warn_of_wiring(sim: Simulation) -> None:
+def warn_of_wiring(sim: Simulation, reset: bool) -> None:
     """Warn of each mistake once in the life of a diagram, at the user's line."""
     told = _told.setdefault(sim, set())
     for message in dict.fromkeys(_mistakes(sim)):
@@ -33,7 +33,7 @@ before_runs.append(warn_of_wiring)
 
 
 def _mistakes(sim: Simulation) -> Iterator[str]:
-    blocks, connections = _contents(sim)
+    blocks, connections = contents(sim)
     known = {id(block) for block in blocks}
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
@@ -50,7 +50,7 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                     if id(block) not in known:
                         known.add(id(block))
                         yield (
-                            f"{_name(block)} is wired ({_port(source, i, source.outputs)} to "
+                            f"{name_of(block)} is wired ({_port(source, i, source.outputs)} to "
                             f"{_port(target, j, target.inputs)}), but it is not among the blocks "
                             "of the simulation: it does nothing"
                         )
@@ -96,12 +96,12 @@ def refusal(connections: Sequence[Connection]) -> ParameterError | None:
 explain_conflicts(refusal)
 
 
-def _contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:
+def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:
     """Blocks and connections, those in subsystems included."""
     blocks, connections = list(diagram.blocks), list(diagram.connections)
     for block in diagram.blocks:
         if isinstance(block, Subsystem):
-            inner = _contents(block)
+            inner = contents(block)
             blocks += [block.interface, *inner[0]]
             connections += inner[1]
     return blocks, connections
@@ -114,10 +114,10 @@ def _numbers(ports: Iterable[Any], register: Register) -> list[Any]:
 
 def _port(block: Block, number: int, register: Register) -> str:
     names = {i: name for name, i in port_names(register).items()}
-    return f"{_name(block)}[{names.get(number, number)!r}]"
+    return f"{name_of(block)}[{names.get(number, number)!r}]"
 
 
-def _name(block: Block) -> str:
+def name_of(block: Block) -> str:
     """The user's variable of a block; its class where there is none."""
     for frame in filter(is_users, frames()):
         for variables in (frame.f_locals, frame.f_globals):
