@@ -425,6 +425,8 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
         (["study", "climb_schedule", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
+        (["export", "pitch_hold", "-o", "a.txt"], "did you mean 'a.pvm'"),
+        (["export", "pitch_hold", "-o", "."], "is a directory"),
         (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
         (["run", str(diagram_folder().parent / "README.md")], "is not a Python script"),
         (["trim", "c172"], "did you mean 'c172p'"),
@@ -444,6 +446,32 @@ def test_mistakes_end_with_a_message_and_status_1(arguments, text, capsys):
     assert text in err
     assert err.startswith("pathsim-jsbsim: ")
     assert len(err.splitlines()) == 1
+
+
+def test_a_script_of_ones_own_is_suggested(tmp_path, monkeypatch, capsys):
+    (tmp_path / "climb.py").write_text("")
+    monkeypatch.chdir(tmp_path)
+    for name, meant in (("climb", "climb.py"), ("clmb.py", "climb.py")):
+        assert main(["run", name]) == 1
+        assert f"script {name!r}; did you mean {meant!r}" in capsys.readouterr().err
+    assert main(["view", f"{tmp_path}/clim.py"]) == 1
+    assert f"did you mean '{tmp_path}/climb.py'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["run", "pitch_hold", "--cvs", "a.csv"], "--cvs a.csv; did you mean '--csv'?\n"),
+        (["trim", "737", "--alttude", "3"], "--alttude 3; did you mean '--altitude'?\n"),
+        (["trim", "737", "more"], "arguments: more\n"),
+    ],
+)
+def test_an_option_that_does_not_exist_is_refused_naming_the_nearest(arguments, text, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(arguments)
+    err = capsys.readouterr().err
+    assert err.startswith(f"usage: pathsim-jsbsim {arguments[0]} ")
+    assert err.endswith(text)
 
 
 def test_trim_prints_the_published_state(capsys):

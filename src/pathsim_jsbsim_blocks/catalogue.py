@@ -52,7 +52,7 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         return diagram_folder() / f"{name}.py"
     raise ParameterError(
         f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
-        + did_you_mean(nearest(name, names + also)),
+        + did_you_mean(nearest(name, [*map(str, script.parent.glob("*.py")), *names, *also])),
         parameter="name",
         value=name,
     )

@@ -354,3 +354,23 @@ def test_t_of_the_hold_may_be_a_multiple_of_the_aircrafts():
     _, (theta, elevator) = scope.read()
     assert abs(theta[-1] - 3.0) < 0.05
     assert np.count_nonzero(np.diff(elevator)) <= 300  # 30 Hz
+
+
+def test_a_hold_of_ones_own_stores_its_parameters_after_its_base():
+    class Biased(PitchHold):
+        def __init__(self, gains="c172p", bias=0.0):
+            super().__init__(gains)
+            self.bias = bias
+
+        def law(self, u, state):
+            (elevator, *rest), after = super().law(u, state)
+            return [elevator + self.bias, *rest], after
+
+    hold = Biased(bias=0.1)
+    u = [3.0, *[0.0] * 5]
+    (plain, *_), _ = PitchHold().law(u, hold.initial_state())
+    for bias in (0.1, 0.2):
+        hold.set(bias=bias)
+        (biased, *_), _ = hold.law(u, hold.initial_state())
+        assert biased == pytest.approx(plain + bias, abs=1e-12)
+    assert repr(hold) == "Biased(bias=0.2)"

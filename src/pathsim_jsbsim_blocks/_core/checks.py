@@ -221,6 +221,19 @@ def writable(parameter: str, value: Any) -> Path:
     return path
 
 
+def ending(parameter: str, path: Path, *endings: str) -> Path:
+    """``path`` if it has one of ``endings``; the error names it with the first of them."""
+    if path.suffix.lower() not in endings:
+        known = " or ".join(x for x in endings if x)
+        raise ParameterError(
+            f"{parameter} must end in {known}, not {path.name!r}; did you mean "
+            f"{os.path.splitext(path)[0] + endings[0]!r}?",
+            parameter=parameter,
+            value=str(path),
+        )
+    return path
+
+
 def property_list(parameter: str, names: Any) -> list[str]:
     """``names`` as a list of texts."""
     if isinstance(names, str) or not isinstance(names, Sequence):

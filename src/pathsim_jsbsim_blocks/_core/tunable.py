@@ -28,7 +28,8 @@ class _Parameter:
             raise AttributeError(self.name) from None
 
     def __set__(self, block: TunableLaw, value: Any) -> None:
-        if block.configured:
+        # a subclass may add its own parameters after the constructor of its base
+        if block.configured and self.name in block.__dict__:
             block.set(**{self.name: value})
         else:
             block.__dict__[self.name] = value

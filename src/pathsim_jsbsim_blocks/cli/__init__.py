@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
+import re
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from ..errors import BlocksError, UntrustedModelError
 from .console import GONE, directory_is_gone
@@ -20,7 +23,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         # names that the terminal's encoding lacks
         sys.stdout.reconfigure(errors="backslashreplace")
-    args = command_parser().parse_args(argv)
+    args, unknown = command_parser().parse_known_args(argv)
+    if unknown:
+        _refuse(args.parser, unknown)
     try:
         status = args.command(args) or 0
         sys.stdout.flush()
@@ -46,3 +51,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("pathsim-jsbsim: interrupted", file=sys.stderr)
         return 130
+
+
+def _refuse(command: argparse.ArgumentParser, unknown: Sequence[str]) -> NoReturn:
+    """End with status 2, the usage of the command and the nearest option."""
+    from .._core.checks import did_you_mean, nearest
+
+    options = re.findall(r"--[\w-]+", command.format_help())
+    close = did_you_mean(nearest(unknown[0], options, 1) if unknown[0].startswith("-") else [])
+    command.error(f"unrecognized arguments: {' '.join(unknown)}{close}")

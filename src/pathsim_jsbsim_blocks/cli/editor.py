@@ -57,11 +57,14 @@ def says_yes(error: UntrustedModelError) -> bool:
 
 
 def export(args: argparse.Namespace) -> None:
+    from .._core.checks import ending, writable
     from ..catalogue import diagram_folder, find_diagram
     from ..pathview import export_script
     from ..pathview.pvm import read
     from ..pathview.trusted_models import digest, remember
 
+    if args.output is not None:
+        ending("output", writable("output", args.output), ".pvm", ".json")
     script = find_diagram(args.script)
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)

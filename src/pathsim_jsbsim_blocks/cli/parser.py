@@ -24,7 +24,7 @@ def command_parser() -> argparse.ArgumentParser:
 
     def command(name: str, function: Callable, text: str) -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        sub.set_defaults(command=function)
+        sub.set_defaults(command=function, parser=sub)
         return sub
 
     def trust(sub: argparse.ArgumentParser) -> None:

@@ -168,17 +168,12 @@ def print_modes(args: argparse.Namespace) -> None:
 
 
 def print_gains(args: argparse.Namespace) -> int:
-    from .._core.checks import writable
+    from .._core.checks import ending, writable
     from ..design import design_schedule
     from ..flight import TrimCondition, level_flight
 
-    if args.save is not None and writable("save", args.save).suffix != ".json":
-        raise ParameterError(
-            f"gains= reads files that end in .json; did you mean "
-            f"{str(Path(args.save).with_suffix('.json'))!r}?",
-            parameter="save",
-            value=str(args.save),
-        )
+    if args.save is not None:
+        ending("save", writable("save", args.save), ".json")
     create = values_of("create", args.create)
     condition = TrimCondition()
     if args.altitude is None or args.speed is None or args.gear is None:

@@ -47,17 +47,9 @@ def csv_path(path: Path) -> Path:
     ParameterError
         for an ending that promises another format, and for a file that cannot be written
     """
-    from .._core.checks import writable
+    from .._core.checks import ending, writable
 
-    path = writable("csv", path)
-    if path.suffix.lower() not in ("", ".csv"):
-        raise ParameterError(
-            f"--csv writes comma-separated values, which {path.suffix} is not; did you mean "
-            f"{str(path.with_suffix('.csv'))!r}?",
-            parameter="csv",
-            value=str(path),
-        )
-    return path
+    return ending("csv", writable("csv", path), ".csv", "")
 
 
 def saving_figures(path: Path | None) -> contextlib.AbstractContextManager[None]:
