@@ -437,6 +437,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["modes", "c172p", "--mode", "ground"], "it is not in steady flight"),
         (["modes", "c172p", "--method", "algebraic", "--category", "D"], "must be one of 'A'"),
         (["properties", "c172p", "theta-dg"], "theta-deg"),
+        (["aircraft", "--root", "nowhere"], "with aircraft models"),
     ],
 )
 def test_mistakes_end_with_a_message_and_status_1(arguments, text, capsys):

@@ -34,10 +34,20 @@ if TYPE_CHECKING:
     from ._newton import Seed
 
 
-def aircraft_folder(root: str | None = None) -> Path:
-    """The folder with the aircraft models below a JSBSim root (default: jsbsim's own)."""
+def aircraft_folder(root: str | None = None, aircraft: str = "") -> Path:
+    """The folder with the aircraft models below a JSBSim root (default: jsbsim's own).
+
+    Raises
+    ------
+    AircraftError
+        if there is none, with the name of the model that was looked for
+    """
     root = jsbsim.get_default_root_dir() if root is None else root
-    return as_path("root", root) / "aircraft"
+    folder = as_path("root", root) / "aircraft"
+    # os.path, because a name too long for the system is an error of Path's
+    if not os.path.isdir(folder):
+        raise AircraftError(f"no folder {str(folder)!r} with aircraft models", aircraft=aircraft)
+    return folder
 
 
 def aircraft_names(root: str | None = None) -> list[str]:
@@ -47,6 +57,11 @@ def aircraft_names(root: str | None = None) -> list[str]:
     ----------
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
+
+    Raises
+    ------
+    AircraftError
+        if it has no folder ``aircraft``
     """
     folder = aircraft_folder(root)
     return sorted(
@@ -122,7 +137,7 @@ def _model_file(aircraft: str, root: str | None) -> Path:
         raise AircraftError(
             f"the aircraft must be a model's name, not {aircraft!r}", aircraft=repr(aircraft)
         )
-    folder = aircraft_folder(root)
+    folder = aircraft_folder(root, aircraft)
     file = folder / aircraft / f"{aircraft}.xml"
     try:
         # a slash in the name could lead out of the folder
@@ -131,10 +146,6 @@ def _model_file(aircraft: str, root: str | None) -> Path:
     except (OSError, ValueError):  # not a valid file name
         known, names = False, []
     if not known:
-        if not folder.is_dir():
-            raise AircraftError(
-                f"no folder {str(folder)!r} with aircraft models", aircraft=aircraft
-            )
         close = nearest(aircraft, names)
         raise AircraftError(
             f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} in "
