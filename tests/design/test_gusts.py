@@ -88,6 +88,17 @@ def test_a_frozen_aircraft_rises_with_the_air(model):
     assert rms(omega, rising) == pytest.approx(3.0 * 1852 / 3600 / 0.3048, rel=0.01)
 
 
+def test_the_air_rises_through_a_lag(model):
+    n = len(model.states)
+    still = Plant(np.eye(n), np.zeros((n, 1)), np.zeros((len(LINEAR), n)), ["elevator"], LINEAR, T)
+    omega = np.array([0.01, 0.2, 3.0])
+    rising = in_turbulence(still, model, 5000.0).response(omega, "up")["hdot"]
+    # the corner is 2 V / L with L of 1750 ft; 90 KCAS is 163.6 ft/s at 5000 ft (ISA)
+    corner = 2.0 * 163.6 / 1750.0
+    size = dryden_field(5000.0).sigma_w * np.sqrt(2.0 * corner)
+    assert np.abs(rising) == pytest.approx(size / np.hypot(omega, corner), rel=2e-3)
+
+
 def test_the_rms_of_independent_noises_adds_in_squares():
     omega = np.geomspace(1e-4, 1e4, 4000)
     # unit noise through sqrt(2 a) / (s + a): 1
@@ -105,6 +116,17 @@ def test_the_share_at_a_stop_is_that_of_normal_numbers(room):
 
 def judged(altitude=0.0, pitch=0.0, stop=0.0):
     return Rough(*(np.array([x]) for x in (altitude, pitch, stop)))
+
+
+def test_what_an_excess_costs():
+    # twice what is aimed at, 60 ft as 3.3 rms and 1 % of the time; 1.25 times 3.75 deg
+    assert judged(altitude=2.0 * 60.0 / 3.3).cost(1.0)[0] == pytest.approx(30.0)
+    assert judged(pitch=1.25 * 3.75).cost(1.0)[0] == pytest.approx(200.0)
+    assert judged(stop=0.02).cost(1.0)[0] == pytest.approx(40.0)
+    assert judged(stop=0.02).cost(0.3)[0] == pytest.approx(12.0)
+    # above 5.6 deg and 5 % a little less makes no difference
+    assert judged(pitch=5.7).cost(1.0)[0] == judged(pitch=8.0).cost(1.0)[0] == 400.0
+    assert judged(stop=0.051).cost(1.0)[0] == judged(stop=0.3).cost(1.0)[0] == 160.0
 
 
 def test_what_is_asked_for_in_turbulence():
