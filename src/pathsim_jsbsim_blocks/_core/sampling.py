@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import math
 from typing import Any, NamedTuple
+from weakref import WeakSet
 
 from pathsim import Simulation
 from pathsim.blocks import Block
@@ -241,7 +242,7 @@ class SampledBlock(Block):
         self._engine: Any = None
         # engine of the simulation that ran it last, and of those that ran it before
         self._runs_in: Any = None
-        self._left: set[Any] = set()
+        self._left: WeakSet[Any] = WeakSet()
         # the last step had solver stages, so the next one probably has them too
         self._stages = False
         self._dt = 0.0
@@ -300,7 +301,9 @@ class SampledBlock(Block):
             )
         if engine is not self._engine:
             self.set_solver(sim.Solver, engine)
-        self._left = {*self._left, self._runs_in} - {engine, None}
+        if self._runs_in is not None:
+            self._left.add(self._runs_in)
+        self._left.discard(engine)
         self._runs_in = engine
 
     def reset(self) -> None:
