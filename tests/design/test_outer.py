@@ -9,9 +9,12 @@ from scipy.linalg import expm
 from pathsim_jsbsim_blocks.control.gains import YawGains
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.design.outer import (
+    _BATCH,
+    _least,
     coordinate,
     damped,
     design_altitude,
+    design_feed,
     design_heading,
     design_speed,
     design_yaw,
@@ -195,6 +198,46 @@ def test_an_airspeed_settles_as_reported(room, step):
     assert found.late == pytest.approx(np.abs(vc[-round(5.0 / T) :] - step).max(), abs=0.005)
     assert throttle.min() >= room[0]
     assert throttle.max() <= room[1]
+
+
+def test_the_throttle_that_a_climb_needs_is_fed_forward_up_to_a_share_of_what_is_left():
+    # a climb takes 0.5 kt/s per ft/s, full throttle gives 5 kt/s: 0.1 of the throttle per ft/s
+    A = np.array([[0.0, 0.0], [-0.5, -0.01]])
+    both = expm(np.block([[A, np.diag([0.0, 5.0])], [np.zeros((2, 4))]]) * T)
+    C = np.zeros((len(OUTPUTS), 2))
+    C[OUTPUTS.index("vc"), 1] = 1.0
+    B = both[:2, 2:]
+    # the rate of climb follows the pitch reference within a period
+    a = np.array([[0.0, 0.0], both[1, :2]])
+    C[OUTPUTS.index("hdot"), 0] = 1.0
+    B[0, 0] = 1.0
+    plant = Plant(a, B, C, ["theta_cmd", "throttle"], OUTPUTS, T)
+    assert design_feed(plant, (-0.9, 20.0), 40.0)[0] == pytest.approx(0.9 / 40.0)
+    assert design_feed(plant, (-0.9, 0.3), 20.0)[0] == pytest.approx(0.3 / 20.0)
+    assert design_feed(plant, (-9.0, 9.0), 20.0)[0] == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_least_score_is_found_without_all_of_them(seed):
+    rng = np.random.default_rng(seed)
+    n = 6 * _BATCH
+    floor, score = rng.uniform(0.0, 100.0, n), np.empty(n)
+    score = floor + rng.exponential(20.0, n)
+    late = rng.uniform(0.0, 1.0, n)
+    if seed == 3:
+        score[:] = np.inf
+        late[::2] = np.nan
+    asked = []
+
+    def fly(some):
+        asked.extend(some)
+        return score[some], score[some], late[some], late[some], late[some]
+
+    pick = np.flatnonzero(rng.uniform(size=n) < 0.9)
+    best, *_ = _least(pick, floor, fly)
+    expected = late if seed == 3 else score
+    assert best == pick[np.nanargmin(expected[pick])]
+    assert (len(asked) == len(pick)) == (seed == 3)
 
 
 def turning(slip_per_bank, slip_per_rate, power):

@@ -59,8 +59,16 @@ _FASTER, _ENOUGH = 10.0, 0.7
 # throttle's stops in turbulence where one is larger
 _LATE, _LESS = (0.14, 0.06), 0.05
 
+# ft/s, of the excess climb: rates of climb whose feed-forward may use all of the throttle's
+# remaining travel; the second where the steps are not finished at their end with the first, and
+# where it is at least so many ft/s: more feed keeps the throttle at its stop
+_RISE, _RISE_OF_EXCESS, _LEAST_RISE = 40.0, 2.0, 25.0
+
 # ft/s; less is no climb to speak of: the altitude is then designed for a descent
 _NO_CLIMB = 2.0
+
+
+Held = tuple[SpeedGains, Outcome, AltitudeGains, Outcome]
 
 
 @dataclass(frozen=True)
@@ -366,13 +374,12 @@ def _loops(
 
     throttle = trim.throttle[0]
     room = (-throttle, 1.0 - throttle)
-    feed, per_knot = design_feed(plant, room)
+    climb_max = max(limits.climb_max, _NO_CLIMB)
+    feed, per_knot = design_feed(plant, room, _RISE)
     step = _FASTER if per_knot * _FASTER < _ENOUGH * room[1] else -_FASTER
-    hdot_max = min(
-        _CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * max(limits.climb_max, _NO_CLIMB)
-    )
+    hdot_max = min(_CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * climb_max)
 
-    def hold(stops: float) -> tuple[SpeedGains, Outcome, AltitudeGains, Outcome]:
+    def hold(stops: float, feed: float) -> Held:
         # the airspeed with the attitude held, the altitude, the airspeed with the altitude held
         speed, outcome = design_speed(plant, room, feed, step, stops)
         if speed is None:
@@ -392,13 +399,15 @@ def _loops(
             raise refuse("altitude", "no gains from the rate of climb to the pitch angle settle")
         return speed, outcome, altitude, climbing
 
-    speed, outcome, altitude, climbing = hold(1.0)
-    done = _done(outcome, climbing)
-    if done < len(_LATE):
+    held = hold(1.0, feed)
+    if _done(held) < len(_LATE):
         with contextlib.suppress(DesignError):
-            again = hold(_LESS)
-            if _done(again[1], again[3]) > done:
-                speed, outcome, altitude, climbing = again
+            held = max(held, hold(_LESS, feed), key=_done)
+    rise = _RISE_OF_EXCESS * climb_max
+    if _done(held) < len(_LATE) and _LEAST_RISE <= rise < _RISE:
+        with contextlib.suppress(DesignError):
+            held = min(held, hold(_LESS, design_feed(plant, room, rise)[0]), key=_excess)
+    speed, outcome, altitude, climbing = held
     note("speed", outcome)
     note("altitude", climbing)
     return DesignedGains(
@@ -415,9 +424,14 @@ def _loops(
     )
 
 
-def _done(*steps: Outcome) -> int:
+def _done(held: Held) -> int:
     """How many of the steps in airspeed and altitude are finished at their end."""
-    return sum(step.late <= late for step, late in zip(steps, _LATE, strict=True))
+    return sum(step.late <= late for step, late in zip(held[1::2], _LATE, strict=True))
+
+
+def _excess(held: Held) -> float:
+    """Largest error at the end of these steps, in what it may be."""
+    return max(step.late / late for step, late in zip(held[1::2], _LATE, strict=True))
 
 
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:

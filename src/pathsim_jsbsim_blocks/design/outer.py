@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
@@ -350,7 +352,11 @@ _UNFED = 20.0  # s of settling, for none of it
 
 
 def design_speed(
-    plant: Plant, room: tuple[float, float], Kc: float, step: float, stops: float = 1.0
+    plant: Plant,
+    room: tuple[float, float],
+    Kc: float,
+    step: float,
+    stops: float = 1.0,
 ) -> tuple[SpeedGains | None, Outcome]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
 
@@ -381,39 +387,23 @@ def design_speed(
     none = np.zeros(len(Kp))
     rough = Rough(none, none, at_a_stop(rms(OMEGA, *moved, np.zeros_like(L)), room))
     k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
-    p = plant.slower(_COARSE)
-    c, climb, B = p.row("vc"), p.row("hdot"), p.column("throttle")[:, None]
-    dt, seconds = p.T, 150.0
-    a = -math.expm1(-dt / _TF)
-    n = len(k)
-    x, total, slow, ref = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n), np.zeros(n)
-    y, peak = np.empty((round(seconds / dt), n)), np.zeros(n)
-    unwind = np.minimum(dt / time_[k], 0.5)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(len(y)):
-            y[j] = c @ x
-            slow = slow + a * (y[j] - slow)
-            ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
-            v = Kp[k] * (ref - slow) + total + feed[k] * (climb @ x)
-            u = np.clip(v, room[0], room[1])
-            peak = np.maximum(peak, np.abs(v))
-            total += Ki[k] * dt * (ref - y[j]) + unwind * (u - v)
-            x = p.A @ x + B * u
-    time = settled(y - step, 0.5, dt)
-    late = np.abs(y[-round(5.0 / dt) :] - step).max(axis=0)
-    over = np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0)
-    score = (
-        np.maximum(time, 12.0)
-        + 30.0 * np.maximum(over - 0.25, 0.0)
-        + 300.0 * np.maximum(late - 0.1, 0.0)
-        + 60.0 * level[k]
-        + 10.0 * share[k]
-        + 5.0 * peak / travel
-        + _UNFED * (1.0 - rise[k])
-        + rough.cost(stops)[k]
-    )
-    score = np.where(np.isfinite(score), score, 1e6 + late)
-    i = int(np.argmin(score))
+    fixed = (60.0 * level + 10.0 * share + _UNFED * (1.0 - rise) + rough.cost(stops))[k]
+
+    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
+        j = k[pick]
+        time, over, late, peak = _accelerates(
+            plant, room, step, Kp[j], Ki[j], feed[j], 1.0 / time_[j], ramp[pick]
+        )
+        score = (
+            np.maximum(time, _QUICK)
+            + 30.0 * np.maximum(over - 0.25, 0.0)
+            + 300.0 * np.maximum(late - 0.1, 0.0)
+            + 5.0 * peak / travel
+            + fixed[pick]
+        )
+        return score, time, over, late, peak
+
+    i, time, over, late, peak = _least(np.arange(len(k)), fixed + _QUICK, fly)
     j = k[i]
     kp = float(Kp[j])
     gains = SpeedGains(
@@ -427,28 +417,65 @@ def design_speed(
     )
     return gains, Outcome(
         at(found, j),
-        float(time[i]),
-        float(over[i]),
-        float(peak[i] / travel),
-        said(level[j], "" if math.isfinite(time[i]) else "settling", *rough.said(j)),
-        float(late[i]),
+        time,
+        over,
+        peak / travel,
+        said(level[j], "" if math.isfinite(time) else "settling", *rough.said(j)),
+        late,
     )
 
 
-# ft/s: a rate of climb whose feed-forward may use all of the throttle's remaining travel
-_RISE = 40.0
+# s of settling; faster is worth nothing
+_QUICK = 12.0
 
 
-def design_feed(plant: Plant, room: tuple[float, float]) -> tuple[float, float]:
+def _accelerates(
+    plant: Plant,
+    room: tuple[float, float],
+    step: float,
+    Kp: np.ndarray,
+    Ki: np.ndarray,
+    feed: np.ndarray,
+    unwind: np.ndarray,
+    ramp: np.ndarray,
+) -> tuple[np.ndarray, ...]:
+    """Settling, overshoot, last error and largest commands of steps of the airspeed."""
+    p = plant.slower(_COARSE)
+    c, climb, B = p.row("vc"), p.row("hdot"), p.column("throttle")[:, None]
+    dt, seconds = p.T, 150.0
+    a = -math.expm1(-dt / _TF)
+    n = len(Kp)
+    x, total, slow, ref = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n), np.zeros(n)
+    y, peak = np.empty((round(seconds / dt), n)), np.zeros(n)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(len(y)):
+            y[j] = c @ x
+            slow = slow + a * (y[j] - slow)
+            ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
+            v = Kp * (ref - slow) + total + feed * (climb @ x)
+            u = np.clip(v, room[0], room[1])
+            peak = np.maximum(peak, np.abs(v))
+            total += Ki * dt * (ref - y[j]) + unwind * dt * (u - v)
+            x = p.A @ x + B * u
+    return (
+        settled(y - step, 0.5, dt),
+        np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0),
+        np.abs(y[-round(5.0 / dt) :] - step).max(axis=0),
+        peak,
+    )
+
+
+def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
     """Throttle per rate of climb that keeps the airspeed, s/ft, and throttle per kt, both slow.
 
-    ``plant`` has the pitch loop closed.
+    ``plant`` has the pitch loop closed; a ``rise`` of so many ft/s may use all of the throttle's
+    remaining travel.
     """
     w = np.array([0.05])
     throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
     need = -theta["vc"] / throttle["vc"]
     climb = theta["hdot"] + need * throttle["hdot"]
-    most = min(-room[0], room[1]) / _RISE
+    most = min(-room[0], room[1]) / rise
     gain = float(np.abs(plant.response(np.array([OMEGA[0]]), "throttle")["vc"])[0])
     return float(np.clip((need / climb).real[0], 0.0, most)), 1.0 / gain
 
@@ -497,8 +524,8 @@ _CLIMB_CROSSOVERS = np.geomspace(0.15, 1.6, 32)
 _CLIMB_PHASES = np.radians([60.0, 68.0, 76.0, 84.0, 92.0, 100.0, 108.0])
 _CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 7.0, 12.0, 24.0])
 
-# s of settling
-_HOPE = 300.0
+# s of settling; share of the time at the largest rate of climb in which no step is done
+_HOPE, _SOONEST = 300.0, 0.8
 
 
 def design_altitude(
@@ -543,39 +570,66 @@ def design_altitude(
     valid = level < len(REQUIREMENTS)
     if not valid.any():
         return None, Outcome(at(found, 0))
+
+    def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
+        time, over, late, speed, peak = _climbs(plant, Kh[j], Kp[j], Ki[j], ramp, hdot_max, step)
+        score = (
+            time
+            + 10.0 * np.maximum(over - 1.0, 0.0)
+            + 200.0 * np.maximum(late - 0.05, 0.0)
+            + cost[j]
+            + 2.0 * speed
+            + np.maximum(peak - 8.0, 0.0)
+        )
+        return score, time, over, late, peak
+
+    floor = cost + _SOONEST * step / hdot_max
     # no step makes up for a cost that is higher by so much
     for pick in (valid & (cost <= cost[valid].min() + _HOPE), valid):
-        pick = np.flatnonzero(pick)
-        time, over, late, speed, peak = _climbs(
-            plant, Kh[pick], Kp[pick], Ki[pick], ramp, hdot_max, step
-        )
-        if np.isfinite(time).any():
+        j, time, over, late, peak = _least(np.flatnonzero(pick), floor, fly)
+        if math.isfinite(time):
             break
-    score = (
-        time
-        + 10.0 * np.maximum(over - 1.0, 0.0)
-        + 200.0 * np.maximum(late - 0.05, 0.0)
-        + cost[pick]
-        + 2.0 * speed
-        + np.maximum(peak - 8.0, 0.0)
-    )
-    score = np.where(np.isfinite(score), score, 1e6 + late)
-    i = int(np.argmin(score))
-    j = pick[i]
     gains = AltitudeGains(Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max)
     return gains, Outcome(
         at(found, j),
-        float(time[i]),
-        float(over[i]),
-        float(peak[i] / 10.0),
+        time,
+        over,
+        peak / 10.0,
         said(
             level[j],
-            "" if math.isfinite(time[i]) else "settling",
-            f"overshoot {over[i]:.1f} ft" if over[i] > 5.0 else "",
+            "" if math.isfinite(time) else "settling",
+            f"overshoot {over:.1f} ft" if over > 5.0 else "",
             *rough.said(j),
         ),
-        float(late[i]),
+        late,
     )
+
+
+# candidates flown at a time
+_BATCH = 96
+
+
+def _least(
+    pick: np.ndarray, floor: np.ndarray, fly: Callable[[np.ndarray], tuple[np.ndarray, ...]]
+) -> tuple[Any, ...]:
+    """The candidate of ``pick`` with the least score, and what else ``fly`` says of it.
+
+    ``fly`` gives the scores of some candidates, none less than its ``floor``, then settling time,
+    overshoot, last error and peak; where nothing settles, the last error decides.
+    """
+    order = pick[np.argsort(floor[pick], kind="stable")]
+    best: tuple[Any, ...] = ()
+    for start in range(0, len(order), _BATCH):
+        some = order[start : start + _BATCH]
+        if best and best[0] <= floor[some[0]]:
+            break
+        score, *found = fly(some)
+        late = np.nan_to_num(found[2], nan=math.inf)
+        score = np.where(np.isfinite(score), score, 1e6 + late)
+        i = int(np.argmin(score))
+        if not best or score[i] < best[0]:
+            best = (float(score[i]), int(some[i]), *(float(x[i]) for x in found))
+    return best[1:]
 
 
 def _climbs(
