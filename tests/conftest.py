@@ -1,6 +1,10 @@
 import os
 import sys
 
+# before NumPy comes: the matrices are small, and with threads BLAS spends more time on waiting for
+# them than on the numbers, above all beside other workers. What the tests start inherits it
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 
