@@ -33,8 +33,10 @@ TESTS = Path(__file__).parents[1]
 # models that write a file as they come
 WRITERS = ["B17", "ball", "ballx", "c172x", "global5000", "pogo-jsbsim"]
 
-PRELUDE = """
-import json, os, psutil, sys
+# One interpreter with the imports, which take longer than most flights; each test has a fork of it,
+# which has loaded no model and ends as an interpreter does.
+FLIGHTS = """
+import json, os, psutil, signal, sys, tempfile
 from fleet_conditions import keywords
 from pathsim import Simulation
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimCondition
@@ -47,33 +49,65 @@ def sockets():
 
 def files():
     return sorted(f.path for f in psutil.Process().open_files())
+
+for line in sys.stdin:
+    task = json.loads(line)
+    read, write = os.pipe()
+    if not os.fork():
+        break
+    os.close(write)
+    with open(read, "rb") as pipe:
+        printed = pipe.read()
+    _, status = os.wait()
+    print(json.dumps([os.waitstatus_to_exitcode(status), printed.decode("latin-1")]), flush=True)
+else:
+    sys.exit()
+signal.alarm(300)
+nothing = os.open(os.devnull, os.O_RDONLY)
+for opened, number in ((nothing, 0), (write, 1), (write, 2)):
+    os.dup2(opened, number)
+for opened in (read, write, nothing):
+    os.close(opened)
+os.chdir(task["work"])
+os.environ.update(dict.fromkeys(("TMPDIR", "TMP"), task["temporary"]))
+tempfile.tempdir = None
+exec(task["code"])
+with open(task["report"], "w") as file:
+    json.dump(report, file)
 """
 
 
-def outside(code, folder, **environment):
-    """Run code in a process of its own; returns what it reports and the bytes it printed."""
-    work, temporary, report = folder / "work", folder / "tmp", folder / "report.json"
-    work.mkdir()
-    temporary.mkdir()
-    end = f"\njson.dump(report, open({str(report)!r}, 'w'))\n"
+@pytest.fixture(scope="module")
+def interpreter():
     path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run(
-        [sys.executable, "-c", PRELUDE + code + end],
-        cwd=work,
-        capture_output=True,
-        timeout=300,
-        env={
-            **os.environ,
-            "PYTHONPATH": path,
-            "TMPDIR": str(temporary),
-            "TMP": str(temporary),
-            "PYTHONDONTWRITEBYTECODE": "1",
-            **environment,
-        },
-    )
-    assert done.returncode == 0, done.stderr.decode()
-    assert os.listdir(temporary) == []
-    return json.loads(report.read_text()), done.stdout + done.stderr, sorted(os.listdir(work))
+    with subprocess.Popen(
+        [sys.executable, "-c", FLIGHTS],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+    ) as process:
+        yield process
+        process.stdin.close()
+
+
+@pytest.fixture
+def outside(interpreter, tmp_path):
+    """Run code in a process of its own; returns what it reports and the bytes it printed."""
+
+    def run(code):
+        work, temporary, report = (tmp_path / name for name in ("work", "tmp", "report.json"))
+        work.mkdir()
+        temporary.mkdir()
+        task = {"code": code, "work": work, "temporary": temporary, "report": report}
+        interpreter.stdin.write(json.dumps(task, default=str) + "\n")
+        interpreter.stdin.flush()
+        status, printed = json.loads(interpreter.stdout.readline())
+        assert status == 0, printed
+        assert os.listdir(temporary) == []
+        return json.loads(report.read_text()), printed.encode("latin-1"), sorted(os.listdir(work))
+
+    return run
 
 
 def fingerprint(folder):
@@ -112,9 +146,9 @@ for name in aircraft_names():
 """
 
 
-def test_all_models_open_no_socket_write_no_file_and_print_nothing(tmp_path):
+def test_all_models_open_no_socket_write_no_file_and_print_nothing(outside):
     before = fingerprint(INSTALLED), sorted(os.listdir("/"))
-    report, printed, left = outside(FLY_ALL, tmp_path)
+    report, printed, left = outside(FLY_ALL)
     assert report["sockets"] == []
     assert report["files"] == []
     assert printed == b""
@@ -136,7 +170,7 @@ def own_root(folder, aircraft):
     return root
 
 
-def test_a_root_of_ones_own_stays_as_it_is(tmp_path):
+def test_a_root_of_ones_own_stays_as_it_is(outside, tmp_path):
     # with a root given JSBSim writes its files there, not into the current directory
     root = own_root(tmp_path, WRITERS)
     before = fingerprint(root)
@@ -147,8 +181,7 @@ for name in {WRITERS!r}:
     airframe = Airframe(name, root={str(root)!r})
     airframe.run_ic()
     report.append(airframe.fdm.run())
-""",
-        tmp_path,
+"""
     )
     assert report == [True] * len(WRITERS)
     assert fingerprint(root) == before
@@ -156,7 +189,7 @@ for name in {WRITERS!r}:
     assert left == []
 
 
-def test_sealing_goes_on_to_the_last_output(tmp_path):
+def test_sealing_goes_on_to_the_last_output(outside, tmp_path):
     root = own_root(tmp_path, ["c172p"])
     model = root / "aircraft" / "c172p" / "c172p.xml"
     text = model.read_text(encoding="utf-8")
@@ -178,8 +211,7 @@ def test_sealing_goes_on_to_the_last_output(tmp_path):
 airframe = Airframe("c172p", root={str(root)!r})
 airframe.run_ic()
 report = [airframe.fdm.run(), files()]
-""",
-            tmp_path,
+"""
         )
         received = []
         with contextlib.suppress(BlockingIOError):
@@ -191,7 +223,7 @@ report = [airframe.fdm.run(), files()]
     assert received == []
 
 
-def test_a_failed_trim_prints_nothing(tmp_path):
+def test_a_failed_trim_prints_nothing(outside):
     # JSBSim does, and Python's last-resort handler prints warnings of loggers without handlers
     report, printed, left = outside(
         """
@@ -203,30 +235,28 @@ for name in ("737", "SGS", "dr1"):
                   create=dict.fromkeys(keywords("fokker100")["create"], 0.0))
     except TrimError as error:
         report.append(error.reason)
-""",
-        tmp_path,
+"""
     )
     assert len(report) == 3
     assert printed == b""
     assert left == []
 
 
-def test_the_737_twice_in_one_process(tmp_path):
+def test_the_737_twice_in_one_process(outside):
     report, printed, _ = outside(
         """
 flight = keywords("737")
 pair = [JSBSimFDM(output_properties=["position/h-sl-ft"], **flight) for _ in range(2)]
 Simulation(pair, dt=pair[0].T, log=False).run(1.0)
 report = [sockets(), *(float(fdm.outputs[0]) for fdm in pair)]
-""",
-        tmp_path,
+"""
     )
     assert report[0] == []
     assert report[1] == report[2]
     assert printed == b""
 
 
-def test_the_network_can_be_allowed(tmp_path):
+def test_the_network_can_be_allowed(outside, tmp_path):
     # another process may hold the ports that the 737 asks for, so a copy asks for free ones
     root = own_root(tmp_path, ["737"])
     model = root / "aircraft" / "737" / "737.xml"
@@ -243,22 +273,20 @@ report = []
 for allow in (False, True):
     fdm = JSBSimFDM(**keywords("737"), JSBSim_path={str(root)!r}, allow_network=allow)
     report.append(sockets())
-""",
-        tmp_path,
+"""
     )
     assert report == [[], [["tcp", tcp], ["udp", udp]]]
     assert printed == b""
 
 
-def test_files_can_be_allowed(tmp_path):
+def test_files_can_be_allowed(outside, tmp_path):
     _, printed, left = outside(
         """
 for name in ("global5000", "c172x"):
     fdm = JSBSimFDM(**keywords(name), allow_files=True)
     Simulation([fdm], dt=fdm.T, log=False).run(0.5)
 report = None
-""",
-        tmp_path,
+"""
     )
     # the names are in the models' XML
     assert left == ["JSBout172B.csv", "global5000.csv"]
@@ -266,7 +294,7 @@ report = None
     assert printed == b""
 
 
-def test_copies_with_another_cg_are_gone_after_loading(tmp_path):
+def test_copies_with_another_cg_are_gone_after_loading(outside):
     x, _, _ = empty_weight_cg("global5000")
     before = fingerprint(INSTALLED)
     # `outside` asserts that the temporary folder is empty in the end
@@ -277,8 +305,7 @@ fdm = JSBSimFDM(aircraft_model="global5000", condition=TrimCondition(
 report = [os.listdir(os.environ["TMPDIR"])]
 Simulation([fdm], dt=fdm.T, log=False).run(0.5)
 Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)
-""",
-        tmp_path,
+"""
     )
     assert report == [[]]
     assert left == []
@@ -404,7 +431,7 @@ def test_a_handler_that_raises_does_no_harm(capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_the_watch_sees_what_it_looks_for(tmp_path):
+def test_the_watch_sees_what_it_looks_for(outside):
     # show that the checks above detect violations: open a port, a file, and print
     report, printed, left = outside(
         """
@@ -414,8 +441,7 @@ file = open("left.csv", "w")
 os.write(1, b"one")
 os.write(2, b"two")
 report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
-""",
-        tmp_path,
+"""
     )
     assert report[0]
     assert report[1][0].endswith("left.csv")
