@@ -15,6 +15,16 @@ import inspect, json, sys
 # neither found by find_spec nor imported, as if it were not installed
 sys.modules["jsbsim"] = None
 """
+CONTROLLERS = [
+    "DiscretePID",
+    "PitchHold",
+    "RollHold",
+    "HeadingHold",
+    "AltitudeHold",
+    "AirspeedHold",
+    "YawDamper",
+    "Autopilot",
+]
 
 
 def run(code, *args):
@@ -30,6 +40,9 @@ def run(code, *args):
 def without():
     return run(
         HIDE
+        + f"""
+CONTROLLERS = {CONTROLLERS!r}
+"""
         + """
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
@@ -45,10 +58,13 @@ sim = Simulation([kick, hold, scope],
                   Connection(hold["elevator"], scope)],
                  dt=1 / 120, log=False)
 sim.run(2.0)
+for name in CONTROLLERS:
+    offered[name]().update(0.0)
 print(json.dumps({
     "blocks": sorted(blocks), "built": sorted(built), "jsbsim": "jsbsim._jsbsim" in sys.modules,
     "aircraft": [n for n in ("Aircraft", "JSBSimFDM", "TrimCondition", "TrimState")
                  if hasattr(package, n)],
+    "controllers": CONTROLLERS,
     "moved": float(abs(scope.read()[1]).max())}))
 """
     )
@@ -68,6 +84,10 @@ def test_all_other_blocks_are_there_and_can_be_built(without):
     assert len(names) > 20
     assert without["blocks"] == names
     assert without["built"] == names
+
+
+def test_controllers_work(without):
+    assert without["controllers"] == CONTROLLERS
 
 
 def test_a_diagram_runs(without):
