@@ -60,15 +60,25 @@ def _uses_pathview(command):
     return command.split()[1] in ("view", "export", "convert") or ".pvm" in command
 
 
+def commands():
+    """Each command once, with the pages that have it."""
+    found = {}
+    for page, session in sessions():
+        for command in session:
+            if not _uses_pathview(command):
+                found.setdefault(command, []).append(page)
+    return found.items()
+
+
 # test_published and tests/design compute these in each run of the tests
 LONG = ("trim_envelope", "thrust_vectoring", "gains c172p")
 COMMANDS = [
     pytest.param(
-        c, id=f"{page}: {c}", marks=pytest.mark.long if any(name in c for name in LONG) else ()
+        c,
+        id=f"{', '.join(pages)}: {c}",
+        marks=pytest.mark.long if any(name in c for name in LONG) else (),
     )
-    for page, session in sessions()
-    for c in session
-    if not _uses_pathview(c)
+    for c, pages in commands()
 ]
 PATHVIEW = [
     pytest.param(commands, id=f"{page}: {commands[0]}")
