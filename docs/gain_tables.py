@@ -1,4 +1,4 @@
-"""Make the gain tables of the fleet: python docs/gain_tables.py [--fly | --off] [AIRCRAFT ...].
+"""Make the gain tables of the fleet.
 
 Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three altitudes and three
 airspeeds, where it trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The
@@ -9,9 +9,9 @@ With ``--fly`` the steps are flown with the existing tables, for `docs/designed-
 ``--off`` at other airspeeds, altitudes and fuel.
 """
 
+import argparse
 import json
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -325,5 +325,12 @@ def main(names):
 
 
 if __name__ == "__main__":
-    chosen = [name for name in sys.argv[1:] if not name.startswith("--")]
-    (fly if "--fly" in sys.argv else fly_off if "--off" in sys.argv else main)(chosen)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("aircraft", nargs="*")
+    do = parser.add_mutually_exclusive_group()
+    do.add_argument("--fly", dest="do", action="store_const", const=fly, default=main)
+    do.add_argument("--off", dest="do", action="store_const", const=fly_off)
+    options = parser.parse_args()
+    options.do(options.aircraft)

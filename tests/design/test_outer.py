@@ -1,6 +1,7 @@
 """Loops around the attitude, designed for small analytic plants and checked in plain loops."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -179,25 +180,55 @@ def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
     assert found.margins["phase"] == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.6)
 
 
-@pytest.mark.parametrize(("room", "step"), [((-0.6, 0.4), 10.0), ((-0.3, 0.5), -10.0)])
+@pytest.mark.parametrize(
+    ("room", "step"),
+    # the last leaves the airspeed more than 4 kt behind its reference
+    [((-0.6, 0.4), 10.0), ((-0.3, 0.5), -10.0), ((-0.1, 0.1), 12.0)],
+)
 def test_an_airspeed_settles_as_reported(room, step):
     # 6 kt/s of full travel against a drag that takes 60 s, behind an engine that takes 1 s
     plant = sampled([[-1.0, 0.0], [6.0, -1 / 60]], [1.0, 0.0], "throttle", vc=[0, 1])
     gains, found = design_speed(plant, room, 0.0, step)
-    law, state = SpeedLoop(T, gains, room), SpeedLoop.START
-    x, flown = np.zeros(2), []
-    for k in range(round(150.0 / T)):
-        vc = plant.row("vc") @ x
-        command, _, state = law.sample(state, vc, 0.0, step if k else 0.0, 0.0, 0.0, False)
-        flown.append((vc, command))
-        x = plant.A @ x + plant.column("throttle") * command
-    vc, throttle = np.array(flown).T
+
+    def flown(gains):
+        law, state = SpeedLoop(T, gains, room), SpeedLoop.START
+        x, rows = np.zeros(2), []
+        for k in range(round(150.0 / T)):
+            vc = plant.row("vc") @ x
+            command, _, state = law.sample(state, vc, 0.0, step if k else 0.0, 0.0, 0.0, False)
+            rows.append((vc, command))
+            x = plant.A @ x + plant.column("throttle") * command
+        return np.array(rows).T
+
+    vc, throttle = flown(gains)
+    assert gains.band == 4.0
     assert found.settling == pytest.approx(settles(vc, step, 0.5), abs=0.5)
     assert found.overshoot == pytest.approx(max((np.sign(step) * (vc - step)).max(), 0.0), abs=0.05)
     assert np.abs(vc[-2400:] - step).max() < 0.1
-    assert found.late == pytest.approx(np.abs(vc[-round(5.0 / T) :] - step).max(), abs=0.005)
     assert throttle.min() >= room[0]
     assert throttle.max() <= room[1]
+    # candidates are compared without the band
+    late = np.abs(flown(replace(gains, band=1000.0))[0][-round(5.0 / T) :] - step).max()
+    assert found.late == pytest.approx(late, abs=0.005)
+
+
+def test_a_step_that_does_not_settle_with_the_band_has_a_wide_one():
+    # full throttle gives 14.4 kt, in 60 s
+    plant = sampled([[-1.0, 0.0], [6.0, -1 / 60]], [1.0, 0.0], "throttle", vc=[0, 1])
+    gains, found = design_speed(plant, (-0.04, 0.04), 0.0, 10.0)
+
+    def settled(band):
+        law = SpeedLoop(T, replace(gains, band=band), (-0.04, 0.04))
+        state, x, vc = SpeedLoop.START, np.zeros(2), np.empty(round(150.0 / T))
+        for k in range(len(vc)):
+            vc[k] = plant.row("vc") @ x
+            u, _, state = law.sample(state, vc[k], 0.0, 10.0 if k else 0.0, 0.0, 0.0, False)
+            x = plant.A @ x + plant.column("throttle") * u
+        return settles(vc, 10.0, 0.5)
+
+    assert gains.band == 12.0
+    assert found.settling == pytest.approx(settled(12.0), abs=0.5)
+    assert not settled(4.0) < 150.0
 
 
 def test_the_throttle_that_a_climb_needs_is_fed_forward_up_to_a_share_of_what_is_left():

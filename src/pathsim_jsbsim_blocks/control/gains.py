@@ -33,7 +33,7 @@ class _Gains:
                 number(field.name, value, low=0.0 if field.name in _NOT_NEGATIVE else -math.inf)
 
 
-_POSITIVE = ("ramp", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
+_POSITIVE = ("ramp", "band", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
 _NOT_NEGATIVE = ("b", "Tf", "climb_max")
 
 
@@ -128,6 +128,8 @@ class SpeedGains(_Gains):
         largest rate at which the reference moves, kt/s
     Kc : float
         throttle fed forward per rate of climb, s/ft
+    band : float
+        error in kt beyond which each further knot counts as 0.2 kt; by default none does
     """
 
     Kp: float
@@ -137,6 +139,7 @@ class SpeedGains(_Gains):
     b: float = 1.0
     ramp: float = 1.0
     Kc: float = 0.0
+    band: float = 1000.0
 
 
 @known_keywords

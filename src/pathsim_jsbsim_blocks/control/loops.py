@@ -15,6 +15,9 @@ from .pid import PID
 
 State = tuple
 
+# of an airspeed error beyond its band, the share that does not count
+BEYOND = 0.8
+
 
 class ReferenceLoop:
     """Holds a measured value at a reference that moves no faster than a ramp.
@@ -226,12 +229,29 @@ class AltitudeLoop:
         return theta_cmd, hdot_cmd, (found, law)
 
 
+class _AirspeedPID(PID):
+    """The law with smaller gains for large errors: gusts are large, what a step leaves is small."""
+
+    band: float
+
+    def sample(self, state: Any, r: float, y: float, *signals: Any) -> tuple[float, Any]:
+        error, band = r - y, self.band
+        if error < -band:
+            y += BEYOND * (error + band)
+        if error > band:
+            y += BEYOND * (error - band)
+        return super().sample(state, r, y, *signals)
+
+
 class SpeedLoop:
     """Throttle from airspeed, with the rate of climb fed forward.
 
     .. math::
-        \\delta_t = K_p (b V_\\mathrm{cmd} - V) + K_i \\int (V_\\mathrm{cmd} - V) \\, dt
-        - K_d \\dot V + K_c \\dot h
+        \\delta_t = K_p (b V_\\mathrm{cmd} - V') + K_i \\int (V_\\mathrm{cmd} - V') \\, dt
+        - K_d \\dot V' + K_c \\dot h
+
+    V' is the airspeed within the gains' band about the reference. Beyond, each knot of error
+    counts as 0.2 kt: gusts would move a throttle with the gains that end a step from stop to stop.
     """
 
     START: State = ReferenceLoop.START
@@ -245,15 +265,14 @@ class SpeedLoop:
     ):
         low, high = authority
         self.Kc = gains.Kc
-        self.loop = kind(
-            PID(
-                T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
-            ),
-            gains.ramp,
+        self.pid = _AirspeedPID(
+            T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
         )
+        self.pid.band = gains.band
+        self.loop = kind(self.pid, gains.ramp)
 
     def retune(self, *gains: float) -> None:
-        *others, self.Kc = gains
+        *others, self.Kc, self.pid.band = gains
         self.loop.retune_speed(*others)  # type: ignore[attr-defined]
 
     def sample(
@@ -278,9 +297,9 @@ class SpeedLoop:
         )
         if boost and not off:
             found, reference, (phase, integral, before, *others) = state
-            u = min(u + boost, self.loop.pid.high)
+            u = min(u + boost, self.pid.high)
             if not sat:
-                integral += self.loop.pid.unwind * (u - before)
+                integral += self.pid.unwind * (u - before)
             state = (found, reference, (phase, integral, u, *others))
         return u, reference, state
 

@@ -25,6 +25,8 @@ from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
 from .envelope import envelope
 from .outer import (
+    BAND,
+    GUST,
     Outcome,
     damped,
     design_altitude,
@@ -60,9 +62,12 @@ _FASTER, _ENOUGH = 10.0, 0.7
 _LATE, _LESS = (0.14, 0.06), 0.05
 
 # ft/s, of the excess climb: rates of climb whose feed-forward may use all of the throttle's
-# remaining travel; the second where the steps are not finished at their end with the first, and
-# where it is at least so many ft/s: more feed keeps the throttle at its stop
+# remaining travel; the second where the steps are not finished at their end with the first, where
+# it is at least so many ft/s (more feed keeps the throttle at its stop) and relaxes nothing
 _RISE, _RISE_OF_EXCESS, _LEAST_RISE = 40.0, 2.0, 25.0
+
+# kt above the lowest airspeed: nearer, no error of the airspeed is taken lightly
+_NEAR = 25.0
 
 # ft/s; less is no climb to speak of: the altitude is then designed for a descent
 _NO_CLIMB = 2.0
@@ -379,9 +384,11 @@ def _loops(
     step = _FASTER if per_knot * _FASTER < _ENOUGH * room[1] else -_FASTER
     hdot_max = min(_CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * climb_max)
 
+    band = BAND if trim.speed > limits.vc_min + _NEAR else GUST
+
     def hold(stops: float, feed: float) -> Held:
         # the airspeed with the attitude held, the altitude, the airspeed with the altitude held
-        speed, outcome = design_speed(plant, room, feed, step, stops)
+        speed, outcome = design_speed(plant, room, feed, step, stops, band)
         if speed is None:
             raise refuse("speed", "no gains of the throttle hold the airspeed")
         altitude, climbing = design_altitude(
@@ -389,7 +396,8 @@ def _loops(
         )
         if altitude is None:
             raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
-        speed, outcome = design_speed(with_altitude(plant, altitude), room, feed, step, stops)
+        level = with_altitude(plant, altitude)
+        speed, outcome = design_speed(level, room, feed, step, stops, band)
         if speed is None or not math.isfinite(outcome.settling):
             raise refuse("speed", f"no gains of the throttle settle a step of {step:g} kt")
         altitude, climbing = design_altitude(
@@ -406,7 +414,9 @@ def _loops(
     rise = _RISE_OF_EXCESS * climb_max
     if _done(held) < len(_LATE) and _LEAST_RISE <= rise < _RISE:
         with contextlib.suppress(DesignError):
-            held = min(held, hold(_LESS, design_feed(plant, room, rise)[0]), key=_excess)
+            more = hold(_LESS, design_feed(plant, room, rise)[0])
+            if not any(step.relaxed for step in more[1::2]):
+                held = min(held, more, key=_excess)
     speed, outcome, altitude, climbing = held
     note("speed", outcome)
     note("altitude", climbing)

@@ -13,6 +13,7 @@ from scipy.signal import fftconvolve
 
 from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
+from ..control.loops import BEYOND
 from .margins import Margins, margins
 from .plant import Plant
 from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled
@@ -34,7 +35,7 @@ class Outcome:
     overshoot: float = math.nan
     use: float = math.nan
     relaxed: str = ""
-    # largest error in the last 5 s of the step
+    # largest error in the last 5 s of the step; of the airspeed without its band
     late: float = math.nan
 
 
@@ -340,7 +341,11 @@ def design_heading(
 
 
 # kt: an error that may use all of the throttle's remaining travel
-_GUST = 12.0
+GUST = 12.0
+
+# kt: a larger error is a gust, and counts less
+BAND = 4.0
+
 _TF = 0.5
 _SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
 _SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
@@ -357,10 +362,12 @@ def design_speed(
     Kc: float,
     step: float,
     stops: float = 1.0,
+    band: float = BAND,
 ) -> tuple[SpeedGains | None, Outcome]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
 
-    ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some.
+    ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some;
+    the ``band`` is for steps that settle with it.
     """
     T = plant.T
     g = plant.response(OMEGA, "throttle")
@@ -369,7 +376,7 @@ def design_speed(
     share, time_, rise = (
         x.ravel() for x in np.meshgrid(_SPEED_SHARES, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
     )
-    Kp = share * travel / _GUST
+    Kp = share * travel / GUST
     Ki = Kp / time_
     feed = rise * Kc
     alpha = -math.expm1(-T / _TF)
@@ -389,11 +396,14 @@ def design_speed(
     k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
     fixed = (60.0 * level + 10.0 * share + _UNFED * (1.0 - rise) + rough.cost(stops))[k]
 
-    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
+    def steps(pick: np.ndarray, band: float) -> tuple[np.ndarray, ...]:
         j = k[pick]
-        time, over, late, peak = _accelerates(
-            plant, room, step, Kp[j], Ki[j], feed[j], 1.0 / time_[j], ramp[pick]
+        return _accelerates(
+            plant, room, step, Kp[j], Ki[j], feed[j], 1.0 / time_[j], ramp[pick], band
         )
+
+    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
+        time, over, late, peak = steps(pick, math.inf)
         score = (
             np.maximum(time, _QUICK)
             + 30.0 * np.maximum(over - 0.25, 0.0)
@@ -403,8 +413,13 @@ def design_speed(
         )
         return score, time, over, late, peak
 
-    i, time, over, late, peak = _least(np.arange(len(k)), fixed + _QUICK, fly)
+    # candidates are compared without the band, or it would count for loose ones that it spares
+    i, _, _, late, _ = _least(np.arange(len(k)), fixed + _QUICK, fly)
     j = k[i]
+    for kept in (band, GUST):
+        time, over, _, peak = (float(x[0]) for x in steps(np.array([i]), kept))
+        if math.isfinite(time):
+            break
     kp = float(Kp[j])
     gains = SpeedGains(
         Kp=kp,
@@ -414,6 +429,7 @@ def design_speed(
         b=1.0,
         ramp=float(ramp[i]),
         Kc=float(feed[j]),
+        band=kept,
     )
     return gains, Outcome(
         at(found, j),
@@ -438,6 +454,7 @@ def _accelerates(
     feed: np.ndarray,
     unwind: np.ndarray,
     ramp: np.ndarray,
+    band: float,
 ) -> tuple[np.ndarray, ...]:
     """Settling, overshoot, last error and largest commands of steps of the airspeed."""
     p = plant.slower(_COARSE)
@@ -450,12 +467,14 @@ def _accelerates(
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(len(y)):
             y[j] = c @ x
-            slow = slow + a * (y[j] - slow)
             ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
+            error = ref - y[j]
+            error -= BEYOND * (error - np.clip(error, -band, band))
+            slow = slow + a * (ref - error - slow)
             v = Kp * (ref - slow) + total + feed * (climb @ x)
             u = np.clip(v, room[0], room[1])
             peak = np.maximum(peak, np.abs(v))
-            total += Ki * dt * (ref - y[j]) + unwind * dt * (u - v)
+            total += Ki * dt * error + unwind * dt * (u - v)
             x = p.A @ x + B * u
     return (
         settled(y - step, 0.5, dt),

@@ -267,18 +267,20 @@ class AirspeedHold(Hold):
     """Holds the calibrated airspeed with the throttle (autothrottle).
 
     .. math::
-        \\delta_t = K_p (b V_\\mathrm{cmd} - V) + K_i \\int (V_\\mathrm{cmd} - V) \\, dt
-        - K_d \\dot V + K_c \\dot h
+        \\delta_t = K_p (b V_\\mathrm{cmd} - V') + K_i \\int (V_\\mathrm{cmd} - V') \\, dt
+        - K_d \\dot V' + K_c \\dot h
 
     sampled at T. The reference V_cmd starts at the airspeed found at engagement and moves to
     ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. With the rate of climb
-    connected, the extra throttle for a climb is fed forward.
+    connected, the extra throttle for a climb is fed forward. V' is the airspeed within the gain
+    table's band about the reference; beyond, each further knot of error counts as 0.2 kt, so that
+    gusts do not move the throttle from stop to stop.
 
     Parameters
     ----------
     gains : str, SpeedGains or dict
         name of a gain table ("c172p"), or numbers: Kp (1/kt), Ki (1/(kt s)), Kd (s/kt), Tf (s),
-        b, ramp (kt/s), Kc (s/ft)
+        b, ramp (kt/s), Kc (s/ft), band (kt)
     vc_ref : float, optional
         airspeed to hold, KCAS; default: the value at engagement
     authority : float or pair
