@@ -458,24 +458,28 @@ def _accelerates(
 ) -> tuple[np.ndarray, ...]:
     """Settling, overshoot, last error and largest commands of steps of the airspeed."""
     p = plant.slower(_COARSE)
-    c, climb, B = p.row("vc"), p.row("hdot"), p.column("throttle")[:, None]
     dt, seconds = p.T, 150.0
+    moves = np.column_stack([p.A, p.column("throttle")])
+    rows = np.array([p.row("vc"), p.row("hdot")])
     a = -math.expm1(-dt / _TF)
-    n = len(Kp)
-    x, total, slow, ref = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n), np.zeros(n)
+    low, high = room
+    n, size = len(Kp), len(p.A)
+    # the command is the last row of the state
+    x, total, slow = np.zeros((size + 1, n)), np.zeros(n), np.zeros(n)
     y, peak = np.empty((round(seconds / dt), n)), np.zeros(n)
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(len(y)):
-            y[j] = c @ x
-            ref = ref + np.clip(step - ref, -ramp * dt, ramp * dt) if j else ref
+            y[j], climb = rows @ x[:size]
+            ref = math.copysign(1.0, step) * np.minimum(j * dt * ramp, abs(step))
             error = ref - y[j]
-            error -= BEYOND * (error - np.clip(error, -band, band))
+            error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
             slow = slow + a * (ref - error - slow)
-            v = Kp * (ref - slow) + total + feed * (climb @ x)
-            u = np.clip(v, room[0], room[1])
+            v = Kp * (ref - slow) + total + feed * climb
+            u = np.minimum(np.maximum(v, low), high)
             peak = np.maximum(peak, np.abs(v))
             total += Ki * dt * error + unwind * dt * (u - v)
-            x = p.A @ x + B * u
+            x[size] = u
+            x[:size] = moves @ x
     return (
         settled(y - step, 0.5, dt),
         np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0),
@@ -624,8 +628,9 @@ def design_altitude(
     )
 
 
-# candidates flown at a time
-_BATCH = 96
+# candidates flown at first, and how many times as many each time after: most of the time of a step
+# does not depend on how many are flown
+_BATCH, _MORE = 256, 4
 
 
 def _least(
@@ -638,16 +643,17 @@ def _least(
     """
     order = pick[np.argsort(floor[pick], kind="stable")]
     best: tuple[Any, ...] = ()
-    for start in range(0, len(order), _BATCH):
-        some = order[start : start + _BATCH]
-        if best and best[0] <= floor[some[0]]:
-            break
+    batch = _BATCH
+    while len(order):
+        some, order = order[:batch], order[batch:]
+        batch *= _MORE
         score, *found = fly(some)
         late = np.nan_to_num(found[2], nan=math.inf)
         score = np.where(np.isfinite(score), score, 1e6 + late)
         i = int(np.argmin(score))
         if not best or score[i] < best[0]:
             best = (float(score[i]), int(some[i]), *(float(x[i]) for x in found))
+        order = order[floor[order] < best[0]]
     return best[1:]
 
 
@@ -663,22 +669,24 @@ def _climbs(
     """Settling, overshoot, last error, and largest changes of airspeed and pitch of climbs."""
     p = plant.slower(_COARSE)
     dt, seconds = p.T, 80.0 + 1.3 * step / hdot_max
+    moves = np.column_stack([p.A, p.column("theta_cmd")])
     rows = np.array([p.row("h"), p.row("hdot"), p.row("vc")])
-    B = p.column("theta_cmd")[:, None]
-    n = len(Kh)
-    x, total, cmd = np.zeros((len(p.A), n)), np.zeros(n), np.zeros(n)
+    most = ramp * dt
+    n, size = len(Kh), len(p.A)
+    # the command is the last row of the state
+    x, total = np.zeros((size + 1, n)), np.zeros(n)
     y, speed, peak = np.empty((round(seconds / dt), n)), np.zeros(n), np.zeros(n)
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(len(y)):
-            h, hdot, vc = rows @ x
-            y[j] = h
+            y[j], hdot, vc = rows @ x[:size]
             speed = np.maximum(speed, np.abs(vc))
-            wanted = np.clip(Kh * (step - h), -hdot_max, hdot_max)
-            target = Kp * (wanted - hdot) + total
-            total += Ki * dt * (wanted - hdot)
-            cmd = cmd + np.clip(target - cmd, -ramp * dt, ramp * dt)
+            wanted = np.minimum(np.maximum(Kh * (step - y[j]), -hdot_max), hdot_max)
+            error = wanted - hdot
+            cmd = x[size]
+            cmd += np.minimum(np.maximum(Kp * error + total - cmd, -most), most)
+            total += Ki * dt * error
             peak = np.maximum(peak, np.abs(cmd))
-            x = p.A @ x + B * cmd
+            x[:size] = moves @ x
     return (
         settled(y - step, 10.0, dt),
         np.maximum((y - step).max(axis=0), 0.0),
