@@ -6,7 +6,7 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 
-from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.plots import (
     against,
     exact_curves,
@@ -151,6 +151,17 @@ def test_flights_against_one_of_their_signals(scope):
     other.labels[0] = "bank [deg]"
     with pytest.raises(ParameterError, match="no signal 'pitch'"):
         against("height", {"first": scope, "second": other})
+
+
+def test_what_is_no_scope_is_refused():
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    for what in (plane, [1.0, 2.0], {"height": [1.0]}, None):
+        with pytest.raises(ParameterError, match="a Scope or a FlightRecorder is needed, not"):
+            time_histories(what)
+    with pytest.raises(ParameterError, match="not Aircraft"):
+        signal(plane, "h")
+    with pytest.raises(ParameterError, match="not Aircraft"):
+        against("h", {"flight": plane})
 
 
 def test_phase_portrait_shows_one_over_the_other():

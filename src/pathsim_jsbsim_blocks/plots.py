@@ -10,6 +10,7 @@ import contextlib
 import itertools
 import math
 import re
+import reprlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -102,8 +103,8 @@ def time_histories(
     Raises
     ------
     ParameterError
-        for no scope, a reference of a signal that no scope has, naming the nearest, and one that is
-        no number for each time
+        for no scope, one that has recorded nothing, a reference of a signal that no scope has,
+        naming the nearest, and one that is no number for each time
     """
     if not scopes:
         raise ParameterError("there is no scope to draw", parameter="scopes", value=scopes)
@@ -403,8 +404,13 @@ def pole_map(*models: Any, title: str = "") -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        for what is no linear model
     """
-    found = [model.modes() for model in models]
+    found = [_linear(model).modes() for model in models]
     figure, axes = _pole_axes(np.array([mode.pole for modes in found for mode in modes]))
     for ax, size in axes:
         for i, modes in enumerate(found):
@@ -414,6 +420,17 @@ def pole_map(*models: Any, title: str = "") -> Figure:
     if title:
         figure.suptitle(title)
     return figure
+
+
+def _linear(model: Any) -> Any:
+    """A linear model; a look at its methods, because `plots` imports none of the subjects."""
+    if not (hasattr(model, "modes") and hasattr(model, "select")):
+        raise ParameterError(
+            f"a LinearModel is needed, such as plane.linear_model(), not {reprlib.repr(model)}",
+            parameter="model",
+            value=model,
+        )
+    return model
 
 
 def _pole_axes(poles: np.ndarray) -> tuple[Figure, list[tuple[Axes, float]]]:
@@ -485,14 +502,14 @@ def step_response(
     Raises
     ------
     ParameterError
-        for a name that the model does not have, naming the nearest; for a duration or an amplitude
-        that cannot be
+        for what is no linear model; for a name that it does not have, naming the nearest; for a
+        duration or an amplitude that cannot be
     FlightError
         if the aircraft cannot be flown on
     """
     from ._core.checks import number, positive
 
-    part = model.select([input], [output])
+    part = _linear(model).select([input], [output])
     n = max(round(positive("duration", duration) / part.dt), 1)
     u = np.full((n, 1), number("amplitude", amplitude))
     linear = part.simulate(part.u0 + u)[:, 0]
@@ -534,7 +551,7 @@ def root_locus(
     Raises
     ------
     ParameterError
-        without models, or for another number of values
+        without models, for what is no linear model, or for another number of values
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
@@ -544,7 +561,7 @@ def root_locus(
             parameter="values",
             value=values,
         )
-    found = [model.modes() for model in models]
+    found = [_linear(model).modes() for model in models]
     points = [(m.pole, value) for modes, value in zip(found, swept, strict=True) for m in modes]
     poles, colours = np.array([pole for pole, _ in points]), [value for _, value in points]
     figure, axes = _pole_axes(poles)
@@ -575,9 +592,9 @@ def bode(model: Any, output: str, input: str, title: str = "") -> Figure:
     Raises
     ------
     ParameterError
-        for a name that the model does not have, naming the nearest
+        for what is no linear model; for a name that it does not have, naming the nearest
     """
-    part = model.select([input], [output])
+    part = _linear(model).select([input], [output])
     rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
     omega = np.geomspace(0.1 * min(rates, default=1e-2), 10 * max(rates, default=1e2), 600)
     response = part.frequency_response(omega)[:, 0, 0]

@@ -58,6 +58,28 @@ def test_simulate_holds_and_delays():
     assert not lag(latency=6).simulate(u).any()
 
 
+@pytest.mark.parametrize("u", [np.zeros(600), np.zeros((4, 600)), {"aileron": 0.1}, [["x"]]])
+def test_simulate_refuses_other_shapes_in_one_line(u):
+    with pytest.raises(ParameterError, match=r"1 columns \(aileron\)") as caught:
+        lag().simulate(u)
+    assert len(str(caught.value)) < 250
+    if isinstance(u, np.ndarray):
+        assert f"of shape {u.shape}" in str(caught.value)
+
+
+def test_what_is_no_linear_model_is_refused():
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    for draw in (
+        lambda: pole_map(plane),
+        lambda: pole_map([lag(), lag()]),
+        lambda: bode(plane, "theta", "elevator"),
+        lambda: step_response(plane, plane, "elevator", "theta", 0.01),
+        lambda: root_locus([plane], [90.0]),
+    ):
+        with pytest.raises(ParameterError, match=r"a LinearModel is needed, .* not "):
+            draw()
+
+
 def test_an_unknown_name_is_refused():
     with pytest.raises(ParameterError, match="no 'ailern'; did you mean 'aileron'"):
         bode(lag(), "p", "ailern")

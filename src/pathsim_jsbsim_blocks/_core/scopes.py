@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+import reprlib
 
 import numpy as np
+from pathsim.blocks import Scope
 
 from ..errors import ParameterError
-
-if TYPE_CHECKING:
-    from pathsim.blocks import Scope
 
 
 def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
@@ -19,8 +17,14 @@ def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     Raises
     ------
     ParameterError
-        if nothing was recorded
+        if it is no scope, or nothing was recorded
     """
+    if not isinstance(scope, Scope):
+        raise ParameterError(
+            f"a Scope or a FlightRecorder is needed, not {reprlib.repr(scope)}",
+            parameter="scope",
+            value=scope,
+        )
     time, data = scope.read()
     if time is None:
         raise ParameterError(

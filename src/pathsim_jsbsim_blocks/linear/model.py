@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import reprlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -198,14 +199,26 @@ class LinearModel:
         -------
         array, shape (n + 1, p)
             full values of the outputs, the trim first
+
+        Raises
+        ------
+        ParameterError
+            for inputs of another shape, and for what is no finite number
         """
-        u = np.asarray(u, dtype=float)
-        if u.ndim != 2 or u.shape[1] != len(self.inputs) or not np.isfinite(u).all():
+        given = u
+        try:
+            u = np.asarray(u, dtype=float)
+            usable = u.ndim == 2 and u.shape[1] == len(self.inputs) and np.isfinite(u).all()
+        except (TypeError, ValueError):
+            usable = False
+        if not usable:
+            shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
             raise ParameterError(
-                f"u must have a row for each period and {len(self.inputs)} columns "
-                f"({', '.join(self.inputs)}) of finite numbers, not {u!r}",
+                f"u must have a row for each period of {self.dt:.6g} s and {len(self.inputs)} "
+                f"columns ({', '.join(self.inputs)}) of finite numbers, not "
+                f"{reprlib.repr(given)}{shape}",
                 parameter="u",
-                value=u,
+                value=given,
             )
         du = np.zeros_like(u)
         for j, late in enumerate(self.latency.astype(int)):
