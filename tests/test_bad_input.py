@@ -18,6 +18,7 @@ from plain_jsbsim import open_fdm
 from pathsim_jsbsim_blocks import (
     Aircraft,
     AircraftError,
+    Autopilot,
     BlocksError,
     FlightError,
     ISAtmosphere,
@@ -26,11 +27,13 @@ from pathsim_jsbsim_blocks import (
     PitchHold,
     PropertyError,
     RampSource,
+    RollHold,
     TrimCondition,
     TrimError,
     fly,
 )
 from pathsim_jsbsim_blocks._core._pathsim import port_names
+from pathsim_jsbsim_blocks.errors import KeywordError
 from pathsim_jsbsim_blocks.flight import trim
 
 pytestmark = pytest.mark.matrix
@@ -427,6 +430,36 @@ def test_an_output_read_by_a_wrong_name_is_refused(block, right, wrong):
         outputs[wrong]
     with pytest.raises(ParameterError, match=rf"no port 'xyzxyz'; there is .*{right}"):
         outputs["xyzxyz"]
+
+
+@pytest.mark.parametrize(
+    ("block", "called", "port"),
+    [
+        (Aircraft, "altitude", "'h'?"),
+        (Aircraft, "Pitch", "'theta'?"),
+        (Aircraft, "airspeed", "'vc' or 'vt'?"),
+        (Aircraft, "rate of climb", "'hdot'?"),
+        (Aircraft, "latitude", "'lat'?"),
+        (ISAtmosphere, "rho", "'density'?"),
+        (ISAtmosphere, "h", "'altitude'?"),
+        (lambda: RollHold(gains="c172p"), "roll", "'phi'?"),
+    ],
+)
+def test_a_port_is_found_by_what_it_is_called_elsewhere(block, called, port):
+    with pytest.raises(BlocksError, match=re.escape(f"{called!r}; did you mean {port}")):
+        block()[called]
+
+
+def test_an_output_is_found_by_what_it_is_called_elsewhere():
+    with pytest.raises(ParameterError, match=re.escape("no port 'pitch'; did you mean 'theta'?")):
+        Aircraft().outputs["pitch"]
+
+
+def test_a_port_given_as_a_parameter_is_told():
+    with pytest.raises(KeywordError, match="no parameter 'pitch_mode': 'pitch_mode' is an input p"):
+        Autopilot(gains="A320", pitch_mode=1)
+    with pytest.raises(KeywordError, match="no parameter 'elevator': 'elevator' is an input port"):
+        Aircraft("c172p", elevator=0.1)
 
 
 def test_the_name_of_an_aircraft_is_not_trimmed():

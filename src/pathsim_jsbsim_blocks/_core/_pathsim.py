@@ -26,7 +26,7 @@ from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
 from ..errors import ParameterError
-from .checks import did_you_mean, nearest, number, positive
+from .checks import did_you_mean, nearest_ports, number, positive
 
 
 def values(register: Register) -> list[float]:
@@ -67,7 +67,7 @@ class NamedRegister(Register):
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str) and key not in self._mapping:
-            close = nearest(key, self._mapping)
+            close = nearest_ports(key, self._mapping)
             known = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
             raise ParameterError(f"no port {key!r}{known}", parameter="port", value=key)
         return super().__getitem__(key)

@@ -7,7 +7,7 @@ import functools
 import inspect
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeVar
@@ -34,26 +34,83 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
+# ports by what users call them, in small letters
+_PORTS_OF = {
+    "pitch": ("theta",),
+    "pitch_angle": ("theta",),
+    "roll": ("phi",),
+    "bank": ("phi",),
+    "roll_angle": ("phi",),
+    "bank_angle": ("phi",),
+    "heading": ("psi",),
+    "yaw": ("psi",),
+    "roll_rate": ("p",),
+    "pitch_rate": ("q",),
+    "yaw_rate": ("r",),
+    "aoa": ("alpha",),
+    "angle_of_attack": ("alpha",),
+    "sideslip": ("beta",),
+    "fpa": ("gamma",),
+    "path_angle": ("gamma",),
+    "flight_path_angle": ("gamma",),
+    "altitude": ("h",),
+    "alt": ("h",),
+    "height": ("h", "altitude"),
+    "h": ("altitude",),
+    "climb": ("hdot",),
+    "climb_rate": ("hdot",),
+    "rate_of_climb": ("hdot",),
+    "vertical_speed": ("hdot",),
+    "vs": ("hdot",),
+    "airspeed": ("vc", "vt"),
+    "speed": ("vc", "vt"),
+    "cas": ("vc",),
+    "kcas": ("vc",),
+    "ias": ("vc",),
+    "tas": ("vt",),
+    "v": ("vt",),
+    "m": ("mach",),
+    "load_factor": ("nz",),
+    "g": ("nz",),
+    "rho": ("density",),
+    "t": ("temperature",),
+    "a": ("speed_of_sound",),
+    "mu": ("viscosity",),
+}
+
+
+def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
+    """The ports that ``name`` is another name of; otherwise those most like it."""
+    names = list(names)
+    key = str(name).lower().replace(" ", "_")
+    return [port for port in _PORTS_OF.get(key, ()) if port in names] or nearest(name, names)
+
+
 def did_you_mean(names: Iterable[str]) -> str:
     """Suffix for an error message; empty if there are no suggestions."""
     names = list(names)
     return f"; did you mean {' or '.join(repr(x) for x in names)}?" if names else ""
 
 
-def refuse_unknown(owner: str, values: Mapping[str, Any], known: Iterable[str]) -> None:
+def refuse_unknown(
+    owner: str, values: Mapping[str, Any], known: Iterable[str], ports: Container[str] = ()
+) -> None:
     """Check the names of parameters.
 
     Raises
     ------
     KeywordError
-        for one that is not known, naming the nearest, or all that there are
+        for one that is not known, naming the nearest, or the input port of that name, or all
+        parameters that there are
     """
     known = list(known)
     for name, value in values.items():
         if name not in known:
-            close = did_you_mean(nearest(name, known))
+            hint = did_you_mean(nearest(name, known))
+            if not hint and name in ports:
+                hint = f": {name!r} is an input port, which a Connection leads into"
             raise KeywordError(
-                f"{owner} has no parameter {name!r}{close or f'; it has {_listed(known)}'}",
+                f"{owner} has no parameter {name!r}{hint or f'; it has {_listed(known)}'}",
                 parameter=name,
                 value=value,
             )
@@ -71,7 +128,8 @@ def known_keywords(cls: Checked) -> Checked:
 
         @functools.wraps(init)
         def checked(self: Any, *args: Any, **kwargs: Any) -> None:
-            refuse_unknown(type(self).__name__, kwargs, known)
+            ports = getattr(type(self), "input_port_labels", None) or ()
+            refuse_unknown(type(self).__name__, kwargs, known, ports)
             init(self, *args, **kwargs)
 
         cls.__init__ = checked  # type: ignore[misc]

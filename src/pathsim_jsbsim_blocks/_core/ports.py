@@ -14,7 +14,7 @@ from pathsim.optim.operator import Operator
 from ..errors import BlocksError, ParameterError
 from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
 from ._pathsim import NamedRegister, port_names
-from .checks import did_you_mean, known_keywords, nearest, refuse_unknown
+from .checks import did_you_mean, known_keywords, nearest_ports, refuse_unknown
 
 # relative to an input's value, and the least
 _STEP = 1e-6
@@ -80,7 +80,7 @@ class NamedPorts(Block):
         names = [*port_names(self.inputs), *port_names(self.outputs)]
         for port in key if isinstance(key, (list, tuple)) else [key]:
             if isinstance(port, str) and port not in names:
-                close = nearest(port, names)
+                close = nearest_ports(port, names)
                 known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}"
                 raise self._no_port(
                     f"{type(self).__name__} has no port {port!r}{known}", port, close

@@ -154,7 +154,14 @@ class Template:
             return
         if variable not in self._top:
             reason = f"{self.path.name} assigns no {variable!r} at its top level"
-            raise _no_place(name, reason + _nearest_of(variable, self._top), value)
+            blocks = [
+                f"{block}.{variable}"
+                for block, calls in self._anywhere.items()
+                if any(keyword.arg == variable for call in calls for keyword in call.keywords)
+            ]
+            raise _no_place(
+                name, reason + (did_you_mean(blocks) or _nearest_of(variable, self._top)), value
+            )
         if not any(isinstance(n.ctx, ast.Load) for n in _uses(variable, ast.walk(tree))):
             raise _no_place(name, f"{self.path.name} never uses it", value)
         for node in ast.walk(tree):
