@@ -62,6 +62,7 @@ CASES = [
     # keywords, error, text, names that the error must offer
     ({"aircraft_model": "C172P"}, AircraftError, "no aircraft 'C172P'", ["c172p"]),
     ({"aircraft_model": "f-16"}, AircraftError, "among the 60 models", ["f16"]),
+    ({"aircraft_model": "Cessna 172"}, AircraftError, "; pathsim-jsbsim aircraft lists them", []),
     ({"aircraft_model": "../c172p"}, AircraftError, "no aircraft", ["c172p"]),
     ({"aircraft_model": "a" * 5000}, AircraftError, "no aircraft", []),
     ({"aircraft_model": 172}, AircraftError, "must be a model's name, not 172", []),

@@ -77,10 +77,7 @@ def test_arguments_of_functions_that_build(tmp_path):
     ("name", "said"),
     [
         ("GAN", r"lag.py assigns no 'GAN' at its top level; did you mean 'GAIN'"),
-        (
-            "initial_value",
-            r"assigns no 'initial_value' at its top level; did you mean 'lag.initial",
-        ),
+        ("dt", r"lag.py assigns no 'dt' at its top level; did you mean 'sim.dt'"),
         ("lga.initial_value", r"assigns no block to 'lga'; did you mean 'lag'"),
         ("lag.initial", r"Integrator has no parameter 'initial'; did you mean 'initial_value'"),
         ("made.sgn", r"make has no parameter 'sgn'; did you mean 'sign'"),

@@ -955,7 +955,7 @@ def _failure(
         if len(airframe.stopped) < airframe.engines
         else f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
         "(mode='glide' frees the path angle)",
-        "alpha limit": f"alpha ran to the end of [{alpha_min:.3g}, {alpha_max:.3g}] deg",
+        "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",
     }

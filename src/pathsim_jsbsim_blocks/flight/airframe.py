@@ -149,7 +149,7 @@ def _model_file(aircraft: str, root: str | None) -> Path:
         close = nearest(aircraft, names)
         raise AircraftError(
             f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} in "
-            f"{folder}" + did_you_mean(close),
+            f"{folder}" + (did_you_mean(close) or "; pathsim-jsbsim aircraft lists them"),
             aircraft=aircraft,
             nearest=close,
         )
