@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import jsbsim
@@ -454,6 +455,32 @@ def test_a_port_is_found_by_what_it_is_called_elsewhere(block, called, port):
 def test_an_output_is_found_by_what_it_is_called_elsewhere():
     with pytest.raises(ParameterError, match=re.escape("no port 'pitch'; did you mean 'theta'?")):
         Aircraft().outputs["pitch"]
+
+
+@pytest.mark.parametrize(
+    ("port", "value"), [("elevator", 5.0), ("rudder", -10.0), ("throttle", 70.0)]
+)
+def test_a_command_in_degrees_or_percent_is_told_once(port, value):
+    plane, source = Aircraft("c172p", altitude=5000, speed=90), Constant(value)
+    sim = Simulation([plane, source], [Connection(source, plane[port])], dt=1 / 120, log=False)
+    with pytest.warns(
+        RuntimeWarning, match=f"{value:g} at '{port}' is more than the whole"
+    ) as all_:
+        sim.run(0.1)
+    sim.reset()
+    sim.run(0.05)
+    assert len(all_) == 1
+    assert all_[0].filename == __file__
+
+
+@pytest.mark.parametrize(("port", "value"), [("elevator", -1.5), ("throttle", 1.0)])
+def test_a_command_beyond_its_stop_is_none_in_degrees(port, value):
+    plane, source = Aircraft("c172p", altitude=5000, speed=90), Constant(value)
+    sim = Simulation([plane, source], [Connection(source, plane[port])], dt=1 / 120, log=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sim.run(0.1)
+    assert plane.outputs[{"elevator": "elev_sat", "throttle": "thr_sat"}[port]] != 0.0
 
 
 def test_a_port_given_as_a_parameter_is_told():

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathsim.utils.register import Register
 
 from .._core._pathsim import NamedRegister, port_names
+from .._core.callers import warn_user
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
@@ -16,6 +17,8 @@ from .condition import TrimCondition
 from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind, check_ports, listed
 
 _EXCESS = (None, 1.0)
+# of a normalised command, -1 to 1
+_STOP_TO_STOP = 2.0
 
 # port: (property, or None for a command's excess over its limit; factor to the port's unit).
 # Models store the port numbers, so new ports are appended
@@ -221,6 +224,7 @@ class Aircraft(FlightBlock):
             self.inputs = NamedRegister.of([*self.input_port_labels, *self.input_properties])
         if self.output_properties:
             self.outputs = NamedRegister.of([*self.output_port_labels, *self.output_properties])
+        self._doubted = False
         self.take_off()
 
     def _model(self) -> str:
@@ -251,6 +255,17 @@ class Aircraft(FlightBlock):
             "input_properties=[...] and output_properties=[...], or of JSBSimFDM",
             port,
             close,
+        )
+
+    def _doubt(self, port: int, increment: float) -> None:
+        """Warn once of an increment that must be in another unit: degrees, or percent."""
+        if self._doubted or abs(increment) <= _STOP_TO_STOP:
+            return
+        self._doubted = True
+        name = list(self.input_port_labels)[port]
+        warn_user(
+            f"{type(self).__name__}: {increment:g} at {name!r} is more than the whole travel: "
+            "commands are normalised (-1 to 1, throttle 0 to 1), neither degrees nor percent"
         )
 
     def trimmed_inputs(self) -> list[float]:
@@ -302,6 +317,8 @@ class Aircraft(FlightBlock):
                     limited = high
                 put(limited)
                 excess[i] = command - limited
+                if limited != command:
+                    self._doubt(i, u[i])
             for put, trimmed, port in throttles:
                 command = trimmed + u[3]
                 if port:
@@ -309,6 +326,8 @@ class Aircraft(FlightBlock):
                 limited = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
                 put(limited)
                 excess[3] = command - limited
+                if limited != command:
+                    self._doubt(3, u[3])
             # a gust among the block's properties stays where no wire comes in
             if u[4] != north or u[5] != east or u[6] != down:
                 for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):
