@@ -191,27 +191,27 @@ def check_cases(integrators="precise"):
 
 
 def worst(deviations, quantities):
-    """Largest distance from simulator 05, with two digits; 0 for rounding."""
+    """Largest difference from simulator 05, with two digits; 0 for rounding."""
     largest = max(deviations[q].from_05 for q in quantities)
     return f"{largest:.2g}" if largest > 1e-12 else "0"
 
 
 def trust_table(precise):
     """One row for each kind of quantity: the worst of all cases."""
-    rows = ["| quantity | worst distance | limit | in NASA's band |", "|---|---|---|---|"]
+    rows = ["| quantity | largest difference | limit | in NASA's band |", "|---|---|---|---|"]
     for name, (unit, quantities) in GROUPS.items():
         found = [found[q] for found in precise.values() for q in quantities]
-        distance = max(d.from_05 for d in found)
+        difference = max(d.from_05 for d in found)
         inside = sum(d.passes for d in found)
         rows.append(
-            f"| {name} | {distance:.2g} {unit} | {found[0].limit_05:g} {unit} "
+            f"| {name} | {difference:.2g} {unit} | {found[0].limit_05:g} {unit} "
             f"| {inside} of {len(found)} |"
         )
     return "\n".join(rows)
 
 
 def cases_table(found):
-    """One row for each check case: distances from simulator 05, and how much passes."""
+    """One row for each check case: differences from simulator 05, and how much passes."""
     head = " | ".join(f"{name} [{unit}]" for name, (unit, _) in GROUPS.items())
     rows = [f"| | check case | {head} | pass |", "|---" * (len(GROUPS) + 3) + "|"]
     for case, deviations in found.items():

@@ -441,7 +441,7 @@ def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:
     if condition.gear is None and fast and has_retractable_gear(airframe.aircraft, airframe.root):
         warn_user(
             f"{airframe.aircraft} at {found.speed:.0f} KCAS: the landing gear is down, as the "
-            "model has it; gear=0 retracts it, gear=1 says that it is meant",
+            "model has it; gear=0 retracts it, gear=1 confirms it",
             once=True,
         )
 
