@@ -353,7 +353,9 @@ def test_the_aircraft_that_is_asked_whether_it_is_steady_does_not_fly():
 
 def test_a_gear_that_is_down_in_fast_flight_is_warned_of():
     fast = {"altitude": 10000, "speed": 280}
-    with pytest.warns(RuntimeWarning, match="737 at 280 KCAS: the landing gear is down, .* gear=1 confirms it"):
+    with pytest.warns(
+        RuntimeWarning, match="737 at 280 KCAS: the landing gear is down, .* gear=1 confirms it"
+    ):
         trim(Airframe("737"), TrimCondition(**fast))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

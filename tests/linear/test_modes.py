@@ -8,7 +8,7 @@ from how_many import first
 from test_model import flown, plane
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
-from pathsim_jsbsim_blocks.linear import LinearModel, flying_qualities
+from pathsim_jsbsim_blocks.linear import LinearModel, Mode, flying_qualities
 
 
 def model(A, states, B=None, inputs=(), V=500.0):
@@ -88,6 +88,18 @@ def test_longitudinal_modes_with_their_own_states(poles, names):
             A[i, i] = pole.real
             i += 1
     assert {m.name for m in model(A, ("alpha", "q", "vt", "theta")).modes()} == names
+
+
+@pytest.mark.parametrize(
+    ("pole", "text"),
+    [
+        (-0.6 + 0.8j, "m: 1 rad/s, damping ratio 0.600, period 7.85 s, halves in 1.16 s (q)"),
+        (0.01 + 0j, "m: 0.01 rad/s, doubles in 69.3 s (q)"),
+        (0j, "m: at the origin (q)"),
+    ],
+)
+def test_a_mode_is_printed_in_one_line(pole, text):
+    assert str(Mode("m", pole, {"q": 0.95, "theta": 0.05})) == text
 
 
 def test_time_to_half_and_to_double():

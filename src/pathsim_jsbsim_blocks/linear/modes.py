@@ -83,6 +83,16 @@ class Mode:
         """Time to double amplitude in s; NaN if the mode does not grow."""
         return -math.log(2) * self.time_constant if self.pole.real > 0.0 else math.nan
 
+    def __str__(self) -> str:
+        said = [f"{self.frequency:.4g} rad/s"] if self.pole else ["at the origin"]
+        if self.oscillatory:
+            said += [f"damping ratio {self.damping:.3f}", f"period {self.period:.3g} s"]
+        if self.pole.real:
+            time = math.log(2) * abs(self.time_constant)
+            said.append(f"{'halves' if self.pole.real < 0.0 else 'doubles'} in {time:.3g} s")
+        states = (name for name, share in self.participation.items() if share > 0.1)
+        return f"{self.name}: {', '.join(said)} ({', '.join(states)})"
+
 
 def natural_modes(model: LinearModel) -> list[Mode]:
     """Natural modes of a linear model, the fastest first.
