@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pathsim_jsbsim_blocks import (
@@ -27,6 +29,7 @@ from pathsim_jsbsim_blocks.control.gains import (
     DesignPoint,
     EnvelopeLimits,
     GainSchedule,
+    SpeedGains,
     YawGains,
     document_of,
     loop_gains,
@@ -69,6 +72,13 @@ def test_an_unknown_table_names_the_nearest(hold):
         (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
         (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
         (PitchHold, {**PITCH, "b": -0.1}, "b must lie in"),
+        (PitchHold, Path("mine.json"), "did you mean 'mine.json'"),
+        (Autopilot, Path("mine.json"), "did you mean 'mine.json'"),
+        *(
+            (AirspeedHold, {**PITCH, "band": band}, "band must be")
+            for band in (0.0, -4.0, float("nan"), float("inf"), "4", None, True, np.array([4.0]))
+        ),
+        (AirspeedHold, {**PITCH, "bnad": 4.0}, "'bnad' is no speed gain.*did you mean 'band'"),
     ],
 )
 def test_what_gains_cannot_be(hold, gains, words):
@@ -111,6 +121,19 @@ def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
     with pytest.raises(ParameterError):
         setattr(block, name, value)
     assert getattr(block, name) == before
+
+
+@pytest.mark.parametrize("kind", [int, np.int64, np.float32, np.float64, Fraction])
+def test_gains_are_plain_floats(kind):
+    # arithmetic with a numpy.float32 is in single precision, and JSON has neither it nor an int64
+    gains = SpeedGains(kind(1), kind(1), ramp=kind(2), Kc=kind(1), band=kind(4))
+    assert {type(value) for value in vars(gains).values()} == {float}
+    point = DesignPoint(kind(5000), kind(90), GAINS["c172p"])
+    assert {type(point.altitude), type(point.speed)} == {float}
+    schedule = GainSchedule("c172p", (point,), nominal=0.0)
+    assert type(schedule.nominal) is int
+    assert json.loads(json.dumps(document_of(schedule))) == document_of(schedule)
+    assert loop_gains(schedule, "speed") == (GAINS["c172p"].speed,)
 
 
 def test_authority_is_one_number_or_two():
@@ -175,6 +198,8 @@ def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monk
     assert hold(gains=str(path)).gains == str(path)
     monkeypatch.chdir(tmp_path)
     assert hold(gains="mine.json").gains == "mine.json"
+    Path("CAPITALS.JSON").write_bytes(path.read_bytes())
+    assert schedule_of("CAPITALS.JSON") == schedule
     assert loop_gains("mine.json", "pitch")[0].Kp == 0.2  # of the nominal point
     with pytest.raises(FileError, match=r"did you mean 'mine.json'"):
         hold(gains="mime.json")
@@ -187,6 +212,15 @@ def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monk
     path.write_text(json.dumps(document))
     with pytest.raises(ParameterError, match=r"mine.json: 'Kpp' is no pitch gain.*'Kp'"):
         hold(gains="mine.json")
+
+
+def test_a_file_of_an_older_version_has_no_band(schedule, tmp_path):
+    path = tmp_path / "old.json"
+    document = document_of(schedule)
+    for point in document["points"]:
+        del point["gains"]["speed"]["band"]
+    path.write_text(json.dumps(document))
+    assert read_gains(path) == schedule  # the 737's: no band
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,8 @@ import dataclasses
 import functools
 import json
 import math
+import os
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,9 +30,12 @@ class _Gains:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if field.name in _POSITIVE:
-                positive(field.name, value)
+                value = positive(field.name, value)
             else:
-                number(field.name, value, low=0.0 if field.name in _NOT_NEGATIVE else -math.inf)
+                low = 0.0 if field.name in _NOT_NEGATIVE else -math.inf
+                value = number(field.name, value, low=low)
+            # a plain float: a numpy.float32 would fly in single precision, and JSON lacks it
+            object.__setattr__(self, field.name, value)
 
 
 _POSITIVE = ("ramp", "band", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
@@ -245,8 +250,8 @@ class DesignPoint:
     gains: AircraftGains
 
     def __post_init__(self) -> None:
-        number("altitude", self.altitude)
-        positive("speed", self.speed)
+        object.__setattr__(self, "altitude", number("altitude", self.altitude))
+        object.__setattr__(self, "speed", positive("speed", self.speed))
         if not isinstance(self.gains, AircraftGains):
             raise ParameterError(
                 f"the gains of a design point must be AircraftGains, not {self.gains!r}",
@@ -301,7 +306,8 @@ class GainSchedule:
                 parameter="points",
                 value=places,
             )
-        if not 0 <= whole("nominal", self.nominal, low=0) < len(places):
+        object.__setattr__(self, "nominal", whole("nominal", self.nominal, low=0))
+        if not self.nominal < len(places):
             raise ParameterError(
                 f"nominal must be the index of one of {len(places)} points, not {self.nominal}",
                 parameter="nominal",
@@ -454,7 +460,7 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     if not isinstance(gains, Mapping):
         raise ParameterError(
             f"gains must be the name of a table or a dict of the gains of {', '.join(loops)}, "
-            f"not {gains!r}",
+            f"not {reprlib.repr(gains)}{_instead(gains)}",
             parameter="gains",
             value=gains,
         )
@@ -486,7 +492,7 @@ def table(name: str) -> AircraftGains | GainSchedule:
     """
     if name in GAINS:
         return GAINS[name]
-    if name.endswith(".json"):
+    if name.lower().endswith(".json"):
         return read_gains(name)
     return read_gains(TABLES / f"{one_of('gains', name, tables())}.json")
 
@@ -591,7 +597,8 @@ def _one_loop(gains: Any, loop: str) -> Any:
         return gains
     if not isinstance(gains, Mapping):
         raise ParameterError(
-            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, not {gains!r}",
+            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, "
+            f"not {reprlib.repr(gains)}{_instead(gains)}",
             parameter="gains",
             value=gains,
         )
@@ -599,6 +606,15 @@ def _one_loop(gains: Any, loop: str) -> Any:
     needed = [f.name for f in fields if f.default is dataclasses.MISSING]
     _check_keys(gains, [f.name for f in fields], needed, f"{loop} gain")
     return kind(**gains)
+
+
+def _instead(gains: Any) -> str:
+    """What to pass instead of a path, or of what `design_schedule` returns."""
+    if isinstance(gains, os.PathLike):
+        return did_you_mean([os.fspath(gains)])
+    if isinstance(getattr(gains, "schedule", None), GainSchedule):
+        return "; did you mean its attribute 'schedule'?"
+    return ""
 
 
 def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
