@@ -2,15 +2,18 @@
 
 import json
 import math
+import os
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from fleet_conditions import BY_NEWTON, FLYING
 
 from pathsim_jsbsim_blocks import Autopilot, ParameterError, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains, tables
-from pathsim_jsbsim_blocks.design import design_gains, design_schedule
-from pathsim_jsbsim_blocks.errors import TrimError
+from pathsim_jsbsim_blocks.design import design_gains, design_schedule, schedule
+from pathsim_jsbsim_blocks.errors import FileError, KeywordError, TrimError
 
 SHIPPED = sorted(path.stem for path in TABLES.glob("*.json"))
 
@@ -59,13 +62,82 @@ def test_a_saved_schedule_is_read_back_to_six_digits(found, tmp_path):
         ([], [250.0], None, "altitudes"),
         ([5000.0], [], None, "speeds"),
         ([5000.0], [250.0], 0.4, "mach"),
+        (5000.0, [250.0], None, "altitudes"),
+        ("5000", [250.0], None, "altitudes"),
+        (np.array(5000.0), [250.0], None, "altitudes"),
+        ([5000.0], 250.0, None, "speeds"),
+        ([5000.0], None, None, "speeds"),
+        ([5000.0, "high"], [250.0], None, "altitudes"),
+        # refused before the first design
+        ([5000.0, math.nan], [281.0], None, "altitudes"),
+        ([5000.0], [281.0, math.inf], None, "speeds"),
     ],
 )
-def test_what_a_schedule_cannot_be_over(altitudes, speeds, mach, named):
+def test_what_a_schedule_cannot_be_over(altitudes, speeds, mach, named, monkeypatch):
+    monkeypatch.setattr(schedule, "design_gains", None)
     condition = TrimCondition(altitude=5000, speed=250, mach=mach, gear=0.0)
     with pytest.raises(ParameterError) as error:
         design_schedule("A320", condition, altitudes, speeds)
     assert error.value.parameter == named
+
+
+@pytest.mark.parametrize("condition", [None, {"altitude": 5000.0}, "level"])
+def test_a_condition_is_a_trim_condition(condition):
+    with pytest.raises(ParameterError, match="must be a TrimCondition"):
+        design_schedule("A320", condition, [5000.0], [281.0])
+
+
+@pytest.mark.parametrize(
+    ("options", "close"),
+    [
+        ({"progres": print}, "progress"),
+        ({"checks": False}, "check"),
+        ({"setups": {}}, "setup"),
+        ({"substep": 2}, "substeps"),
+    ],
+)
+def test_a_misspelt_option_is_answered_with_the_nearest(options, close):
+    with pytest.raises(KeywordError, match=f"design_schedule.*did you mean '{close}'"):
+        design_schedule("A320", TrimCondition(), [5000.0], [281.0], **options)
+    if close != "progress":
+        with pytest.raises(KeywordError, match=f"design_gains.*did you mean '{close}'"):
+            design_gains("A320", **options)
+    with pytest.raises(ParameterError, match="progress must be callable"):
+        design_schedule("A320", TrimCondition(), [5000.0], [281.0], progress=True)
+
+
+def test_designed_gains_are_replaced_by_their_names(found):
+    slow = replace(found.designs[0].speed, band=12.0)
+    assert replace(found.designs[0], speed=slow).gains.speed.band == 12.0
+    with pytest.raises(KeywordError, match="did you mean 'speed'"):
+        replace(found.designs[0], speeds=slow)
+
+
+def test_a_schedule_is_saved_where_a_hold_reads_it(found, tmp_path):
+    with pytest.raises(ParameterError, match=r"must end in \.json.*did you mean"):
+        found.save(tmp_path / "gains.txt")
+    assert os.listdir(tmp_path) == []
+    with pytest.raises(ParameterError, match="did you mean its attribute 'schedule'"):
+        Autopilot(gains=found)
+    with pytest.raises(ParameterError, match="did you mean its attribute 'schedule'"):
+        PitchHold(gains=found)
+    assert PitchHold(gains=found.schedule).gains == found.schedule
+
+
+def test_a_table_that_cannot_be_written_leaves_the_old_one(found, tmp_path):
+    resource = pytest.importorskip("resource")  # not on Windows
+    file = tmp_path / "a320.json"
+    found.save(file)
+    old = file.read_text()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))  # as a full disk
+    try:
+        with pytest.raises(FileError, match="cannot write"):
+            found.save(file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert file.read_text() == old
+    assert os.listdir(tmp_path) == ["a320.json"]
 
 
 def test_no_condition_at_all_is_the_first_error():

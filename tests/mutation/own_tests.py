@@ -50,6 +50,7 @@ OWN_TESTS = {
     "_core/realtime": ["test_flightgear.py"],
     "_core/running": ["test_running.py", "-k", "not interrupt_could_block"],
     "_core/scopes": ["test_recorder.py", "test_formats.py", "test_plots.py"],
+    "_core/files": ["test_files.py", "test_convert.py"],
     "_core/progress": ["test_running.py", "test_run_settings.py", "-k", "bar"],
     "_core/template": ["test_template.py"],
     "_core/callers": ["test_wiring.py"],

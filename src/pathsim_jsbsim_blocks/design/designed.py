@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import inspect
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from .._core.checks import flag
+from .._core.checks import flag, known_keywords, refuse_unknown
 from .._core.units import GRAVITY
 from ..control.gains import (
     AircraftGains,
@@ -116,6 +117,7 @@ class LoopReport:
     relaxed: str = ""
 
 
+@known_keywords
 @dataclass(frozen=True)
 class DesignedGains(AircraftGains):
     """Gains from `design_gains` with the report of their design; every ``gains=`` takes them.
@@ -235,6 +237,7 @@ def design_gains(
     >>> max(loop.Ms for loop in gains.report) < 1.9
     True
     """
+    check_options(design_gains, options)
     flag("check", check)
     if condition is None:
         found = level_flight(aircraft, options.get("root"))
@@ -289,6 +292,13 @@ def design_gains(
     tighter = replace(PITCH, overshoot=0.9 * PITCH.overshoot / excess)
     again = _flown(fresh, _loops(aircraft, condition, model, trim, vt, limits, tighter))
     return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
+
+
+def check_options(function: Callable[..., Any], options: Mapping[str, Any]) -> None:
+    """Refuse keywords that neither the function, `design_gains` nor `Aircraft` has."""
+    owners: tuple[Callable[..., Any], ...] = (function, design_gains, Aircraft)
+    names = [name for owner in owners for name in inspect.signature(owner).parameters]
+    refuse_unknown(function.__name__, options, [x for x in dict.fromkeys(names) if x != "options"])
 
 
 def _model(plane: Aircraft) -> LinearModel:

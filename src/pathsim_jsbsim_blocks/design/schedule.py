@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from .._core.checks import as_path, positive
+from .._core.checks import as_path, ending, number, positive
+from .._core.files import write_whole
 from ..control.gains import DesignPoint, GainSchedule, document_of
 from ..errors import DesignError, FileError, ParameterError, TrimError
 from ..flight import TrimCondition
-from .designed import DesignedGains, design_gains
+from .designed import DesignedGains, check_options, design_gains
 
 # significant digits in a file
 _DIGITS = 6
@@ -56,10 +57,12 @@ class DesignedSchedule:
 
         Raises
         ------
+        ParameterError
+            for an ending other than .json
         FileError
-            if the file cannot be written
+            if the file cannot be written; an existing one is left unchanged
         """
-        file = as_path("path", path)
+        file = ending("path", as_path("path", path), ".json")
         document = document_of(self.schedule)
         points = document.pop("points")
         for point, design in zip(points, self.designs, strict=True):
@@ -76,7 +79,7 @@ class DesignedSchedule:
         lines += [json.dumps(_rounded(p), allow_nan=False) + "," for p in points]
         lines[-1] = lines[-1][:-1]
         try:
-            file.write_text("\n".join([*lines, "]}"]) + "\n", encoding="utf-8")
+            write_whole(file, "\n".join([*lines, "]}"]) + "\n")
         except OSError as error:
             raise FileError("write", file, error) from None
 
@@ -98,6 +101,22 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _rounded(x) for name, x in value.items()}
     return [_rounded(x) for x in value] if isinstance(value, list) else value
+
+
+def _sorted(name: str, values: Any, check: Callable[[str, Any], float]) -> list[float]:
+    """Checked numbers without repetition, in ascending order."""
+    try:
+        items = None if isinstance(values, str) else list(values)
+    except TypeError:
+        items = None
+    if items is None:
+        raise ParameterError(
+            f"{name} must be a list of numbers, not {values!r}", parameter=name, value=values
+        )
+    found = sorted({check(name, value) for value in items})
+    if not found:
+        raise ParameterError(f"{name} is empty", parameter=name, value=values)
+    return found
 
 
 def design_schedule(
@@ -135,31 +154,40 @@ def design_schedule(
     DesignError, TrimError
         if there are gains at no condition: the first error
     ParameterError
-        for no altitude, no airspeed, or a Mach number
+        for no altitude, no airspeed, a value that cannot be, a Mach number, or an unknown option
     """
-    for name, values in (("altitudes", altitudes), ("speeds", speeds)):
-        if not len(values):
-            raise ParameterError(f"{name} is empty", parameter=name, value=values)
+    check_options(design_schedule, options)
+    if not isinstance(condition, TrimCondition):
+        raise ParameterError(
+            f"condition must be a TrimCondition, not {condition!r}",
+            parameter="condition",
+            value=condition,
+        )
+    if progress is not None and not callable(progress):
+        raise ParameterError(
+            f"progress must be callable, not {progress!r}", parameter="progress", value=progress
+        )
     if condition.mach is not None:
         raise ParameterError(
             "a schedule is over the calibrated airspeed: give speeds instead of mach",
             parameter="mach",
             value=condition.mach,
         )
+    levels = _sorted("altitudes", altitudes, number)
+    airspeeds = _sorted("speeds", speeds, positive)
+    conditions = [replace(condition, altitude=h, speed=vc) for h in levels for vc in airspeeds]
     designs: list[DesignedGains] = []
     refused: list[tuple[TrimCondition, Exception]] = []
-    for altitude in sorted(set(altitudes)):
-        for speed in sorted({positive("speeds", speed) for speed in speeds}):
-            there = replace(condition, altitude=altitude, speed=speed)
-            found: DesignedGains | Exception
-            try:
-                found = design_gains(aircraft, there, **options)
-                designs.append(found)
-            except (DesignError, TrimError) as error:
-                found = error
-                refused.append((there, error))
-            if progress is not None:
-                progress(found)
+    for there in conditions:
+        found: DesignedGains | Exception
+        try:
+            found = design_gains(aircraft, there, **options)
+            designs.append(found)
+        except (DesignError, TrimError) as error:
+            found = error
+            refused.append((there, error))
+        if progress is not None:
+            progress(found)
     if not designs:
         raise refused[0][1]
 

@@ -14,6 +14,7 @@ from scipy.linalg import expm
 
 from .._core.checks import as_path, did_you_mean, mapping, nearest, positive
 from .._core.extras import required
+from .._core.files import write_whole
 from ..errors import FileError, ParameterError
 
 if TYPE_CHECKING:
@@ -357,7 +358,7 @@ class LinearModel:
         for name in _ARRAYS:
             data[name] = _to_lists(data[name])
         try:
-            file.write_text(json.dumps(data, indent=1, allow_nan=False), encoding="utf-8")
+            write_whole(file, json.dumps(data, indent=1, allow_nan=False))
         except OSError as error:
             raise FileError("write", file, error) from None
 

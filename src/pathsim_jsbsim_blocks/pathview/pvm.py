@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from .._core.files import write_whole
 from ..errors import DiagramError
 from .diagram import Diagram, Event, Graph, Node
 from .layout import GRID, arrange, size, touch
@@ -102,7 +101,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def write(path: Path, content: str) -> None:
-    """Write a whole file or nothing. A link stays, and so does a device such as /dev/stdout.
+    """Write a whole file or nothing.
 
     Raises
     ------
@@ -110,19 +109,7 @@ def write(path: Path, content: str) -> None:
         if it cannot be written; an existing file is left unchanged
     """
     try:
-        if path.exists() and not path.is_file():
-            path.write_text(content, encoding="utf-8")
-            return
-        path = path.resolve()
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            with temporary.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(content)
-            if path.exists():
-                shutil.copymode(path, temporary)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        write_whole(path, content)
     except OSError as error:
         raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
 

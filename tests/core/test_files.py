@@ -1,0 +1,37 @@
+"""Files that are written whole or not at all."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from pathsim_jsbsim_blocks._core.files import write_whole
+
+
+def test_a_file_is_written_and_replaced(tmp_path):
+    for name in ("short", 255 * "x"):
+        file = tmp_path / name
+        write_whole(file, "one\n")
+        file.chmod(0o640)
+        write_whole(file, "two\n")
+        assert file.read_bytes() == b"two\n"
+        assert os.name == "nt" or file.stat().st_mode & 0o777 == 0o640
+    assert sorted(os.listdir(tmp_path)) == ["short", 255 * "x"]
+
+
+def test_a_file_in_a_folder_that_takes_no_new_one_is_written(tmp_path, monkeypatch):
+    def denied(path, mode="r", *args, **kwargs):
+        if "x" in mode:
+            raise PermissionError(13, "Permission denied", str(path))
+        return opened(path, mode, *args, **kwargs)
+
+    opened = Path.open
+    file = tmp_path / "file"
+    file.write_text("one")
+    monkeypatch.setattr(Path, "open", denied)
+    write_whole(file, "two")
+    with pytest.raises(PermissionError):
+        write_whole(tmp_path / "new", "two")
+    monkeypatch.undo()
+    assert file.read_text() == "two"
+    assert os.listdir(tmp_path) == ["file"]
