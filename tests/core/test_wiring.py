@@ -13,6 +13,7 @@ from pathsim_jsbsim_blocks import (
     DiscretePID,
     FlightRecorder,
     ISAtmosphere,
+    JSBSimFDM,
     Microburst,
     ParameterError,
     PitchHold,
@@ -143,6 +144,25 @@ def test_a_place_without_a_wire():
         "burst['h'] is 0: no wire leads to it",
     ]
     assert said(sim) == []
+
+
+def test_an_input_of_the_fdm_that_leaves_its_trim_without_a_wire():
+    throttle, elevator, rudder = (f"fcs/{x}-cmd-norm" for x in ("throttle", "elevator", "rudder"))
+    fdm = JSBSimFDM(
+        aircraft_model="c172p",
+        trim_airspeed=90,
+        trim_altitude=5000,
+        input_properties=[throttle, elevator, rudder],
+    )
+    kick = Constant(0.01)
+    sim = Simulation([fdm, kick], [Connection(kick, fdm[rudder])], dt=1 / 120, log=False)
+    # the elevator command is 0 at the trim
+    assert said(sim) == [f"fdm['{throttle}'] is 0: no wire leads to it"]
+    other = JSBSimFDM(
+        aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000, input_properties=[throttle]
+    )
+    other.inputs[0] = 0.7
+    assert said(Simulation([other], [], dt=1 / 120, log=False)) == []
 
 
 def test_in_vector_wires():

@@ -10,6 +10,8 @@ from .channels import Channel, unit_of
 from .condition import TrimCondition
 from .property_ports import check_ports, listed
 
+_ROUNDING = 1e-9  # of a search that ends at 0
+
 
 @fill
 class JSBSimFDM(FlightBlock):
@@ -166,6 +168,12 @@ class JSBSimFDM(FlightBlock):
 
     def trimmed_inputs(self) -> list[float]:
         return self._trimmed
+
+    @property
+    def places(self) -> list[str]:
+        """Inputs that must be connected: the 0 of an open port is not their trimmed value."""
+        ports = zip(port_names(self.inputs), self._trimmed, self.inputs.to_array(), strict=False)
+        return [name for name, trimmed, now in ports if abs(trimmed) > _ROUNDING and not now]
 
     def _connect(self) -> tuple[Write, Read]:
         for parameter, ports in (
