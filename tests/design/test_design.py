@@ -12,9 +12,11 @@ from how_many import first
 from pathsim_jsbsim_blocks import Aircraft, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks.control.gains import TABLES, AircraftGains, read_gains
 from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
+from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.search import REQUIREMENTS
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import DesignError, ParameterError, TrimError
+from pathsim_jsbsim_blocks.flight import Airframe
 
 designed_module = sys.modules["pathsim_jsbsim_blocks.design.designed"]
 
@@ -141,6 +143,20 @@ def test_the_climb_is_what_full_throttle_gives():
     )
     climb = plane.outputs["vt"] * np.sin(np.radians(plane.outputs["gamma"]))
     assert designed.envelope.climb_max == pytest.approx(climb, rel=0.02)
+
+
+def test_climb_and_descent_do_not_depend_on_a_steady_wind():
+    there = TrimCondition(altitude=5000, speed=281, gear=0.0)
+
+    def limits(wind):
+        blown = dataclasses.replace(there, wind_north=wind)
+        plane = Aircraft("A320", condition=blown)
+        return envelope(lambda: Airframe("A320"), blown, plane.trim, plane.trim.speed)
+
+    still = limits(0.0)
+    for wind in (40.0, -40.0):  # ft/s from behind and from ahead
+        for name in ("climb_max", "descent_max", "alpha_max"):
+            assert getattr(limits(wind), name) == pytest.approx(getattr(still, name), rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["A4", "f15"])

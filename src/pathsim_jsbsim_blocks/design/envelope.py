@@ -46,7 +46,6 @@ def envelope(
     """
     airframe = fresh()
     state = trim(airframe, condition, hint=False)
-    vt = airframe.fdm["velocities/vt-fps"]
     alpha, lift = _lift(airframe, math.floor(state.alpha))
     peak = int(np.argmax(np.append(np.diff(lift) <= 0.0, True)))
     limit = float(np.interp(_LIFT * lift[peak], lift[: peak + 1], alpha[: peak + 1]))
@@ -56,11 +55,11 @@ def envelope(
     throttle = trimmed.throttle[0]
     climb = 0.0
     for share in _CLIMBS:
-        found = _rate(fresh, condition, throttle + share * (1.0 - throttle), vt)
+        found = _rate(fresh, condition, throttle + share * (1.0 - throttle))
         if found is not None:
             climb = found / share
             break
-    descent = _rate(fresh, condition, 0.0, vt)
+    descent = _rate(fresh, condition, 0.0)
     return EnvelopeLimits(
         alpha_max=limit,
         vc_min=_trimmable(fresh, condition, slowest, speed),
@@ -100,13 +99,12 @@ def _trimmable(
     return high
 
 
-def _rate(
-    fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float, vt: float
-) -> float | None:
+def _rate(fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float) -> float | None:
     """Rate of climb in ft/s at a throttle and the same airspeed, or None without a trim."""
-    there = replace(condition, throttle=throttle, solver="newton")
     try:
-        found = trim(fresh(), there, hint=False)
+        airframe = fresh()
+        trim(airframe, replace(condition, throttle=throttle, solver="newton"), hint=False)
     except (TrimError, AircraftError):
         return None
-    return vt * math.sin(math.radians(found.gamma))
+    # not from the path angle, which is relative to the ground and depends on the wind
+    return airframe.fdm["velocities/h-dot-fps"]
