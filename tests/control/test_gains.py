@@ -24,6 +24,7 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import (
     GAINS,
+    TABLES,
     AircraftGains,
     AttitudeGains,
     DesignPoint,
@@ -280,6 +281,13 @@ def test_the_page_shows_the_gains_that_are_flown():
         for gain, value in dataclasses.asdict(getattr(gains, loop.name)).items()
     }
     assert shown == flown
+
+
+def test_the_page_shows_how_slowly_the_airspeed_settles():
+    page = (Path(__file__).parents[2] / "docs" / "autopilots.md").read_text(encoding="utf-8")
+    nominal = [loop_gains(str(file), "speed")[0] for file in TABLES.glob("*.json")]
+    times = [gains.Kp / gains.Ki for gains in nominal]
+    assert f"Kp / Ki is {min(times):.0f} to {max(times):.0f} s at their nominal points" in page
 
 
 @pytest.mark.parametrize(

@@ -230,7 +230,7 @@ class AltitudeLoop:
 
 
 class _AirspeedPID(PID):
-    """The law with smaller gains for large errors: gusts are large, what a step leaves is small."""
+    """The law with less gain for large errors: gusts are large, the error after a step is small."""
 
     band: float
 
@@ -251,7 +251,7 @@ class SpeedLoop:
         - K_d \\dot V' + K_c \\dot h
 
     V' is the airspeed within the gains' band about the reference. Beyond, each knot of error
-    counts as 0.2 kt: gusts would move a throttle with the gains that end a step from stop to stop.
+    counts as 0.2 kt, so that gusts do not move the throttle from stop to stop.
     """
 
     START: State = ReferenceLoop.START
