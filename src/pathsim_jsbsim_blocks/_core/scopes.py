@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import reprlib
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pathsim.blocks import Scope
 
 from ..errors import ParameterError
+
+if TYPE_CHECKING:
+    from pathsim.blocks import Scope
 
 
 def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
@@ -19,6 +22,8 @@ def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     ParameterError
         if it is no scope, or nothing was recorded
     """
+    from pathsim.blocks import Scope  # a trim does without PathSim
+
     if not isinstance(scope, Scope):
         raise ParameterError(
             f"a Scope or a FlightRecorder is needed, not {reprlib.repr(scope)}",
