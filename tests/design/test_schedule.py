@@ -10,10 +10,11 @@ import pytest
 from fleet_conditions import BY_NEWTON, FLYING
 
 from pathsim_jsbsim_blocks import Autopilot, ParameterError, PitchHold, TrimCondition
+from pathsim_jsbsim_blocks import design as design_package
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains, tables
 from pathsim_jsbsim_blocks.design import design_gains, design_schedule, schedule
-from pathsim_jsbsim_blocks.errors import FileError, KeywordError, TrimError
+from pathsim_jsbsim_blocks.errors import DesignError, FileError, KeywordError, TrimError
 
 SHIPPED = sorted(path.stem for path in TABLES.glob("*.json"))
 
@@ -154,6 +155,24 @@ def test_the_command_reports_and_saves(tmp_path, capsys):
     assert f"gains saved: {file}" in text
     (point,) = read_gains(file).points
     assert (point.altitude, point.speed) == (5000.0, 281.0)
+
+
+def test_the_command_creates_what_a_model_expects(monkeypatch):
+    asked = []
+
+    def design(aircraft, condition, *places, create, **options):
+        asked.append((condition, create))
+        raise DesignError("none", aircraft=aircraft, reason="unstable", loop="pitch")
+
+    monkeypatch.setattr(design_package, "design_schedule", design)
+    level = ["gains", "f104", "--altitude", "5000", "--speed", "274"]
+    for arguments in (level, [*level, "--gear", "0"]):
+        assert main(arguments) == 1
+    assert asked[0] == asked[1]
+    condition, create = asked[0]
+    assert create == {"systems/radar/range": 0.0}
+    assert condition.gear == 0.0
+    assert condition.setup == {"propulsion/fuel_freeze": 1.0}
 
 
 def test_the_command_says_why_there_are_none(capsys):

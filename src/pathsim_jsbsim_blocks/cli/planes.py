@@ -170,15 +170,17 @@ def print_modes(args: argparse.Namespace) -> None:
 def print_gains(args: argparse.Namespace) -> int:
     from .._core.checks import ending, writable
     from ..design import design_schedule
-    from ..flight import TrimCondition, level_flight
+    from ..flight import level_flight
+    from ..flight.fleet import prepared
 
     if args.save is not None:
         ending("save", writable("save", args.save), ".json")
-    create = values_of("create", args.create)
-    condition = TrimCondition()
-    if args.altitude is None or args.speed is None or args.gear is None:
+    if args.altitude is None or args.speed is None:
         flight = level_flight(args.aircraft, args.root)
-        condition, create = flight.condition, {**flight.create, **create}
+        condition, needed = flight.condition, flight.create
+    else:
+        _, needed, condition = prepared(args.aircraft, args.root)
+    create = {**needed, **values_of("create", args.create)}
     setup = {**condition.setup, **values_of("set", args.set)}
     given = {"gear": args.gear, "flaps": args.flaps}
     condition = dataclasses.replace(
@@ -187,7 +189,7 @@ def print_gains(args: argparse.Namespace) -> int:
         **{name: value for name, value in given.items() if value is not None},
     )
     altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
-    # the middle of what is asked for, where the level flight of the fleet is not in it
+    # holds that do not know the airspeed or the altitude have the gains there
     middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
     if args.altitude is not None or args.speed is not None:
         condition = dataclasses.replace(condition, **middle)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pathsim import Simulation
@@ -92,19 +92,12 @@ def _first(
     aircraft: str, root: str | None, tries: Sequence[tuple[float, float]], **said: Any
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
-    airframe, create = _initialised(aircraft, root)
-    gear = 0.0 if has_retractable_gear(aircraft, root) else None
-    frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
+    airframe, create, clean = prepared(aircraft, root)
     weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
-        condition = TrimCondition(
-            altitude=altitude,
-            speed=_speed(weight, area, lift_coefficient),
-            gear=gear,
-            setup=frozen,
-            **said,
-        )
+        speed = _speed(weight, area, lift_coefficient)
+        condition = replace(clean, altitude=altitude, speed=speed, **said)
         try:
             # a failed search affects the next one, so each has its own airframe
             found = trim(Airframe(aircraft, root=root, create=create), condition, hint=False)
@@ -117,6 +110,16 @@ def _first(
     elsewhere = f" and at {others} other conditions" if others else ""
     sought = "glide" if said["mode"] == "glide" else "level flight"
     raise first.reworded(f"no {sought}: {first} (tried there{elsewhere})")
+
+
+def prepared(
+    aircraft: str, root: str | None = None
+) -> tuple[Airframe, dict[str, float], TrimCondition]:
+    """An airframe, the properties created for it, and a condition: gear up, fuel frozen."""
+    airframe, create = _initialised(aircraft, root)
+    gear = 0.0 if has_retractable_gear(aircraft, root) else None
+    frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
+    return airframe, create, TrimCondition(gear=gear, setup=frozen)
 
 
 def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, float]]:
