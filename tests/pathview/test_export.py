@@ -1014,6 +1014,8 @@ def test_what_comes_after_the_first_run_is_named(after, told, export):
     with pytest.warns(UserWarning, match="the model is the diagram of the first run") as caught:
         export(HEAD + LOOP + after)
     assert len(caught) == 1
+    assert os.path.basename(caught[0].filename) == "script.py"
+    assert f"first run (line {caught[0].lineno})" in str(caught[0].message)
     for text in told:
         assert text in str(caught[0].message)
 

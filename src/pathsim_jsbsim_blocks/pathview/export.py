@@ -77,11 +77,14 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
         live = Script(script, lambda standing: _Export(standing).content(existing))
     if rest := live.left_out():
         assert live.run is not None
-        warnings.warn(
-            f"{live.path}: the model is the diagram of the first run (line "
-            f"{live.run.lines[-1]}); not in it: "
+        first = live.run.lines[-1]
+        # at the script's line: the caller's would be of the command line
+        warnings.warn_explicit(
+            f"the model is the diagram of the first run (line {first}); not in it: "
             + ", ".join(f"line {line}: {what}" for line, what in rest),
-            stacklevel=3,
+            UserWarning,
+            str(live.path),
+            first,
         )
     content: Json = live.result
     return content
