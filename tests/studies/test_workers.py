@@ -50,6 +50,19 @@ def test_rows_come_in_the_order_of_the_points():
     assert run(squares, PARTS) == [{"square": x * x} for x in range(1, 9)]
 
 
+def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
+    def place(part):
+        import os
+
+        return [{"folder": os.getcwd()} for _ in part]
+
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        folders = {row["folder"] for row in run(place, [[1], [2], [3]])}
+        assert folders == {str(tmp_path / name)}
+
+
 def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed(tmp_path):
     path = tmp_path / "squares.jsonl"
     with pytest.warns(RuntimeWarning) as said:

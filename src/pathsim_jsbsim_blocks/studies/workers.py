@@ -172,8 +172,11 @@ def _results(
         yield from _on_dask(client, work, parts, pending)
         return
     under_way: list[int] = []
+    here = os.getcwd()
 
     def indexed(index: int, part: Part) -> tuple[int, list[Row]]:
+        # a worker that lives on from an earlier study may be in the folder of then
+        os.chdir(here)
         return index, work(part)
 
     def tasks() -> Iterator[Any]:
