@@ -113,7 +113,8 @@ LIMITS = {
 # ft: altitude kept in a step of the airspeed
 KEPT = 15.0
 
-# less throttle than this is left where +10 kt cannot be flown: the step is one down
+# a step of the airspeed is one down where level flight at its end would need more throttle than
+# this, and more than before
 FULL = 0.85
 
 # s of the steps, that of the altitude without its climb
@@ -126,26 +127,35 @@ HEADER = """\
 """
 
 
-def asked(loop, gains, condition, throttle, seconds):
-    """Size and seconds of a step: down where no throttle is left, longer by its climb."""
+def asked(loop, gains, condition, down, seconds):
+    """Size and seconds of a step, one down for the loops in ``down``, longer by its climb."""
     size = STEPS[loop].size
-    if loop == "speed" and throttle > FULL:
-        size = -size
     if loop == "altitude":
         seconds += 1.3 * size / at_point(gains, condition).altitude.hdot_max
-    return size, seconds
+    return -size if loop in down else size, seconds
+
+
+def no_throttle(aircraft, condition):
+    """Loops whose step up would take all of the throttle; ``aircraft`` makes one at a condition."""
+    faster = replace(condition, speed=condition.speed + STEPS["speed"].size)
+    now = max(aircraft(condition).trim.throttle)
+    try:
+        needed = max(aircraft(faster).trim.throttle)
+    except TrimError as error:
+        needed = math.inf if error.reason == "thrust" else now
+    return {"speed"} if needed > max(FULL, now) else set()
 
 
 def flights(name, gains, condition, create, predicted=None):
     """One row of the table of flights; ``predicted`` are settling times by loop."""
 
-    def fresh():
-        return Aircraft(name, condition=condition, create=create)
+    def fresh(there=condition):
+        return Aircraft(name, condition=there, create=create)
 
-    throttle = fresh().trim.throttle[0]
+    down = no_throttle(fresh, condition)
     cells, missed, late, apart = [], [], [], []
     for loop, step in STEPS.items():
-        size, seconds = asked(loop, gains, condition, throttle, SECONDS[loop])
+        size, seconds = asked(loop, gains, condition, down, SECONDS[loop])
         try:
             flown = fly_step(fresh, gains, step, size, seconds)
         except FlightError:
@@ -243,16 +253,21 @@ def fuel(plane, share):
 def off_point(name, schedule, condition, create):
     """What the steps at one condition do not meet, or "passes"."""
 
-    def fresh():
-        return Aircraft(name, condition=condition, create=create)
+    def fresh(there=condition):
+        return Aircraft(name, condition=there, create=create)
 
     try:
-        throttle = fresh().trim.throttle[0]
+        vt = fresh().trim.tas
     except TrimError:
         return "no trim"
+    down = no_throttle(fresh, condition)
+    size = math.radians(STEPS["pitch"].size)
+    if vt * math.sin(size) > at_point(schedule, condition).envelope.climb_max:
+        # at full throttle the airspeed would fall for as long as the pitch angle is held
+        down.add("pitch")
     missed = []
     for loop, step in STEPS.items():
-        size, seconds = asked(loop, schedule, condition, throttle, OFF_SECONDS[loop])
+        size, seconds = asked(loop, schedule, condition, down, OFF_SECONDS[loop])
         try:
             flown = fly_step(fresh, schedule, step, size, seconds)
         except FlightError:

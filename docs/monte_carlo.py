@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point
+from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point, no_throttle
 from generate import put
 
 T = 1 / 60
@@ -98,15 +98,15 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         empty_cg_x=empty_cg + cg * chord,
     )
 
-    def fresh(properties=None):
-        return Aircraft(aircraft, condition=condition, T=T, substeps=2, properties=properties)
+    def fresh(there=condition, properties=None):
+        return Aircraft(aircraft, condition=there, T=T, substeps=2, properties=properties)
 
     gains = gains_called(table)
-    throttle = max(fresh().trim.throttle)
+    down = no_throttle(fresh, condition)
     found, errors, alpha = {}, [], 0.0
     for loop, step in STEPS.items():
         seconds = {**SECONDS, "heading": HEADING}[loop]
-        size, seconds = asked(loop, gains, condition, throttle, seconds)
+        size, seconds = asked(loop, gains, condition, down, seconds)
         flown = fly_step(fresh, gains, step, size, seconds)
         found[f"{loop}_time"] = flown.quality.settling
         found[f"{loop}_over"] = flown.quality.overshoot
@@ -118,7 +118,9 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
     found["error"], found["alpha"] = max(errors), alpha - here.envelope.alpha_max
 
     rough = {"atmosphere/randomseed": float(seed % 30_000), **TURBULENCE}
-    y = fly_step(lambda: fresh(rough), gains, STEPS["heading"], seconds=IN_TURBULENCE).outputs
+    y = fly_step(
+        lambda: fresh(properties=rough), gains, STEPS["heading"], seconds=IN_TURBULENCE
+    ).outputs
     found["gust_altitude"] = np.abs(y["h"] - altitude).max()
     found["gust_pitch"] = np.std(y["theta"])
     found["gust_throttle"] = 100.0 * np.mean(y["thr_sat"] != 0.0)

@@ -262,15 +262,18 @@ def test_heading_hold(wires, target, straight):
     assert 20 < np.count_nonzero(np.abs(banks) == bank) < len(banks) - 20
 
 
-@pytest.mark.parametrize(("target", "hdot_max"), [(None, None), (5010.0, 12.0)])
-def test_altitude_hold(wires, target, hdot_max):
+@pytest.mark.parametrize(
+    ("target", "hdot_max", "theta_max", "of_table"),
+    [(None, None, None, 6.0), (5010.0, 12.0, 6.0, 20.0)],
+)
+def test_altitude_hold(wires, target, hdot_max, theta_max, of_table):
     limits, theta = (-0.8, 0.8), (-4.0, 6.0)
     block = AltitudeHold(
-        gains={"altitude": ALTITUDE, "pitch": ATTITUDE},
+        gains={"altitude": {**ALTITUDE, "theta_max": of_table}, "pitch": ATTITUDE},
         h_ref=target,
         hdot_max=hdot_max,
         theta_min=theta[0],
-        theta_max=theta[1],
+        theta_max=theta_max,
         authority=0.8,
         T=T,
     )

@@ -13,6 +13,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 
 from pathsim_jsbsim_blocks import (
+    Aircraft,
     AirspeedHold,
     AltitudeHold,
     Autopilot,
@@ -24,13 +25,14 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import GAINS, DesignPoint, GainSchedule
+from pathsim_jsbsim_blocks.flight import level_flight
 
 HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
 N = 400
 
 
 def scaled(gains, factor):
-    """All gains times a factor, with the limits, time constants and weights as they are."""
+    """All gains and the highest pitch reference times a factor; the rest as it is."""
     return dataclasses.replace(
         gains,
         **{
@@ -39,7 +41,7 @@ def scaled(gains, factor):
                 **{
                     name: factor * value
                     for name, value in vars(part).items()
-                    if name.startswith("K")
+                    if name.startswith(("K", "theta_max"))
                 },
             )
             for loop in dataclasses.fields(gains)
@@ -194,6 +196,25 @@ def test_turns_are_coordinated(name, bank):
     assert np.max(np.abs(record.before(20.0).after(15.0)["beta"])) < 0.4
     assert np.max(np.abs(record["h"] - record["h"][0])) < 20.0
     assert record.before(20.0)["phi"][-1] == pytest.approx(bank, abs=0.3)
+
+
+@pytest.mark.parametrize(("name", "speed"), first([("T38", 178.0), ("F80C", 148.0), ("A4", 155.0)]))
+def test_turns_are_coordinated_at_a_large_angle_of_attack(name, speed):
+    plane = Aircraft(name, altitude=5000.0, speed=speed, gear=0.0)
+    record = fly(plane, 45.0, {"psi_ref": step(30.0)}, unwired=())
+    assert record["alpha"][0] > 9.0
+    assert np.max(np.abs(record["beta"])) < 1.0  # deg
+    assert np.max(np.abs(record["h"] - record["h"][0])) < 5.0
+    assert record["psi"][-1] == pytest.approx(30.0, abs=0.5)
+
+
+def test_level_flight_with_the_nose_high_leaves_room_for_a_climb():
+    flight = level_flight("f104")
+    slow = dataclasses.replace(flight.condition, speed=219.0)
+    plane = Aircraft("f104", condition=slow, create=flight.create)
+    record = fly(plane, 60.0, {"h_ref": step(300.0)}, unwired=())
+    assert record["theta"][0] > 14.5
+    assert record["h"][-1] == pytest.approx(5300.0, abs=10.0)
 
 
 def test_without_the_sideslip_turns_are_not_coordinated():

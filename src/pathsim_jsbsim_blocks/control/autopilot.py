@@ -56,8 +56,8 @@ class Autopilot(Hold):
         largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's
     theta_min : float
         lowest pitch reference of the altitude hold in deg
-    theta_max : float
-        highest pitch reference of the altitude hold in deg
+    theta_max : float, optional
+        highest pitch reference of the altitude hold in deg; default is the gain table's
     elevator_authority : float or pair
         largest elevator increment, of full travel
     aileron_authority : float or pair
@@ -169,7 +169,7 @@ class Autopilot(Hold):
         bank_max: float = 25.0,
         hdot_max: float | None = None,
         theta_min: float = -10.0,
-        theta_max: float = 15.0,
+        theta_max: float | None = None,
         elevator_authority: Authority = 1.0,
         aileron_authority: Authority = 1.0,
         rudder_authority: Authority = 1.0,

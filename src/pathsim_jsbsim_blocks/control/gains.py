@@ -103,12 +103,15 @@ class AltitudeGains(_Gains):
         deg/ft
     hdot_max : float
         largest rate of climb and descent demanded, ft/s
+    theta_max : float
+        highest pitch reference, deg
     """
 
     Kh: float
     Kp: float
     Ki: float
     hdot_max: float = 10.0
+    theta_max: float = 15.0
 
 
 @known_keywords

@@ -178,19 +178,22 @@ class AltitudeLoop:
         gains: AltitudeGains,
         hdot_max: float | None,
         theta_min: float,
-        theta_max: float,
+        theta_max: float | None,
     ):
         self.Kh = gains.Kh
-        self._own_hdot_max = hdot_max is not None
+        self._own_hdot_max, self._own_theta_max = hdot_max is not None, theta_max is not None
         self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
-        theta_min, theta_max = number("theta_min", theta_min), number("theta_max", theta_max)
+        theta_min = number("theta_min", theta_min)
+        theta_max = gains.theta_max if theta_max is None else number("theta_max", theta_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
-    def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float) -> None:
+    def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float, theta_max: float) -> None:
         self.Kh = Kh
         self.pid.retune(Kp, Ki)
         if not self._own_hdot_max:
             self.hdot_max = hdot_max
+        if not self._own_theta_max:
+            self.pid.high = theta_max
 
     def climb_rate(self, error: float, climb: float = 1.0) -> float:
         """Rate of climb demanded in ft/s for an altitude error in ft; ``climb`` as in `sample`."""

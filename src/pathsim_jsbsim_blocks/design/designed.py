@@ -50,7 +50,12 @@ _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 # g, deg/s: load of a pitch reference that moves, and the limits of its rate
 _RAMP_LOAD, _RAMP_LOW, _RAMP_HIGH = 0.7, 2.0, 6.0
 
-_ROLL_RAMP = 10.0  # deg/s
+# deg: highest pitch reference, and what it is at least above that of level flight
+_THETA_MAX, _NOSE_UP = 15.0, 6.0
+
+# deg/s: rate of the roll reference, and the limits of it where the nose is high: a roll about the
+# body's axis turns the angle of attack into sideslip, by so many deg/s
+_ROLL_RAMP, _ROLL_SLOW, _ROLL_SLIP = 10.0, 5.0, 1.2
 
 # ft/s, of the airspeed, of the excess climb
 _CLIMB, _CLIMB_OF_SPEED, _CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
@@ -366,23 +371,25 @@ def _loops(
     plant = closed(plant, PITCH, found, "theta_cmd")
 
     # the rudder is shaped for the turn, and the roll loop once more with the rudder's
+    slips = math.sin(math.radians(max(trim.alpha, 0.0)))
+    banks = max(_ROLL_SLOW, min(_ROLL_RAMP, _ROLL_SLIP / max(slips, 1e-3)))
     rudder = 1.0 - abs(trim.rudder)
     travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
     damper = yaw = design_yaw(plant, rudder)
     for last in (False, True):
-        found = design_attitude(damped(plant, yaw), ROLL, _ROLL_RAMP, travel)
+        found = design_attitude(damped(plant, yaw), ROLL, banks, travel)
         if found is None or not math.isfinite(found.settling):
             raise refuse("roll", "no gains of the ailerons settle a step in roll")
         if not last:
             rolling = closed(plant, ROLL, found, "phi_cmd")
-            yaw, outcome = design_rudder(rolling, damper, rudder, vt, _ROLL_RAMP)
+            yaw, outcome = design_rudder(rolling, damper, rudder, vt, banks)
     note("roll", found)
     note("yaw", outcome)
-    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, _ROLL_RAMP)
+    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, banks)
     rolls_in = found.settling
     plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
 
-    heading, outcome = design_heading(plant, _ROLL_RAMP, rolls_in, vt, trim.phi)
+    heading, outcome = design_heading(plant, banks, rolls_in, vt, trim.phi)
     note("heading", outcome)
     if heading is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")
@@ -428,6 +435,7 @@ def _loops(
             if not any(step.relaxed for step in more[1::2]):
                 held = min(held, more, key=_excess)
     speed, outcome, altitude, climbing = held
+    altitude = replace(altitude, theta_max=max(_THETA_MAX, trim.theta + _NOSE_UP))
     note("speed", outcome)
     note("altitude", climbing)
     return DesignedGains(

@@ -128,16 +128,16 @@ class AltitudeHold(Hold):
     ----------
     gains : str or dict
         name of a gain table ("c172p"), or {"altitude": ..., "pitch": ...}, each either the name
-        of a table or numbers; altitude: Kh (1/s), Kp (deg/(ft/s)), Ki (deg/ft), hdot_max (ft/s);
-        pitch: as in ``PitchHold``
+        of a table or numbers; altitude: Kh (1/s), Kp (deg/(ft/s)), Ki (deg/ft), hdot_max (ft/s),
+        theta_max (deg); pitch: as in ``PitchHold``
     h_ref : float, optional
         altitude to hold in ft; default: the value at engagement
     hdot_max : float, optional
         largest rate of climb and descent demanded, ft/s; default is the gain table's
     theta_min : float
         lowest pitch reference in deg
-    theta_max : float
-        highest pitch reference in deg
+    theta_max : float, optional
+        highest pitch reference in deg; default is the gain table's
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
@@ -196,7 +196,7 @@ class AltitudeHold(Hold):
         h_ref: float | None = None,
         hdot_max: float | None = None,
         theta_min: float = -10.0,
-        theta_max: float = 15.0,
+        theta_max: float | None = None,
         authority: Authority = 1.0,
         T: float = 1 / 120,
         reference: str = "increment",

@@ -373,8 +373,8 @@ class GlideslopeHold(Hold):
         largest correction of the rate of climb, ft/s; default is the gain table's
     theta_min : float
         lowest pitch reference in deg
-    theta_max : float
-        highest pitch reference in deg
+    theta_max : float, optional
+        highest pitch reference in deg; default is the gain table's
     authority : float or pair
         largest elevator increment, of full travel
     %(T)s
@@ -450,7 +450,7 @@ class GlideslopeHold(Hold):
         crossing_height: float = 50.0,
         hdot_max: float | None = None,
         theta_min: float = -10.0,
-        theta_max: float = 15.0,
+        theta_max: float | None = None,
         authority: Authority = 1.0,
         T: float = 1 / 120,
         alpha_max: float | None = None,
