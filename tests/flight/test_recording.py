@@ -176,6 +176,13 @@ def test_the_command_writes_a_track_of_a_diagram(tmp_path, monkeypatch, capsys):
     assert table["calibrated airspeed [kt]"].iloc[0] == pytest.approx(80)
 
 
+def test_the_command_writes_5_points_per_second_for_google_earth(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = ["--duration", "2", "--track", "one.kml"]
+    assert main(["run", "hello_jsbsim", *options]) == 0
+    assert (tmp_path / "one.kml").read_text(encoding="utf-8").count("<when>") == 11
+
+
 CRASH = """
 from pathsim import Connection, Simulation
 from pathsim.blocks import Source

@@ -149,6 +149,35 @@ def test_google_earth_by_an_independent_reader(tmp_path):
     assert text.count("<gx:value>") == 4 * (121 + 5)
 
 
+def test_google_earth_gets_5_of_the_steps_per_second(tmp_path):
+    n = 10 * 120 + 8  # the end is no whole fifth of a second
+    time, still = 3.7 + np.arange(n) / 120, np.zeros(n)
+    columns = (time, 47 + time / 1e4, still, 1e3 + time, still, still, still)
+    steps = Track("steps", "c172p", *columns, signals={"Mach number": time}, every_step=True)
+    chosen = Track("chosen", "c172p", *columns)
+    slow = dataclasses.replace(climbing_turn("slow"), every_step=True)  # 4 per second
+    save_tracks(tmp_path / "flight.kml", [steps, chosen, slow], START)
+    few, whole, same = fastkml.KML.parse(tmp_path / "flight.kml").features[0].features
+    seconds = [
+        (w.dt - START - datetime.timedelta(seconds=3.7)).total_seconds()
+        for w in few.kml_geometry.whens
+    ]
+    assert seconds == pytest.approx([*np.arange(51) / 5, (n - 1) / 120], abs=2e-6)
+    # the values are those of the same samples
+    places = np.array(few.kml_geometry.coords)
+    assert places[:, 1] == pytest.approx(47 + (3.7 + np.array(seconds)) / 1e4, abs=2e-9)
+    assert (tmp_path / "flight.kml").read_text(encoding="utf-8").count("<gx:value>") == 52 + 4 * 121
+    assert len(list(whole.kml_geometry.coords)) == n
+    assert len(list(same.kml_geometry.coords)) == 121
+    # no other format has fewer
+    for ending in (".csv", ".acmi", ".czml", ".html"):
+        for track in (steps, dataclasses.replace(steps, every_step=False)):
+            save_tracks(tmp_path / f"flight{track.every_step}{ending}", [track], START)
+        assert (tmp_path / f"flightTrue{ending}").read_bytes() == (
+            tmp_path / f"flightFalse{ending}"
+        ).read_bytes()
+
+
 def test_cesium_turns_the_aircraft_as_it_flies(tmp_path):
     track = climbing_turn()
     save_tracks(tmp_path / "flight.czml", [track, climbing_turn("two", n=3)], START)
@@ -320,6 +349,7 @@ COLUMNS = ("time", "lat", "lon", "h", "theta", "phi", "psi")
         ({"h": [0.0, np.nan]}, "h must be finite, not nan"),
         ({"time": [0.0, 0.0]}, "time must increase"),
         ({"signals": {"a": [1.0]}}, "a has the shape"),
+        ({"every_step": 5}, "every_step must be True or False"),
         ({"psi": "north"}, "psi must be a real number"),
         ({"signals": {"a": [[0.0, 1.0]]}}, r"a has the shape \(1, 2\)"),
         ({key: [[0.0, 1.0]] for key in COLUMNS}, r"time has the shape \(1, 2\)"),

@@ -63,6 +63,14 @@ def test_a_sampling_period_and_a_waiting_time():
     assert recorder.to_track().time == pytest.approx([0.5, 0.75, 1.0])
 
 
+def test_google_earth_gets_every_sample_of_a_sampling_period_that_is_given(tmp_path):
+    for period, points in ((None, 6), (0.05, 21), (1 / 120, 121)):
+        sim, recorder, _ = diagram(sampling_period=period)
+        sim.run(1.0)
+        recorder.save(tmp_path / "flight.kml")
+        assert (tmp_path / "flight.kml").read_text(encoding="utf-8").count("<when>") == points
+
+
 def test_a_checkpoint_keeps_the_recording(tmp_path):
     sim, recorder, _ = diagram()
     sim.blocks[0].record_inputs = True

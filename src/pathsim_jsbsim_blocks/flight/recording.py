@@ -114,6 +114,7 @@ class Recording:
             rows[:, 0],
             **{field: columns.pop(label) for field, label in POSITION.items()},
             signals=columns,
+            every_step=True,
             about={
                 "trimmed at": str(self.block.trim.condition),
                 "JSBSim steps per s": f"{self.block.substeps / self.block.clock.period:.6g}",

@@ -70,7 +70,8 @@ def save_tracks(
     ----------
     path : str or Path
         ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
-        (Cesium) or ``.html`` (a report that opens in any browser, without a network)
+        (Cesium) or ``.html`` (a report that opens in any browser, without a network). A ``.kml``
+        has 5 points per second of a track of all steps of a simulation
     tracks : list of Track
         the aircraft
     start : datetime, optional

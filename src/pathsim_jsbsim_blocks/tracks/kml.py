@@ -20,6 +20,8 @@ _GX = "http://www.google.com/kml/ext/2.2"
 _ICON = "http://maps.google.com/mapfiles/kml/shapes/airports.png"
 _COLOURS = ("ff1e66ff", "ffb4771f", "ff2ca02c", "ffbd6794", "ff2827d6")  # alpha, blue, green, red
 
+_RATE = 5.0  # points per second: Google Earth interpolates, and is slow with some 10,000 points
+
 
 def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
     """One ``gx:Track`` for each aircraft, its signals as extended data.
@@ -27,6 +29,7 @@ def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, abo
     ``gx:angles`` turn clockwise about z up, x right and y ahead, each seen against its axis: the
     tilt is the negative pitch angle, the roll the negative roll angle.
     """
+    tracks = [track.at_most(_RATE) if track.every_step else track for track in tracks]
     root = ET.Element("kml", {"xmlns": _KML, "xmlns:gx": _GX})
     document = _child(root, "Document")
     _child(document, "name", ", ".join(track.name for track in tracks))

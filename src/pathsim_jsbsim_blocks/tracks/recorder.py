@@ -38,7 +38,7 @@ class FlightRecorder(NamedPorts, Scope):
         labels with units of further signals, such as ``"calibrated airspeed [kt]"``; they come at
         the ports after ``psi``, and the label without its unit is the port's name
     sampling_period : float, optional
-        s; default is every step of the diagram
+        s; default is every step of the diagram, of which a ``.kml`` file gets 5 per second
     t_wait : float
         time before which nothing is recorded, s
 
@@ -151,6 +151,7 @@ class FlightRecorder(NamedPorts, Scope):
             time,
             **dict(zip(POSITION, data, strict=False)),
             signals=dict(zip(self.signals, data[len(POSITION) :], strict=False)),
+            every_step=self.sampling_period is None,
         )
 
     def to_frame(self) -> pandas.DataFrame:

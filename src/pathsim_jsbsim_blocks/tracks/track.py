@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import finite, mapping
+from .._core.checks import finite, flag, mapping
 from ..errors import ParameterError
 from .table import frame
 
@@ -51,6 +52,9 @@ class Track:
         further columns by their label, such as ``"calibrated airspeed [kt]"``, each of shape (n,)
     about : dict, optional
         text for the head of a report: what was flown, from where
+    every_step : bool
+        whether the samples are all steps of a simulation, not those of a sampling period: a
+        ``.kml`` file then has 5 points per second
 
     Raises
     ------
@@ -70,9 +74,11 @@ class Track:
     psi: np.ndarray
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
     about: Mapping[str, str] = field(default_factory=dict)
+    every_step: bool = False
 
     def __post_init__(self) -> None:
         signals = mapping("signals", self.signals)
+        flag("every_step", self.every_step)
         given: dict[str, Any] = {name: getattr(self, name) for name in ("time", *POSITION)}
         columns = finite(**given)
         for name, column in zip(given, columns, strict=True):
@@ -114,13 +120,19 @@ class Track:
     def thinned(self, most: int) -> Track:
         """The track with every n-th sample and the last, ``most`` or fewer before that."""
         step = math.ceil(len(self.time) / most)
-        if step == 1:
-            return self
-        kept = np.unique(np.append(np.arange(0, len(self.time), step), len(self.time) - 1))
-        return Track(
-            self.name,
-            self.aircraft,
+        return self if step == 1 else self._with(np.arange(0, len(self.time), step))
+
+    def at_most(self, rate: float) -> Track:
+        """The track with the first sample of each period of a rate in 1/s, and the last sample."""
+        # a sample that rounding puts just before a period belongs to it
+        periods = np.floor((self.time - self.time[0]) * rate + 1e-6)
+        return self._with(np.unique(periods, return_index=True)[1])
+
+    def _with(self, samples: np.ndarray) -> Track:
+        """These samples and the last."""
+        kept = np.unique(np.append(samples, len(self.time) - 1))
+        return dataclasses.replace(
+            self,
             **{name: getattr(self, name)[kept] for name in ("time", *POSITION)},
             signals={label: column[kept] for label, column in self.signals.items()},
-            about=self.about,
         )
