@@ -1,5 +1,7 @@
 """What blocks say of themselves."""
 
+import pytest
+
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, UnitConversion
 
 
@@ -14,3 +16,18 @@ def test_an_aircraft_names_its_model_and_condition():
     assert repr(Aircraft("737", 30000, mach=0.7)) == "Aircraft('737', 30000 ft, Mach 0.7)"
     ground = JSBSimFDM(aircraft_model="c172p", trim_altitude=0, trim_mode="ground")
     assert repr(ground) == "JSBSimFDM('c172p', on the ground at 0 ft)"
+
+
+def test_outputs_print_as_a_line_for_each_port():
+    plane = Aircraft("c172p", 5000, 90, output_properties=["position/h-agl-ft"])
+    lines = [line.split() for line in str(plane.outputs).splitlines()]
+    assert [name for name, _ in lines] == [*Aircraft.output_port_labels, "position/h-agl-ft"]
+    for name, value in lines:
+        assert float(value) == pytest.approx(plane.outputs[name], rel=1e-7), name
+    # a port without a name, and a value that six decimals would not show
+    kick = DoubletSource()
+    kick.outputs[1] = -3.7e-7
+    assert [line.split() for line in str(kick.outputs).splitlines()] == [
+        ["out", "0"],
+        ["1", "-3.7e-07"],
+    ]

@@ -72,6 +72,15 @@ class NamedRegister(Register):
             raise ParameterError(f"no port {key!r}{known}", parameter="port", value=key)
         return super().__getitem__(key)
 
+    def __str__(self) -> str:
+        """A line for each port: name, or number without one, and value."""
+        names = {number: name for name, number in self._mapping.items()}
+        width = max(map(len, names.values()), default=0)
+        return "\n".join(
+            f"  {names.get(i, str(i)):<{width}} {value:14.8g}"
+            for i, value in enumerate(values(self))
+        )
+
 
 class WiredRegister(NamedRegister):
     """Inputs that record which ports are connected: PathSim looks up their numbers."""
