@@ -1,6 +1,6 @@
 """Discrete gusts of CS 25.341: load factors of an airliner in gusts of five lengths.
 
-A Boeing 737 at 10,000 ft and 280 KCAS, gear up, controls held. Five of them meet an upward
+A Boeing 737 at 10,000 ft and 280 KCAS, gear up, controls fixed. Five of them meet an upward
 1-cosine gust at 1 s, with gradient distances from 30 to 350 ft and the design gust velocity of each
 length: 37 to 56 ft/s.
 

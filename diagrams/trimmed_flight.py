@@ -1,6 +1,6 @@
 """A minute of trimmed flight: what "trimmed" means in a nonlinear model.
 
-A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg, with the trimmed controls held for 60 s.
+A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg, with the controls fixed at trim for 60 s.
 
 Expected: altitude within 1 ft, airspeed within 0.05 kt, a bank of 0.05 deg against the propeller's
 torque, a straight track to the east.

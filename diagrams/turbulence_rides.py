@@ -1,11 +1,11 @@
-"""Turbulence: a light aircraft with its controls held, and on autopilot.
+"""Turbulence: a light aircraft with its controls fixed, and on autopilot.
 
-Two Cessna 172 at 5000 ft and 90 KCAS in moderate Dryden turbulence of MIL-F-8785C. One holds its
-trimmed controls, the other its altitude, heading and airspeed. Both turbulence blocks have the same
-seed, so that the aircraft meet the same air; each follows its own aircraft's height, airspeed and
-heading.
+Two Cessna 172 at 5000 ft and 90 KCAS in moderate Dryden turbulence of MIL-F-8785C. One has its
+controls fixed, the other holds its altitude, heading and airspeed. Both turbulence blocks have the
+same seed, so that the aircraft meet the same air; each follows its own aircraft's height, airspeed
+and heading.
 
-Expected: with the controls held the aircraft wanders from 4730 to 5783 ft; on autopilot it stays
+Expected: with the controls fixed the aircraft wanders from 4730 to 5783 ft; on autopilot it stays
 within 34 ft of 5000 ft. The ride is hardly smoother, 0.20 and 0.19 g rms: the autopilot damps the
 short period near 1 Hz, but holding the altitude adds to nz from 0.1 to 0.5 Hz. Above 2 Hz both are
 the same.
@@ -25,8 +25,8 @@ air_of_held = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
 flown = Aircraft("c172p", altitude=5000.0, speed=90.0)
 air_of_flown = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
 autopilot = Autopilot(gains="c172p")
-altitude = Scope(labels=["controls held [ft]", "autopilot [ft]"])
-load_factor = Scope(labels=["controls held [g]", "autopilot [g]"])
+altitude = Scope(labels=["controls fixed [ft]", "autopilot [ft]"])
+load_factor = Scope(labels=["controls fixed [g]", "autopilot [g]"])
 gust = Scope(labels=["downward velocity [ft/s]"])
 
 sim = Simulation(
@@ -84,12 +84,12 @@ def figure():
     drawing, (above, middle, below) = subplots(3, 1, layout="constrained", figsize=(9, 9))
     with exact_curves():
         for label, color, x, n in zip(
-            ("controls held", "autopilot"), ("C0", "C1"), h, nz, strict=True
+            ("controls fixed", "autopilot"), ("C0", "C1"), h, nz, strict=True
         ):
             above.plot(time, x, color, label=label)
             middle.plot(time, n, color, linewidth=0.7, label=label)
     for label, color, density in zip(
-        ("controls held", "autopilot"), ("C0", "C1"), densities, strict=True
+        ("controls fixed", "autopilot"), ("C0", "C1"), densities, strict=True
     ):
         below.loglog(frequency, density, color, label=label)
     above.set_ylabel("altitude [ft]")
@@ -117,7 +117,7 @@ if __name__ == "__main__":
     time, nz = load_factor.read()
     _, h = altitude.read()
     settled = time > 5.0
-    for label, x, n in zip(("controls held", "autopilot"), h, nz, strict=True):
+    for label, x, n in zip(("controls fixed", "autopilot"), h, nz, strict=True):
         print(
             f"{label}: altitude from {x.min():.0f} to {x.max():.0f} ft, "
             f"nz {n[settled].std():.3f} g rms, "

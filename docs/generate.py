@@ -166,7 +166,7 @@ def fleet_page():
         "Each is trimmed by JSBSim where `level_flight` of "
         "`pathsim_jsbsim_blocks.flight` finds it a condition\n"
         "(gear up where it retracts, fuel frozen), or else by the Newton search, and flown for "
-        "30 s with its\ncontrols held; the drift is its height above the path then. A glide ends "
+        "30 s with its\ncontrols fixed; the drift is its height above the path then. A glide ends "
         "in denser air, so it drifts too.\n`pathsim-jsbsim aircraft --table` reprints the table."
         f"\n\n{HEADER}" + "".join(f"{format_row(row)}\n" for row in rows)
     )

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 2. Trimmed flight and a turn
 #
-# What "trimmed" means: with the controls held, an aircraft stays where it is. And what happens when one of them moves.
+# What "trimmed" means: with the controls fixed, an aircraft stays where it is. And what happens when one of them moves.
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram

@@ -26,7 +26,7 @@ TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
 
 
 def flown(airframe, state, duration=10.0):
-    """Height off the path in ft, bank in deg and speed in kt lost in a flight, controls held."""
+    """Height off the path in ft, bank in deg and speed in kt lost in a flight, controls fixed."""
     fdm = airframe.fdm
     climb = fdm["velocities/h-dot-fps"]
     for _ in range(round(duration * 120)):
@@ -523,7 +523,7 @@ def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():
 
 def test_the_command_says_whether_a_trim_is_steady(capsys):
     assert main(["trim", "c172p", "--speed", "90", "--steady"]) == 0
-    assert "steady: after 10 s with controls held +" in capsys.readouterr().out
+    assert "steady: after 10 s with controls fixed +" in capsys.readouterr().out
     assert main(["trim", "XB-70", "--speed", "192", "--gear", "0", "--steady", "30"]) == 0
     assert "not steady: after 30 s" in capsys.readouterr().out
 

@@ -157,7 +157,7 @@ def command_parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--table",
         action="store_true",
-        help="trim each in level flight or a glide and fly it for 30 s, controls held",
+        help="trim each in level flight or a glide and fly it for 30 s, controls fixed",
     )
 
     sub = command(
@@ -177,7 +177,7 @@ def command_parser() -> argparse.ArgumentParser:
         "--after",
         metavar="SECONDS",
         type=float,
-        help="values after this time of flight from the trim, controls held",
+        help="values after this time of flight from the trim, controls fixed",
     )
     trim_condition(sub)
 
@@ -190,7 +190,7 @@ def command_parser() -> argparse.ArgumentParser:
         const=10.0,
         default=0.0,
         metavar="SECONDS",
-        help="fly from the trim (default 10 s), controls held, and say how far it is from it then",
+        help="fly from the trim (default 10 s), controls fixed, and say how far it is from it then",
     )
     trim_condition(sub)
 

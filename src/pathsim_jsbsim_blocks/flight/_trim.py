@@ -69,7 +69,7 @@ _ANGLES = ("alpha", "phi", "beta", "gamma")
 # largest relative difference between two initialisations of the same state
 _ROUNDING = 1e-12
 
-# how far an aircraft in steady flight may be from its trim, controls held
+# how far an aircraft in steady flight may be from its trim, controls fixed
 _STEADY = {"height": 20.0, "speed": 6.0, "bank": 10.0}  # ft, kt, deg
 
 # KCAS, above which hardly any landing gear may be down
@@ -77,7 +77,7 @@ _FAST_FOR_GEAR = 200.0
 
 
 class Drift(NamedTuple):
-    """How far an aircraft is from its trim after a flight with controls held.
+    """How far an aircraft is from its trim after a flight with controls fixed.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class TrimState:
     free : tuple[str, ...]
         the quantities that the search has moved; the others were given
     drift : Drift or None
-        how far it is from its trim after a flight with controls held, if `trim` was asked to fly
+        how far it is from its trim after a flight with controls fixed, if `trim` was asked to fly
     """
 
     aircraft: str
@@ -232,7 +232,7 @@ class TrimState:
         if self.drift is not None:
             lines.append(
                 f"  {'steady' if self.steady else 'not steady'}: after {self.drift.duration:g} s "
-                f"with controls held {self.drift.height:+.2f} ft, {self.drift.speed:+.2f} kt, "
+                f"with controls fixed {self.drift.height:+.2f} ft, {self.drift.speed:+.2f} kt, "
                 f"{self.drift.bank:+.2f} deg of bank"
             )
         return "\n".join(lines)
@@ -359,7 +359,7 @@ def trim(
         where it retracts and the condition does not say so
     steady : float
         fly another aircraft of the same kind from its trim for this time in s (up to 3600),
-        controls held (10 shows most departures, some take 30): the state's ``drift`` and
+        controls fixed (10 shows most departures, some take 30): the state's ``drift`` and
         ``steady`` say how it ends. Modes "pull-up" and "none", which are not steady flight, have
         none
     warm : bool
@@ -420,7 +420,7 @@ def _drift(
     setup: Mapping[str, float] | None,
     duration: float,
 ) -> Drift:
-    """Trim and fly an airframe with controls held."""
+    """Trim and fly an airframe with controls fixed."""
     start, fdm = _trim(airframe, condition, setup), airframe.fdm
     climb = fdm["velocities/h-dot-fps"]
     for _ in range(round(duration / airframe.dt)):

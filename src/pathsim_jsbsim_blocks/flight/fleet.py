@@ -158,7 +158,7 @@ class FleetRow:
     flight : LevelFlight or None
         where it trims; None if it does not
     drift : float
-        distance in ft above the trimmed path after the flight with controls held; NaN if it does
+        distance in ft above the trimmed path after the flight with controls fixed; NaN if it does
         not fly
     error : BlocksError or None
         why it does not load, trim or fly
@@ -191,7 +191,7 @@ class FleetRow:
 def fleet_table(
     names: Iterable[str] | None = None, duration: float = 30.0, tries: int = len(TRIES)
 ) -> Iterator[FleetRow]:
-    """Trim every aircraft and fly it with controls held; one row at a time.
+    """Trim every aircraft and fly it with controls fixed; one row at a time.
 
     Level flight by JSBSim's search, then by the Newton search, then a glide with closed throttle.
 
