@@ -72,7 +72,7 @@ def test_an_unknown_table_names_the_nearest(hold):
         (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
         (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
         (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
-        (PitchHold, {**PITCH, "b": -0.1}, "b must lie in"),
+        (PitchHold, {**PITCH, "b": -0.1}, "b must be at least 0"),
         (PitchHold, Path("mine.json"), "did you mean 'mine.json'"),
         (Autopilot, Path("mine.json"), "did you mean 'mine.json'"),
         *(

@@ -59,6 +59,11 @@ def test_a_bound_that_does_not_pass_is_open():
         checks.number("bank", 90.0, above=0.0, high=80.0)
 
 
+def test_a_single_bound_is_named_alone():
+    refuse(checks.number, "x", -1.0, low=0.0, text="^x must be at least 0, not -1$")
+    refuse(checks.number, "x", 1.0, high=0.0, text="^x must be at most 0, not 1$")
+
+
 def test_a_number_lies_within_its_bounds_and_the_bounds_pass():
     assert checks.number("x", 2, low=2.0, high=3.0) == 2.0
     assert checks.number("x", 3.0, low=2.0, high=3.0) == 3.0

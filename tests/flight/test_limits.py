@@ -36,5 +36,5 @@ def test_a_jsbsim_step_is_a_tenth_of_a_second_at_most():
 
 def test_a_period_is_a_microsecond_at_least():
     assert DiscretePID(T=1e-6).T == 1e-6
-    with pytest.raises(ParameterError, match="T must lie in"):
+    with pytest.raises(ParameterError, match="T must be at least"):
         DiscretePID(T=0.995e-6)

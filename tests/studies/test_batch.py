@@ -174,7 +174,7 @@ def test_a_build_function_that_holds_an_aircraft_is_refused():
         (noise, {"gan": [1.0]}, "case 0 has 'gan', which build does not take; did you mean 'gain'"),
         (noise, [{"gain": 1.0}, {}], "case 1 has no 'gain'"),
         (noise, {"gain": [math.nan]}, "must be finite"),
-        (noise, {"gain": [1.0], "seed": [-1]}, "seed must lie in"),
+        (noise, {"gain": [1.0], "seed": [-1]}, "seed must be at least 0"),
         ("noise", {"gain": [1.0]}, "no diagram or script 'noise'"),
         (3, {"gain": [1.0]}, "build must be a function"),
         (dict, {"gain": [1.0]}, "must be a function with known parameters"),

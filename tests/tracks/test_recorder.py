@@ -115,7 +115,7 @@ def test_a_scope_as_a_table():
         ({"signals": ["a [kt]", "a [ft]"]}, "has 'a' twice"),
         ({"aircraft": 172}, "aircraft must be text"),
         ({"sampling_period": 0}, "sampling_period must be greater than 0"),
-        ({"t_wait": -1}, "t_wait must lie in"),
+        ({"t_wait": -1}, "t_wait must be at least 0"),
     ],
 )
 def test_bad_parameters_are_refused(keywords, text):

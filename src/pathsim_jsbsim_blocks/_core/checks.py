@@ -175,12 +175,16 @@ def number(
             value=value,
         )
     if not low <= x <= high:
-        open_end = "[" if above is None or low > above else "("
-        least = low if above is None else max(low, above)
+        if high == math.inf:
+            bounds = f"be at least {low:g}"
+        elif low == -math.inf and above is None:
+            bounds = f"be at most {high:g}"
+        elif above is None or low > above:
+            bounds = f"lie in [{low:g}, {high:g}]"
+        else:
+            bounds = f"lie in ({above:g}, {high:g}]"
         raise ParameterError(
-            f"{parameter} must lie in {open_end}{least:g}, {high:g}], not {x:g}",
-            parameter=parameter,
-            value=value,
+            f"{parameter} must {bounds}, not {x:g}", parameter=parameter, value=value
         )
     return x
 
