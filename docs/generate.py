@@ -341,9 +341,10 @@ def modes_page():
         "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
         "The next columns have the same for vt (throttle), with doublets that begin upwards and "
         "downwards: a turbine's spools\naccelerate at constant rates, [slower up than down]"
-        "(linear-models.md). An error above 5 %, in bold, means that the aircraft\nis not linear "
-        "in that range; the remarks are the warnings given, or the error where there is no model. "
-        "A glide's throttle\nis closed, so it is not among the inputs."
+        "(linear-models.md#the-throttle-of-a-turbine).\n"
+        "An error above 5 %, in bold, means that the aircraft is not linear in that range; the "
+        "remarks are the warnings given,\nor the error where there is no model. A glide's throttle "
+        "is closed, so it is not among the inputs."
         f"\n\n{MODES_HEADER}" + "".join(lines)
     )
 
