@@ -350,6 +350,7 @@ _TF = 0.5
 _SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
 _SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
 _SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
+_SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
 
 # shares of the throttle that a rate of climb takes to be fed forward
 _SPEED_RISES = np.array([1.0, 0.5, 0.0])
@@ -396,28 +397,37 @@ def design_speed(
     k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
     fixed = (60.0 * level + 10.0 * share + _UNFED * (1.0 - rise) + rough.cost(stops))[k]
 
-    def steps(pick: np.ndarray, band: float) -> tuple[np.ndarray, ...]:
-        j = k[pick]
-        return _accelerates(
-            plant, room, step, Kp[j], Ki[j], feed[j], 1.0 / time_[j], ramp[pick], band
+    def steps(
+        j: np.ndarray, b: np.ndarray, ramp: np.ndarray, band: float
+    ) -> tuple[np.ndarray, ...]:
+        error, peak = _accelerates(
+            plant, room, step, Kp[j], Ki[j], b, feed[j], 1.0 / time_[j], ramp, band
         )
-
-    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
-        time, over, late, peak = steps(pick, math.inf)
+        dt = _COARSE * T
+        time, close = settled(error, 0.5, dt), settled(error, 0.2, dt)
+        over = np.maximum((np.sign(step) * error).max(axis=0), 0.0)
+        late = np.abs(error[-round(5.0 / dt) :]).max(axis=0)
         score = (
             np.maximum(time, _QUICK)
             + 30.0 * np.maximum(over - 0.25, 0.0)
             + 300.0 * np.maximum(late - 0.1, 0.0)
             + 5.0 * peak / travel
-            + fixed[pick]
         )
-        return score, time, over, late, peak
+        return score, time, over, late, peak, close
 
-    # candidates are compared without the band, or it would count for loose ones that it spares
-    i, _, _, late, _ = _least(np.arange(len(k)), fixed + _QUICK, fly)
+    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
+        score, *found = steps(k[pick], np.ones(len(pick)), ramp[pick], math.inf)
+        return score + fixed[pick], *found
+
+    # candidates are compared without the band, or it would count for loose ones that it spares,
+    # and without a weight of the reference, which would hide slow ones
+    i, _, _, late, *_ = _least(np.arange(len(k)), fixed + _QUICK, fly)
     j = k[i]
+    b, ramp = (x.ravel() for x in np.meshgrid(_SPEED_WEIGHTS, _SPEED_RAMPS, indexing="ij"))
     for kept in (band, GUST):
-        time, over, _, peak = (float(x[0]) for x in steps(np.array([i]), kept))
+        score, *quality = steps(np.full(len(b), j), b, ramp, kept)
+        i = int(np.argmin(score + _LARGER * np.minimum(quality[-1], 150.0)))
+        time, over, _, peak, _ = (float(x[i]) for x in quality)
         if math.isfinite(time):
             break
     kp = float(Kp[j])
@@ -426,7 +436,7 @@ def design_speed(
         Ki=float(Ki[j]),
         Kd=-kp * _TF,
         Tf=_TF,
-        b=1.0,
+        b=float(b[i]),
         ramp=float(ramp[i]),
         Kc=float(feed[j]),
         band=kept,
@@ -444,6 +454,9 @@ def design_speed(
 # s of settling; faster is worth nothing
 _QUICK = 12.0
 
+# weight of the time within 0.2 kt, as a step of 25 kt needs it
+_LARGER = 0.5
+
 
 def _accelerates(
     plant: Plant,
@@ -451,12 +464,13 @@ def _accelerates(
     step: float,
     Kp: np.ndarray,
     Ki: np.ndarray,
+    b: np.ndarray,
     feed: np.ndarray,
     unwind: np.ndarray,
     ramp: np.ndarray,
     band: float,
 ) -> tuple[np.ndarray, ...]:
-    """Settling, overshoot, last error and largest commands of steps of the airspeed."""
+    """Errors of steps of the airspeed, shape (samples, loops), and the largest commands."""
     p = plant.slower(_COARSE)
     dt, seconds = p.T, 150.0
     moves = np.column_stack([p.A, p.column("throttle")])
@@ -474,18 +488,13 @@ def _accelerates(
             error = ref - y[j]
             error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
             slow = slow + a * (ref - error - slow)
-            v = Kp * (ref - slow) + total + feed * climb
+            v = Kp * (b * ref - slow) + total + feed * climb
             u = np.minimum(np.maximum(v, low), high)
             peak = np.maximum(peak, np.abs(v))
             total += Ki * dt * error + unwind * dt * (u - v)
             x[size] = u
             x[:size] = moves @ x
-    return (
-        settled(y - step, 0.5, dt),
-        np.maximum((np.sign(step) * (y - step)).max(axis=0), 0.0),
-        np.abs(y[-round(5.0 / dt) :] - step).max(axis=0),
-        peak,
-    )
+    return y - step, peak
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
