@@ -63,6 +63,40 @@ def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
         assert folders == {str(tmp_path / name)}
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be deleted")
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_study_goes_on_in_a_folder_that_is_deleted(jobs, tmp_path, monkeypatch):
+    folder = str(tmp_path / "gone")
+
+    def work(part):
+        import contextlib
+        import os
+
+        with contextlib.suppress(FileNotFoundError):
+            os.rmdir(folder)
+        return squares(part)
+
+    expected = [{"square": x * x} for x in range(1, 9)]
+    os.mkdir(folder)
+    monkeypatch.chdir(folder)
+    assert run(work, PARTS, jobs=jobs) == expected
+    # and begins in one
+    assert run(work, PARTS, jobs=jobs) == expected
+
+
+def test_without_workers_the_folder_of_the_process_is_left_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "inner").mkdir()
+
+    def work(part):
+        folder = os.getcwd()
+        os.chdir(tmp_path / "inner")
+        return [{"folder": folder}]
+
+    rows = run(work, [[1], [2]], jobs=1)
+    assert [row["folder"] for row in rows] == [str(tmp_path), str(tmp_path / "inner")]
+
+
 def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed(tmp_path):
     path = tmp_path / "squares.jsonl"
     with pytest.warns(RuntimeWarning) as said:

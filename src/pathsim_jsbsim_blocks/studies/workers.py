@@ -7,6 +7,7 @@ depend on which worker computed what.
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -172,11 +173,13 @@ def _results(
         yield from _on_dask(client, work, parts, pending)
         return
     under_way: list[int] = []
-    here = os.getcwd()
+    caller, here = os.getpid(), _folder()
 
     def indexed(index: int, part: Part) -> tuple[int, list[Row]]:
         # a worker that lives on from an earlier study may be in the folder of then
-        os.chdir(here)
+        if here is not None and os.getpid() != caller:
+            with contextlib.suppress(OSError):
+                os.chdir(here)
         return index, work(part)
 
     def tasks() -> Iterator[Any]:
@@ -197,6 +200,14 @@ def _results(
             yield index, rows
     except TerminatedWorkerError:
         yield from ((index, _DIED) for index in under_way)
+
+
+def _folder() -> str | None:
+    """The working directory, or None if it was deleted."""
+    try:
+        return os.getcwd()
+    except FileNotFoundError:
+        return None
 
 
 def _on_dask(
