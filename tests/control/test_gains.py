@@ -15,6 +15,7 @@ from pathsim_jsbsim_blocks import (
     AirspeedHold,
     AltitudeHold,
     Autopilot,
+    GlideslopeHold,
     HeadingHold,
     ParameterError,
     PitchHold,
@@ -122,6 +123,23 @@ def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
     with pytest.raises(ParameterError):
         setattr(block, name, value)
     assert getattr(block, name) == before
+
+
+@pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])
+def test_a_lowest_pitch_reference_above_the_highest_names_both(hold):
+    with pytest.raises(ParameterError, match=r"theta_min, -10 deg,.* theta_max, -20 deg") as said:
+        hold(theta_max=-20.0)
+    assert said.value.parameter == "theta_min"
+    with pytest.raises(ParameterError, match="theta_max of the gains, 15 deg"):
+        hold(theta_min=16.0)
+    # at any point of a schedule: the 15 deg are not those of the nominal point
+    high = dataclasses.replace(
+        GAINS["737"], altitude=dataclasses.replace(GAINS["737"].altitude, theta_max=20.0)
+    )
+    points = DesignPoint(0.0, 150.0, high), DesignPoint(0.0, 250.0, GAINS["737"])
+    with pytest.raises(ParameterError, match="theta_max of the gains, 15 deg"):
+        hold(gains=GainSchedule("737", points), theta_min=16.0)
+    hold(gains=GainSchedule("737", points), theta_min=16.0, theta_max=18.0)
 
 
 @pytest.mark.parametrize("kind", [int, np.int64, np.float32, np.float64, Fraction])

@@ -217,7 +217,7 @@ class Autopilot(Hold):
         )
         self._yaw = YawLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
         self._heading = HeadingLoop(T, heading, self.bank_max)
-        self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
+        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
         self._protection = protection_from(T, self.alpha_max, envelope)
 
     def initial_state(self) -> State:

@@ -9,8 +9,8 @@ from .._core.callers import warn_user
 from .._core.checks import one_of
 from .._core.docs import filler
 from .._core.tunable import TunableLaw
-from .gains import EnvelopeLimits, loop_gains, schedule_of
-from .loops import ReferenceLoop, ScheduledLoop, optional
+from .gains import AltitudeGains, EnvelopeLimits, loop_gains, schedule_of
+from .loops import AltitudeLoop, ReferenceLoop, ScheduledLoop, optional
 from .protection import UNPROTECTED, Protection, Unprotected
 
 # largest increment, or lower and upper
@@ -69,6 +69,19 @@ class Hold(TunableLaw):
             "increment"
         )
         return loop_gains(self.gains, *loops)
+
+    def altitude_loop(
+        self,
+        gains: AltitudeGains,
+        hdot_max: float | None,
+        theta_min: float,
+        theta_max: float | None,
+    ) -> AltitudeLoop:
+        """The altitude loop; its limits are checked at every point of a schedule."""
+        T, points = self.clock.period, self._schedule.points if self._schedule else ()
+        for point in points:
+            AltitudeLoop(T, point.gains.altitude, hdot_max, theta_min, theta_max)
+        return AltitudeLoop(T, gains, hdot_max, theta_min, theta_max)
 
     def target(self, port: str, value: float, parameter: float | None) -> tuple[Any, float]:
         """Reference and increment from the value at a port, which may be absolute."""

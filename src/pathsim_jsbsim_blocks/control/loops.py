@@ -185,6 +185,14 @@ class AltitudeLoop:
         self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
         theta_min = number("theta_min", theta_min)
         theta_max = gains.theta_max if theta_max is None else number("theta_max", theta_max)
+        if theta_min > theta_max:
+            whose = "" if self._own_theta_max else " of the gains"
+            raise ParameterError(
+                f"theta_min, {theta_min:g} deg, must not be above theta_max{whose}, "
+                f"{theta_max:g} deg",
+                parameter="theta_min",
+                value=theta_min,
+            )
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
     def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float, theta_max: float) -> None:

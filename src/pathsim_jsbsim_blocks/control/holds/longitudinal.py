@@ -216,9 +216,7 @@ class AltitudeHold(Hold):
     def build(self) -> None:
         altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
         self._h_ref = optional("h_ref", self.h_ref)
-        self._altitude = AltitudeLoop(
-            self.clock.period, altitude, self.hdot_max, self.theta_min, self.theta_max
-        )
+        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
         self._pitch = pitch_loop(
             self.clock.period, pitch, limits("authority", self.authority), self._loop
         )

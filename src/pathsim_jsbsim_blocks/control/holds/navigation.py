@@ -23,7 +23,6 @@ from ...errors import ParameterError
 from ..controller import Authority, Hold, fill, protection_from
 from ..gains import Gains
 from ..loops import (
-    AltitudeLoop,
     HeadingLoop,
     ReferenceLoop,
     State,
@@ -476,7 +475,7 @@ class GlideslopeHold(Hold):
         self._angle = number("angle", self.angle, above=0.0, high=20.0)
         self._slope = math.tan(math.radians(self._angle))
         self._foot = number("crossing_height", self.crossing_height, low=0.0) / self._slope
-        self._altitude = AltitudeLoop(T, altitude, self.hdot_max, self.theta_min, self.theta_max)
+        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
         self._pitch = pitch_loop(T, pitch, limits("authority", self.authority), self._loop)
         self._protection = protection_from(T, self.alpha_max, envelope)
         self._share = -math.expm1(-T / _SMOOTHING)
