@@ -178,6 +178,14 @@ def test_google_earth_gets_5_of_the_steps_per_second(tmp_path):
         ).read_bytes()
 
 
+def test_points_are_even_over_hours_of_summed_steps():
+    time = np.cumsum(np.full(10 * 3600 * 60, 1 / 60))
+    still = np.zeros_like(time)
+    points = Track("long", "c172p", time, *[still] * 6).at_most(5.0).time
+    assert len(points) == 10 * 3600 * 5 + 1
+    assert np.diff(points[:-1]) == pytest.approx(0.2, abs=1e-6)
+
+
 def test_cesium_turns_the_aircraft_as_it_flies(tmp_path):
     track = climbing_turn()
     save_tracks(tmp_path / "flight.czml", [track, climbing_turn("two", n=3)], START)

@@ -35,7 +35,7 @@ class Outcome:
     overshoot: float = math.nan
     use: float = math.nan
     relaxed: str = ""
-    # largest error in the last 5 s of the step; of the airspeed without its band
+    # largest error in the last 5 s of the step; of the airspeed without its band, and with b = 1
     late: float = math.nan
 
 

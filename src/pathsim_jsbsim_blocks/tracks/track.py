@@ -124,8 +124,8 @@ class Track:
 
     def at_most(self, rate: float) -> Track:
         """The track with the first sample of each period of a rate in 1/s, and the last sample."""
-        # a sample that rounding puts just before a period belongs to it
-        periods = np.floor((self.time - self.time[0]) * rate + 1e-6)
+        # a sample that rounding, which adds up over hours, puts just before a period belongs to it
+        periods = np.floor((self.time - self.time[0]) * rate + 1e-3)
         return self._with(np.unique(periods, return_index=True)[1])
 
     def _with(self, samples: np.ndarray) -> Track:
