@@ -135,12 +135,12 @@ def asked(loop, gains, condition, down, seconds):
     return -size if loop in down else size, seconds
 
 
-def no_throttle(aircraft, condition):
-    """Loops whose step up would take all of the throttle; ``aircraft`` makes one at a condition."""
+def no_throttle(fresh, condition, trim):
+    """Loops whose step up takes all of the throttle; ``fresh`` makes an aircraft at a condition."""
     faster = replace(condition, speed=condition.speed + STEPS["speed"].size)
-    now = max(aircraft(condition).trim.throttle)
+    now = max(trim.throttle)
     try:
-        needed = max(aircraft(faster).trim.throttle)
+        needed = max(fresh(faster).trim.throttle)
     except TrimError as error:
         needed = math.inf if error.reason == "thrust" else now
     return {"speed"} if needed > max(FULL, now) else set()
@@ -152,7 +152,7 @@ def flights(name, gains, condition, create, predicted=None):
     def fresh(there=condition):
         return Aircraft(name, condition=there, create=create)
 
-    down = no_throttle(fresh, condition)
+    down = no_throttle(fresh, condition, fresh().trim)
     cells, missed, late, apart = [], [], [], []
     for loop, step in STEPS.items():
         size, seconds = asked(loop, gains, condition, down, SECONDS[loop])
@@ -257,12 +257,12 @@ def off_point(name, schedule, condition, create):
         return Aircraft(name, condition=there, create=create)
 
     try:
-        vt = fresh().trim.tas
+        trim = fresh().trim
     except TrimError:
         return "no trim"
-    down = no_throttle(fresh, condition)
+    down = no_throttle(fresh, condition, trim)
     size = math.radians(STEPS["pitch"].size)
-    if vt * math.sin(size) > at_point(schedule, condition).envelope.climb_max:
+    if trim.tas * math.sin(size) > at_point(schedule, condition).envelope.climb_max:
         # at full throttle the airspeed would fall for as long as the pitch angle is held
         down.add("pitch")
     missed = []

@@ -102,7 +102,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         return Aircraft(aircraft, condition=there, T=T, substeps=2, properties=properties)
 
     gains = gains_called(table)
-    down = no_throttle(fresh, condition)
+    down = no_throttle(fresh, condition, fresh().trim)
     found, errors, alpha = {}, [], 0.0
     for loop, step in STEPS.items():
         seconds = {**SECONDS, "heading": HEADING}[loop]
