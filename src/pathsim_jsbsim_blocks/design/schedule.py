@@ -15,6 +15,7 @@ from .._core.files import write_whole
 from ..control.gains import DesignPoint, GainSchedule, document_of
 from ..errors import DesignError, FileError, ParameterError, TrimError
 from ..flight import TrimCondition
+from ..flight.condition import check_condition
 from .designed import DesignedGains, check_options, design_gains
 
 # significant digits in a file
@@ -157,12 +158,7 @@ def design_schedule(
         for no altitude, no airspeed, a value that cannot be, a Mach number, or an unknown option
     """
     check_options(design_schedule, options)
-    if not isinstance(condition, TrimCondition):
-        raise ParameterError(
-            f"condition must be a TrimCondition, not {condition!r}",
-            parameter="condition",
-            value=condition,
-        )
+    check_condition(condition)
     if progress is not None and not callable(progress):
         raise ParameterError(
             f"progress must be callable, not {progress!r}", parameter="progress", value=progress

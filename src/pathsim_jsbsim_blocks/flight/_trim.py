@@ -22,7 +22,7 @@ from ..errors import AircraftError, ParameterError, TrimError
 from ._newton import EFFORT, Search, Seed, alpha_range
 from .airframe import ENGINE_RUNS, Airframe, has_retractable_gear
 from .channels import ALMOST_NORTH
-from .condition import MODES, TrimCondition
+from .condition import MODES, TrimCondition, check_condition
 from .console import messages
 from .rehearsal import Outcome, rehearse
 
@@ -393,12 +393,7 @@ def trim(
             parameter="airframe",
             value=airframe,
         )
-    if not isinstance(condition, TrimCondition):
-        raise ParameterError(
-            f"condition must be a TrimCondition, not {condition!r}",
-            parameter="condition",
-            value=condition,
-        )
+    check_condition(condition)
     steady = number("steady", steady, low=0.0, high=3600.0)
     try:
         found = _trim(airframe, condition, setup, warm)

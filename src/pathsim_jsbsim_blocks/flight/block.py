@@ -35,7 +35,7 @@ from ._trim import TrimState, here, trim
 from .airframe import Airframe
 from .algebraic import algebraic_model
 from .channels import Channel
-from .condition import TrimCondition
+from .condition import TrimCondition, check_condition
 from .console import capture_console, log
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
@@ -216,12 +216,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         given = {name: getattr(self, name) for name in self._trim_keywords}
         if self.condition is None:
             return TrimCondition(**{self._trim_keywords[n]: v for n, v in given.items()})
-        if not isinstance(self.condition, TrimCondition):
-            raise ParameterError(
-                f"condition must be a TrimCondition, not {self.condition!r}",
-                parameter="condition",
-                value=self.condition,
-            )
+        check_condition(self.condition)
         parameters = inspect.signature(self._class()).parameters
         for name, value in given.items():
             if np.any(value != parameters[name].default):  # an array is refused here too

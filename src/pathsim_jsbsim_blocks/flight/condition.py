@@ -283,6 +283,16 @@ class TrimCondition:
         return ", ".join(said)
 
 
+def check_condition(condition: Any) -> None:
+    """Refuse what is no `TrimCondition`."""
+    if not isinstance(condition, TrimCondition):
+        raise ParameterError(
+            f"condition must be a TrimCondition, not {condition!r}",
+            parameter="condition",
+            value=condition,
+        )
+
+
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
     if isinstance(value, str) or not isinstance(value, Iterable):
         raise ParameterError(
