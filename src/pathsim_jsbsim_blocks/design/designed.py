@@ -371,25 +371,26 @@ def _loops(
     plant = closed(plant, PITCH, found, "theta_cmd")
 
     # the rudder is shaped for the turn, and the roll loop once more with the rudder's
-    slips = math.sin(math.radians(max(trim.alpha, 0.0)))
-    banks = max(_ROLL_SLOW, min(_ROLL_RAMP, _ROLL_SLIP / max(slips, 1e-3)))
+    slip = math.sin(math.radians(trim.alpha))  # per roll
+    slow = slip * _ROLL_RAMP > _ROLL_SLIP
+    roll_ramp = max(_ROLL_SLIP / slip, _ROLL_SLOW) if slow else _ROLL_RAMP
     rudder = 1.0 - abs(trim.rudder)
     travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
     damper = yaw = design_yaw(plant, rudder)
     for last in (False, True):
-        found = design_attitude(damped(plant, yaw), ROLL, banks, travel)
+        found = design_attitude(damped(plant, yaw), ROLL, roll_ramp, travel)
         if found is None or not math.isfinite(found.settling):
             raise refuse("roll", "no gains of the ailerons settle a step in roll")
         if not last:
             rolling = closed(plant, ROLL, found, "phi_cmd")
-            yaw, outcome = design_rudder(rolling, damper, rudder, vt, banks)
+            yaw, outcome = design_rudder(rolling, damper, rudder, vt, roll_ramp)
     note("roll", found)
     note("yaw", outcome)
-    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, banks)
+    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, roll_ramp)
     rolls_in = found.settling
     plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
 
-    heading, outcome = design_heading(plant, banks, rolls_in, vt, trim.phi)
+    heading, outcome = design_heading(plant, roll_ramp, rolls_in, vt, trim.phi)
     note("heading", outcome)
     if heading is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")

@@ -16,7 +16,7 @@ from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
 from ..control.loops import BEYOND
 from .margins import Margins, margins
 from .plant import Plant
-from .search import OMEGA, REQUIREMENTS, at, integral, levels, said, settled
+from .search import OMEGA, REQUIREMENTS, at, at_the_end, integral, levels, said, settled
 from .turbulence import AIR, Rough, at_a_stop, rms
 
 # periods of the loop in one step of a slow response
@@ -351,6 +351,7 @@ _SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
 _SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
 _SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
 _SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
+_SPEED_SECONDS = 150.0  # of a step
 
 # shares of the throttle that a rate of climb takes to be fed forward
 _SPEED_RISES = np.array([1.0, 0.5, 0.0])
@@ -370,7 +371,7 @@ def design_speed(
     ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some;
     the ``band`` is for steps that settle with it.
     """
-    T = plant.T
+    T, dt = plant.T, _COARSE * plant.T
     g = plant.response(OMEGA, "throttle")
     G = g["vc"]
     travel = min(-room[0], room[1])
@@ -403,31 +404,31 @@ def design_speed(
         error, peak = _accelerates(
             plant, room, step, Kp[j], Ki[j], b, feed[j], 1.0 / time_[j], ramp, band
         )
-        dt = _COARSE * T
-        time, close = settled(error, 0.5, dt), settled(error, 0.2, dt)
+        time = settled(error, 0.5, dt)
         over = np.maximum((np.sign(step) * error).max(axis=0), 0.0)
-        late = np.abs(error[-round(5.0 / dt) :]).max(axis=0)
+        late = at_the_end(error, dt)
         score = (
             np.maximum(time, _QUICK)
             + 30.0 * np.maximum(over - 0.25, 0.0)
             + 300.0 * np.maximum(late - 0.1, 0.0)
             + 5.0 * peak / travel
         )
-        return score, time, over, late, peak, close
+        return error, score, time, over, late, peak
 
     def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
-        score, *found = steps(k[pick], np.ones(len(pick)), ramp[pick], math.inf)
+        _, score, *found = steps(k[pick], np.ones(len(pick)), ramp[pick], math.inf)
         return score + fixed[pick], *found
 
     # candidates are compared without the band, or it would count for loose ones that it spares,
     # and without a weight of the reference, which would hide slow ones
-    i, _, _, late, *_ = _least(np.arange(len(k)), fixed + _QUICK, fly)
+    i, _, _, late, _ = _least(np.arange(len(k)), fixed + _QUICK, fly)
     j = k[i]
-    b, ramp = (x.ravel() for x in np.meshgrid(_SPEED_WEIGHTS, _SPEED_RAMPS, indexing="ij"))
-    for kept in (band, GUST):
-        score, *quality = steps(np.full(len(b), j), b, ramp, kept)
-        i = int(np.argmin(score + _LARGER * np.minimum(quality[-1], 150.0)))
-        time, over, _, peak, _ = (float(x[i]) for x in quality)
+    b, ramps = (x.ravel() for x in np.meshgrid(_SPEED_WEIGHTS, _SPEED_RAMPS, indexing="ij"))
+    for kept in dict.fromkeys((band, GUST)):
+        error, score, *quality = steps(np.full(len(b), j), b, ramps, kept)
+        close = np.minimum(settled(error, 0.2, dt), _SPEED_SECONDS)
+        i = int(np.argmin(score + _LARGER * close))
+        time, over, _, peak = (float(x[i]) for x in quality)
         if math.isfinite(time):
             break
     kp = float(Kp[j])
@@ -437,7 +438,7 @@ def design_speed(
         Kd=-kp * _TF,
         Tf=_TF,
         b=float(b[i]),
-        ramp=float(ramp[i]),
+        ramp=float(ramps[i]),
         Kc=float(feed[j]),
         band=kept,
     )
@@ -472,7 +473,7 @@ def _accelerates(
 ) -> tuple[np.ndarray, ...]:
     """Errors of steps of the airspeed, shape (samples, loops), and the largest commands."""
     p = plant.slower(_COARSE)
-    dt, seconds = p.T, 150.0
+    dt = p.T
     moves = np.column_stack([p.A, p.column("throttle")])
     rows = np.array([p.row("vc"), p.row("hdot")])
     a = -math.expm1(-dt / _TF)
@@ -480,7 +481,7 @@ def _accelerates(
     n, size = len(Kp), len(p.A)
     # the command is the last row of the state
     x, total, slow = np.zeros((size + 1, n)), np.zeros(n), np.zeros(n)
-    y, peak = np.empty((round(seconds / dt), n)), np.zeros(n)
+    y, peak = np.empty((round(_SPEED_SECONDS / dt), n)), np.zeros(n)
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(len(y)):
             y[j], climb = rows @ x[:size]
@@ -699,7 +700,7 @@ def _climbs(
     return (
         settled(y - step, 10.0, dt),
         np.maximum((y - step).max(axis=0), 0.0),
-        np.abs(y[-round(5.0 / dt) :] - step).max(axis=0),
+        at_the_end(y - step, dt),
         speed,
         peak,
     )

@@ -266,7 +266,7 @@ def _fly(
     error = y - loop.step
     settling = settled(error, loop.tolerance, plant.T)
     overshoot = np.maximum(error.max(axis=0), 0.0)
-    late = np.abs(error[-round(5.0 / plant.T) :]).max(axis=0)
+    late = at_the_end(error, plant.T)
     travel = np.minimum(-room[0], room[1])
     use = peak / travel
     score = (
@@ -299,6 +299,11 @@ def settled(error: np.ndarray, tolerance: float, T: float) -> np.ndarray:
     last = len(error) - np.argmax(outside[::-1], axis=0)
     time = np.where(outside.any(axis=0), last * T, 0.0)
     return np.where(last == len(error), np.where(outside.any(axis=0), np.inf, 0.0), time)
+
+
+def at_the_end(error: np.ndarray, T: float) -> np.ndarray:
+    """Largest size of each column in the last 5 s."""
+    return np.abs(error[-round(5.0 / T) :]).max(axis=0)
 
 
 def attitude_steps(

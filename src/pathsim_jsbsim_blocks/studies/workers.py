@@ -176,7 +176,7 @@ def _results(
     caller, here = os.getpid(), _folder()
 
     def indexed(index: int, part: Part) -> tuple[int, list[Row]]:
-        # a worker that lives on from an earlier study may be in the folder of then
+        # joblib keeps workers for the next study, in the folder where they were started
         if here is not None and os.getpid() != caller:
             with contextlib.suppress(OSError):
                 os.chdir(here)
