@@ -291,28 +291,71 @@ def test_a_toolboxs_name_cannot_end_the_script():
     ]
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads Linux's table")
-def test_another_user_who_reads_the_command_line_gets_nothing():
+LINUX = pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="reads Linux's table of connections"
+)
+CLIENT = """if 1:
+    import os, socket, sys
+    "".encode("idna")  # another user cannot read this Python's modules
+    family, host, port, user, request, wait = sys.argv[1:]
+    os.setuid(int(user))
+    with socket.socket(getattr(socket, family)) as s:
+        s.connect((host, int(port)))
+        s.sendall(request.encode())
+        print(s.makefile().readline() if wait == "wait" else "")"""
+
+
+def written(server, secret):
+    """The requests of a page as a program writes them, with the token or the cookie."""
+    cookie = page_headers(server.url())["Cookie"]
+    if secret == "token":
+        path = server.url().removeprefix(server.address)
+        return [f"GET {path} HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n"]
+    return [
+        f"{call} HTTP/1.0\r\nHost: 127.0.0.1\r\nCookie: {cookie}\r\nSec-Fetch-Site: same-origin\r\n"
+        f"Origin: http://127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{{}}"
+        for call in ("GET /editor", "GET /model/one.pvm", "GET /favicon.png", "POST /api/session")
+    ]
+
+
+@LINUX
+@pytest.mark.parametrize("secret", ["token", "cookie"])
+def test_another_user_with_the_token_or_the_cookie_gets_nothing(secret, server):
     if os.getuid() != 0:
         pytest.skip("only root can act as another user")
-    client = """if 1:
-        import os, socket, sys
-        "".encode("idna")  # the other user cannot read this Python's modules
-        family, host, port, path, user = sys.argv[1:]
-        os.setuid(int(user))
-        with socket.socket(getattr(socket, family)) as s:
-            s.connect((host, int(port)))
-            s.sendall(f"GET {path} HTTP/1.0\\r\\nHost: 127.0.0.1\\r\\n\\r\\n".encode())
-            print(s.makefile().readline())"""
-    with Server({}, port=0) as server:
-        threading.Thread(target=server.run, daemon=True).start()
-        port = str(urlsplit(server.address).port)
-        path = server.url().removeprefix(server.address)
-        for user, status in (("65534", " 403 "), ("0", " 200 ")):
-            for family, host in (("AF_INET", "127.0.0.1"), ("AF_INET6", "::ffff:127.0.0.1")):
-                command = [sys.executable, "-c", client, family, host, port, path, user]
+    port = str(urlsplit(server.address).port)
+    for request in written(server, secret):
+        for family, host in (("AF_INET", "127.0.0.1"), ("AF_INET6", "::ffff:127.0.0.1")):
+            answers = []
+            for user in ("65534", "0"):
+                command = [sys.executable, "-c", CLIENT, family, host, port, user, request, "wait"]
                 answer = subprocess.run(command, capture_output=True, text=True, check=True)
-                assert status in answer.stdout
+                answers.append(answer.stdout.split()[1])
+            assert answers[0] == "403"
+            assert answers[1] in ("200", "405")  # PathView knows DELETE there only
+
+
+@LINUX
+def test_a_connection_that_its_program_has_closed_is_nobodys():
+    """Its owner cannot be told: Linux may show root, whoever has sent the request."""
+    with Server({}, port=0) as server:
+        statuses, answered = [], threading.Event()
+
+        @server.app.after_request
+        def note(response):
+            statuses.append(response.status_code)
+            answered.set()
+            return response
+
+        path = server.url().removeprefix(server.address)
+        request = f"GET {path} HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n"
+        port = str(urlsplit(server.address).port)
+        user = str(os.getuid())
+        command = [sys.executable, "-c", CLIENT, "AF_INET", "127.0.0.1", port, user, request, "go"]
+        subprocess.run(command, check=True)  # the connection waits to be accepted
+        threading.Thread(target=server.run, daemon=True).start()
+        assert answered.wait(10)
+        assert statuses == [403]
 
 
 @pytest.mark.parametrize(

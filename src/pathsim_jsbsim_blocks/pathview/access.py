@@ -17,8 +17,7 @@ _SAFE = ("GET", "HEAD")
 class Access:
     """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
-    Their values differ: other users of the machine may see the address, and could write the cookie
-    themselves.
+    Their values differ, so that the address, which other programs may see or log, is no cookie.
 
     Parameters
     ----------
@@ -45,6 +44,8 @@ class Access:
         # another site can make its own name resolve to this machine (DNS rebinding)
         if request.host.partition(":")[0] not in _NAMES:
             return "unknown host name"
+        if _of_another_user(request.environ):
+            return "this server answers its own user only"
         if not (self.has_token(request) or self._has_cookie(request)):
             return "open the address that the command has printed: it carries this start's token"
         if request.path.startswith("/api/"):
@@ -59,13 +60,9 @@ class Access:
         return self._bad_parameter(request) if page else ""
 
     def has_token(self, request: Any) -> bool:
-        """Whether the address carries the token, sent by a program of this server's user."""
+        """Whether the address carries the token."""
         given = request.args.get("token", "")
-        return (
-            request.method in _SAFE
-            and compare_digest(given.encode(), self.token.encode())
-            and not _of_another_user(request.environ)
-        )
+        return request.method in _SAFE and compare_digest(given.encode(), self.token.encode())
 
     def set_cookie(self, request: Any, response: Any) -> None:
         """Let the page's own requests in: browsers keep cookies by host, for all its ports."""
@@ -102,11 +99,12 @@ def _cookie(request: Any) -> str:
 def _of_another_user(environ: dict[str, Any]) -> bool:
     """Whether the connection's far end belongs to another user, where Linux can tell.
 
-    The browser's command line shows the token to every user of the machine.
+    The browser's command line shows the token to every user of the machine, and a browser sends
+    the cookie to servers of other users on other ports of this host.
     """
     try:
         # an IPv6 socket may connect to IPv4
-        lines = [
+        rows = [
             line.split()
             for table in ("tcp", "tcp6")
             for line in Path("/proc/net", table).read_text().splitlines()[1:]
@@ -115,9 +113,12 @@ def _of_another_user(environ: dict[str, Any]) -> bool:
     except (OSError, KeyError, ValueError):
         return False
     users = {
-        int(fields[7])
-        for fields in lines
-        if fields[1].endswith(theirs) and fields[2].endswith(ours)
+        int(row[7])
+        for row in rows
+        # a socket that its program has closed has no inode, and shows root as its owner
+        if row[1].endswith(theirs) and row[2].endswith(ours) and row[9] != "0"
     }
+    if not users:  # some sandboxes show no connection at all
+        return any(row[1].endswith(ours) for row in rows)
     # port forwarders of containers and of WSL run as root
     return bool(users - {os.getuid(), 0})
