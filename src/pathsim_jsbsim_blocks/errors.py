@@ -287,3 +287,25 @@ class MissingExtraError(BlocksError, ImportError):
             f'{package} is not installed; get it with pip install "pathsim-jsbsim-blocks[{extra}]"'
         )
         self.extra = extra
+
+
+class DaveMLError(BlocksError, ValueError):
+    """A DAVE-ML file is malformed, or a variable of it has no value.
+
+    Attributes
+    ----------
+    path : str
+        the file
+    line : int or None
+        line of the file
+    variable : str
+        varID of the variable that is concerned, empty if none is
+    """
+
+    def __init__(self, reason: str, *, path: Any, line: int | None = None, variable: str = ""):
+        where = f"{path}:{line}" if line else f"{path}"
+        what = f"variable {variable!r}: " if variable else ""
+        super().__init__(f"{where}: {what}{reason}")
+        self.path = str(path)
+        self.line = line
+        self.variable = variable

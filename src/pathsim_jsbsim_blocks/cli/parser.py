@@ -10,7 +10,7 @@ from .. import __version__
 from .arguments import engine_numbers
 from .editor import convert, export, view_model
 from .planes import list_aircraft, list_properties, print_gains, print_modes, print_trim
-from .results import check, study
+from .results import check, print_daveml, study
 from .runs import list_names, run
 
 
@@ -278,6 +278,13 @@ def command_parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "--save", metavar="FIG", type=Path, help="write the figures: FIG, FIG with _2, ..."
     )
+
+    sub = command(
+        "daveml",
+        print_daveml,
+        "the variables of a DAVE-ML model, and whether it passes its own check data",
+    )
+    sub.add_argument("file", metavar="FILE", help="the model, or the name of one of the package")
 
     sub = command("view", view_model, "open a diagram in PathView")
     sub.add_argument(

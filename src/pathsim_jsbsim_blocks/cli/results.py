@@ -1,10 +1,11 @@
-"""``study`` and ``check``."""
+"""``study``, ``check`` and ``daveml``."""
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
 import inspect
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -90,3 +91,32 @@ def check(args: argparse.Namespace) -> int:
                 show(comparison_figure(case, *scopes), "")
     print(f"{passed} of {len(cases)} cases pass: at {args.rate} Hz, {args.integrators} integrators")
     return int(passed < len(cases))
+
+
+def print_daveml(args: argparse.Namespace) -> int:
+    from ..daveml import DaveModel
+
+    model = DaveModel(args.file)
+    print(f"{model.path}: {len(model.variables)} variables")
+    rows = [("varID", "name", "kind", "unit", "sign", "limits", "value")]
+    for v in model.variables.values():
+        kind = f"{v.kind}, output" if v.is_output else v.kind
+        limits = "" if v.low == -math.inf and v.high == math.inf else f"{v.low:g} to {v.high:g}"
+        value = "" if v.initial is None or v.kind in ("calculation", "table") else f"{v.initial:g}"
+        rows.append((v.id, v.name, kind, v.units, v.sign, limits, value))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        print("  ".join(x.ljust(width) for x, width in zip(row, widths, strict=True)).rstrip())
+    checks = model.verify()
+    failed = [check for check in checks if not check.passes]
+    for c in failed:
+        print(
+            f"FAIL: shot {c.shot!r}: {c.variable} is {c.value:.9g}, not {c.expected:.9g} "
+            f"+- {c.tolerance:.3g}"
+        )
+    shots = len({check.shot for check in checks})
+    if not checks:
+        print("the file has no check data")
+    else:
+        print(f"{len(checks) - len(failed)} of {len(checks)} values in {shots} check shots pass")
+    return int(bool(failed))

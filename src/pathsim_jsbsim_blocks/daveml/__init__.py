@@ -1,0 +1,5 @@
+"""DAVE-ML (ANSI/AIAA S-119): models of flight dynamics read, evaluated and verified."""
+
+from .model import Check, DaveModel, Variable
+
+__all__ = ["Check", "DaveModel", "Variable"]

@@ -1,0 +1,139 @@
+"""The elements of a DAVE-ML file with their lines. Nothing but the file itself is read."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+from .._core.checks import as_path, did_you_mean, nearest
+from ..errors import DaveMLError, FileError
+
+# beyond any published model: a malformed file ends here instead of filling the memory
+_MOST_BYTES = 32_000_000
+_MOST_ELEMENTS = 500_000
+_MOST_DEPTH = 64
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+# models that come with the package, found by their names alone
+_MODELS = Path(__file__).resolve().parent / "models"
+
+
+@dataclass
+class Element:
+    """An element: its name without prefix, attributes, line, children and the text in between."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    path: Path
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+    def error(self, reason: str, variable: str = "", name: str = "", of: Iterable[str] = ()) -> Any:
+        """The error at this element; what ``of`` has like ``name`` is suggested."""
+        close = did_you_mean(nearest(name, of)) if name else ""
+        return DaveMLError(reason + close, path=self.path, line=self.line, variable=variable)
+
+    def all(self, *tags: str) -> Iterator[Element]:
+        return (child for child in self.children if child.tag in tags)
+
+    def has(self, *tags: str) -> bool:
+        return any(self.all(*tags))
+
+    def one(self, *tags: str) -> Element:
+        """The only child with one of these names."""
+        found = [*self.all(*tags)]
+        if len(found) != 1:
+            raise self.error(f"{self.tag} needs one {' or '.join(tags)}, and has {len(found)}")
+        return found[0]
+
+    def only(self, *tags: str) -> None:
+        """Refuse children of other names."""
+        for child in self.children:
+            if child.tag not in tags:
+                reason = f"{self.tag} has no element {child.tag!r}"
+                raise child.error(reason, name=child.tag, of=tags)
+
+    def get(self, name: str, *known: str) -> str:
+        """An attribute; without one the first of those ``known``, else it must be there."""
+        value = self.attributes.get(name, known[0] if known else "")
+        if not value or (known and value not in known):
+            expected = f", which is one of {', '.join(known)}" if known else ""
+            raise self.error(f"{self.tag} has {name}={value!r}{expected}", name=value, of=known)
+        return value
+
+    def number(self, name: str, default: Any) -> Any:
+        """The number in an attribute."""
+        return self.parse(self.attributes[name]) if name in self.attributes else default
+
+    def numbers(self) -> list[float]:
+        """The numbers in the text, between commas and blanks."""
+        return [self.parse(part) for part in re.split(r"[\s,]+", self.text) if part]
+
+    def parse(self, text: str) -> float:
+        x = float(text) if _NUMBER.fullmatch(text.strip()) else math.nan
+        if not math.isfinite(x):
+            raise self.error(f"{self.tag}: {text.strip()[:40]!r} is not a number")
+        return x
+
+
+def read_elements(file: Any) -> Element:
+    """The root element of a file. Its DTD is never fetched, and entities are refused."""
+    path = as_path("file", file)
+    if path.name == str(path) and not os.path.exists(path) and os.path.exists(_MODELS / path):
+        path = _MODELS / path
+    try:
+        if os.path.exists(path) and not os.path.isfile(path):  # reading a pipe would wait
+            raise OSError("not a file")
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise FileError("read", path, error) from None
+    if len(content) > _MOST_BYTES:
+        raise DaveMLError(f"larger than {_MOST_BYTES / 1e6:g} MB", path=path)
+    return _parsed(content, path)
+
+
+def _parsed(content: bytes, path: Path) -> Element:
+    document = Element("", {}, 0, path)
+    open_elements, count = [document], itertools.count(1)
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+
+    def refuse(reason: str) -> None:
+        raise DaveMLError(reason, path=path, line=parser.CurrentLineNumber)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if next(count) > _MOST_ELEMENTS or len(open_elements) > _MOST_DEPTH:
+            refuse(f"more than {_MOST_ELEMENTS} elements, or nested deeper than {_MOST_DEPTH}")
+        element = Element(tag.rpartition(":")[2], attributes, parser.CurrentLineNumber, path)
+        open_elements[-1].children.append(element)
+        open_elements[-1].text += " "
+        open_elements.append(element)
+
+    def text(data: str) -> None:
+        open_elements[-1].text += data
+
+    parser.StartElementHandler, parser.CharacterDataHandler = start, text
+    parser.EndElementHandler = lambda tag: open_elements.pop()
+    parser.EntityDeclHandler = lambda *_: refuse("entities are refused: write their text instead")
+    # of a DTD that was not fetched
+    parser.SkippedEntityHandler = lambda name, _: refuse(f"the entity {name!r} is not known")
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise DaveMLError(f"no XML: {reason}", path=path, line=error.lineno) from None
+    except DaveMLError:
+        raise
+    except (LookupError, ValueError) as error:  # an encoding that Python lacks
+        raise DaveMLError(f"no XML: {error}", path=path, line=1) from None
+    return document.children[0]

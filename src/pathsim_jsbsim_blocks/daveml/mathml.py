@@ -1,0 +1,153 @@
+"""MathML of a calculation as an expression, and that as Python or as JSBSim's XML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from .elements import Element
+
+# an operator and its arguments; of ("number", x) and ("variable", id) they are no expressions
+Expression = tuple
+
+_ANY = 256
+
+# fewest and most arguments, Python (what joins two arguments, or a function), JSBSim's element
+_OPERATORS: dict[str, tuple[int, int, str, str]] = {
+    "plus": (1, _ANY, " + ", "sum"),
+    "times": (1, _ANY, " * ", "product"),
+    "minus": (1, 2, " - ", "difference"),
+    "divide": (2, 2, " / ", "quotient"),
+    "power": (2, 2, "pow", "pow"),
+    "root": (1, 2, "pow", "pow"),
+    "rem": (2, 2, "fmod", "fmod"),
+    "quotient": (2, 2, "whole", ""),
+    "abs": (1, 1, "abs", "abs"),
+    "min": (1, _ANY, "min", "min"),
+    "max": (1, _ANY, "max", "max"),
+    "floor": (1, 1, "floor", "floor"),
+    "ceiling": (1, 1, "ceil", "ceil"),
+    "exp": (1, 1, "exp", "exp"),
+    "ln": (1, 1, "log", "ln"),
+    "log": (1, 2, "log10", "log10"),
+    "atan2": (2, 2, "atan2", "atan2"),
+    **{x: (1, 1, x, x) for x in ("sin", "cos", "tan")},
+    **{f"arc{x}": (1, 1, f"a{x}", f"a{x}") for x in ("sin", "cos", "tan")},
+    **{x: (1, 1, x, "") for x in ("sinh", "cosh", "tanh")},
+    **{f"arc{x}": (1, 1, f"a{x}", "") for x in ("sinh", "cosh", "tanh")},
+    "lt": (2, 2, " < ", "lt"),
+    "gt": (2, 2, " > ", "gt"),
+    "leq": (2, 2, " <= ", "le"),
+    "geq": (2, 2, " >= ", "ge"),
+    "eq": (2, 2, " == ", "eq"),
+    "neq": (2, 2, " != ", "nq"),
+    "and": (1, _ANY, "every", "and"),
+    "or": (1, _ANY, "some", "or"),
+    "xor": (2, 2, "either", ""),
+    "not": (1, 1, "negate", "not"),
+}
+_RECIPROCALS = {"sec": "cos", "csc": "sin", "cot": "tan"}
+_LOGIC = ("and", "or", "not")
+_BOOLEAN = ("lt", "gt", "leq", "geq", "eq", "neq", *_LOGIC)
+_CONSTANTS = {"pi": math.pi, "exponentiale": math.e, "true": 1.0, "false": 0.0}
+
+
+def _undefined() -> float:
+    raise ValueError("no piece of its piecewise applies")
+
+
+# what the Python of an expression calls
+NAMES: dict[str, Any] = {
+    **vars(math),
+    **{"__builtins__": {}, "abs": abs, "min": min, "max": max, "undefined": _undefined},
+    "whole": lambda a, b: math.trunc(a / b),
+    "every": lambda *x: float(all(x)),
+    "some": lambda *x: float(any(x)),
+    "either": lambda a, b: float((a != 0) != (b != 0)),
+    "negate": lambda x: float(not x),
+}
+
+
+def read_expression(element: Element) -> Expression:
+    """The expression of a MathML element."""
+    tag, children = element.tag, element.children
+    if tag == "cn":
+        return ("number", _number(element))
+    if tag == "ci":
+        return ("variable", element.text.strip())
+    if tag in _CONSTANTS:
+        return ("number", _CONSTANTS[tag])
+    if tag == "piecewise":
+        return _piecewise(element)
+    known = ("apply", "cn", "ci", "piecewise", *_CONSTANTS)
+    if tag != "apply" or not children:
+        raise element.error(f"{tag!r} is no expression", name=tag, of=known)
+    operator, *arguments = children
+    if operator.tag == "piecewise" and not arguments:  # some files apply it to nothing
+        return _piecewise(operator)
+    name = operator.text.strip() if operator.tag == "csymbol" else operator.tag
+    bare = [x.one(*known) if x.tag in ("degree", "logbase") else x for x in arguments]
+    return _applied(operator, name, [*map(read_expression, bare)])
+
+
+def _applied(element: Element, name: str, arguments: list[Expression]) -> Expression:
+    if name in _RECIPROCALS:
+        return ("divide", ("number", 1.0), _applied(element, _RECIPROCALS[name], arguments))
+    if name not in _OPERATORS:
+        raise element.error(f"unknown operator {name!r}", name=name, of=[*_OPERATORS, "sec", "cot"])
+    fewest, most, *_ = _OPERATORS[name]
+    if not fewest <= len(arguments) <= most:
+        raise element.error(f"{name!r} takes {fewest} to {most} arguments, not {len(arguments)}")
+    if name == "root":
+        *degree, x = arguments
+        return ("power", x, ("divide", ("number", 1.0), *(degree or [("number", 2.0)])))
+    if name == "log" and len(arguments) == 2:
+        return ("divide", ("ln", arguments[1]), ("ln", arguments[0]))
+    if len(arguments) == 1 and most == _ANY:
+        return ("neq", *arguments, ("number", 0.0)) if name in _LOGIC else arguments[0]
+    if name == "minus" and len(arguments) == 1:
+        return ("minus", ("number", 0.0), *arguments)
+    return (name, *arguments)
+
+
+def _number(element: Element) -> float:
+    kind = element.get("type", "real", "integer", "double", "e-notation")
+    if kind == "e-notation" and [c.tag for c in element.children] == ["sep"]:
+        return element.parse("e".join(element.text.split()))
+    return element.parse(element.text)
+
+
+def _piecewise(element: Element) -> Expression:
+    """Values and conditions in turn, and at last the value otherwise, if there is one."""
+    element.only("piece", "otherwise")
+    parts = sorted(element.children, key=lambda part: part.tag == "otherwise")
+    for part in parts:
+        expected = 2 - (part is parts[-1] and part.tag == "otherwise")
+        if len(part.children) != expected or len(parts) > _ANY:
+            raise part.error(f"a piece has a value and a condition, and there are at most {_ANY}")
+    if not parts:
+        raise element.error("the piecewise is empty")
+    return ("piecewise", *(read_expression(x) for part in parts for x in part.children))
+
+
+def variables_of(expression: Expression) -> set[str]:
+    """The variables that an expression reads."""
+    kind, *arguments = expression
+    if kind in ("number", "variable"):
+        return {*arguments} if kind == "variable" else set()
+    return set().union(*map(variables_of, arguments))
+
+
+def python_of(expression: Expression, name: Callable[[str], str]) -> str:
+    """An expression as Python; ``name`` gives that of a variable."""
+    kind, *arguments = expression
+    if kind in ("number", "variable"):
+        return name(arguments[0]) if kind == "variable" else f"({arguments[0]!r})"
+    parts = [python_of(x, name) for x in arguments]
+    if kind == "piecewise":
+        pieces = zip(parts[::2], parts[1::2], strict=False)
+        last = parts[-1] if len(parts) % 2 else "undefined()"
+        return "(" + "".join(f"{value} if {when} else " for value, when in pieces) + f"{last})"
+    operator = _OPERATORS[kind][2]
+    return f"({operator.join(parts)})" if operator[0] == " " else f"{operator}({', '.join(parts)})"

@@ -1,0 +1,375 @@
+"""A DAVE-ML model: read from its file, evaluated, and verified against its own check data."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from typing import Any, NamedTuple
+
+from .._core.checks import did_you_mean, nearest, number
+from ..errors import DaveMLError, ParameterError
+from .elements import Element, read_elements
+from .mathml import NAMES, Expression, python_of, read_expression, variables_of
+from .tables import METHODS, Axis, Grid
+
+# relative, of internal values in check data: files state no tolerance for them
+_ROUNDING = 1e-6
+
+_INPUTS = ("isInput", "isControl", "isDisturbance")
+
+Table = Callable[..., float]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a DAVE-ML model: ``id`` within the file, ``name`` to the outside.
+
+    ``kind`` is "input", "constant", "calculation" or "table"; ``initial`` is the value of a
+    constant, and of an input where none is given. The value is limited to ``low`` and ``high``.
+    """
+
+    id: str
+    name: str
+    units: str
+    sign: str
+    kind: str
+    is_output: bool
+    initial: float | None
+    low: float
+    high: float
+    element: Element
+    expression: Expression  # of a calculation
+    table: Table | None
+    arguments: tuple[str, ...]  # of the table
+
+    @property
+    def reads(self) -> set[str]:
+        return {*self.arguments} or variables_of(self.expression)
+
+
+class Check(NamedTuple):
+    """One value of a check shot: what the file expects, and what the model gives."""
+
+    shot: str
+    variable: str
+    expected: float
+    value: float
+    tolerance: float
+
+    @property
+    def passes(self) -> bool:
+        return abs(self.value - self.expected) <= self.tolerance
+
+
+class DaveModel:
+    """A model in DAVE-ML (ANSI/AIAA S-119), read from a file.
+
+    Its values are limited to their ``minValue`` and ``maxValue``. Statistical elements
+    (``uncertainty``) are not read.
+
+    Parameters
+    ----------
+    file : str or Path
+        the file; the name alone of a model that comes with the package, such as "f16_aero.dml"
+
+    Attributes
+    ----------
+    path : Path
+        the file
+    variables : dict of Variable
+        all variables by varID, each after those that it reads
+    inputs, outputs : list of Variable
+        in the file's order. Inputs are marked ``isInput``, or have nothing that gives them a
+        value; outputs are marked ``isOutput``
+
+    Raises
+    ------
+    FileError
+        if the file cannot be read
+    DaveMLError
+        if it is malformed, naming line and variable
+    """
+
+    def __init__(self, file: Any):
+        root = read_elements(file)
+        self.path = root.path
+        if root.tag != "DAVEfunc":
+            raise root.error(f"no DAVE-ML: the root is {root.tag!r}, not 'DAVEfunc'")
+        tables = ("breakpointDef", "griddedTableDef", "ungriddedTableDef")
+        root.only("fileHeader", "variableDef", *tables, "function", "checkData")
+        found = _variables(root, _tables(root))
+        self.variables = {name: found[name] for name in _order(found)}
+        self.inputs = [v for v in found.values() if v.kind == "input"]
+        self.outputs = [v for v in found.values() if v.is_output]
+        self._shots = [*_shots(root, self)]
+        self._function = self._compiled()
+        numbers = {name: i for i, name in enumerate(self.variables)}
+        self._shown = [numbers[v.id] for v in self.outputs]
+
+    def __call__(self, values: Sequence[float]) -> list[float]:
+        """The outputs for the inputs, in the order of ``outputs`` and ``inputs``.
+
+        Raises
+        ------
+        DaveMLError
+            if a variable has no value there, as after a division by zero
+        """
+        found = self._evaluated(values)
+        return [found[i] for i in self._shown]
+
+    def evaluate(self, inputs: Mapping[str, float] = {}) -> dict[str, float]:
+        """All variables by varID.
+
+        Parameters
+        ----------
+        inputs : mapping
+            values of inputs, by varID or name; the others have the initial values of the file
+
+        Raises
+        ------
+        ParameterError
+            for a name that is no input, and an input without a value
+        DaveMLError
+            if a variable has no value there
+        """
+        ids = {key: v.id for v in self.inputs for key in (v.name, v.id)}
+        given: dict[str, Any] = {v.id: v.initial for v in self.inputs}
+        for name, value in inputs.items():
+            if name not in ids:
+                reason = f"{self.path.name} has no input {name!r}"
+                reason += did_you_mean(nearest(name, ids))
+                raise ParameterError(reason, parameter=name, value=value)
+            given[ids[name]] = number(name, value)
+        for name, value in given.items():
+            number(f"{self.path.name}: the input {name!r}", value)
+        values = self._evaluated([*given.values()])
+        return dict(zip(self.variables, map(float, values), strict=True))
+
+    def verify(self) -> list[Check]:
+        """The values of the file's check shots, beside what the model gives.
+
+        An internal value, for which files state no tolerance, may differ by 1e-6 of its size.
+
+        Raises
+        ------
+        ParameterError, DaveMLError
+            if a shot leaves out an input, or a variable has no value in it
+        """
+        checks = []
+        for shot, inputs, expected in self._shots:
+            found = self.evaluate(inputs)
+            checks += [Check(shot, name, x, found[name], tol) for name, x, tol in expected]
+        return checks
+
+    def _evaluated(self, values: Sequence[float]) -> list[float]:
+        try:
+            return self._function(*values)
+        except (ArithmeticError, ValueError) as error:
+            place: Any = error.__traceback__
+            while place.tb_frame.f_code is not self._function.__code__:
+                place = place.tb_next
+            v = [*self.variables.values()][place.tb_lineno - 2]
+            raise v.element.error(f"no value: {error}", v.id) from None
+
+    def _compiled(self) -> Any:
+        """A function of the inputs that gives all variables, with one line for each."""
+        local = {name: f"v{i}" for i, name in enumerate(self.variables)}
+        names: dict[str, Any] = {**NAMES, "limited": _limited}
+        lines = [f"def function({', '.join(local[v.id] for v in self.inputs)}):"]
+        lines += [f" {local[v.id]} = {_code(v, local, names)}" for v in self.variables.values()]
+        lines.append(f" return [{', '.join(local.values())}]")
+        try:
+            exec(compile("\n".join(lines), "<DAVE-ML>", "exec"), names)
+        except (RecursionError, MemoryError):
+            raise DaveMLError("its calculations are nested too deeply", path=self.path) from None
+        return names["function"]
+
+
+def _code(v: Variable, local: Mapping[str, str], names: dict[str, Any]) -> str:
+    """The Python of a variable; its table and limits are put among the names."""
+    name = local[v.id]
+    if v.kind == "table":
+        names[f"table_{name}"] = v.table
+        code = f"table_{name}({', '.join(local[x] for x in v.arguments)})"
+    else:
+        code = name if v.kind == "input" else python_of(v.expression, local.__getitem__)
+    if v.low == -math.inf and v.high == math.inf:
+        return code
+    names[f"limits_{name}"] = v.low, v.high
+    return f"limited({code}, *limits_{name})"
+
+
+def _limited(x: float, low: float, high: float) -> float:
+    return low if x < low else high if x > high else x  # NaN stays
+
+
+def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:
+    found: dict[str, Variable] = {}
+    for element in root.all("variableDef"):
+        name, initial = element.get("varID"), element.number("initialValue", None)
+        if name in found:
+            raise element.error(f"is in line {found[name].element.line} too", name)
+        marks = ("isOutput", "isState", "isStateDeriv", "isStdAIAA", *_INPUTS)
+        element.only("description", "provenance", "provenanceRef", "calculation",
+                     "uncertainty", *marks)  # fmt: skip
+        function, table, arguments = tables.pop(name, (None, None, ()))
+        calculations = [*element.all("calculation")]
+        if len(calculations) + (table is not None) + element.has(*_INPUTS) > 1:
+            raise element.error("has more than one of input, calculation and table", name)
+        kind, expression = "constant", ("number", initial)
+        if table is not None:
+            kind = "table"
+        elif calculations:
+            (content,) = calculations[0].one("math").children or [calculations[0]]
+            kind, expression = "calculation", read_expression(content)
+        elif element.has(*_INPUTS) or initial is None:
+            kind = "input"
+        low = element.number("minValue", -math.inf)
+        high = element.number("maxValue", math.inf)
+        if low > high:
+            raise element.error(f"minValue {low:g} is above maxValue {high:g}", name)
+        units, sign = (element.attributes.get(x, "") for x in ("units", "sign"))
+        found[name] = Variable(
+            name, element.get("name"), units, sign, kind, element.has("isOutput"), initial,
+            low, high, element, expression, table, arguments,
+        )  # fmt: skip
+    for name, (function, *_) in tables.items():
+        raise function.error(f"no variable {name!r}", name=name, of=found)
+    return found
+
+
+def _order(found: Mapping[str, Variable]) -> Iterable[str]:
+    """The variables, each after those that it reads."""
+    for v in found.values():
+        for name in v.reads - {*found}:
+            raise v.element.error(f"reads {name!r}, which is not there", v.id, name, found)
+    try:
+        return [*TopologicalSorter({v.id: v.reads for v in found.values()}).static_order()]
+    except CycleError as error:
+        loop = error.args[1]
+        needs = " -> ".join(reversed(loop))
+        raise found[loop[0]].element.error(f"needs itself: {needs}", loop[0]) from None
+
+
+def _tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...]]]:
+    """The function of each variable that is looked up in a table, the table and its arguments."""
+    definitions: dict[tuple[str, str], Element] = {}
+    inside = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
+    for element in [*root.children, *inside]:
+        for key in ("bpID", "gtID", "utID"):
+            if key in element.attributes and not element.tag.endswith("Ref"):
+                definitions[key, element.attributes[key]] = element
+
+    def defined(key: str, reference: Element) -> Element:
+        name = reference.get(key)
+        if (key, name) not in definitions:
+            names = [n for k, n in definitions if k == key]
+            raise reference.error(f"no {key} {name!r}", name=name, of=names)
+        return definitions[key, name]
+
+    found: dict[str, tuple] = {}
+    for function in root.all("function"):
+        variables = [*function.all("independentVarPts", "independentVarRef")]
+        output = function.one("dependentVarPts", "dependentVarRef")
+        name = output.get("varID")
+        if name in found or not variables:
+            raise function.error("is the second function, or has no variable", name)
+        if output.tag == "dependentVarPts":
+            table: Table = _grid(output, variables, variables)
+        else:
+            kinds = ("griddedTable", "griddedTableDef", "ungriddedTable", "ungriddedTableDef")
+            refs = ("griddedTableRef", "ungriddedTableRef")
+            data = function.one("functionDefn").one(*kinds, *refs)
+            if data.tag in refs:
+                data = defined(data.tag[0] + "tID", data)
+            if data.tag[0] == "u":
+                table = _scattered(data, variables)
+            else:
+                places = data.one("breakpointRefs").all("bpRef")
+                points = [defined("bpID", x).one("bpVals") for x in places]
+                table = _grid(data.one("dataTable"), variables, points)
+        found[name] = function, table, tuple(v.get("varID") for v in variables)
+    return found
+
+
+def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]) -> Grid:
+    if len(points) != len(variables):
+        raise data.error(f"{len(variables)} variables, but {len(points)} sets of breakpoints")
+    axes = [_axis(v, p, p.numbers()) for v, p in zip(variables, points, strict=True)]
+    values, shape = data.numbers(), [len(axis.points) for axis in axes]
+    if math.prod(shape) != len(values):
+        needed = " x ".join(map(str, shape))
+        raise data.error(f"{needed} breakpoints need {math.prod(shape)} values, not {len(values)}")
+    return Grid(axes, values)
+
+
+def _scattered(data: Element, variables: Sequence[Element]) -> Table:
+    """Values at scattered points: linear on Delaunay's triangles, beyond them the nearest one's."""
+    rows = []
+    for point in data.all("dataPoint"):
+        rows.append(point.numbers())
+        if len(rows[-1]) != len(variables) + 1:
+            raise point.error(f"needs {len(variables)} coordinates and a value, not {rows[-1]}")
+    if not rows:
+        raise data.error("has no dataPoint")
+    if len(variables) == 1:
+        xs, ys = map(list, zip(*sorted(rows), strict=True))
+        return Grid([_axis(variables[0], data, xs)], ys)
+    for v in variables:
+        if not _axis(v, data, [0.0]).plain:
+            raise v.error("a table of scattered points is linear, and held beyond them")
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+    from scipy.spatial import QhullError
+
+    points, values = [row[:-1] for row in rows], [row[-1] for row in rows]
+    try:
+        # rescaled, so that variables of different size count alike
+        inside = LinearNDInterpolator(points, values, rescale=True)
+    except QhullError:
+        raise data.error("its points span no volume") from None
+    outside = NearestNDInterpolator(points, values, rescale=True)
+
+    def table(*x: float) -> float:
+        y = float(inside([x])[0])
+        return float(outside([x])[0]) if math.isnan(y) else y
+
+    return table
+
+
+def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
+    beyond = variable.get("extrapolate", "neither", "min", "max", "both")
+    method = variable.get("interpolate", *METHODS)
+    if not points or any(a >= b for a, b in itertools.pairwise(points)):
+        raise at.error(f"breakpoints must increase, not {points}"[:200])
+    low, high = variable.number("min", -math.inf), variable.number("max", math.inf)
+    if low > high:
+        raise variable.error(f"min {low:g} is above max {high:g}")
+    return Axis(points, method, beyond in ("min", "both"), beyond in ("max", "both"), low, high)
+
+
+def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, float], list]]:
+    """Name, inputs, and expected values with tolerances of each check shot."""
+    outputs = {v.name: v.id for v in [*model.variables.values(), *model.outputs]}
+    inputs = outputs | {v.name: v.id for v in model.inputs}
+
+    def read(signal: Element, names: Mapping[str, str]) -> tuple[str, float]:
+        named = signal.one("signalName", "signalID", "varID")
+        name, value = named.text.strip(), signal.one("signalValue")
+        if named.tag != "signalName":
+            names = {id: id for id in model.variables}
+        if name not in names:
+            raise named.error(f"no variable {name!r}", name=name, of=names)
+        return names[name], value.parse(value.text)
+
+    for shot in (shot for data in root.all("checkData") for shot in data.all("staticShot")):
+        expected = []
+        for part in shot.all("internalValues", "checkOutputs"):
+            for signal in part.all("signal"):
+                name, value = read(signal, outputs)
+                tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
+                expected.append((name, value, *(tolerances or [_ROUNDING * abs(value)])))
+        given = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
+        yield shot.attributes.get("name", f"line {shot.line}"), given, expected

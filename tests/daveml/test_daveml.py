@@ -1,0 +1,388 @@
+"""DAVE-ML files: read, evaluated, verified; what is malformed is refused by line and variable."""
+
+import math
+import os
+import random
+import sys
+
+import numpy as np
+import pytest
+from corruptions import corrupted
+from how_many import first
+
+from pathsim_jsbsim_blocks import BlocksError, ParameterError
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.daveml import DaveModel, elements
+from pathsim_jsbsim_blocks.errors import DaveMLError, FileError
+
+# numbers of a wing written for this test: lift with a stall, drag, elevator
+WING = """<?xml version="1.0"?>
+<!DOCTYPE DAVEfunc SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd">
+<DAVEfunc xmlns="http://daveml.org/2010/DAVEML">
+  <fileHeader name="wing"/>
+  <variableDef name="lift" varID="CL" units="nd" sign="up" maxValue="1.4">
+    <calculation><math xmlns="http://www.w3.org/1998/Math/MathML">
+      <apply><plus/><ci>CL0</ci><apply><times/><cn>0.01</cn><ci>el</ci></apply></apply>
+    </math></calculation>
+    <isOutput/>
+  </variableDef>
+  <variableDef name="angleOfAttack" varID="alpha" units="deg"><isInput/></variableDef>
+  <variableDef name="elevator" varID="el" units="deg" initialValue="0" minValue="-25"
+    maxValue="25"><isInput/></variableDef>
+  <variableDef name="table" varID="CL0" units="nd"/>
+  <variableDef name="area" varID="S" units="ft2" initialValue="16.2"><isOutput/></variableDef>
+  <breakpointDef bpID="A"><bpVals>-10, 0 <!-- deg --> 10
+    15</bpVals></breakpointDef>
+  <function name="lift curve">
+    <independentVarRef varID="alpha"/><dependentVarRef varID="CL0"/>
+    <functionDefn><griddedTableDef><breakpointRefs><bpRef bpID="A"/></breakpointRefs>
+      <dataTable>-0.7,.3 , 1.3 1e0</dataTable></griddedTableDef></functionDefn>
+  </function>
+  <checkData>
+    <staticShot name="cruise">
+      <checkInputs><signal><signalName>angleOfAttack</signalName><signalUnits>deg</signalUnits>
+        <signalValue>5</signalValue></signal></checkInputs>
+      <internalValues><signal><varID>CL0</varID><signalValue>0.8</signalValue></signal>
+      </internalValues>
+      <checkOutputs><signal><signalName>lift</signalName><signalValue>0.80004</signalValue>
+        <tol>5e-5</tol></signal></checkOutputs>
+    </staticShot>
+  </checkData>
+</DAVEfunc>
+"""
+
+
+def written(folder, text, name="model.dml"):
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def formula(tmp_path, mathml, **inputs):
+    """The value of a MathML expression of inputs."""
+    given = "".join(
+        f'<variableDef name="{x}" varID="{x}" units="nd"><isInput/></variableDef>' for x in inputs
+    )
+    file = written(
+        tmp_path,
+        f'<DAVEfunc>{given}<variableDef name="y" varID="y" units="nd"><calculation><math>'
+        f"{mathml}</math></calculation><isOutput/></variableDef></DAVEfunc>",
+    )
+    return DaveModel(file).evaluate(inputs)["y"]
+
+
+def apply(operator, *arguments):
+    return f"<apply><{operator}/>{''.join(arguments)}</apply>"
+
+
+A, B = "<ci>a</ci>", "<ci>b</ci>"
+
+
+def test_a_model_is_read_in_any_order_and_evaluated(tmp_path):
+    model = DaveModel(written(tmp_path, WING))
+    assert [v.name for v in model.inputs] == ["angleOfAttack", "elevator"]
+    assert [v.name for v in model.outputs] == ["lift", "area"]
+    assert (model.variables["CL"].units, model.variables["CL"].sign) == ("nd", "up")
+    # halfway up, with a little elevator; at the peak; held beyond the ends
+    assert model([5.0, 10.0]) == pytest.approx([0.8 + 0.1, 16.2], rel=1e-15)
+    assert model([12.5, 0.0])[0] == pytest.approx(1.15)
+    assert model([-90.0, 0.0])[0] == -0.7
+    assert model([90.0, 0.0])[0] == 1.0
+    # limits of an input, then of the output
+    assert model([-10.0, 99.0])[0] == pytest.approx(-0.7 + 0.25)
+    assert model([10.0, 99.0])[0] == 1.4
+    # what is left out has its initial value
+    assert model.evaluate({"angleOfAttack": 5.0}) == model.evaluate({"alpha": 5.0, "el": 0.0})
+    assert model.evaluate({"alpha": 5.0})["CL0"] == pytest.approx(0.8)
+
+
+def test_a_model_is_verified_against_its_own_check_data(tmp_path, capsys):
+    internal, lift = DaveModel(written(tmp_path, WING)).verify()
+    assert (lift.shot, lift.variable, lift.expected, lift.tolerance) == (
+        "cruise",
+        "CL",
+        0.80004,
+        5e-5,
+    )
+    assert internal.passes
+    assert lift.passes
+    assert main(["daveml", str(tmp_path / "model.dml")]) == 0
+    out = capsys.readouterr().out
+    assert "2 of 2 values in 1 check shots pass" in out
+    row = next(line.split() for line in out.splitlines() if line.startswith("el "))
+    assert row == ["el", "elevator", "input", "deg", "-25", "to", "25", "0"]
+    wrong = written(tmp_path, WING.replace("0.80004", "0.80006"))
+    assert [c.passes for c in DaveModel(wrong).verify()] == [True, False]
+    assert main(["daveml", str(wrong)]) == 1
+    assert "FAIL: shot 'cruise': CL is 0.8, not 0.80006 +- 5e-05" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("mathml", "expected"),
+    [
+        (apply("plus", A, B, A), 2.0 * 1.25 - 0.5),
+        (apply("minus", A), -1.25),
+        (apply("minus", A, B), 1.75),
+        (apply("times", A, B, B), 1.25 * 0.25),
+        (apply("divide", A, B), -2.5),
+        (apply("power", A, "<cn>3</cn>"), 1.25**3),
+        (apply("root", A), math.sqrt(1.25)),
+        (apply("root", "<degree><cn>3</cn></degree>", A), 1.25 ** (1 / 3)),
+        (apply("abs", B), 0.5),
+        (apply("exp", B), math.exp(-0.5)),
+        (apply("ln", A), math.log(1.25)),
+        (apply("log", A), math.log10(1.25)),
+        (apply("log", "<logbase><cn>2</cn></logbase>", A), math.log2(1.25)),
+        (apply("sin", A), math.sin(1.25)),
+        (apply("cos", A), math.cos(1.25)),
+        (apply("tan", A), math.tan(1.25)),
+        (apply("sec", A), 1 / math.cos(1.25)),
+        (apply("csc", A), 1 / math.sin(1.25)),
+        (apply("cot", A), 1 / math.tan(1.25)),
+        (apply("arcsin", B), math.asin(-0.5)),
+        (apply("arccos", B), math.acos(-0.5)),
+        (apply("arctan", A), math.atan(1.25)),
+        (apply("sinh", A), math.sinh(1.25)),
+        (apply("arctanh", B), math.atanh(-0.5)),
+        ("<apply><csymbol>atan2</csymbol><ci>b</ci><ci>a</ci></apply>", math.atan2(-0.5, 1.25)),
+        (apply("min", A, B), -0.5),
+        (apply("max", A, B, "<cn>1.5</cn>"), 1.5),
+        (apply("floor", B), -1.0),
+        (apply("ceiling", A), 2.0),
+        (apply("rem", A, B), 0.25),
+        (apply("quotient", A, B), -2.0),
+        (apply("lt", A, B), 0.0),
+        (apply("leq", A, A), 1.0),
+        (apply("gt", A, B), 1.0),
+        (apply("geq", B, A), 0.0),
+        (apply("eq", A, A), 1.0),
+        (apply("neq", A, A), 0.0),
+        (apply("and", apply("gt", A, B), apply("lt", A, B)), 0.0),
+        (apply("or", apply("gt", A, B), apply("lt", A, B)), 1.0),
+        (apply("xor", "<true/>", "<true/>"), 0.0),
+        (apply("not", "<false/>"), 1.0),
+        (apply("times", "<pi/>", "<exponentiale/>"), math.pi * math.e),
+        ('<cn type="e-notation">12.5<sep/>-3</cn>', 0.0125),
+    ],
+)  # fmt: skip
+def test_every_operator_of_mathml(tmp_path, mathml, expected):
+    assert formula(tmp_path, mathml, a=1.25, b=-0.5) == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_piecewise_takes_the_first_piece_that_applies(tmp_path):
+    def piecewise(a, last="<otherwise><cn>0</cn></otherwise>"):
+        pieces = [(1, apply("gt", A, "<cn>2</cn>")), (2, apply("gt", A, "<cn>1</cn>"))]
+        inner = "".join(f"<piece><cn>{x}</cn>{c}</piece>" for x, c in pieces)
+        return formula(tmp_path, f"<piecewise>{last}{inner}</piecewise>", a=a)
+
+    assert [piecewise(a) for a in (3.0, 2.0, 1.0)] == [1.0, 2.0, 0.0]
+    with pytest.raises(DaveMLError, match=r"model.dml:1: variable 'y': no value: no piece of its"):
+        piecewise(1.0, last="")
+
+
+def looked_up(tmp_path, attributes, x, points="0 1 3 4", values="1 3 2 6"):
+    text = f"""<DAVEfunc>
+      <variableDef name="x" varID="x" units="nd"/><variableDef name="y" varID="y" units="nd"/>
+      <function name="f"><independentVarPts varID="x" {attributes}>{points}</independentVarPts>
+      <dependentVarPts varID="y">{values}</dependentVarPts></function></DAVEfunc>"""
+    model = DaveModel(written(tmp_path, text))
+    return [model.evaluate({"x": a})["y"] for a in x]
+
+
+def test_the_rules_of_interpolation(tmp_path):
+    x = [0.0, 0.4, 0.5, 2.0, 2.1, 4.0]
+    y = looked_up(tmp_path, "", x)
+    assert y == pytest.approx(np.interp(x, [0, 1, 3, 4], [1, 3, 2, 6]), rel=1e-15)
+    # the nearest, in the middle the upper one; the one below; the one above
+    assert looked_up(tmp_path, 'interpolate="discrete"', x) == [1, 1, 3, 2, 2, 6]
+    assert looked_up(tmp_path, 'interpolate="floor"', x) == [1, 1, 1, 3, 3, 6]
+    assert looked_up(tmp_path, 'interpolate="ceiling"', x) == [1, 3, 3, 2, 2, 6]
+    # splines give the polynomials of their degree
+    points, at = np.array([0.0, 1, 3, 4, 6]), np.array([0.2, 2.0, 4.5, 5.9])
+    for name, f in (("quadraticSpline", lambda x: x * x), ("cubicSpline", lambda x: x**3 - x)):
+        given = [" ".join(map(str, p)) for p in (points, f(points))]
+        assert looked_up(tmp_path, f'interpolate="{name}"', at, *given) == pytest.approx(f(at))
+
+
+def test_the_rules_of_extrapolation(tmp_path):
+    beyond = [-1.0, 5.0]
+    assert looked_up(tmp_path, "", beyond) == [1.0, 6.0]
+    assert looked_up(tmp_path, 'extrapolate="min"', beyond) == pytest.approx([-1.0, 6.0])
+    assert looked_up(tmp_path, 'extrapolate="max"', beyond) == pytest.approx([1.0, 10.0])
+    assert looked_up(tmp_path, 'extrapolate="both"', beyond) == pytest.approx([-1.0, 10.0])
+    # limits of the variable come first
+    both = 'extrapolate="both" min="0.5" max="4.5"'
+    assert looked_up(tmp_path, both, beyond) == pytest.approx([2.0, 8.0])
+    assert looked_up(tmp_path, 'min="7" max="8"', beyond) == [6.0, 6.0]
+
+
+def test_a_grid_of_three_variables_has_the_last_fastest(tmp_path):
+    def f(x, y, z):
+        return 1 + x + 10 * y - 3 * z + 2 * x * y * z  # trilinear: exact
+
+    axes = [0, 1, 3], [-1, 2], [0, 5, 7, 9]
+    values = [f(x, y, z) for x in axes[0] for y in axes[1] for z in axes[2]]
+    points = "".join(
+        f'<breakpointDef bpID="{n}"><bpVals>{" ".join(map(str, a))}</bpVals></breakpointDef>'
+        for n, a in zip("xyz", axes, strict=True)
+    )
+    text = f"""<DAVEfunc>{points}
+      {"".join(f'<variableDef name="{n}" varID="{n}" units="nd"/>' for n in "xyzw")}
+      <griddedTableDef gtID="T"><breakpointRefs><bpRef bpID="x"/><bpRef bpID="y"/>
+      <bpRef bpID="z"/></breakpointRefs><dataTable>{values!s:}</dataTable></griddedTableDef>
+      <function name="f">{"".join(f'<independentVarRef varID="{n}"/>' for n in "xyz")}
+      <dependentVarRef varID="w"/><functionDefn><griddedTableRef gtID="T"/></functionDefn>
+      </function></DAVEfunc>""".replace("[", "").replace("]", "")
+    model, draw = DaveModel(written(tmp_path, text)), random.Random(1)
+    for _ in range(20):
+        at = {n: draw.uniform(a[0], a[-1]) for n, a in zip("xyz", axes, strict=True)}
+        assert model.evaluate(at)["w"] == pytest.approx(f(**at), rel=1e-12)
+
+
+def test_scattered_points_are_linear_on_triangles_and_held_beyond_them(tmp_path):
+    draw = random.Random(2)
+    rows = [(x, y) for x in (0, 1) for y in (0, 100)]
+    rows += [(draw.random(), 100 * draw.random()) for _ in range(20)]
+    points = "".join(f"<dataPoint>{x} {y} {2 + 3 * x - y / 50}</dataPoint>" for x, y in rows)
+    text = f"""<DAVEfunc>{"".join(f'<variableDef name="{n}" varID="{n}" units="nd"/>' for n in "xyw")}
+      <function name="f"><independentVarRef varID="x"/><independentVarRef varID="y"/>
+      <dependentVarRef varID="w"/><functionDefn><ungriddedTableDef>{points}</ungriddedTableDef>
+      </functionDefn></function></DAVEfunc>"""
+    model = DaveModel(written(tmp_path, text))
+    assert model.evaluate({"x": 0.3, "y": 70.0})["w"] == pytest.approx(2 + 0.9 - 1.4)
+    assert model.evaluate({"x": 2.0, "y": 130.0})["w"] == pytest.approx(3.0)
+    one = text.replace('<independentVarRef varID="y"/>', "").replace(
+        points, "<dataPoint>2 5</dataPoint><dataPoint>1 3</dataPoint>"
+    )
+    assert DaveModel(written(tmp_path, one)).evaluate({"x": 1.5, "y": 0.0})["w"] == pytest.approx(
+        4.0
+    )
+
+
+CN, OUT = "<cn>0.01</cn>", "<isOutput/>"
+MALFORMED = [
+    (WING[:700], r"model.dml:14: no XML: "),
+    (WING.replace("DAVEfunc xmlns", "fdm_config xmlns").replace("</DAVEfunc", "</fdm_config"), "the root is 'fdm_config'"),
+    (WING.replace("<breakpointDef", "<breakpoints").replace("</breakpointDef", "</breakpoints"), r":16: DAVEfunc has no element 'breakpoints'; did you mean 'breakpointDef'"),
+    (WING.replace('<ci>el</ci>', '<ci>elev</ci>'), r":5: variable 'CL': reads 'elev', which is not there; did you mean .*'el'"),
+    (WING.replace('<ci>el</ci>', '<ci>CL</ci>'), r"needs itself: CL -> CL"),
+    (WING.replace("<times/>", "<tims/>"), r":7: unknown operator 'tims'; did you mean 'times'"),
+    (WING.replace(CN, "<cn>1_0</cn>"), r":7: cn: '1_0' is not a number"),
+    (WING.replace(CN, "<cn>nan</cn>"), "'nan' is not a number"),
+    (WING.replace(CN, "<cn>1e999</cn>"), "'1e999' is not a number"),
+    (WING.replace(CN, "<vector/>"), "'vector' is no expression"),
+    (WING.replace("<plus/>", "<divide/>").replace("<ci>CL0</ci>", ""), "'divide' takes 2 to 2 arguments, not 1"),
+    (WING.replace('varID="el"', 'varID="alpha"'), "variable 'alpha': is in line 11 too"),
+    (WING.replace('maxValue="25"', 'maxValue="-30"'), "variable 'el': minValue -25 is above maxValue -30"),
+    (WING.replace("-10, 0", "-10, 20"), "breakpoints must increase"),
+    (WING.replace(" 1e0", ""), "4 breakpoints need 4 values, not 3"),
+    (WING.replace('<bpRef bpID="A"/>', '<bpRef bpID="a"/>'), "no bpID 'a'; did you mean 'A'"),
+    (WING.replace('<independentVarRef varID="alpha"/>', ""), "has no variable"),
+    (WING.replace('varID="alpha"/>', 'varID="alpha" interpolate="cubic"/>'), "interpolate='cubic', which is one of linear, .*did you mean 'cubicSpline'"),
+    (WING.replace('<dependentVarRef varID="CL0"/>', '<dependentVarRef varID="CL1"/>'), "no variable 'CL1'; did you mean .*'CL0'"),
+    (WING.replace('varID="CL0" units="nd"/>', 'varID="CL0" units="nd"><isInput/></variableDef>'), "variable 'CL0': has more than one of input"),
+    (WING.replace("<signalName>lift<", "<signalName>left<"), r"no variable 'left'; did you mean 'lift'"),
+    (WING.replace('SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd"', '[<!ENTITY a "1">]'), r":2: entities are refused"),
+    (WING.replace('SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd"', '[<!ENTITY a SYSTEM "file:///etc/passwd">]'), "entities are refused"),
+    (WING.replace("1e0", "&peak;"), ":21: the entity 'peak' is not known"),
+    (WING.replace('encoding', '').replace('version="1.0"', 'version="1.0" encoding="utf-42"'), "no XML: unknown encoding"),
+    ("<a>" * 70 + "</a>" * 70, "nested deeper than 64"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "said"), MALFORMED, ids=range(len(MALFORMED)))
+def test_what_is_malformed_is_refused_with_line_and_variable(tmp_path, text, said):
+    file = written(tmp_path, text)
+    with pytest.raises(DaveMLError, match=said) as error:
+        DaveModel(file)
+    assert error.value.path == str(file)
+    assert error.value.line
+
+
+def test_what_is_too_large_is_refused(tmp_path, monkeypatch):
+    # 250 terms in each of 29 levels
+    deep = A
+    for _ in range(29):
+        deep = apply("plus", deep, *[A] * 249)
+    with pytest.raises(DaveMLError, match="nested too deeply"):
+        formula(tmp_path, deep, a=1.0)
+    file = written(tmp_path, WING)
+    monkeypatch.setattr(elements, "_MOST_ELEMENTS", 40)
+    with pytest.raises(DaveMLError, match="more than 40 elements"):
+        DaveModel(file)
+    monkeypatch.setattr(elements, "_MOST_BYTES", 1000)
+    with pytest.raises(DaveMLError, match=r"larger than 0\.001 MB"):
+        DaveModel(file)
+
+
+def test_a_calculation_without_a_value_names_its_variable(tmp_path):
+    text = WING.replace("<times/>", "<divide/>")
+    with pytest.raises(DaveMLError, match=r"model.dml:5: variable 'CL': no value: .*zero") as error:
+        DaveModel(written(tmp_path, text)).evaluate({"alpha": 1.0})
+    assert (error.value.variable, error.value.line) == ("CL", 5)
+
+
+def test_inputs_and_files_that_are_not_there(tmp_path):
+    model = DaveModel(written(tmp_path, WING))
+    with pytest.raises(ParameterError, match=r"no input 'angleofattack'; did you mean 'angleOfAtt"):
+        model.evaluate({"angleofattack": 1.0})
+    with pytest.raises(ParameterError, match="the input 'alpha' must be a number, not None"):
+        model.evaluate()
+    with pytest.raises(FileError, match=r"cannot read '.*none.dml': No such file"):
+        DaveModel(tmp_path / "none.dml")
+    with pytest.raises(FileError, match="not a file"):
+        DaveModel(tmp_path)
+    for bad in (None, "a\0b", "x" * 5000):
+        with pytest.raises(BlocksError):
+            DaveModel(bad)
+
+
+# audit hooks stay for the life of the process, so there is one, which is switched on and off
+_opened = []
+_watching = False
+
+
+def _watch(event, arguments):
+    if _watching and event in ("open", "socket.connect", "socket.getaddrinfo", "os.listdir"):
+        _opened.append((event, str(arguments[0])))
+
+
+sys.addaudithook(_watch)
+
+
+@pytest.mark.parametrize("count", first([300, 2000]))
+def test_malformed_files_end_in_typed_errors_and_nothing_else_is_read(tmp_path, count):
+    global _watching
+    draw = random.Random(32)
+    tokens = [b"<isInput/>", b"</function>", b"1e400", b"&x;", b"<!ENTITY x SYSTEM 'a'>", b"varID"]
+    file, refused = tmp_path / "model.dml", 0
+    DaveModel(written(tmp_path, WING))  # imports are done
+    for _ in range(count):
+        damaged = corrupted(WING.encode(), draw)
+        if draw.random() < 0.3:
+            place = draw.randrange(len(damaged) + 1)
+            damaged = damaged[:place] + draw.choice(tokens) + damaged[place:]
+        file.write_bytes(damaged)
+        _watching = True
+        try:
+            DaveModel(file).verify()
+        except BlocksError:
+            refused += 1
+        finally:
+            _watching = False
+    assert 0.5 * count < refused < count
+    beside = [x for x in _opened if x[1] != str(file) and not x[1].endswith((".py", ".pyc"))]
+    assert not beside
+
+
+ORIGINALS = os.environ.get("NESC_F16_FOLDER")
+
+
+@pytest.mark.skipif(not ORIGINALS, reason="NESC_F16_FOLDER names no folder with NASA's files")
+@pytest.mark.parametrize(
+    ("name", "shots"), [("aero", 16), ("prop", 9), ("inertia", 0), ("control", 0), ("gnc", 0)]
+)
+def test_nasas_f16_passes_its_check_shots(name, shots):
+    checks = DaveModel(f"{ORIGINALS}/F16_{name}.dml").verify()
+    assert len({c.shot for c in checks}) == shots
+    assert all(c.passes for c in checks)
