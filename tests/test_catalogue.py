@@ -347,6 +347,25 @@ def test_a_full_disk_is_named_and_the_other_file_is_written(full, tmp_path, caps
     assert (tmp_path / other).stat().st_size > 50
 
 
+def test_figures_and_signals_that_do_not_fit_leave_the_files_before(tmp_path, capsys):
+    resource = pytest.importorskip("resource")
+    (tmp_path / "mine.py").write_text(SCRIPT)
+    (tmp_path / "helper.py").write_text("TEXT = ''\n")
+    files = tmp_path / "a.png", tmp_path / "a.csv"
+    for file in files:
+        file.write_text("before")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (40, hard))
+    try:
+        options = ["--save", str(files[0]), "--csv", str(files[1])]
+        assert main(["run", str(tmp_path / "mine.py"), *options]) == 1
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert "File too large" in capsys.readouterr().err
+    assert [file.read_text() for file in files] == ["before", "before"]
+    assert not list(tmp_path.glob(".*"))
+
+
 @full_disk
 def test_output_that_does_not_fit_on_the_disk():
     with open("/dev/full", "w") as full:

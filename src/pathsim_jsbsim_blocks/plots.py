@@ -19,6 +19,7 @@ import matplotlib
 import numpy as np
 
 from ._core.checks import did_you_mean, finite, nearest, one_of, writable
+from ._core.files import replacing
 from ._core.scopes import name_and_unit, recording, signal_label
 from .errors import FileError, ParameterError
 
@@ -380,7 +381,8 @@ def show(figure: Figure, name: str) -> None:
         return
     target = next(_save_to[-1]) if _save_to else Path(f"{name}.png")
     try:
-        figure.savefig(target, dpi=110)
+        with replacing(target) as file:
+            figure.savefig(file, dpi=110)
     except OSError as error:
         raise FileError("write", target, error) from None
     finally:

@@ -22,7 +22,7 @@ def page(browser, tmp_path):
             theta=5 + time / 20,
             phi=np.full_like(time, 30.0),
             psi=(350 + 2 * time) % 360,
-            signals={"calibrated airspeed [kt]": 90 + time},
+            signals={"calibrated airspeed [kt]": 90 + time, "a <b>& [<i>]": time},
         )
         for name, side in (("lead", 0.0), ("wing", 0.01))
     ]
@@ -52,6 +52,8 @@ def nose(page):
 
 def test_a_report_plays_and_links_its_views(page):
     assert page.title() == "lead, wing"
+    # text, not HTML
+    assert {"lead: a <b>&", "[<i>]"} <= set(page.locator("#plots text").all_text_contents())
     assert "pitch    5.0°  roll   30.0°  heading  350.0°" in page.inner_text("#attitude")
     page.evaluate(
         "t => { const s = document.getElementById('time'); s.value = t; s.oninput(); }", 20

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pathsim_jsbsim_blocks._core.files import write_whole
+from pathsim_jsbsim_blocks._core.files import replacing, write_whole
 
 
 def test_a_file_is_written_and_replaced(tmp_path):
@@ -17,6 +17,23 @@ def test_a_file_is_written_and_replaced(tmp_path):
         assert file.read_bytes() == b"two\n"
         assert os.name == "nt" or file.stat().st_mode & 0o777 == 0o640
     assert sorted(os.listdir(tmp_path)) == ["short", 255 * "x"]
+
+
+@pytest.mark.parametrize("before", [None, "one"])
+def test_an_exception_while_a_file_is_written_leaves_the_one_before(before, tmp_path):
+    file = tmp_path / "table.csv"
+    if before:
+        file.write_text(before)
+
+    def fail():
+        with replacing(file) as part:
+            assert (part.parent, part.suffix) == (tmp_path, ".csv")
+            part.write_text("two")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert [path.read_text() for path in tmp_path.iterdir()] == ([before] if before else [])
 
 
 def test_a_file_in_a_folder_that_takes_no_new_one_is_written(tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 """What `recorded_flights` keeps of a flight, against a scope, and the command that writes it."""
 
 import math
+import os
 
 import numpy as np
 import pandas
@@ -174,6 +175,20 @@ def test_the_command_writes_a_track_of_a_diagram(tmp_path, monkeypatch, capsys):
     table = pandas.read_csv(tmp_path / "one.csv", index_col=0)
     assert np.diff(table.index) == pytest.approx(1 / 120)
     assert table["calibrated airspeed [kt]"].iloc[0] == pytest.approx(80)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
+def test_the_command_writes_every_track_that_is_asked_for(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "full.csv").symlink_to("/dev/full")
+    files = ("one.csv", "full.csv", "two.acmi")
+    options = [option for file in files for option in ("--track", file)]
+    assert main(["run", "hello_jsbsim", "--duration", "1", *options]) == 1
+    said = capsys.readouterr()
+    assert said.out.index("one.csv") < said.out.index("two.acmi")
+    assert "No space left" in said.err
+    assert (tmp_path / "one.csv").exists()
+    assert (tmp_path / "two.acmi").exists()
 
 
 def test_the_command_writes_5_points_per_second_for_google_earth(tmp_path, monkeypatch):

@@ -80,7 +80,7 @@ OWN_TESTS = {
     "studies/modes": ["test_modes_over_speed.py"],
     "studies/published": ["test_published.py"],
     "studies/sweep": ["test_sweep.py"],
-    "tracks/": ["test_formats.py", "test_recorder.py"],
+    "tracks/": ["test_formats.py", "test_recorder.py", "test_odd_inputs.py"],
     "tracks/recorder": ["test_recorder.py"],
     "units": ["test_units.py"],
     "wind/turbulence": ["test_turbulence.py", "test_promises.py"],

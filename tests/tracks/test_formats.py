@@ -178,6 +178,62 @@ def test_google_earth_gets_5_of_the_steps_per_second(tmp_path):
         ).read_bytes()
 
 
+def long_flight(seconds, rate=5, signals=23):
+    """Legs at 100 m/s, half an hour each, with a turn of 3 deg/s after each, on a small globe."""
+    time = np.arange(seconds * rate) / rate
+    heading = np.cumsum(np.where(time % 1800 > 1740, 3.0, 0.0)) / rate
+    step = np.degrees(100 / rate / 6.37e6)
+    lat = np.cumsum(step * np.cos(np.radians(heading)))
+    lon = np.cumsum(step * np.sin(np.radians(heading)))
+    level = np.zeros_like(time)
+    # the longest numbers
+    values = -1.234567e-200 * (1 + np.arange(len(time)) / len(time))
+    return Track(
+        "long",
+        "c172p",
+        time,
+        *(lat, lon + 100, level + 2e5, level, level, heading % 360),
+        signals={f"signal {i} [ft]": values for i in range(signals)},
+        every_step=True,
+    )
+
+
+def test_ten_hours_for_google_earth_take_5_megabytes_where_the_shape_is(tmp_path):
+    flight = long_flight(36000)
+    save_tracks(tmp_path / "flight.kml", [flight])
+    assert 4e6 < (tmp_path / "flight.kml").stat().st_size <= 5e6
+    drawn = fastkml.KML.parse(tmp_path / "flight.kml").features[0].features[0].kml_geometry
+    noon = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
+    seconds = np.array([(w.dt - noon).total_seconds() for w in drawn.whens])
+    assert (seconds[0], seconds[-1]) == (0.0, 35999.8)
+    # the turns take a 30th of the time; legs bend with the globe
+    assert np.mean((seconds % 1800 > 1735) | (seconds % 1800 < 5)) > 0.6
+    # m from where the aircraft was: as a viewer that interpolates over time draws it
+    places = np.array(drawn.coords)
+    there = np.array(pymap3d.geodetic2ecef(places[:, 1], places[:, 0], places[:, 2]))
+    real = np.array(pymap3d.geodetic2ecef(flight.lat, flight.lon, flight.h * 0.3048))
+    drawn = [np.interp(flight.time, seconds, x) for x in there]
+    assert np.linalg.norm(real - drawn, axis=0).max() < 3
+    # several aircraft share the size
+    two = [dataclasses.replace(long_flight(3600), name=name) for name in "ab"]
+    save_tracks(tmp_path / "two.kml", two)
+    assert 4e6 < (tmp_path / "two.kml").stat().st_size <= 5e6
+
+
+def test_the_points_kept_are_the_corners_of_the_flight_in_place_and_time():
+    time = np.arange(401.0)
+    corners = [0, 100, 200, 300, 400]
+    still = np.zeros_like(time)
+    # a square, its last side in half the time and then at rest
+    lat = np.interp(time, corners, [0, 0, 0.01, 0.01, 0.01])
+    lon = np.interp(time, [0, 100, 200, 250, 300], [0, 0.01, 0.01, 0, 0])
+    track = Track("square", "c172p", time, lat, lon, *[still] * 4, signals={"a": time})
+    assert track.simplified(5).time.tolist() == [0, 100, 200, 250, 400]
+    assert track.simplified(5).signals["a"].tolist() == [0, 100, 200, 250, 400]
+    assert track.simplified(2).time.tolist() == [0, 400]
+    assert climbing_turn(n=1).simplified(1).time.tolist() == [0]
+
+
 def test_points_are_even_over_hours_of_summed_steps():
     time = np.cumsum(np.full(10 * 3600 * 60, 1 / 60))
     still = np.zeros_like(time)

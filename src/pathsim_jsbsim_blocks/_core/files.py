@@ -5,35 +5,52 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 
-def write_whole(path: Path, content: str) -> None:
-    """Write a whole text file or nothing. A link stays, and so does a device such as /dev/stdout.
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A file beside ``path`` to write to, which replaces it at the end.
+
+    A link stays, and so does a device such as /dev/stdout: it is written directly, as is a file in
+    a folder that takes no new ones.
+
+    Yields
+    ------
+    Path
+        with the ending of ``path``
 
     Raises
     ------
     OSError
-        if it cannot be written; an existing file is left unchanged, unless it is in a folder that
-        cannot be written
+        if it cannot be written; after any exception an existing file is unchanged, unless it was
+        written directly
     """
     if path.exists() and not path.is_file():
-        path.write_text(content, encoding="utf-8")
+        yield path
         return
-    path = path.resolve()
+    target = path.resolve()
     # cut, because the longest name has no room for more
-    temporary = path.with_name(f".{path.name[:50]}.{os.getpid()}")
+    temporary = target.with_name(f".{path.stem[-50:]}.{os.getpid()}{path.suffix[-20:]}")
     try:
-        with temporary.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(content)
-        if path.exists():
-            shutil.copymode(path, temporary)
-        temporary.replace(path)
+        temporary.open("x").close()
     except PermissionError:
-        # a file that can be written in a folder that cannot
         if not path.exists():
             raise
-        path.write_text(content, encoding="utf-8", newline="\n")
+        yield path
+        return
+    try:
+        yield temporary
+        if target.exists():
+            shutil.copymode(target, temporary)
+        temporary.replace(target)
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
+
+
+def write_whole(path: Path, content: str) -> None:
+    """Write a whole text file or nothing, as `replacing` does."""
+    with replacing(path) as file:
+        file.write_text(content, encoding="utf-8", newline="\n")

@@ -132,8 +132,10 @@ def command_parser() -> argparse.ArgumentParser:
         "--track",
         metavar="FILE",
         type=Path,
+        action="append",
+        default=[],
         help="write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
-        "(Tacview), .czml (Cesium), .csv or .parquet",
+        "(Tacview), .czml (Cesium), .csv or .parquet (repeatable)",
     )
     sub.add_argument(
         "--flightgear",

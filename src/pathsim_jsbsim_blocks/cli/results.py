@@ -44,6 +44,7 @@ def study(args: argparse.Namespace) -> None:
 def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
     """Compute a study, print its result and show its figure; options that are None are left out."""
     from .._core.checks import one_of
+    from .._core.files import replacing
     from ..plots import show
     from ..studies import STUDIES
 
@@ -66,7 +67,8 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
         print(f"{name}: {trimmed} of {len(table)} points trim")
         if csv_file is not None:
             try:
-                table.to_csv(csv_file, index=False)
+                with replacing(csv_file) as file:
+                    table.to_csv(file, index=False)
             except OSError as error:
                 raise FileError("write", csv_file, error) from None
             print(f"table saved: {csv_file}")

@@ -171,15 +171,19 @@ def _model_figures(model: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _tracking(path: Path | None) -> Iterator[None]:
-    """Write the flights within this context to a file, also those before a failure."""
-    if path is None:
+def _tracking(paths: Sequence[Path]) -> Iterator[None]:
+    """Write the flights within this context to files, also those before a failure."""
+    if not paths:
         yield
         return
     from ..flight.recording import recorded_flights, tracks
     from ..tracks.files import save_tracks, track_file
 
-    path = track_file("track", path).absolute()
+    def save_to(path: Path, flown: Sequence[Any]) -> None:
+        save_tracks(path, flown)
+        print(f"track saved: {path}")
+
+    paths = [track_file("track", path).absolute() for path in paths]
     ended = False
     with recorded_flights() as recordings:
         try:
@@ -189,11 +193,12 @@ def _tracking(path: Path | None) -> Iterator[None]:
             try:
                 flown = tracks(recordings)
                 if flown:
-                    save_tracks(path, flown)
-                    print(f"track saved: {path}")
+                    with contextlib.ExitStack() as files:  # one that fails prevents no other
+                        for path in reversed(paths):
+                            files.callback(save_to, path, flown)
                 elif ended:
                     raise ParameterError(
-                        "the script flies no aircraft", parameter="track", value=str(path)
+                        "the script flies no aircraft", parameter="track", value=str(paths[0])
                     )
             except BlocksError as failure:
                 if ended:

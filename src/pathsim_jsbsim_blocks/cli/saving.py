@@ -80,6 +80,7 @@ def recording_scopes(objects: Iterable[Any]) -> list[Any]:
 
 
 def _write_csv(scopes: Sequence[Any], path: Path) -> None:
+    from .._core.files import replacing
     from .._core.scopes import recording, signal_label
 
     if not scopes:
@@ -94,7 +95,7 @@ def _write_csv(scopes: Sequence[Any], path: Path) -> None:
             columns.append((signal_label(scope, i), column))
     times = sorted({t for _, column in columns for t in column})
     try:
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["time [s]", *(label for label, _ in columns)])
             writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)

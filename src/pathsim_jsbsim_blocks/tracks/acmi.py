@@ -8,6 +8,7 @@ from __future__ import annotations
 import datetime
 import heapq
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -40,9 +41,8 @@ _PROPERTIES = {
 
 def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
     """One object for each aircraft: position, attitude, and the signals that Tacview knows."""
-    reference = start.astimezone(datetime.timezone.utc)
     head = {
-        "ReferenceTime": f"{reference:%Y-%m-%dT%H:%M:%S.%f}"[:-3] + "Z",
+        "ReferenceTime": start.replace(tzinfo=None).isoformat(timespec="milliseconds") + "Z",
         "DataSource": about,
         "DataRecorder": about,
         "Title": ", ".join(track.name for track in tracks),
@@ -55,7 +55,7 @@ def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
         lines = (_lines(f"{n:x}", track) for n, track in enumerate(tracks, 1))
         for time, line in heapq.merge(*lines, key=lambda item: item[0]):
             if time != now:
-                file.write(f"#{time:.9g}\n")
+                file.write(f"#{f'{time:.9f}'.rstrip('0').rstrip('.')}\n")
                 now = time
             file.write(f"{line}\n")
 
@@ -71,7 +71,7 @@ def _lines(identity: str, track: Track) -> Iterator[tuple[float, str]]:
     written: dict[str, str] = {}
     rows = zip(*columns, strict=True) if columns else itertools.repeat(())
     for time, (lon, lat, alt, *angles), row in zip(track.time.tolist(), place, rows, strict=False):
-        values = {name: f"{x:.6g}" for name, x in zip(names, row, strict=True) if x == x}
+        values = {name: f"{x:.6g}" for name, x in zip(names, row, strict=True) if math.isfinite(x)}
         changed = "".join(f",{n}={x}" for n, x in values.items() if written.get(n) != x)
         turned = "|".join(f"{x:.4f}" for x in angles)
         yield time, f"{identity},T={lon:.9f}|{lat:.9f}|{alt:.4f}|{turned}{first}{changed}"
@@ -97,4 +97,5 @@ def _columns(track: Track) -> tuple[list[str], list[list[float]]]:
 
 
 def _escaped(text: str) -> str:
-    return " ".join(text.split()).replace("\\", "\\\\").replace(",", "\\,")
+    # a backslash escapes commas and ends of lines, but not itself
+    return " ".join(text.split()).replace("\\", "/").replace(",", "\\,")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .track import FOOT, Track
+from .track import FOOT, Track, instant
 
 _COLOURS = ([255, 102, 30, 255], [31, 119, 180, 255], [44, 160, 44, 255], [148, 103, 189, 255])
 
@@ -18,20 +18,19 @@ def write_czml(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
     import czml3
     import czml3.properties as of
 
-    start = start.astimezone(datetime.timezone.utc)
+    def span(first: float, last: float) -> czml3.TimeInterval:
+        return czml3.TimeInterval(start=instant(start, first), end=instant(start, last))
 
-    def at(t: float) -> datetime.datetime:
-        return start + datetime.timedelta(seconds=t)
-
-    first, last = min(t.time[0] for t in tracks), max(t.time[-1] for t in tracks)
-    whole = czml3.TimeInterval(start=at(float(first)), end=at(float(last)))
+    epoch = instant(start, 0.0)
+    first = min(track.time[0] for track in tracks)
+    whole = span(first, max(track.time[-1] for track in tracks))
     packets = [
         czml3.Packet(
             id="document",
             name=", ".join(track.name for track in tracks),
             description=about,
             version=czml3.CZML_VERSION,
-            clock=of.Clock(currentTime=at(float(first)), multiplier=1, interval=whole),
+            clock=of.Clock(currentTime=instant(start, first), multiplier=1, interval=whole),
         )
     ]
     for n, (track, colour) in enumerate(zip(tracks, _COLOURS * len(tracks), strict=False), 1):
@@ -41,12 +40,10 @@ def write_czml(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
             czml3.Packet(
                 id=f"aircraft-{n}",
                 name=f"{track.name} ({track.aircraft})",
-                description="<br>".join(f"{key}: {text}" for key, text in track.about.items()),
-                availability=czml3.TimeInterval(
-                    start=at(float(track.time[0])), end=at(float(track.time[-1]))
-                ),
-                position=of.Position(epoch=start, cartographicDegrees=place.ravel().tolist()),
-                orientation=of.Orientation(epoch=start, unitQuaternion=turn.ravel().tolist()),
+                description=track.description,
+                availability=span(track.time[0], track.time[-1]),
+                position=of.Position(epoch=epoch, cartographicDegrees=place.ravel().tolist()),
+                orientation=of.Orientation(epoch=epoch, unitQuaternion=turn.ravel().tolist()),
                 point=of.Point(pixelSize=8, color=of.Color(rgba=colour)),
                 label=of.Label(text=track.name, font="13px sans-serif", show=True),
                 path=of.Path(

@@ -5,13 +5,17 @@ from __future__ import annotations
 import datetime
 import os
 import platform
-from collections.abc import Callable, Sequence
+import reprlib
+from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .._core.checks import did_you_mean, nearest, writable
 from .._core.extras import required
+from .._core.files import replacing
 from ..errors import FileError, ParameterError
 from .acmi import write_acmi
 from .czml import write_czml
@@ -61,7 +65,7 @@ def track_file(parameter: str, path: Any) -> Path:
 
 def save_tracks(
     path: str | os.PathLike[str],
-    tracks: Sequence[Track],
+    tracks: Track | Sequence[Track],
     start: datetime.datetime | None = None,
 ) -> None:
     """Write the flights of one or more aircraft to a file.
@@ -71,8 +75,9 @@ def save_tracks(
     path : str or Path
         ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
         (Cesium) or ``.html`` (a report that opens in any browser, without a network). A ``.kml``
-        has 5 points per second of a track of all steps of a simulation
-    tracks : list of Track
+        of tracks of all steps of a simulation has 5 points per second; where these would take
+        more than 5 MB, only those that the shape of the track needs most
+    tracks : Track or list of Track
         the aircraft
     start : datetime, optional
         date and time of t = 0 in the formats that have one; without a time zone it is UTC.
@@ -81,14 +86,21 @@ def save_tracks(
     Raises
     ------
     ParameterError
-        for an unknown ending, no tracks, or two of the same name
+        for an unknown ending, no tracks, two of the same name, or dates beyond year 9999
     MissingExtraError
         if the format needs a package of the extra ``tracks`` that is not installed
     FileError
-        if the file cannot be written
+        if the file cannot be written; an existing one is left unchanged
     """
     path = track_file("path", path)
-    tracks = list(tracks)
+    tracks = list(tracks) if isinstance(tracks, Iterable) else [tracks]
+    for track in tracks:
+        if not isinstance(track, Track):
+            raise ParameterError(
+                f"tracks must be one Track or a list of them, not {reprlib.repr(track)}",
+                parameter="tracks",
+                value=track,
+            )
     names = [track.name for track in tracks]
     if not tracks or len(set(names)) != len(names):
         raise ParameterError(
@@ -96,18 +108,34 @@ def save_tracks(
             parameter="tracks",
             value=names,
         )
-    start = _START if start is None else start
-    if not isinstance(start, datetime.datetime):
-        raise ParameterError(
-            f"start must be a datetime, not {start!r}", parameter="start", value=start
-        )
-    if start.tzinfo is None:
-        start = start.replace(tzinfo=datetime.timezone.utc)
+    start = _START if start is None else _utc(start)
+    write, _ = _FORMATS[path.suffix.lower()]
     try:
-        write, _ = _FORMATS[path.suffix.lower()]
-        write(path, tracks, start, _versions())
+        # a number beyond the range of a format is infinite there
+        with replacing(path) as file, np.errstate(over="ignore", invalid="ignore"):
+            write(file, tracks, start, _versions())
     except OSError as error:
         raise FileError("write", path, error) from None
+    except OverflowError:
+        raise ParameterError(
+            f"the dates of the flight, which starts at {start}, end after the year 9999",
+            parameter="start",
+            value=start,
+        ) from None
+
+
+def _utc(start: Any) -> datetime.datetime:
+    try:
+        date = datetime.datetime.combine(start.date(), start.timetz())
+        if date.utcoffset() is None:
+            return date.replace(tzinfo=datetime.timezone.utc)
+        return date.astimezone(datetime.timezone.utc)
+    except (AttributeError, TypeError, ValueError, OverflowError):
+        raise ParameterError(
+            f"start must be a datetime between the years 1 and 9999 in UTC, not {start!r}",
+            parameter="start",
+            value=start,
+        ) from None
 
 
 def _versions() -> str:

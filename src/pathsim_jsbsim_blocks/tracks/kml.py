@@ -13,14 +13,18 @@ from pathlib import Path
 
 import numpy as np
 
-from .track import FOOT, Track
+from .track import FOOT, Track, instant
 
 _KML = "http://www.opengis.net/kml/2.2"
 _GX = "http://www.google.com/kml/ext/2.2"
 _ICON = "http://maps.google.com/mapfiles/kml/shapes/airports.png"
 _COLOURS = ("ff1e66ff", "ffb4771f", "ff2ca02c", "ffbd6794", "ff2827d6")  # alpha, blue, green, red
+_FLOAT = {"nan": "NaN", "inf": "INF", "-inf": "-INF"}  # as XML Schema spells them
 
-_RATE = 5.0  # points per second: Google Earth interpolates, and is slow with some 10,000 points
+# of tracks of all steps. Google Earth interpolates, and is slow with large files
+_RATE = 5.0  # points per second
+_SIZE = 4.9e6  # bytes of all points
+_POINT, _VALUE = 180, 44  # bytes of a point without signals, and of a signal's value, at most
 
 
 def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
@@ -29,7 +33,7 @@ def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, abo
     ``gx:angles`` turn clockwise about z up, x right and y ahead, each seen against its axis: the
     tilt is the negative pitch angle, the roll the negative roll angle.
     """
-    tracks = [track.at_most(_RATE) if track.every_step else track for track in tracks]
+    tracks = [_drawn(track, _SIZE / len(tracks)) if track.every_step else track for track in tracks]
     root = ET.Element("kml", {"xmlns": _KML, "xmlns:gx": _GX})
     document = _child(root, "Document")
     _child(document, "name", ", ".join(track.name for track in tracks))
@@ -48,20 +52,23 @@ def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, abo
     for n, track in enumerate(tracks):
         mark = _child(document, "Placemark")
         _child(mark, "name", track.name)
-        _child(mark, "description", _text(track))
+        _child(mark, "description", track.description)
         _child(mark, "styleUrl", f"#style-{n}")
         _track(mark, track, start, f"#signals-{n}")
     ET.indent(root, " ")
     ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
+def _drawn(track: Track, size: float) -> Track:
+    """5 samples per second of a track, or those of its shape that fit a size in bytes."""
+    return track.at_most(_RATE).simplified(int(size / (_POINT + _VALUE * len(track.signals))))
+
+
 def _track(mark: ET.Element, track: Track, start: datetime.datetime, schema: str) -> None:
     drawn = _child(mark, "gx:Track")
     _child(drawn, "altitudeMode", "absolute")
-    utc = start.astimezone(datetime.timezone.utc)
     for t in track.time.tolist():
-        when = utc + datetime.timedelta(seconds=t)
-        _child(drawn, "when", f"{when:%Y-%m-%dT%H:%M:%S.%fZ}")
+        _child(drawn, "when", instant(start, t))
     for place in _rows(track.lon, track.lat, track.h * FOOT):
         _child(drawn, "gx:coord", "{:.9f} {:.9f} {:.3f}".format(*place))
     for turn in _rows(track.psi, -track.theta, -track.phi):
@@ -70,7 +77,7 @@ def _track(mark: ET.Element, track: Track, start: datetime.datetime, schema: str
     for i, column in enumerate(track.signals.values()):
         array = _child(data, "gx:SimpleArrayData", name=f"signal-{i}")
         for value in column.tolist():
-            _child(array, "gx:value", f"{value:.7g}")
+            _child(array, "gx:value", _FLOAT.get(text := f"{value:.7g}", text))
 
 
 def _rows(*columns: np.ndarray) -> Iterable[tuple[float, ...]]:
@@ -81,7 +88,3 @@ def _child(parent: ET.Element, tag: str, text: str | None = None, **attributes: 
     child = ET.SubElement(parent, tag, attributes)
     child.text = text
     return child
-
-
-def _text(track: Track) -> str:
-    return "\n".join([track.aircraft, *(f"{key}: {text}" for key, text in track.about.items())])

@@ -15,7 +15,7 @@ from .._core.ports import NamedPorts
 from .._core.scopes import name_and_unit, recording
 from ..errors import ParameterError
 from .files import save_tracks
-from .track import POSITION, Track
+from .track import POSITION, Track, writable_text
 
 if TYPE_CHECKING:
     import pandas
@@ -38,7 +38,8 @@ class FlightRecorder(NamedPorts, Scope):
         labels with units of further signals, such as ``"calibrated airspeed [kt]"``; they come at
         the ports after ``psi``, and the label without its unit is the port's name
     sampling_period : float, optional
-        s; default is every step of the diagram, of which a ``.kml`` file gets 5 per second
+        s; default is every step of the diagram, of which a ``.kml`` file gets 5 per second or
+        fewer
     t_wait : float
         time before which nothing is recorded, s
 
@@ -82,13 +83,8 @@ class FlightRecorder(NamedPorts, Scope):
         if sampling_period is not None:
             sampling_period = positive("sampling_period", sampling_period)
         super().__init__(sampling_period, t_wait)
-        for parameter, text in (("aircraft", aircraft), ("name", name)):
-            if not isinstance(text, str):
-                raise ParameterError(
-                    f"{parameter} must be text, not {text!r}", parameter=parameter, value=text
-                )
-        self.aircraft = aircraft
-        self.name = name
+        self.aircraft = writable_text("aircraft", aircraft)
+        self.name = writable_text("name", name)
         self.signals = signals
 
     @property
@@ -115,7 +111,7 @@ class FlightRecorder(NamedPorts, Scope):
                 parameter="signals",
                 value=signals,
             )
-        ports = [*POSITION, *(name_and_unit(text)[0] for text in signals)]
+        ports = [*POSITION, *(name_and_unit(writable_text("signals", x))[0] for x in signals)]
         twice = [port for i, port in enumerate(ports) if port in ports[:i]]
         if twice:
             raise ParameterError(

@@ -51,7 +51,7 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
         "PLOTLY": get_plotlyjs(),
     }.items():
         page = page.replace(f"<!--{place}-->", text)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(page, encoding="utf-8", newline="\n")
 
 
 def _aircraft(track: Track, origin: tuple[float, float, float]) -> dict[str, Any]:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .._core.extras import required
 from .._core.scopes import recording, signal_label
+from .track import Track, frame
 
 if TYPE_CHECKING:
     import pandas
     from pathsim.blocks import Scope
-
-    from .track import Track
 
 
 def to_frame(scope: Scope) -> pandas.DataFrame:
@@ -41,12 +38,6 @@ def to_frame(scope: Scope) -> pandas.DataFrame:
     """
     time, data = recording(scope)
     return frame(time, {signal_label(scope, i): values for i, values in enumerate(data)})
-
-
-def frame(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> pandas.DataFrame:
-    """A pandas table of columns over time."""
-    pandas = required("pandas", "tracks")
-    return pandas.DataFrame(dict(columns), index=pandas.Index(time, name="time [s]"))
 
 
 def write_csv(path: Path, tracks: Sequence[Track], start: datetime, about: str) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import datetime
+import html
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -11,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core.checks import finite, flag, mapping
+from .._core.extras import required
 from ..errors import ParameterError
-from .table import frame
 
 if TYPE_CHECKING:
     import pandas
@@ -28,6 +31,31 @@ POSITION = {
 }
 
 FOOT = 0.3048  # m
+
+# control characters, halves of surrogate pairs, noncharacters: XML has no way to write most of them
+_UNWRITABLE = re.compile("[^\t\n -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def instant(start: datetime.datetime, seconds: float) -> str:
+    """ISO 8601 of a time after ``start``, which is in UTC. `strftime` writes no year 0999."""
+    when = start.replace(tzinfo=None) + datetime.timedelta(seconds=seconds)
+    return when.isoformat(timespec="microseconds") + "Z"
+
+
+def writable_text(parameter: str, text: Any) -> str:
+    """``text`` if every format of a track can hold it."""
+    if not isinstance(text, str):
+        raise ParameterError(
+            f"{parameter} must be text, not {text!r}", parameter=parameter, value=text
+        )
+    if found := _UNWRITABLE.search(text):
+        raise ParameterError(
+            f"{parameter} has the character {found[0]!r}, which files of tracks cannot hold, in "
+            f"{text!r}",
+            parameter=parameter,
+            value=text,
+        )
+    return text
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,18 +77,20 @@ class Track:
     theta, phi, psi : arrays, shape (n,)
         pitch, roll and heading angle, deg
     signals : dict, optional
-        further columns by their label, such as ``"calibrated airspeed [kt]"``, each of shape (n,)
+        further columns by their label, such as ``"calibrated airspeed [kt]"``, each of shape (n,);
+        NaN where a signal is undefined
     about : dict, optional
         text for the head of a report: what was flown, from where
     every_step : bool
         whether the samples are all steps of a simulation, not those of a sampling period: a
-        ``.kml`` file then has 5 points per second
+        ``.kml`` file then has 5 points per second, and fewer if it gets large
 
     Raises
     ------
     ParameterError
-        for columns of different lengths, no samples, values that are not finite, latitudes beyond
-        the poles, and times that do not increase
+        for columns of different lengths, no samples, positions and angles that are not finite,
+        latitudes beyond the poles, times that do not increase, text with control characters, and
+        a signal with the label of a column of the track
     """
 
     name: str
@@ -77,14 +107,20 @@ class Track:
     every_step: bool = False
 
     def __post_init__(self) -> None:
-        signals = mapping("signals", self.signals)
         flag("every_step", self.every_step)
+        writable_text("name", self.name)
+        writable_text("aircraft", self.aircraft)
+        about = {str(key): str(text) for key, text in mapping("about", self.about).items()}
+        writable_text("about", "\n".join([*about, *about.values()]))
+        object.__setattr__(self, "about", about)
         given: dict[str, Any] = {name: getattr(self, name) for name in ("time", *POSITION)}
         columns = finite(**given)
         for name, column in zip(given, columns, strict=True):
             object.__setattr__(self, name, np.atleast_1d(column))
-        # a signal may be undefined at times, such as the angle of attack at rest
-        rest = {label: np.asarray(column, dtype=float) for label, column in signals.items()}
+        rest = {
+            label: _signal(label, column)
+            for label, column in mapping("signals", self.signals).items()
+        }
         object.__setattr__(self, "signals", rest)
         for name, column in {**{n: getattr(self, n) for n in given}, **rest}.items():
             if column.shape != self.time.shape or column.ndim != 1 or not column.size:
@@ -128,6 +164,31 @@ class Track:
         periods = np.floor((self.time - self.time[0]) * rate + 1e-3)
         return self._with(np.unique(periods, return_index=True)[1])
 
+    def simplified(self, most: int) -> Track:
+        """The track with no more than ``most`` samples, 2 at least, those that its shape needs.
+
+        Douglas and Peucker's method with distances at equal times (Meratnia and de By, 2004):
+        between the samples kept, an aircraft is where a viewer that interpolates over time shows
+        it. Each pass adds the worst sample of each gap, if half as bad as the worst of all.
+        """
+        from pymap3d import geodetic2ecef
+
+        if len(self.time) <= most:
+            return self
+        place = np.stack(geodetic2ecef(self.lat, self.lon, self.h * FOOT))
+        kept = np.array([0, len(self.time) - 1])
+        while len(kept) < most:
+            shown = [np.interp(self.time, self.time[kept], x[kept]) for x in place]
+            error = np.linalg.norm(place - shown, axis=0)[:-1]
+            greatest = np.maximum.reduceat(error, kept[:-1])
+            if not greatest.max() > 0:
+                break
+            worst = np.flatnonzero(error == np.repeat(greatest, np.diff(kept)))
+            worst = worst[error[worst] >= greatest.max() / 2]
+            worst = worst[np.argsort(-error[worst], kind="stable")][: most - len(kept)]
+            kept = np.union1d(kept, worst)
+        return self._with(kept)
+
     def _with(self, samples: np.ndarray) -> Track:
         """These samples and the last."""
         kept = np.unique(np.append(samples, len(self.time) - 1))
@@ -136,3 +197,32 @@ class Track:
             **{name: getattr(self, name)[kept] for name in ("time", *POSITION)},
             signals={label: column[kept] for label, column in self.signals.items()},
         )
+
+    @property
+    def description(self) -> str:
+        """Type and ``about`` as HTML, for viewers that show it."""
+        lines = [self.aircraft, *(f"{key}: {text}" for key, text in self.about.items())]
+        return "<br>".join(map(html.escape, lines))
+
+
+def frame(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> pandas.DataFrame:
+    """A pandas table of columns over time."""
+    pandas = required("pandas", "tracks")
+    return pandas.DataFrame(dict(columns), index=pandas.Index(time, name="time [s]"))
+
+
+def _signal(label: Any, values: Any) -> np.ndarray:
+    """A further column; it may be undefined at times, such as the angle of attack at rest."""
+    writable_text("signals", label)
+    if label in ("time [s]", *POSITION.values()):
+        raise ParameterError(
+            f"signals has {label!r}, a column of every track", parameter="signals", value=label
+        )
+    try:
+        return np.asarray(values).astype(float, casting="same_kind")
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f"{label} must be an array of real numbers, not {values!r}",
+            parameter=label,
+            value=values,
+        ) from None
