@@ -25,6 +25,7 @@ from .control.autopilot import Autopilot
 from .control.holds import *
 from .control.pid import DiscretePID
 from .control.sensor import Sensor
+from .daveml.block import DaveML
 from .errors import (
     AircraftError,
     BlocksError,
@@ -53,6 +54,7 @@ __all__ = [
     "CAStoEAS",
     "CAStoMach",
     "CAStoTAS",
+    "DaveML",
     "DiagramError",
     "DiscretePID",
     "DoubletSource",

@@ -35,6 +35,7 @@ OWN_TESTS = {
     "flight/integrators": ["test_integrators_and_planet.py", "test_bad_input.py"],
     "flight/planet": ["test_integrators_and_planet.py", "test_bad_input.py"],
     "check_cases/": ["test_check_cases.py"],
+    "daveml/": ["test_daveml.py", "test_block.py"],
     "flight/_trim": ["test_trim.py", "test_newton.py"],
     "flight/_newton": ["test_newton.py"],
     "flight/condition": ["test_promises.py", "test_newton.py", "test_trim.py"],

@@ -1,0 +1,135 @@
+"""`DaveML`: a model in DAVE-ML as a block."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pathsim import Simulation
+
+from .._core._pathsim import NamedRegister, WiredRegister, port_names, show, values
+from .._core.checks import number
+from .._core.tunable import TunableLaw
+from ..errors import DaveMLError, FlightError, ParameterError
+from .model import DaveModel, Variable
+
+
+class DaveML(TunableLaw):
+    """Model in DAVE-ML (ANSI/AIAA S-119), with its inputs and outputs as ports.
+
+    Its variables are limited to the ``minValue`` and ``maxValue`` of the file. An input without a
+    wire has the initial value that the file gives it; one that has none reads 0, with a warning.
+
+    Parameters
+    ----------
+    file : str
+        path of the file; the name is enough for a model that comes with the package:
+        "f16_control.dml", "f16_circle.dml", "f16_aero.dml", "f16_propulsion.dml",
+        "f16_inertia.dml"
+    T : float
+        sample period in s; 0 for outputs that follow the inputs at all times
+
+    Inputs
+    ------
+    as the file
+        names and units are those of its inputs; ``pathsim-jsbsim daveml FILE`` lists them
+
+    Outputs
+    -------
+    as the file
+        names and units are those of its outputs
+
+    Raises
+    ------
+    FileError, DaveMLError
+        if the file cannot be read or is malformed, with line and variable
+    ParameterError
+        for a negative T
+    FlightError
+        in a run, if an input is not finite or a variable has no value
+    """
+
+    input_port_labels: Any = None
+    output_port_labels: Any = None
+
+    def __init__(self, file: str = "f16_control.dml", T: float = 0.0) -> None:
+        # without T the clock stands still
+        super().__init__(number("T", T, low=0.0) or 1.0)
+        self.file = file
+        self.T = T
+        if not T:
+            self.events = []
+        model = DaveModel(file)
+        self.inputs = WiredRegister.of(_ports(model.inputs))
+        self.outputs = NamedRegister.of(_ports(model.outputs))
+        self.configure()
+
+    def configure(self) -> None:
+        self.build()
+        self.configured = True
+
+    def build(self) -> None:
+        if (number("T", self.T, low=0.0) > 0) != bool(self.events):
+            raise ParameterError(
+                "T cannot become 0 or positive: build another block", parameter="T", value=self.T
+            )
+        self.model = model = DaveModel(self.file)
+        sides = (model.inputs, self.inputs), (model.outputs, self.outputs)
+        if any(_ports(side) != [*port_names(register)] for side, register in sides):
+            raise ParameterError(
+                f"{model.path} has other inputs or outputs than the block's ports",
+                parameter="file",
+                value=self.file,
+            )
+        self._initial = [
+            (i, v.initial) for i, v in enumerate(model.inputs) if v.initial is not None
+        ]
+        known = dict(self._initial)
+        self.measured = tuple(n for n, i in port_names(self.inputs).items() if i not in known)
+
+    def enter(self, sim: Simulation, reset: bool) -> None:
+        super().enter(sim, reset)
+        if not self.events and not self._wires_seen:
+            self._wires_seen = True
+            self._warn_of_missing_wires()
+
+    def update(self, t: float) -> None:
+        self._time = t
+        if self.events:
+            super().update(t)
+        else:
+            show(self.outputs, self._evaluated(values(self.inputs)))
+
+    def initial_state(self) -> tuple[()]:
+        return ()
+
+    def law(self, u: list[float], state: tuple[()]) -> tuple[list[float], tuple[()]]:
+        return self._evaluated(u), state
+
+    def _evaluated(self, u: list[float]) -> list[float]:
+        for i, initial in self._initial:
+            if i not in self.inputs.wired:
+                u[i] = initial
+        name, value, reason = "", math.nan, ""
+        if math.isfinite(sum(u)):
+            try:
+                return self.model(u)
+            except DaveMLError as error:
+                name, reason = error.variable, str(error)
+        else:
+            i = next(i for i, x in enumerate(u) if not math.isfinite(x))
+            name, value = [*port_names(self.inputs)][i], u[i]
+            reason = f"input {name!r} is {value}"
+        raise FlightError(
+            f"DaveML at t = {self._time:.9g} s: {reason}",
+            aircraft="",
+            time=self._time,
+            name=name,
+            value=value,
+        )
+
+
+def _ports(variables: list[Variable]) -> list[str]:
+    """Names of the ports: those of the variables, or their varIDs if names repeat."""
+    names = [v.name for v in variables]
+    return names if len({*names}) == len(names) else [v.id for v in variables]
