@@ -29,6 +29,7 @@ from .console import SEALED_PATH, capture_console, messages
 from .flightgear import address, directive
 from .integrators import integrator_properties
 from .planet import gravity_properties, planet_xml
+from .writable import Check, value_check, why_not
 
 if TYPE_CHECKING:
     from ._newton import Seed
@@ -303,7 +304,7 @@ class Airframe:
         self._names = None
         # a trim map reads and writes the same few properties at every point
         self._readers: dict[str, Callable[[], float]] = {}
-        self._writers: dict[str, Callable[[float], Any]] = {}
+        self._writers: dict[str, tuple[Callable[[float], Any], Check | None]] = {}
         self._internal: list[jsbsim.FGPropertyNode] | None = None
         self._of_engines: dict[str, list[str]] = {}
         self._created: set[str] = set()
@@ -496,10 +497,28 @@ class Airframe:
         return self._readers[name]
 
     def writer(self, name: str) -> Callable[[float], Any]:
-        """A function that writes a property; errors as in `reader`."""
+        """A function that writes a property; errors as in `reader`.
+
+        Where JSBSim can use some values only, the function refuses the others with a
+        `ParameterError` or `PropertyError`.
+        """
+        put, check = self._writable(name)
+        if check is None:
+            return put
+
+        def put_checked(value: float) -> None:
+            check(name, value)
+            put(value)
+
+        return put_checked
+
+    def _writable(self, name: str) -> tuple[Callable[[float], Any], Check | None]:
+        """What writes a property, and what refuses values of it."""
         # what is no text is refused by `_node`
         if not isinstance(name, str) or name not in self._writers:
-            self._writers[name] = self._node(name, "w", "written").set_double_value
+            node = self._node(name, "w", "written")
+            check = value_check(self._path(node), self.aircraft, self.engines)
+            self._writers[name] = node.set_double_value, check
         return self._writers[name]
 
     def reader_of(self, names: Iterable[str]) -> Callable[[], list[float]]:
@@ -509,10 +528,21 @@ class Airframe:
         return lambda: list(map(get, nodes))
 
     def writer_of(self, names: Iterable[str]) -> Callable[[list[float]], Any]:
-        """A function that writes several properties at once; errors as in `writer`."""
+        """A function that writes several properties at once, none if one is refused.
+
+        Errors as in `writer`.
+        """
+        names = list(names)
         nodes = [self._node(name, "w", "written") for name in names]
+        checks = [(i, n, c) for i, n in enumerate(names) if (c := self._writable(n)[1])]
         put = jsbsim.FGPropertyNode.set_double_value
-        return lambda values: list(map(put, nodes, values))
+
+        def write(values: list[float]) -> None:
+            for i, name, check in checks:
+                check(name, values[i])
+            list(map(put, nodes, values))
+
+        return write
 
     def internal(self) -> list[float]:
         """State of engines and systems, and the six accelerations that follow from it."""
@@ -528,16 +558,18 @@ class Airframe:
         Raises
         ------
         PropertyError, ParameterError
-            for an unknown property or a value that is not finite (nothing is written), or for more
-            fuel than a tank holds
+            for an unknown property or a value that is not possible (nothing is written), or for
+            more fuel than a tank holds
         """
         values = mapping(what, values)
-        items = [
-            (self.writer(name), number(f"{what}[{name!r}]", value))
-            for name, value in values.items()
-        ]
-        for write, value in items:
-            write(value)
+        items = []
+        for name, value in values.items():
+            put, check = self._writable(name)
+            items.append((put, number(f"{what}[{name!r}]", value)))
+            if check is not None:
+                check(f"{what}[{name!r}]", value)
+        for put, value in items:
+            put(value)
         for name in filter(_TANK.search, values):
             # JSBSim limits the contents to the capacity without a message
             full = self.fdm[name]
@@ -561,15 +593,20 @@ class Airframe:
 
     def _node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
         node = self._find(name)
-        why = _BREAKS_THE_FLIGHT.get(self._path(node), "") if way == "w" else ""
-        if why or way not in _access(node):
+        if way == "w" and (why := why_not(self._path(node), self.has)):
+            raise PropertyError(
+                f"property {name!r} of aircraft {self.aircraft!r} cannot be written: {why}",
+                aircraft=self.aircraft,
+                name=name,
+            )
+        if way not in _access(node):
             close = [
                 n
                 for n in nearest(name.rpartition("/")[2], self._catalogue(), 9)
-                if n not in _BREAKS_THE_FLIGHT and way in self.access(n)
+                if way in self.access(n) and not (way == "w" and why_not(n, self.has))
             ][:3]
             raise PropertyError(
-                f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}{why}"
+                f"property {name!r} of aircraft {self.aircraft!r} cannot be {verb}"
                 + did_you_mean(close),
                 aircraft=self.aircraft,
                 name=name,
@@ -635,15 +672,6 @@ class Airframe:
                 nearest=below,
             )
         return node
-
-
-# writing these would break exact timing or print to the console
-_BREAKS_THE_FLIGHT = {
-    "simulation/pause": ": it would stop the aircraft's clock",
-    "simulation/reset": ": it would set the aircraft's clock back; reset the simulation instead",
-    "simulation/do_linearization": ": it would leave the aircraft's clock stopped",
-    "simulation/jsbsim-debug": ": it would print; listen to the logger instead",
-}
 
 
 def _access(node: jsbsim.FGPropertyNode) -> str:

@@ -7,7 +7,7 @@ import inspect
 import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import isfinite
+from math import isfinite, nan
 from threading import get_ident
 from typing import Any
 
@@ -516,11 +516,14 @@ class FlightBlock(NamedPorts, SampledPlant):
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
         done = self._steps_since(index - 1) if self._begun == index else 0
-        if not done:
-            self._begun = index
-            write(u)
-        for _ in range(substeps - done):
-            run()
+        try:
+            if not done:
+                self._begun = index
+                write(u)
+            for _ in range(substeps - done):
+                run()
+        except (jsbsim.BaseError, ParameterError) as error:
+            self._fail_step(index, error)
         if not -half_step <= sim_time() - time_zero - index * period <= half_step:
             self._fail_time(index)
         y = read()
@@ -538,6 +541,17 @@ class FlightBlock(NamedPorts, SampledPlant):
         """JSBSim's own count of its steps since an instant."""
         time = self.fdm.get_sim_time() - self._time_zero
         return round(time / self._step) - index * self._substeps
+
+    def _fail_step(self, index: int, error: Exception) -> None:
+        """End a flight where an input has no possible value, or JSBSim gives up."""
+        t = self.clock.start + (index - 1) * self.clock.period
+        raise FlightError(
+            f"aircraft {self.airframe.aircraft!r} at t = {t:.9g} s: {' '.join(str(error).split())}",
+            aircraft=self.airframe.aircraft,
+            time=t,
+            name=getattr(error, "parameter", ""),
+            value=getattr(error, "value", nan),
+        ) from None
 
     def _fail_time(self, index: int) -> None:
         clock, time = self.clock, self.fdm.get_sim_time() - self._time_zero

@@ -28,6 +28,16 @@ _STATES = {
     "position_translational": _METHODS,
 }
 
+
+def _property(state: str) -> str:
+    return f"simulation/integrator/{state.replace('_', '/')}"
+
+
+# JSBSim's property for each state, with its numbers by name
+INTEGRATORS: Mapping[str, Mapping[str, int]] = {
+    _property(state): methods for state, methods in _STATES.items()
+}
+
 # third order at most: the higher ones gain nothing that NASA's check cases or a doublet show, and
 # a c172p at 30 Hz diverges with them
 PRESETS: Mapping[str, Mapping[str, str]] = {
@@ -66,8 +76,5 @@ def integrator_properties(integrators: Any) -> dict[str, int]:
     properties = {}
     for state, method in integrators.items():
         methods = _STATES[one_of("integrators key", state, _STATES)]
-        kind, _, motion = state.partition("_")
-        properties[f"simulation/integrator/{kind}/{motion}"] = methods[
-            one_of(f"integrators[{state!r}]", method, methods)
-        ]
+        properties[_property(state)] = methods[one_of(f"integrators[{state!r}]", method, methods)]
     return properties

@@ -35,7 +35,7 @@ PLANETS: Mapping[str, Mapping[str, float]] = {
 }
 
 # JSBSim's numbers for simulation/gravity-model
-_GRAVITY = {"point mass": 0, "J2": 1}
+GRAVITY: Mapping[str, int] = {"point mass": 0, "J2": 1}
 
 
 def planet_xml(planet: Any) -> str:
@@ -91,4 +91,4 @@ def gravity_properties(gravity: Any) -> dict[str, int]:
     ParameterError
         for an unknown model
     """
-    return {"simulation/gravity-model": _GRAVITY[one_of("gravity", gravity, _GRAVITY)]}
+    return {"simulation/gravity-model": GRAVITY[one_of("gravity", gravity, GRAVITY)]}

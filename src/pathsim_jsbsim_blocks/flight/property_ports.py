@@ -9,12 +9,7 @@ from typing import Any
 from .._core.checks import did_you_mean, nearest, property_list
 from ..errors import ParameterError, PropertyError
 from .airframe import Airframe
-
-# writing these starts JSBSim's trim search, which ends the process if it finds none
-_COMMANDS = ("simulation/do_simple_trim",)
-
-# JSBSim integrates these: a write moves the aircraft
-_STATES = re.compile(r"position/(h-(sl|agl)-(ft|meters|km)|(lat|long)-gc-(deg|rad))")
+from .writable import why_no_input
 
 # names that stand for properties, as inputs and as outputs; [i] is the number of an engine
 SHORT_INPUTS: Mapping[str, tuple[str, ...]] = {
@@ -88,7 +83,7 @@ def check_ports(
     seen: dict[str, str] = {}
     for name in names:
         for property_ in _properties(name, short, airframe):
-            if parameter == "input_properties" and (why := _no_input(property_)):
+            if parameter == "input_properties" and (why := why_no_input(property_)):
                 raise PropertyError(
                     f"{name!r} cannot be an input: {why}", aircraft=airframe.aircraft, name=name
                 )
@@ -130,20 +125,3 @@ def _properties(name: str, short: Mapping[str, tuple[str, ...]], airframe: Airfr
             name=name,
             nearest=close,
         ) from None
-
-
-def _no_input(property_: str) -> str:
-    """Why a property that can be written is no input; empty for others."""
-    if property_ in _COMMANDS:
-        return "writing it trims the aircraft again at every sample"
-    if _STATES.fullmatch(property_):
-        return (
-            "JSBSim integrates it, and writing it moves the aircraft at every sample; altitude, "
-            "latitude and longitude of the start belong to the trim condition"
-        )
-    if property_.startswith("ic/"):
-        return (
-            "JSBSim reads it only where a flight starts; write it there with the trim condition "
-            f"or setup={{{property_!r}: value}}"
-        )
-    return ""

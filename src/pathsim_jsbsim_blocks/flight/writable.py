@@ -1,0 +1,119 @@
+"""Which properties of JSBSim may be written, as inputs too, and with which values.
+
+JSBSim acts on some properties as they are written. An exception that it throws there ends the
+process, and so does what it reads through a null pointer.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+
+from .._core.checks import number
+from ..errors import ParameterError, PropertyError
+from .integrators import INTEGRATORS
+from .planet import GRAVITY
+
+# refuses a value; called with what to name it in the message, and the value
+Check = Callable[[str, float], object]
+
+# property -> what writing it would do, and what to use instead
+_NEVER = {
+    "simulation/pause": "it would stop the aircraft's clock",
+    "simulation/reset": "it would set the aircraft's clock back; reset the simulation instead",
+    "simulation/do_linearization": "it would leave the aircraft's clock stopped; use linear_model "
+    "of an aircraft block",
+    "simulation/jsbsim-debug": "it would print; listen to the logger instead",
+    "simulation/do_simple_trim": "it trims the aircraft again, and a search that fails ends the "
+    "process; use mode of the trim condition, or trim_here in flight",
+}
+
+_INJECTION = re.compile(r"(propulsion/engine(?:\[\d+\])?)/injection_cmd")
+
+# JSBSim integrates these: a write moves the aircraft
+_STATES = re.compile(r"position/(h-(sl|agl)-(ft|meters|km)|(lat|long)-gc-(deg|rad))")
+
+_RUN_ENGINES = "propulsion/set-running"
+
+_RANGES = {  # property: lowest and highest value
+    r"inertia/pointmass-weight-lbs(\[\d+\])?": (0.0, math.inf),
+    r"propulsion/tank(\[\d+\])?/contents-lbs": (0.0, math.inf),
+    # JSBSim makes them at once, until the memory is full
+    r"atmosphere/updownburst/number-of-cells": (0.0, 1000.0),
+}
+
+# property -> its values by their names as the aircraft blocks take them
+_NUMBERED = {"simulation/gravity-model": GRAVITY, **INTEGRATORS}
+
+
+def why_not(name: str, has: Callable[[str], bool]) -> str:
+    """Why a property is never written; empty for others.
+
+    Parameters
+    ----------
+    name : str
+        the property in the spelling of JSBSim's catalogue
+    has : callable
+        whether the aircraft has a property
+    """
+    engine = _INJECTION.fullmatch(name)
+    if engine and not has(f"{engine[1]}/Injection"):
+        return "this engine has no table of the thrust with injection, which JSBSim would read"
+    return _NEVER.get(name, "")
+
+
+def why_no_input(name: str) -> str:
+    """Why a property that can be written is no input; empty for others."""
+    if name == _RUN_ENGINES:
+        return "writing it starts engines again at every sample"
+    if _STATES.fullmatch(name):
+        return (
+            "JSBSim integrates it, and writing it moves the aircraft at every sample; altitude, "
+            "latitude and longitude of the start belong to the trim condition"
+        )
+    if name.startswith("ic/"):
+        return (
+            "JSBSim reads it only where a flight starts; write it there with the trim condition "
+            f"or setup={{{name!r}: value}}"
+        )
+    return ""
+
+
+def value_check(name: str, aircraft: str, engines: int) -> Check | None:
+    """What refuses values of a property; None for a property of which JSBSim takes any.
+
+    Parameters
+    ----------
+    name : str
+        the property in the spelling of JSBSim's catalogue
+    aircraft : str
+        the model's name, for messages
+    engines : int
+        number of the model's engines
+    """
+    for pattern, (low, high) in _RANGES.items():
+        if re.fullmatch(pattern, name):
+            return lambda said, value: number(said, value, low=low, high=high)
+    if name in _NUMBERED:
+        return lambda said, value: _check_numbered(said, value, _NUMBERED[name])
+
+    def check_engine(said: str, value: float) -> None:
+        if value not in range(-1, engines):
+            raise PropertyError(
+                f"{said} cannot be {value:g}: aircraft {aircraft!r} has "
+                + (f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none")
+                + "; engines_off of the trim condition stops engines",
+                aircraft=aircraft,
+                name=name,
+            )
+
+    return check_engine if name == _RUN_ENGINES else None
+
+
+def _check_numbered(said: str, value: float, numbers: Mapping[str, int]) -> None:
+    if value not in numbers.values():
+        known = ", ".join(f"{number} ({name})" for name, number in numbers.items())
+        raise ParameterError(
+            f"{said} must be one of {known}, not {value:g}", parameter=said, value=value
+        )

@@ -1,0 +1,164 @@
+"""Writing a property never ends the process; values that cannot be are refused, in flight too.
+
+JSBSim throws from some properties as they are written, where Python cannot catch it, and follows a
+null pointer after others: before they were refused, these tests ended with SIGABRT or SIGSEGV.
+"""
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant
+from written_properties import deaths
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    FlightError,
+    JSBSimFDM,
+    ParameterError,
+    PropertyError,
+    TrimCondition,
+)
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.studies import trim_sweep
+
+C172P = {"altitude": 5000, "speed": 90}
+FDM = {"aircraft_model": "c172p", "trim_altitude": 5000, "trim_airspeed": 90}
+PAYLOAD = "inertia/pointmass-weight-lbs[1]"
+AXIS = "simulation/integrator/rate/rotational"
+
+WAYS_IN = {
+    "setup": lambda name, value: Aircraft("c172p", **C172P, setup={name: value}),
+    "properties": lambda name, value: Aircraft("c172p", **C172P, properties={name: value}),
+    "create": lambda name, value: Aircraft("c172p", **C172P, create={name: value}),
+    "condition": lambda name, value: trim(
+        Airframe("c172p"), TrimCondition(**C172P, setup={name: value})
+    ),
+    "sweep": lambda name, value: trim_sweep(
+        "c172p", {**C172P, name: [value]}, jobs=1, progress=False
+    ),
+    "writer": lambda name, value: Airframe("c172p").writer(name)(value),
+}
+
+
+@pytest.mark.parametrize("way", WAYS_IN)
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("propulsion/set-running", 1, "has the engines 0 to 0, .* engines_off"),
+        ("simulation/do_simple_trim", 1, "use mode of the trim condition, or trim_here"),
+    ],
+)
+def test_what_would_end_the_process_is_refused(way, name, value, said):
+    with pytest.raises(PropertyError, match=said) as error:
+        WAYS_IN[way](name, value)
+    assert error.value.name == name
+
+
+@pytest.mark.parametrize("name", ["propulsion/set-running", "simulation/do_simple_trim"])
+@pytest.mark.parametrize("block", [lambda **k: Aircraft("c172p", **C172P, **k), JSBSimFDM])
+def test_what_acts_when_written_is_no_input(block, name):
+    with pytest.raises(PropertyError, match="cannot be"):
+        block(input_properties=[name])
+
+
+def test_an_engine_without_a_table_of_injection_has_none():
+    with pytest.raises(PropertyError, match="no table of the thrust with injection"):
+        Airframe("B747").write({"propulsion/engine[1]/injection_cmd": 1})
+
+
+@pytest.mark.parametrize(("aircraft", "running"), [("c172p", -1), ("c172p", 0), ("737", 1)])
+def test_engines_that_a_model_has_may_be_started(aircraft, running):
+    plane = Aircraft(
+        aircraft,
+        altitude=5000,
+        speed=250 if aircraft == "737" else 90,
+        gear=1,
+        mode="none",
+        setup={"propulsion/set-running": running},
+    )
+    # with a number JSBSim starts that engine only
+    alone = [running in (-1, i) for i in range(plane.airframe.engines)]
+    names = plane.airframe.of_engines("set-running")
+    assert [bool(plane.fdm[name]) for name in names] == alone
+
+
+@pytest.mark.parametrize("way", WAYS_IN)
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("simulation/gravity-model", 7, r"0 \(point mass\), 1 \(J2\), not 7"),
+        (AXIS, 99, r"1 \(euler\), .*not 99"),
+        # of a quaternion only: JSBSim throws at the first step
+        (AXIS, 7, "not 7"),
+        (PAYLOAD, -1, "at least 0, not -1"),
+        ("propulsion/tank/contents-lbs", -1, "at least 0, not -1"),
+        # JSBSim makes them all, until the memory is full
+        ("atmosphere/updownburst/number-of-cells", 1e9, r"lie in \[0, 1000\]"),
+    ],
+)
+def test_values_that_cannot_be_are_refused(way, name, value, said):
+    with pytest.raises(ParameterError, match=said):
+        WAYS_IN[way](name, value)
+
+
+def test_values_are_those_of_the_parameters_of_a_block():
+    def flown(**options):
+        plane = Aircraft("c172p", **C172P, output_properties=["position/lat-gc-rad"], **options)
+        Simulation([plane], dt=plane.T, log=False).run(0.5)
+        return plane.outputs.to_array()
+
+    named = flown(gravity="point mass", integrators={"rate_rotational": "adams-bashforth 2"})
+    numbered = flown(setup={"simulation/gravity-model": 0, AXIS: 3})
+    assert np.array_equal(named, numbered)
+    assert not np.array_equal(named, flown())
+
+
+def test_a_refused_value_leaves_the_others_unwritten():
+    airframe = Airframe("c172p")
+    with pytest.raises(ParameterError):
+        airframe.write({"fcs/flap-cmd-norm": 1.0, PAYLOAD: -1.0})
+    with pytest.raises(ParameterError):
+        airframe.writer_of(["fcs/flap-cmd-norm", PAYLOAD])([1.0, -1.0])
+    assert airframe.fdm["fcs/flap-cmd-norm"] == 0.0
+
+
+def flying(plane, port, value):
+    source = Constant(value)
+    return Simulation([source, plane], [Connection(source, plane[port])], dt=plane.T, log=False)
+
+
+@pytest.mark.parametrize(
+    ("block", "allowed", "refused"),
+    [
+        (lambda **k: JSBSimFDM(**FDM, **k), 0.0, -1.0),
+        # increments on the weight after the trim
+        (lambda **k: Aircraft("c172p", **C172P, setup={PAYLOAD: 100}, **k), -100.0, -101.0),
+    ],
+)
+def test_a_negative_mass_ends_the_flight(block, allowed, refused):
+    plane = block(input_properties=[PAYLOAD])
+    flying(plane, PAYLOAD, allowed).run(0.1)
+    assert plane.fdm[PAYLOAD] == 0.0
+    plane.reset()
+    with pytest.raises(FlightError, match=r"at t = 0 s: .* must be at least 0, not -1") as error:
+        flying(plane, PAYLOAD, refused).run(0.1)
+    assert (error.value.name, error.value.value, error.value.time) == (PAYLOAD, -1.0, 0.0)
+    assert plane.fdm[PAYLOAD] >= 0.0
+
+
+def test_what_jsbsim_throws_in_flight_is_a_flight_error():
+    target = "guidance/target_wp_latitude_rad"
+    plane = JSBSimFDM(
+        aircraft_model="c172x",
+        trim_altitude=5000,
+        trim_airspeed=103,
+        input_properties=[target],
+    )
+    with pytest.raises(FlightError, match=r"waypoint .* less than or equal to 90 degrees"):
+        flying(plane, target, 2.0).run(0.1)
+
+
+def test_no_property_of_a_sample_ends_the_process():
+    # tests/long has all properties of all models
+    sample = "propulsion/(set-running|engine/inj)|simulation/(do_|gravity|integrator)"
+    assert deaths("B747", sample) == []
