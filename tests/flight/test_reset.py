@@ -1,5 +1,12 @@
 """A reset flies the same flight again, bit for bit, with every aircraft that trims."""
 
+import os
+import re
+import shutil
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import jsbsim
 import numpy as np
 import pytest
 from fleet_conditions import FEW, FLYING, keywords
@@ -9,6 +16,7 @@ from pathsim.blocks import Integrator, Scope
 from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold
+from pathsim_jsbsim_blocks.flight import has_retractable_gear
 
 OUTPUTS = [
     "aero/alpha-deg",
@@ -136,3 +144,21 @@ def test_another_simulation_of_the_same_blocks_flies_on(states):
     again.run(2.0)
     assert twice[0].samples == once[0].samples == 840
     assert np.array_equal(twice[0].outputs.to_array(), once[0].outputs.to_array())
+
+
+@pytest.mark.filterwarnings("ignore:.*landing gear is down:RuntimeWarning")
+def test_a_reset_does_not_read_the_model_for_the_gear_again(monkeypatch, tmp_path):
+    root = tmp_path / "root"
+    shutil.copytree(Path(jsbsim.get_default_root_dir(), "aircraft", "T38"), root / "aircraft/T38")
+    for folder in ("engine", "systems"):
+        os.symlink(Path(jsbsim.get_default_root_dir(), folder), root / folder)
+    model, parse, read = root / "aircraft/T38/T38.xml", ET.parse, []
+    monkeypatch.setattr(ET, "parse", lambda file: read.append(file) or parse(file))
+    plane = Aircraft("T38", altitude=5000, speed=223, root=str(root))
+    for _ in range(3):
+        plane.reset()
+    assert read == [model]
+    # an edited model is another one
+    text = model.read_text()
+    model.write_text(re.sub(r"<retractable>\s*1\s*<", "<retractable> 0 <", text))
+    assert not has_retractable_gear("T38", root=str(root))

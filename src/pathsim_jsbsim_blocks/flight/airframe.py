@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import functools
 import itertools
 import math
 import os
@@ -85,7 +86,15 @@ def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, floa
 
 def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
     """Whether any wheel is marked retractable."""
-    model = _parsed(_model_file(aircraft, root), aircraft)
+    file = _model_file(aircraft, root)
+    state = file.stat()
+    return _any_wheel_retracts(aircraft, file, (state.st_mtime_ns, state.st_size))
+
+
+@functools.lru_cache
+def _any_wheel_retracts(aircraft: str, file: Path, version: tuple[int, int]) -> bool:
+    """Read the model once for each version of its file: every reset of a fast aircraft asks."""
+    model = _parsed(file, aircraft)
     try:
         return any(
             float(wheel.text or 0)
