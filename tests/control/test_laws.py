@@ -29,7 +29,7 @@ from pathsim_jsbsim_blocks.control.protection import Unprotected
 T = 1 / 20
 N = 900
 OFF = np.zeros(N)
-OFF[:5] = OFF[300:340] = OFF[600:610] = 1.0
+OFF[300:340] = OFF[600:610] = 1.0
 
 
 def wander(rng, size, mean=0.0):
@@ -117,9 +117,11 @@ def on_a_ramp(pi, ramp, target, y, rate, port, sat, off, feed, seen=lambda refer
     return u, references
 
 
-@pytest.fixture(scope="module")
-def wires():
+@pytest.fixture(scope="module", params=[0.0, 1.0], ids=["engaged first", "off first"])
+def wires(request):
     """Random signals for every port, large enough for ramps and limits to act now and then."""
+    off = OFF.copy()
+    off[:5] = request.param
     rng = np.random.default_rng(22)
     return {
         "theta": wander(rng, 1.2, 2.0),
@@ -134,7 +136,7 @@ def wires():
         "psi_ref": wander(rng, 8.0),
         "h_ref": wander(rng, 15.0),
         "vc_ref": wander(rng, 2.0),
-        "off": OFF,
+        "off": off,
         "elev_sat": 0.02 * rng.normal(size=N),
         "ail_sat": 0.02 * rng.normal(size=N),
         "thr_sat": 0.02 * rng.normal(size=N),
@@ -188,7 +190,7 @@ def test_attitude_holds(wires, hold, sign, y, rate, actuator, target):
         wires[rate],
         wires[f"{y}_ref"],
         sat,
-        OFF,
+        wires["off"],
         NOTHING,
     )
     assert_same(laws(block, **wires), {actuator: u, f"{y}_cmd": reference}, limits)
@@ -213,7 +215,7 @@ def test_airspeed_hold(wires, target):
         NOTHING,
         wires["vc_ref"],
         wires["thr_sat"],
-        OFF,
+        wires["off"],
         SPEED["Kc"] * wires["hdot"],
         seen,
     )
@@ -235,7 +237,7 @@ def test_heading_hold(wires, target, straight):
     banks = []
 
     def heading(k):
-        if start["k"] is None or OFF[k - 1]:
+        if start["k"] is None or wires["off"][k - 1]:
             start.update(k=k, found=wires["psi"][k], pi=PI(**HEADING, low=-bank, high=bank))
         error = math.remainder(
             (start["found"] if target is None else target) + wires["psi_ref"][k] - wires["psi"][k],
@@ -255,7 +257,7 @@ def test_heading_hold(wires, target, straight):
         wires["p"],
         NOTHING,
         wires["ail_sat"],
-        OFF,
+        wires["off"],
         NOTHING,
     )
     assert_same(laws(block, **wires), {"aileron": u, "phi_cmd": reference}, limits)
@@ -267,21 +269,21 @@ def test_heading_hold(wires, target, straight):
     [(None, None, None, 6.0), (5010.0, 12.0, 6.0, 20.0)],
 )
 def test_altitude_hold(wires, target, hdot_max, theta_max, of_table):
-    limits, theta = (-0.8, 0.8), (-4.0, 6.0)
+    limits, theta = (-0.3, 0.3), (-4.0, 6.0)
     block = AltitudeHold(
         gains={"altitude": {**ALTITUDE, "theta_max": of_table}, "pitch": ATTITUDE},
         h_ref=target,
         hdot_max=hdot_max,
         theta_min=theta[0],
         theta_max=theta_max,
-        authority=0.8,
+        authority=0.3,
         T=T,
     )
     climb = ALTITUDE["hdot_max"] if hdot_max is None else hdot_max
     now, demanded = {}, np.zeros(N)
 
     def altitude(k):
-        engaging = not now or OFF[k - 1]
+        engaging = not now or wires["off"][k - 1]
         if engaging:
             now.update(found=wires["h"][k], pi=PI(ALTITUDE["Kp"], ALTITUDE["Ki"], *theta))
             now["pi"].u = wires["theta"][k]
@@ -297,7 +299,7 @@ def test_altitude_hold(wires, target, hdot_max, theta_max, of_table):
         wires["q"],
         NOTHING,
         wires["elev_sat"],
-        OFF,
+        wires["off"],
         NOTHING,
     )
     assert_same(
@@ -312,14 +314,14 @@ def test_yaw_damper(wires):
     u, last, engaged = np.empty(N), 0.0, False
     for k in range(N):
         r = wires["r"][k]
-        if OFF[k]:
+        if wires["off"][k]:
             last *= math.exp(-T / tau)
         else:
             if not engaged:
                 mean = r - last / K
             last = clip(K * (r - mean), -limit, limit)
             mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
-        u[k], engaged = last, not OFF[k]
+        u[k], engaged = last, not wires["off"][k]
     assert_same(laws(block, **wires), {"rudder": u}, (-limit, limit))
     assert not laws(YawDamper(gains={"K": 0.0, "tau": tau}, T=T), **wires)["rudder"].any()
 
@@ -331,7 +333,7 @@ def test_turn_coordination(wires):
     u, last, engaged = np.empty(N), 0.0, False
     for k in range(N):
         r = wires["r"][k]
-        if OFF[k]:
+        if wires["off"][k]:
             last *= math.exp(-T / tau)
         else:
             if not engaged:  # go on from the output: the integral cancels the sideslip found
@@ -341,7 +343,7 @@ def test_turn_coordination(wires):
             mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
             if not (last != v and np.sign(v) == -np.sign(beta[k])):  # no further into the limit
                 integral -= Ki * T * beta[k]
-        u[k], engaged = last, not OFF[k]
+        u[k], engaged = last, not wires["off"][k]
     assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
 
 
@@ -354,7 +356,7 @@ def test_turns_are_fed_forward(wires):
     for k in range(N):
         r = wires["r"][k]
         turn = Kroll * p[k] + Kbank * 180.0 / math.pi * math.sin(phi[k] * math.pi / 180.0)
-        if OFF[k]:
+        if wires["off"][k]:
             last *= math.exp(-T / tau)
         else:
             if not engaged:  # go on from the output; what was held of it fades
@@ -362,7 +364,7 @@ def test_turns_are_fed_forward(wires):
             last = clip(K * (r - mean) - Kp * beta[k] + held + turn, -limit, limit)
             mean = math.exp(-T / tau) * mean + (1 - math.exp(-T / tau)) * r
             held *= math.exp(-T / tau)
-        u[k], engaged = last, not OFF[k]
+        u[k], engaged = last, not wires["off"][k]
     assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
 
 
@@ -379,7 +381,7 @@ GAINS = {
 @pytest.mark.parametrize("inner", [False, True])
 def test_the_autopilot_is_the_holds(wires, inner):
     offs = {
-        name: np.roll(OFF, shift)
+        name: np.roll(wires["off"], shift)
         for name, shift in (
             ("pitch_off", 0),
             ("roll_off", 60),
@@ -453,6 +455,16 @@ def test_the_autopilot_is_the_holds(wires, inner):
     assert set(one) == set(several)
     for name, signal in several.items():
         assert np.array_equal(one[name], signal), name
+
+
+@pytest.mark.parametrize("hold", [AltitudeHold, Autopilot])
+def test_in_steady_flight_nothing_moves_from_the_first_sample_on(hold):
+    # with the protection, which must begin with nothing cut off
+    steady = {"theta": 2.0, "h": 5000.0, "vc": 90.0, "alpha": 2.0, "psi": 30.0}
+    y = laws(hold("c172p", T=T), **{name: NOTHING + value for name, value in steady.items()})
+    assert not y["elevator"].any()
+    assert not y["hdot_cmd"].any()
+    assert set(y["theta_cmd"]) == {2.0}
 
 
 def test_a_mode_goes_on_from_the_reference_of_the_other(wires):

@@ -72,6 +72,21 @@ def test_gains_are_given_by_name():
         PID(T, 2.0)
 
 
+@pytest.mark.parametrize("b", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("rescheduled", [False, True])
+def test_a_reference_that_is_moved_acts_at_full_weight(b, rescheduled):
+    # r moves from 3 to 1: by Kp b (1 - 3) by itself, and by Kp (1 - b) (1 - 3) in the integral
+    pid = PID(T, Kp=0.5, Ki=0.3, b=b)
+    _, state = run(pid, np.full(9, 3.0), np.zeros(9))
+    expected, _ = pid.sample(state, 3.0, 0.0)
+    if rescheduled:  # the proportional part stands in the integral, and is taken out at the new r
+        moved = pid.taken(pid.moved(pid.released(state, 3.0), -2.0), 1.0)
+    else:
+        moved = pid.moved(state, -2.0)
+    u, _ = pid.sample(moved, 1.0, 0.0)
+    assert u == pytest.approx(expected - 0.5 * 2.0, abs=1e-15)
+
+
 def test_feed_forward_adds_to_the_output():
     r, y = np.random.default_rng(5).normal(size=(2, 200))
     feed = np.sin(np.arange(200) / 20)

@@ -26,7 +26,7 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     TrimError,
 )
-from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits
+from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits, loop_gains
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
 
@@ -119,6 +119,42 @@ def test_a_stall_entered_by_hand_is_recovered(name, flight, alpha, stall, loss):
     assert np.min(h) > h[0] - loss
     assert vc[-1] == pytest.approx(limits(name).vc_min, abs=4.0)
     assert abs(hdot[-1]) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "side"), first([("c182", -1.0), ("c182", 1.0), ("c172p", -1.0), ("c172p", 1.0)])
+)
+def test_a_steep_bank_and_a_climb_together_keep_the_angle_of_attack(name, side):
+    # before the limits knew of each other: 15.9 deg of 13.6 (c182), 14.2 of 13.0 (c172p), and the
+    # spiral dives of a bank that the lift no longer bears
+    plane = Aircraft(name, altitude=5000.0, speed=110.0)
+    record = fly(
+        plane,
+        40.0,
+        {
+            "roll_mode": on,
+            "phi_ref": lambda t: side * (60.0 if t < 6.0 else 90.0),
+            "h_ref": lambda t: 1e5,
+        },
+        reference="absolute",
+    )
+    limit = loop_gains(name, "envelope")[0].alpha_max
+    assert np.max(record["alpha"]) < limit + 0.1
+    assert np.max(np.abs(record["phi"])) > 60.0
+    assert np.min(record["h"]) > 4500.0
+
+
+def test_the_bank_gives_way_before_the_pitch():
+    guard = Protection(1 / 120, 12.0, None)
+    for alpha, phi, most in (
+        (11.0, 60.0, 60.0),  # the lift left is that of 1 deg
+        (5.5, 0.0, 60.0),  # half of the lift in level flight: 2 g
+        (11.5, 40.0, np.degrees(np.arccos(11.5 / 11.0 * np.cos(np.radians(40.0))))),
+        (11.5, 0.0, 0.0),
+        (-1.0, 0.0, 90.0),
+    ):
+        *_, state = guard.sample(guard.START, 5.0, alpha, 0.0, 0.0, 90.0, False)
+        assert guard.bank(state, 0.0, phi) == pytest.approx(most)
 
 
 def test_altitude_hold_does_not_climb_into_the_stall():
@@ -367,6 +403,20 @@ def test_a_limit_of_ones_own_and_none():
     assert AltitudeHold(numbers, alpha_max=10.0)._protection.alpha_max == 10.0
     with pytest.raises(ParameterError, match="alpha_max"):
         Autopilot(alpha_max="high")
+
+
+def test_the_first_sample_knows_no_rates():
+    envelope = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
+    guard = Protection(1 / 120, None, envelope)
+    state = guard.START
+    for _ in range(2):
+        theta_max, climb, boost, state = guard.sample(state, 6.0, 4.0, 0.0, 3.0, 90.0, True)
+        assert (theta_max, boost) == (6.0 + 12.0 - 4.0, 0.0)
+        # the rate of climb measured, 3 ft/s, and what the airspeed may lose in 10 s: with a fall of
+        # 0.1 (V - 0.96 Vmin) per s, V / g times as much
+        assert climb == pytest.approx(
+            3.0 + 0.1 * 90.0 * (90.0 - 57.6) * 1.68781**2 / 32.174, abs=0.01
+        )
 
 
 def test_the_pitch_leads_an_angle_of_attack_that_rises():

@@ -1,6 +1,10 @@
 """Modes and flying qualities: against the flight itself, textbook matrices and the standard."""
 
+import csv
+import itertools
 import math
+from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +13,8 @@ from test_model import flown, plane
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.linear import LinearModel, Mode, flying_qualities
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 def model(A, states, B=None, inputs=(), V=500.0):
@@ -117,140 +123,90 @@ def pair(frequency, damping):
 
 
 def level(A, states, name, **keywords):
-    found = {
-        q.name: q
-        for q in flying_qualities(model(A, states, **keywords.pop("more", {})), **keywords)
-    }
-    return found[name].level
+    return {q.name: q for q in flying_qualities(model(A, states), **keywords)}[name].level
 
 
-# limits as printed in MIL-F-8785C, approached from both sides
-@pytest.mark.parametrize(
-    ("damping", "category", "expected"),
-    [
-        (0.36, "A", 1), (0.34, "A", 2), (0.24, "A", 3), (0.14, "A", 4),
-        (0.31, "B", 1), (0.29, "B", 2), (0.19, "B", 3), (0.36, "C", 1),
-    ],
-)  # fmt: skip
-def test_short_period_damping(damping, category, expected):
-    A = pair(2.0, damping)
-    assert level(A, ("alpha", "q"), "short-period damping ratio", category=category) == expected
+def anticipating(parameter):
+    """A short period of that control anticipation parameter, rad2/s2 per g."""
+    # n/alpha = V / g (-Z_alpha / V) where the elevator gives no lift; V = 500 ft/s
+    z, m_q = -0.5, -0.1
+    m_alpha = z * m_q - parameter * 500.0 / 32.174 * -z
+    return [[z, 1.0, 0.0], [m_alpha, m_q, 0.0], [-3.0, 0.0, -0.01]]
 
 
-@pytest.mark.parametrize(("damping", "expected"), [(0.05, 1), (0.03, 2), (-0.05, 3), (-0.3, 4)])
-def test_phugoid_damping(damping, expected):
-    # 0.1 rad/s: a damping ratio of -0.126 doubles in 55 s
+# by requirement: the states of a model, its matrix for a value x, and what else it has
+SHAPES = {
+    "phugoid damping ratio": (("alpha", "q", "vt", "theta"), lambda x: with_phugoid(x), {}),
+    "phugoid time to double": (
+        ("alpha", "q", "vt", "theta"),
+        lambda x: with_phugoid(-math.log(2) / x / 0.1),
+        {},
+    ),
+    "control anticipation parameter": (
+        ("alpha", "q", "vt"),
+        anticipating,
+        {"B": [[0.0], [-6.0], [0.0]], "inputs": ("elevator",)},
+    ),
+    "short-period damping ratio": (("alpha", "q"), lambda x: pair(2.0, x), {}),
+    "Dutch roll damping ratio": (("beta", "r"), lambda x: pair(3.0, x), {}),
+    "Dutch roll damping times frequency": (("beta", "r"), lambda x: pair(1.5, x / 1.5), {}),
+    "Dutch roll frequency": (("beta", "r"), lambda x: pair(x, 0.5), {}),
+    "roll mode time constant": (("p",), lambda x: [[-1 / x]], {}),
+    "spiral time to double": (("phi",), lambda x: [[math.log(2) / x]], {}),
+}
+
+
+def with_phugoid(damping):
     A = np.zeros((4, 4))
     A[:2, :2], A[2:, 2:] = pair(2.0, 0.5), pair(0.1, damping)
-    assert level(A, ("alpha", "q", "vt", "theta"), "phugoid damping ratio") == expected
-
-
-@pytest.mark.parametrize(
-    ("frequency", "damping", "category", "aircraft_class", "expected"),
-    [
-        (2.0, 0.20, "A", "IV", 1), (2.0, 0.18, "A", "IV", 2), (2.0, 0.09, "B", "III", 1),
-        (2.0, 0.07, "B", "III", 2), (2.0, 0.01, "B", "III", 3), (2.0, -0.01, "B", "III", 4),
-    ],
-)  # fmt: skip
-def test_dutch_roll_damping(frequency, damping, category, aircraft_class, expected):
-    A = pair(frequency, damping)
-    options = {"category": category, "aircraft_class": aircraft_class}
-    assert level(A, ("beta", "r"), "Dutch roll damping ratio", **options) == expected
-
-
-@pytest.mark.parametrize(
-    ("T", "category", "aircraft_class", "expected"),
-    [
-        (0.9, "A", "I", 1), (1.1, "A", "I", 2), (1.3, "B", "I", 1), (2.9, "B", "III", 2),
-        (3.1, "C", "III", 3), (1.1, "C", "II-C", 2), (1.1, "C", "II-L", 1), (11.0, "B", "I", 4),
-    ],
-)  # fmt: skip
-def test_roll_mode(T, category, aircraft_class, expected):
-    options = {"category": category, "aircraft_class": aircraft_class}
-    assert level([[-1 / T]], ("p",), "roll mode time constant", **options) == expected
-
-
-@pytest.mark.parametrize(
-    ("double", "category", "expected"),
-    [
-        (13, "A", 1),
-        (11, "A", 2),
-        (7, "C", 3),
-        (3, "C", 4),
-        (21, "B", 1),
-        (19, "B", 2),
-        (-9, "B", 1),
-    ],
-)
-def test_spiral(double, category, expected):
-    A = [[math.log(2) / double]]
-    assert level(A, ("phi",), "spiral time to double", category=category) == expected
-
-
-# lowest damping ratio, product (rad/s) and frequency (rad/s) of levels 1 to 3, as printed
-DUTCH_ROLL = {
-    ("A", "I IV"): ((0.19, 0.35, 1.0), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
-    ("A", "II-L II-C III"): ((0.19, 0.35, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
-    ("B", "I II-L II-C III IV"): ((0.08, 0.15, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
-    ("C", "I II-C IV"): ((0.08, 0.15, 1.0), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
-    ("C", "II-L III"): ((0.08, 0.10, 0.4), (0.02, 0.05, 0.4), (0.0, 0.0, 0.4)),
-}
-# longest time constant in s
-ROLL = {
-    ("A", "I IV"): (1.0, 1.4, 10.0),
-    ("A", "II-L II-C III"): (1.4, 3.0, 10.0),
-    ("B", "I II-L II-C III IV"): (1.4, 3.0, 10.0),
-    ("C", "I II-C IV"): (1.0, 1.4, 10.0),
-    ("C", "II-L III"): (1.4, 3.0, 10.0),
-}
-SHORT_PERIOD = {"A": (0.35, 0.25, 0.15), "B": (0.30, 0.20, 0.15), "C": (0.35, 0.25, 0.15)}
-SPIRAL = {"A": (12.0, 8.0, 4.0), "B": (20.0, 8.0, 4.0), "C": (12.0, 8.0, 4.0)}
+    return A
 
 
 def printed():
-    """Requirement, category, class, limits of levels 1 to 3, and a model with the value x."""
-    for category, limits in SHORT_PERIOD.items():
-        yield (
-            ("short-period damping ratio", category, "I", limits),
-            (("alpha", "q"), lambda x: pair(2.0, x)),
-        )
-    for category, limits in SPIRAL.items():
-        yield (
-            ("spiral time to double", category, "I", limits),
-            (("phi",), lambda x: [[math.log(2) / x]]),
-        )
-    shapes = (
-        ("ratio", lambda x: pair(3.0, x)),
-        ("times frequency", lambda x: pair(1.5, x / 1.5)),
-        ("frequency", lambda x: pair(x, 0.5)),
-    )
-    for (category, classes), rows in DUTCH_ROLL.items():
-        for aircraft_class in classes.split():
-            for (name, shape), limits in zip(shapes, zip(*rows, strict=True), strict=True):
-                full = (
-                    "Dutch roll frequency" if name == "frequency" else f"Dutch roll damping {name}"
+    """Limits of the standard by requirement, category and class: paragraph, limits by level."""
+    table = defaultdict(lambda: ("", {}))
+    with (DATA / "mil_f_8785c.csv").open() as file:
+        for row in csv.DictReader(file):
+            classes = "I II-L II-C III IV" if row["classes"] == "all" else row["classes"]
+            for where in itertools.product(row["categories"].split(), classes.split()):
+                _, levels = table[(row["requirement"], *where)]
+                levels[int(row["level"])] = (
+                    float(row["lowest"] or -math.inf),
+                    float(row["highest"] or math.inf),
                 )
-                yield (full, category, aircraft_class, limits), (("beta", "r"), shape)
-    for (category, classes), limits in ROLL.items():
-        for aircraft_class in classes.split():
-            yield (
-                ("roll mode time constant", category, aircraft_class, limits),
-                (("p",), lambda x: [[-1 / x]]),
-            )
+                table[(row["requirement"], *where)] = row["paragraph"], levels
+    return table
 
 
-@pytest.mark.parametrize(
-    ("row", "shape"), [pytest.param(*x, id=" ".join(x[0][:3])) for x in printed()]
-)
-def test_each_level_ends_where_the_standard_has_it(row, shape):
-    (name, category, aircraft_class, limits), (states, matrix) = row, shape
-    longest = name.startswith("roll mode")
-    for limit in limits:
-        for x in (0.996 * limit, 1.004 * limit) if limit else ():
-            within = [x <= bound if longest else x >= bound for bound in limits]
-            expected = within.index(True) + 1 if any(within) else 4
-            options = {"category": category, "aircraft_class": aircraft_class}
-            assert level(matrix(x), states, name, **options) == expected, x
+def test_each_level_ends_where_the_standard_has_it():
+    table = printed()
+    assert {name for name, *_ in table} == set(SHAPES)
+    assert len(table) == len(SHAPES) * 3 * 5
+    for (name, category, aircraft_class), (paragraph, levels) in table.items():
+        states, matrix, more = SHAPES[name]
+        for limit in {x for limits in levels.values() for x in limits}:
+            # an oscillation has a damping ratio below 1
+            if math.isinf(limit) or (name.endswith("damping ratio") and limit > 1.0):
+                continue
+            for x in (limit - 0.004 * abs(limit or 1.0), limit + 0.004 * abs(limit or 1.0)):
+                met = [i for i, (low, high) in sorted(levels.items()) if low <= x <= high]
+                # a level without a limit is met by any value
+                expected = met[0] if met else 4 if 3 in levels else 3
+                found = {
+                    q.name: q
+                    for q in flying_qualities(
+                        model(matrix(x), states, **more),
+                        category=category,
+                        aircraft_class=aircraft_class,
+                    )
+                }[name.replace("phugoid time to double", "phugoid damping ratio")]
+                place = (name, category, aircraft_class, x)
+                assert (found.level, found.paragraph) == (expected, paragraph), place
+
+
+@pytest.mark.parametrize("category", ["A", "B", "C"])
+def test_a_stable_spiral_is_of_level_1(category):
+    assert level([[-0.1]], ("phi",), "spiral time to double", category=category) == 1
 
 
 def test_control_anticipation_of_the_short_period_approximation():

@@ -319,7 +319,7 @@ class Autopilot(Hold):
                 cut,
             )
         pitch, theta_ref, cut = protection.limit(
-            pitch, theta, theta_target, theta_ref, theta_max, h, vc
+            self._pitch, pitch, theta, theta_target, theta_ref, theta_max, h, vc
         )
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0
@@ -331,7 +331,7 @@ class Autopilot(Hold):
             phi_ref = 0.0
             phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
         wanted = ReferenceLoop.destination(roll, phi, phi_target, phi_ref)
-        most = protection.bank(guard, h)
+        most = protection.bank(guard, h, phi)
         phi_ref += min(max(wanted, -most), most) - wanted
         aileron, phi_cmd, roll = self._roll.sample(
             roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0

@@ -128,6 +128,13 @@ class PID:
             return state
         return (1.0, integral - self.Kp * (self.b * r - y), u, offset, y, slope)
 
+    def moved(self, state: State, change: float) -> State:
+        """The state for a reference that has moved by ``change``, as if its weight b were 1."""
+        phase, integral, u, offset, y, slope = state
+        if phase == 1.0:
+            change *= 1.0 - self.b
+        return (phase, integral + self.Kp * change, u, offset, y, slope)
+
     @staticmethod
     def holding(u: float) -> State:
         """State of a law that is off and whose output is ``u``."""

@@ -59,6 +59,7 @@ class Protection:
     DECAY = 0.1  # 1/s, with which the airspeed may approach its lowest value
     PRIORITY = 0.95  # of the airspeed demanded, below which a climb gives way
     LIFT = 1.1  # load factor at the lowest airspeed
+    BANK_YIELDS = 1.0  # deg below the largest angle of attack, before the pitch does
     LOAD = 0.8  # g, of a change of the pitch reference
     SLOWEST = 50.0  # ft/s, true airspeed
     FLOOR = 0.96  # of the lowest airspeed demanded, below which the aircraft descends
@@ -146,6 +147,7 @@ class Protection:
 
     def limit(
         self,
+        loop: ReferenceLoop,
         pitch: State,
         theta: float,
         target: float | None,
@@ -157,14 +159,17 @@ class Protection:
         """State of the pitch loop, increment of its reference, and what was cut off.
 
         The reference stays below ``theta_max``, at once, and moves no faster than the load factor
-        allows at the airspeed.
+        allows at the airspeed. It gives way at full weight: with a ``b`` below 1 the pitch would
+        lag behind a limit that falls.
         """
         found, reference, law = pitch
         if law[0] <= 0.0:
             found = reference = theta
         elif target is not None:
             found = theta
-        reference = min(reference, theta_max)
+        if reference > theta_max:
+            law = loop.pid.moved(law, theta_max - reference)
+            reference = theta_max
         wanted = ReferenceLoop.destination(pitch, theta, target, increment)
         v = max(true_airspeed(vc, h), self.SLOWEST)
         step = math.degrees(self.LOAD * GRAVITY / v) * self.T
@@ -177,11 +182,18 @@ class Protection:
         """1: the rate of climb from `sample` takes the airspeed into account."""
         return 1.0
 
-    def bank(self, state: State, h: float) -> float:
-        """Largest bank in deg, from the load factor that the airspeed allows; after `sample`."""
-        if not self.vc_min:
-            return 180.0
-        load = self.LIFT * (state[5] / true_airspeed(self.vc_min, h)) ** 2
+    def bank(self, state: State, h: float, phi: float) -> float:
+        """Largest bank in deg; after `sample`.
+
+        Its load factor in level flight is what the airspeed allows, and what the angle of attack
+        leaves, to which the load factor is proportional: the bank gives way before the pitch.
+        """
+        alpha = state[1] + self.LEAD * state[2]
+        load = math.inf
+        if alpha > 0.0:
+            load = (self.alpha_max - self.BANK_YIELDS) / alpha / math.cos(math.radians(phi))
+        if self.vc_min:
+            load = min(load, self.LIFT * (state[5] / true_airspeed(self.vc_min, h)) ** 2)
         return math.degrees(math.acos(1.0 / load)) if load > 1.0 else 0.0
 
 
@@ -196,7 +208,12 @@ class Unprotected:
 
     @staticmethod
     def limit(
-        pitch: State, theta: float, target: float | None, increment: float, *others: float
+        loop: ReferenceLoop,
+        pitch: State,
+        theta: float,
+        target: float | None,
+        increment: float,
+        *others: float,
     ) -> tuple[State, float, float]:
         return pitch, increment, 0.0
 
@@ -208,7 +225,7 @@ class Unprotected:
         return min(max((vc / vc_cmd - 0.8) / 0.1, -1.0), 1.0)
 
     @staticmethod
-    def bank(state: State, h: float) -> float:
+    def bank(state: State, h: float, phi: float) -> float:
         return math.inf
 
 

@@ -23,12 +23,8 @@ CATEGORIES = ("A", "B", "C")
 Limits = tuple[tuple[float, float], ...]
 _INF = math.inf
 
-# table IV, paragraph 3.2.2.1.2
-_SHORT_PERIOD_DAMPING: dict[str, Limits] = {
-    "A": ((0.35, 1.30), (0.25, 2.00), (0.15, _INF)),
-    "B": ((0.30, 2.00), (0.20, 2.00), (0.15, _INF)),
-    "C": ((0.35, 1.30), (0.25, 2.00), (0.15, _INF)),
-}
+# table IV, paragraph 3.2.2.1.2: least damping ratio; an oscillation is below the largest, 1.30
+_SHORT_PERIOD_DAMPING = {"A": (0.35, 0.25, 0.15), "B": (0.30, 0.20, 0.15), "C": (0.35, 0.25, 0.15)}
 
 # figures 1 to 3, paragraph 3.2.2.1.1: lines of constant omega^2 / (n/alpha), rad2/s2 per g/rad
 _ANTICIPATION: dict[str, Limits] = {
@@ -115,14 +111,8 @@ def flying_qualities(
         found.append(Quality(name, paragraph, value, unit, level))
 
     if short := of.get("short period"):
-        limits = _SHORT_PERIOD_DAMPING[category]
-        add(
-            "short-period damping ratio",
-            "3.2.2.1.2",
-            short.damping,
-            "",
-            _within(short.damping, limits),
-        )
+        level = 1 + sum(short.damping < limit for limit in _SHORT_PERIOD_DAMPING[category])
+        add("short-period damping ratio", "3.2.2.1.2", short.damping, "", level)
         anticipation = control_anticipation(model, short)
         if not math.isnan(anticipation):
             level = _within(anticipation, _ANTICIPATION[category])

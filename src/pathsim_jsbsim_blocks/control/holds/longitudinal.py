@@ -253,7 +253,9 @@ class AltitudeHold(Hold):
                 climb,
                 cut,
             )
-        pitch, theta_ref, cut = protection.limit(pitch, theta, target, 0.0, theta_max, h, vc)
+        pitch, theta_ref, cut = protection.limit(
+            self._pitch, pitch, theta, target, 0.0, theta_max, h, vc
+        )
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
         )

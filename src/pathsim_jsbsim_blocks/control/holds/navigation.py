@@ -519,7 +519,9 @@ class GlideslopeHold(Hold):
                 captured = captured or lower
                 hdot_cmd = descent if captured else hdot_cmd
             target, climb = self._altitude.pid.sample(climb, hdot_cmd, hdot, 0.0, cut)
-        pitch, theta_ref, cut = protection.limit(pitch, theta, target, 0.0, theta_max, h, vc)
+        pitch, theta_ref, cut = protection.limit(
+            self._pitch, pitch, theta, target, 0.0, theta_max, h, vc
+        )
         elevator, theta_cmd, pitch = self._pitch.sample(
             pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
         )
