@@ -49,7 +49,7 @@ run = partial(
     PARTS,
     describe=str,
     title="thirds",
-    job=lambda: "thirds",
+    job=lambda: {"study": "thirds"},
     jobs=1,
     progress=False,
     died={},

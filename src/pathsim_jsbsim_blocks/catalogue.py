@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -78,9 +77,4 @@ def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> Module
     """
     from ._core.template import Template
 
-    path = find_diagram(name)
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    Template(path, mapping("settings", settings)).run(module)
-    return module
+    return Template(find_diagram(name), mapping("settings", settings)).load()

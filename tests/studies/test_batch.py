@@ -1,5 +1,6 @@
 """Batches of whole diagrams."""
 
+import json
 import math
 import random
 
@@ -9,7 +10,7 @@ import plain_jsbsim
 import pytest
 
 from pathsim_jsbsim_blocks import Aircraft, FlightError, ParameterError, TrimCondition
-from pathsim_jsbsim_blocks.studies import batch, run_batch
+from pathsim_jsbsim_blocks.studies import batch, identity, run_batch
 
 
 def quiet(*args, **options):
@@ -41,7 +42,6 @@ def test_a_diagram_is_flown_for_every_case():
     assert table.columns.tolist() == [
         "elevator",
         "fuel",
-        "seed",
         "completed",
         "reason",
         "pitch_deg",
@@ -195,7 +195,7 @@ def level(diagram):
 def test_a_diagram_by_name_is_flown_with_other_parameters():
     cases = {"hold.theta_ref": [2.0, 4.0], "aircraft.speed": [90.0, 30.0], "DURATION": [6.0]}
     table = quiet("pitch_hold", cases, measure=level)
-    assert table.columns.tolist()[:6] == [*cases, "seed", "completed", "reason"]
+    assert table.columns.tolist()[:6] == [*cases, "completed", "reason", "pitch_deg"]
     assert table.completed.tolist() == [True, False, True, False]
     assert table.reason[1].startswith("TrimError")
     flown = table[table.completed]
@@ -256,5 +256,56 @@ def test_a_batch_of_a_script_is_resumed_for_the_same_script_only(tmp_path):
     options = {"measure": lambda m: {"y": m.Y}, "resume": tmp_path / "kept"}
     assert quiet(script, {"X": [1.0, 2.0]}, **options).y.tolist() == [2.0, 4.0]
     script.write_text(text.replace("2 * X", "3 * X"))
-    with pytest.raises(ParameterError, match="another"):
+    with pytest.raises(ParameterError, match=r"What differs: script;"):
         quiet(script, {"X": [1.0, 2.0]}, **options)
+    script.write_text(text)
+    with pytest.raises(ParameterError, match=r"differs: duration \(kept null, now 0.2\), measure;"):
+        quiet(
+            script, {"X": [1.0, 2.0]}, **options | {"measure": lambda m: {"y": -m.Y}}, duration=0.2
+        )
+    assert quiet(script, {"X": [1.0, 2.0]}, **options).y.tolist() == [2.0, 4.0]
+
+
+def test_a_batch_is_resumed_for_the_same_function_and_versions_only(tmp_path, monkeypatch):
+    def build_with(factor):
+        return lambda x: {"y": factor * x}
+
+    path = tmp_path / "kept"
+    quiet(build_with(2.0), {"x": [1.0]}, resume=path)
+    assert quiet(build_with(2.0), {"x": [1.0]}, resume=path).y.tolist() == [2.0]
+    with pytest.raises(ParameterError, match=r"What differs: build;"):
+        quiet(build_with(3.0), {"x": [1.0]}, resume=path)
+    with pytest.raises(ParameterError, match=r"What differs: cases;"):
+        quiet(build_with(2.0), {"x": [1.0]}, resume=path, seed=1)
+    monkeypatch.setattr(identity, "version", lambda name: "0.9")
+    with pytest.raises(ParameterError, match=r"differs: jsbsim \(kept .*, now 0.9\), pathsim \("):
+        quiet(build_with(2.0), {"x": [1.0]}, resume=path)
+
+
+def test_an_exit_in_a_row_is_its_error():
+    def build(x):
+        import sys
+
+        if x == 2:
+            sys.exit("no such model")
+        return {"y": x}
+
+    table = quiet(build, {"x": [1, 2, 3]}, jobs=2)
+    assert table.completed.tolist() == [True, False, True]
+    assert table.reason[1] == "SystemExit: no such model"
+
+
+def test_lists_stay_lists_in_parquet_and_are_json_in_csv(tmp_path):
+    cases = [{"fuel": [1.0, 2.5], "name": ["a"], "load": {0: 1.0}}] * 2
+    table = quiet(lambda fuel, name, load: {"half": [load[0] / 2, None]}, cases)
+    table.to_csv(tmp_path / "table.csv")
+    table.to_parquet(tmp_path / "table.parquet")
+    read = pd.read_csv(tmp_path / "table.csv")
+    kept = pd.read_parquet(tmp_path / "table.parquet")
+    expected = {"fuel": [1.0, 2.5], "name": ["a"], "load": {"0": 1.0}, "half": [0.5, None]}
+    for name, value in expected.items():
+        assert json.loads(read[name][1]) == value
+        assert table[name][1] == value
+    assert list(kept["fuel"][1]) == [1.0, 2.5]
+    assert list(kept["name"][1]) == ["a"]
+    assert kept["load"][1] == {"0": 1.0}

@@ -11,6 +11,7 @@ from corruptions import PARTS, resumed_from_corruptions, run, thirds
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.errors import FileError
+from pathsim_jsbsim_blocks.studies.identity import study_key
 from pathsim_jsbsim_blocks.studies.journal import Journal
 
 
@@ -79,9 +80,10 @@ def test_deep_nesting_is_refused(tmp_path):
 SECOND = """
 import sys
 from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks.studies.identity import study_key
 from pathsim_jsbsim_blocks.studies.journal import Journal
 try:
-    Journal(sys.argv[1], "thirds", "thirds").add(7, [])
+    Journal(sys.argv[1], "thirds", study_key({"study": "thirds"})).add(7, [])
 except ParameterError as error:
     print(error)
 """
@@ -89,16 +91,16 @@ except ParameterError as error:
 
 def test_a_second_process_is_refused_and_the_first_goes_on(tmp_path):
     path = tmp_path / "thirds.jsonl"
-    journal = Journal(path, "thirds", "thirds")
+    journal = Journal(path, "thirds", study_key({"study": "thirds"}))
     journal.add(0, thirds(PARTS[0]))
     said = subprocess.run([sys.executable, "-c", SECOND, str(path)], capture_output=True, text=True)
     assert "is in use: another process runs this study" in said.stdout, said.stderr
     # nor twice in this process
     with pytest.raises(ParameterError, match="is in use"):
-        Journal(path, "thirds", "thirds")
+        Journal(path, "thirds", study_key({"study": "thirds"}))
     journal.add(1, thirds(PARTS[1]))
     journal.close()
-    again = Journal(path, "thirds", "thirds")
+    again = Journal(path, "thirds", study_key({"study": "thirds"}))
     assert sorted(again.finished) == [0, 1]
     again.close()
 
@@ -131,7 +133,7 @@ def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
     assert done.stdout.startswith("True File too large cannot write ")
     assert "the parts finished before are kept" in done.stdout
     assert path.stat().st_size == 1000
-    journal = Journal(path, "thirds", "thirds")
+    journal = Journal(path, "thirds", study_key({"study": "thirds"}))
     assert 0 < len(journal.finished) < len(PARTS)
     journal.close()
     assert run(resume=path) == [row for part in PARTS for row in thirds(part)]
@@ -139,7 +141,7 @@ def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_is_named(tmp_path):
-    journal = Journal(tmp_path / "thirds.jsonl", "thirds", "thirds")
+    journal = Journal(tmp_path / "thirds.jsonl", "thirds", study_key({"study": "thirds"}))
     with (
         open("/dev/full", "wb", buffering=0) as journal._file,
         pytest.raises(FileError, match=r"thirds.jsonl': No space left on device"),

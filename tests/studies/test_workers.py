@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from functools import partial
 
 import pandas as pd
@@ -21,7 +22,7 @@ run = partial(
     run_parts,
     describe="point {}".format,
     title="numbers",
-    job=lambda: "numbers",
+    job=lambda: {"study": "numbers"},
     jobs=2,
     resume=None,
     progress=False,
@@ -201,11 +202,64 @@ def test_an_interrupted_sweep_keeps_what_is_finished(tmp_path):
     assert run(squares, PARTS, resume=path) == [{"square": x * x} for x in range(1, 9)]
 
 
+INTERRUPTED = """
+import sys, time
+from tqdm import tqdm
+from pathsim_jsbsim_blocks.studies.workers import run_parts
+
+def work(part):
+    for _ in tqdm(part, disable=True):  # its lock is a semaphore
+        time.sleep(0.2)
+    return [{"square": x * x} for x in part]
+
+run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], died={}, describe=str, title="numbers",
+          job=lambda: {}, jobs=2, resume=sys.argv[1], progress=False)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path):
+    path = tmp_path / "squares.jsonl"
+    with subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, str(path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        deadline = time.monotonic() + 60
+        while not path.exists() or path.read_bytes().count(b"\n") < 3:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        # as a terminal does, to all processes; impatient users do it twice
+        for _ in range(2):
+            os.killpg(process.pid, signal.SIGINT)
+            time.sleep(0.05)
+        said = process.communicate(timeout=60)[1]
+    assert process.returncode == -signal.SIGINT
+    parts = path.read_bytes().count(b"\n") - 1
+    last = said.splitlines()[-1]
+    assert last == f"KeyboardInterrupt: {2 * parts} of 100 points done, resume with {str(path)!r}"
+    assert "joblib" not in said
+    assert "leaked" not in said
+    assert said.count("Traceback") == 1
+
+
+def test_ctrl_c_without_a_file_says_what_is_lost():
+    def interrupted(part):
+        if 4 in part:
+            raise KeyboardInterrupt
+        return squares(part)
+
+    with pytest.raises(KeyboardInterrupt, match=r"^2 of 8 points done, lost: name a file"):
+        run(interrupted, PARTS, jobs=1)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
     path = tmp_path / "sweep.jsonl"
     run(squares, PARTS, resume=path)
     with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
-        run(squares, PARTS, resume=path, job=lambda: "other numbers")
+        run(squares, PARTS, resume=path, job=lambda: {"study": "other numbers"})
     with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
         trim_sweep("737", GRID, resume=path, progress=False)
     notes = tmp_path / "notes.txt"

@@ -17,7 +17,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from pathsim import Connection, Simulation, Subsystem
-from pathsim.blocks import Block
+from pathsim.blocks import Block, PinkNoise, WhiteNoise
 from pathsim.events import Event
 from pathsim.solvers._solver import Solver
 from pathsim.utils.graph import Graph
@@ -391,6 +391,16 @@ def is_running(sim: Simulation) -> bool:
 def activate(sim: Simulation) -> None:
     """Let a simulation that was stopped run again; `Simulation.run` begins with it."""
     sim._active = True
+
+
+def draw_first(block: Block) -> None:
+    """Repeat what PathSim's noise sources draw when they are built."""
+    if isinstance(block, PinkNoise):
+        block.octave_values = block._rng.normal(0, 1, block.num_octaves)
+        block.n_samples = 0
+    if isinstance(block, (PinkNoise, WhiteNoise)) and block.sampling_period is not None:
+        block._current_sample = block._generate_sample(block.sampling_period)
+        block.outputs[0] = block._current_sample
 
 
 def keep_warnings_visible() -> None:

@@ -12,7 +12,7 @@ import inspect
 import re
 import sys
 import types
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from ..errors import ParameterError
 from .checks import did_you_mean, nearest
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
-_SET, _BUILD = "__set__", "__build__"
+_SET, _BUILD, _SEEDED = "__set__", "__build__", "__seeded__"
 _SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
 _LITERAL = (
     ast.Expression,
@@ -97,6 +97,11 @@ class Template:
     source : str, optional
         the script's text; default is the file's
 
+    Attributes
+    ----------
+    seeded : list
+        what the script has built with a ``seed`` that follows from the settings
+
     Raises
     ------
     SettingError
@@ -117,6 +122,7 @@ class Template:
         for name, value in settings.items():
             self._place(name, value, tree)
         self._settings, self._waiting = dict(settings), set(settings)
+        self.seeded: list[Any] = []
         if settings:
             tree = ast.fix_missing_locations(
                 _Rewriter(self._constants, self._parameters).apply(tree)
@@ -174,6 +180,14 @@ class Template:
                 raise _no_place(name, f"{self.path.name} changes it in line {node.lineno}", value)
         self._constants[variable] = value
 
+    def load(self) -> types.ModuleType:
+        """Import the script as a module of its own; errors are those of `run`."""
+        spec = importlib.util.spec_from_file_location(self.path.stem, self.path)
+        assert spec is not None
+        module = importlib.util.module_from_spec(spec)
+        self.run(module)
+        return module
+
     def run(self, module: types.ModuleType) -> None:
         """Execute the script in a module.
 
@@ -187,6 +201,7 @@ class Template:
         """
         setattr(module, _SET, self._set)
         setattr(module, _BUILD, self._build)
+        setattr(module, _SEEDED, self._seeded)
         exec(self._code, vars(module))
         for name in sorted(self._waiting):
             raise _no_place(
@@ -240,7 +255,12 @@ class Template:
                 reason = f"{what} has no parameter {parameter!r}"
                 raise _no_place(name, reason + _nearest_of(parameter, [*known, *passed]), value)
             self._waiting.discard(name)
-        return make(*bound.args, **bound.kwargs)
+        made = make(*bound.args, **bound.kwargs)
+        return self._seeded(made) if "seed" in given else made
+
+    def _seeded(self, made: Any) -> Any:
+        self.seeded.append(made)
+        return made
 
 
 def _read(name: str, value: Any, replaced: Any) -> Any:
@@ -311,8 +331,30 @@ def _matched(target: ast.expr, value: ast.expr) -> Iterator[tuple[ast.Name, ast.
             yield from _matched(inner, part)
 
 
+def _following(names: Iterable[str], tree: ast.AST) -> set[str]:
+    """The variables whose values follow from those of ``names``, these included."""
+    found = set(names)
+    while True:
+        more = set(found)
+        for node in ast.walk(tree):
+            value = getattr(node, "value", None) or getattr(node, "iter", None)
+            targets = getattr(node, "targets", None) or [getattr(node, "target", None)]
+            if isinstance(value, ast.AST) and _reads(found, value):
+                more |= {n.id for t in targets if t for n in ast.walk(t) if isinstance(n, ast.Name)}
+        if more == found:
+            return found
+        found = more
+
+
+def _reads(names: Container[str], expression: ast.AST) -> bool:
+    return any(isinstance(n, ast.Name) and n.id in names for n in ast.walk(expression))
+
+
 class _Rewriter(ast.NodeTransformer):
-    """``NAME = x`` becomes ``NAME = __set__("NAME", x)``, ``f(x)`` ``__build__("NAME", f, x)``."""
+    """``NAME = x`` becomes ``NAME = __set__("NAME", x)``, ``f(x)`` ``__build__("NAME", f, x)``.
+
+    A call with a ``seed`` that follows from a constant that is set becomes ``__seeded__(f(x))``.
+    """
 
     def __init__(self, constants: Mapping[str, Any], parameters: Mapping[str, Any]):
         self._constants, self._parameters = constants, parameters
@@ -327,9 +369,22 @@ class _Rewriter(ast.NodeTransformer):
             for target, value in _pairs(node):
                 if target.id in self._parameters and isinstance(value, ast.Call):
                     self._of[value] = _BUILD, target.id
+        following = _following(self._constants, tree)
+        self._seeded = [
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Call)
+            and any(k.arg == "seed" and _reads(following, k.value) for k in node.keywords)
+        ]
         return self.visit(tree)
 
     def visit(self, node: ast.AST) -> Any:
+        new = self._rewritten(node)
+        if node in self._seeded:
+            new = ast.copy_location(ast.Call(ast.Name(_SEEDED, ast.Load()), [new], []), new)
+        return new
+
+    def _rewritten(self, node: ast.AST) -> Any:
         self.generic_visit(node)
         function, variable = self._of.get(node, ("", ""))  # type: ignore[call-overload]
         if not function:

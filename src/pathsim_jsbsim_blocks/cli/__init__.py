@@ -48,8 +48,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             message = f"{error.filename or 'the output'}: {error.strerror}"
         print(f"pathsim-jsbsim: {message}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("pathsim-jsbsim: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as error:
+        print(
+            "pathsim-jsbsim: " + ": ".join(filter(None, ["interrupted", str(error)])),
+            file=sys.stderr,
+        )
         return 130
 
 

@@ -256,7 +256,7 @@ def _stopped(error: BaseException, script: Path, figure: Path | None, csv_file: 
             saved = f"; what was recorded {until} is not all saved: {failure}"
     status, message = 1, str(error)
     if isinstance(error, KeyboardInterrupt):
-        status, message = 130, "interrupted"
+        status, message = 130, ": ".join(filter(None, ["interrupted", message]))
     elif directory_is_gone():
         message = GONE
     elif isinstance(error, SyntaxError):

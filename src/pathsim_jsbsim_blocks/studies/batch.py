@@ -7,20 +7,22 @@ import inspect
 import json
 import logging
 import pickle
-import random
+import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jsbsim
 import numpy as np
 
 from .._core.checks import did_you_mean, nearest, positive, whole
 from .._core.extras import required
-from ..catalogue import find_diagram, load_diagram
+from .._core.seeding import Seeding
+from .._core.template import SettingError, Template
+from ..catalogue import find_diagram
 from ..errors import ParameterError
-from .grid import expand, plain
+from .grid import cell, expand, plain
+from .identity import code
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -92,18 +94,12 @@ def run_batch(
     pd = required("pandas", "studies")
     required("joblib", "studies")
 
-    rows = _seeded(expand("cases", cases), whole("seed", seed, low=0))
-    identity: dict[str, Any] = {}
+    points = expand("cases", cases)
+    rows = _seeded(points, whole("seed", seed, low=0))
     if isinstance(build, (str, Path)):
         script = find_diagram(str(build)).absolute()
         measure = _check_script(script, rows, measure, duration)
-        name = script.stem
-        identity = {
-            "script": hashlib.sha256(script.read_bytes()).hexdigest(),
-            "duration": duration,
-            "measure": _name(measure),
-        }
-        build, takes_seed = partial(_fly_script, script, measure, duration), False
+        name, run = script.stem, partial(_fly_script, script, measure, duration)
     else:
         for option, value in (("measure", measure), ("duration", duration)):
             if value is not None:
@@ -112,32 +108,67 @@ def run_batch(
                     parameter=option,
                     value=value,
                 )
-        takes_seed = _check(build, rows)
-        name = _name(build)
+        name, run = _name(build), partial(_call, build, _check(build, rows))
+
+    def job() -> dict[str, Any]:
+        parts = {"cases": rows, "python": ".".join(map(str, sys.version_info[:2]))}
+        if measure is None:
+            return {**parts, "build": code(build)}
+        script_text = hashlib.sha256(script.read_bytes()).hexdigest()
+        return {**parts, "script": script_text, "duration": duration, "measure": code(measure)}
+
     found = run_parts(
-        partial(_run_cases, build, takes_seed),
+        partial(_run_cases, run),
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
-        title=f"run_batch {name.rpartition('.')[2]}, {len(rows)} cases",
-        job=lambda: {"build": name, "cases": rows, "jsbsim": jsbsim.__version__, **identity},
+        title=f"run_batch {name}, {len(rows)} cases",
+        job=job,
         jobs=jobs,
         resume=resume,
         progress=progress,
     )
-    return pd.DataFrame([{**row, **result} for row, result in zip(rows, found, strict=True)])
+    if not any("seed" in row for row in [*points, *found]):
+        rows = points
+    return pd.DataFrame(
+        [
+            {key: cell(value) for key, value in {**row, **result}.items()}
+            for row, result in zip(rows, found, strict=True)
+        ]
+    )
 
 
 def _name(function: Any) -> str:
-    return f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def _call(
+    build: Callable[..., Mapping[str, Any]],
+    takes_seed: bool,
+    seeding: Seeding,
+    case: dict[str, Any],
+) -> Mapping[str, Any]:
+    seeding.used = takes_seed
+    return build(**(case if takes_seed else _without_seed(case)))
+
+
+def _without_seed(case: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in case.items() if key != "seed"}
 
 
 def _fly_script(
-    script: Path, measure: Callable[[Any], Mapping[str, Any]], duration: float | None, **case: Any
+    script: Path,
+    measure: Callable[[Any], Mapping[str, Any]],
+    duration: float | None,
+    seeding: Seeding,
+    case: dict[str, Any],
 ) -> Mapping[str, Any]:
     from .._core.running import fly
 
-    module = load_diagram(str(script), case)
+    template = Template(script, _without_seed(case))
+    with seeding.alone():
+        module = template.load()
+    seeding.seed_blocks(module.sim, template.seeded)
     fly(module.sim, module.DURATION if duration is None else duration, progress=False)
     return measure(module)
 
@@ -147,8 +178,6 @@ def _check_script(
 ) -> Callable[[Any], Mapping[str, Any]]:
     """Refuse a script that cannot be flown and cases without effect on it; return ``measure``."""
     from pathsim import Simulation
-
-    from .._core.template import SettingError
 
     if not callable(measure):
         raise ParameterError(
@@ -162,10 +191,11 @@ def _check_script(
     for names in {tuple(row) for row in rows}:
         row = next(r for r in rows if tuple(r) == names)
         try:
-            module = load_diagram(str(script), {n: row[n] for n in names if n != "seed"})
+            with Seeding(row["seed"]):
+                module = Template(script, _without_seed(row)).load()
         except SettingError:
             raise
-        except Exception:
+        except (Exception, SystemExit):
             continue  # a value that cannot be ends its own case
         if not isinstance(getattr(module, "sim", None), Simulation):
             raise ParameterError(
@@ -250,28 +280,18 @@ def _check_sent(parameter: str, function: Any) -> None:
         ) from error
 
 
-def _run_cases(
-    build: Callable[..., Mapping[str, Any]], takes_seed: bool, cases: list[dict[str, Any]]
-) -> list[dict[str, Any]]:
-    return [_run_case(build, takes_seed, case) for case in cases]
+def _run_cases(run: Callable[..., Any], cases: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [_run_case(run, case) for case in cases]
 
 
-def _run_case(
-    build: Callable[..., Mapping[str, Any]], takes_seed: bool, case: dict[str, Any]
-) -> dict[str, Any]:
-    arguments = case if takes_seed else {k: v for k, v in case.items() if k != "seed"}
-    # for blocks that draw from the global generators, PathSim's among them
-    before = random.getstate(), np.random.get_state()  # noqa: NPY002
-    random.seed(case["seed"])
-    np.random.seed(case["seed"] % 2**32)  # noqa: NPY002
-    try:
-        return {"completed": True, "reason": "", **_measured(build(**arguments), case)}
-    except Exception as error:
-        log.info("case %s failed", case, exc_info=True)
-        return {"completed": False, "reason": f"{type(error).__name__}: {error}"}
-    finally:
-        random.setstate(before[0])
-        np.random.set_state(before[1])  # noqa: NPY002
+def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
+    with Seeding(case["seed"]) as seeding:
+        try:
+            row = {"completed": True, "reason": "", **_measured(run(seeding, case), case)}
+        except (Exception, SystemExit) as error:
+            log.info("case %s failed", case, exc_info=True)
+            row = {"completed": False, "reason": f"{type(error).__name__}: {error}"}
+    return {"seed": case["seed"], **row} if seeding.used else row
 
 
 def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
@@ -123,6 +124,29 @@ def plain(name: str, value: Any) -> Any:
         parameter=name,
         value=value,
     )
+
+
+class _List(list):
+    """A list whose text is JSON, in a CSV file too."""
+
+    def __str__(self) -> str:
+        return json.dumps(self)
+
+
+class _Dict(dict):
+    """A dict whose text is JSON, with text for keys, as Parquet needs too."""
+
+    def __str__(self) -> str:
+        return json.dumps(self)
+
+
+def cell(value: Any) -> Any:
+    """Plain data as a cell of a table: lists and dicts stay such in Parquet, JSON text in CSV."""
+    if isinstance(value, list):
+        return _List(value)
+    if isinstance(value, dict):
+        return _Dict({str(key): item for key, item in value.items()})
+    return value
 
 
 def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:

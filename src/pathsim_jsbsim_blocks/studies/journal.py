@@ -6,14 +6,16 @@ import contextlib
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from .._core.checks import as_path
 from ..errors import FileError, ParameterError
+from .identity import differences
 
 _FORMAT = "pathsim-jsbsim study"
-_VERSION = 2
+_VERSION = 3
 
 
 class Journal:
@@ -28,8 +30,8 @@ class Journal:
         the file; created if it does not exist
     title : str
         the study in words
-    job : object
-        everything that the results depend on, as plain data
+    key : mapping
+        everything that the results depend on: a text for each part, as of `study_key`
 
     Attributes
     ----------
@@ -45,10 +47,9 @@ class Journal:
         if reading or writing fails, here and in `add`, such as on a full disk
     """
 
-    def __init__(self, path: str | Path, title: str, job: Any):
+    def __init__(self, path: str | Path, title: str, key: Mapping[str, str]):
         self.path = as_path("resume", path)
-        digest = hashlib.sha256(json.dumps(job, sort_keys=True).encode()).hexdigest()
-        header = _line({"format": _FORMAT, "version": _VERSION, "study": title, "key": digest})
+        header = {"format": _FORMAT, "version": _VERSION, "study": title, "key": dict(key)}
         self.finished: dict[int, list] = {}
         if os.path.exists(self.path) and not os.path.isfile(self.path):
             raise ParameterError(
@@ -64,7 +65,7 @@ class Journal:
         try:
             self._lock()
             self._file.seek(0)
-            self._read(self._file.read(), header, title)
+            self._read(self._file.read(), header)
         except BaseException as error:
             self._file.close()
             if isinstance(error, OSError) and not isinstance(error, FileError):
@@ -86,17 +87,16 @@ class Journal:
     def _refused(self, message: str) -> ParameterError:
         return ParameterError(message, parameter="resume", value=str(self.path))
 
-    def _read(self, content: bytes, header: bytes, title: str) -> None:
-        if header.startswith(content):  # new, or killed before the first line was complete
+    def _read(self, content: bytes, header: dict[str, Any]) -> None:
+        if _line(header).startswith(content):  # new, or killed before the first line was complete
             self._file.truncate(0)
-            self._write(header)
+            self._write(_line(header))
             return
         # text after the last newline was cut off by a kill
         first, *lines = content.split(b"\n")[:-1] or [content]
-        if first + b"\n" != header:
+        if first + b"\n" != _line(header):
             raise self._refused(
-                f"{str(self.path)!r} holds {_holds(first)}, not this one "
-                f"({title}); name another file or delete it"
+                f"{str(self.path)!r} holds {_holds(first, header)}; name another file or delete it"
             )
         for number, line in enumerate(lines, 2):
             try:
@@ -144,14 +144,18 @@ def _checked(line: bytes) -> dict[str, Any]:
     return data
 
 
-def _holds(first: bytes) -> str:
+def _holds(first: bytes, wanted: dict[str, Any]) -> str:
+    """What a file holds whose first line is not the wanted one."""
     try:
-        header = json.loads(first)
-        if not header["format"].startswith(_FORMAT):
+        found = json.loads(first)
+        if not found["format"].startswith(_FORMAT):
             return "other data"
-        if header.get("version") != _VERSION:
+        if found.get("version") != _VERSION:
             return "a study written by another version"
-        _checked(first)
-        return f"another study ({header['study']})"
+        found = _checked(first)
+        parts = differences(found["key"], wanted["key"])
+        return f"another study ({found['study']}), not this one ({wanted['study']})" + (
+            f". What differs: {parts}" if parts else ""
+        )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return "other data"

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jsbsim
 import numpy as np
 
 from .._core.checks import number
@@ -103,7 +102,7 @@ def modes_over_speed(
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda point: f"{point['aircraft']} at {point['speed']:g} KCAS",
         title=f"modes_over_speed, {len(points)} points",
-        job=lambda: {"study": "modes_over_speed", "points": points, "jsbsim": jsbsim.__version__},
+        job=lambda: {"study": "modes_over_speed", "points": points},
         jobs=jobs,
         resume=resume,
         progress=progress,

@@ -10,8 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jsbsim
-
 from .._core.checks import property_list, whole
 from .._core.extras import required
 from ..errors import TrimError
@@ -114,7 +112,6 @@ def trim_sweep(
             "chunk": chunk,
             "chain": _CHAIN,
             "conditions": [dataclasses.asdict(c) for c in ordered],
-            "jsbsim": jsbsim.__version__,
         },
         jobs=jobs,
         resume=resume,

@@ -9,7 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +21,7 @@ from .._core.callers import warn_user
 from .._core.checks import whole
 from .._core.extras import required
 from ..errors import ParameterError
+from .identity import study_key
 from .journal import Journal
 from .parent import end_with
 
@@ -37,7 +42,7 @@ def run_parts(
     died: Row,
     describe: Callable[[Any], str],
     title: str,
-    job: Callable[[], Any],
+    job: Callable[[], Mapping[str, Any]],
     jobs: int,
     resume: str | Path | None,
     progress: bool,
@@ -57,7 +62,7 @@ def run_parts(
     title : str
         the study in words
     job : callable
-        everything that the results depend on, as plain data, to identify a file to resume from
+        everything that the results depend on, as plain data by name; kept rows must have the same
     jobs : int
         worker processes; -1 for all cores. Not used on a cluster
     resume : Path, optional
@@ -68,20 +73,56 @@ def run_parts(
     jobs = _count(jobs)
     if resume is not None:
         required("filelock", "studies")
-    journal = Journal(resume, title, job()) if resume is not None else None
+    journal = Journal(resume, title, study_key(job())) if resume is not None else None
+    rows = dict(journal.finished) if journal else {}
+
+    def keep(index: int, result: list[Row]) -> None:
+        rows[index] = result
+        # not stored: a resumed study retries the points that killed a worker
+        if journal and died not in result:
+            journal.add(index, result)
+        bar.update(len(result))
+
     try:
-        return _run(
-            work,
-            parts,
-            died,
-            describe,
-            journal,
-            jobs,
-            _bar(title, parts, journal.finished if journal else {}, progress),
-        )
+        with _one_interrupt(), _bar(title, parts, rows, progress) as bar:
+            while pending := [i for i in range(len(parts)) if i not in rows]:
+                _run(work, parts, pending, keep, died, describe, jobs)
+    except KeyboardInterrupt:
+        done = f"{_points(rows.values())} of {_points(parts)} points done"
+        kept = "lost: name a file to resume from and they are kept"
+        raise KeyboardInterrupt(
+            f"{done}, {kept if resume is None else f'resume with {str(resume)!r}'}"
+        ) from None
     finally:
         if journal:
             journal.close()
+    return [row for index in range(len(parts)) for row in rows[index]]
+
+
+@contextlib.contextmanager
+def _one_interrupt() -> Iterator[None]:
+    """Raise KeyboardInterrupt once: a second Ctrl-C would cut short the end of the workers."""
+
+    def interrupt(*_: Any) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    usual = signal.getsignal(signal.SIGINT)
+    if (
+        usual is not signal.default_int_handler
+        or threading.current_thread() is not threading.main_thread()
+    ):
+        yield
+        return
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+def _points(parts: Iterable[list[Any]]) -> int:
+    return sum(map(len, parts))
 
 
 def _count(jobs: int) -> int:
@@ -97,8 +138,8 @@ def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress
     from tqdm import tqdm
 
     return tqdm(
-        total=sum(map(len, parts)),
-        initial=sum(map(len, finished.values())),
+        total=_points(parts),
+        initial=_points(finished.values()),
         desc=title,
         unit=" points",
         disable=not progress,
@@ -108,39 +149,29 @@ def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress
 def _run(
     work: Work,
     parts: list[Part],
+    pending: list[int],
+    keep: Callable[[int, list[Row]], None],
     died: Row,
     describe: Callable[[Any], str],
-    journal: Journal | None,
     jobs: int,
-    bar: Any,
-) -> list[Row]:
-    rows: dict[int, list[Row]] = dict(journal.finished) if journal else {}
-
-    def keep(index: int, result: list[Row]) -> None:
-        rows[index] = result
-        # not stored: a resumed study retries the points that killed a worker
-        if journal and died not in result:
-            journal.add(index, result)
-        bar.update(len(result))
-
-    with bar:
-        while pending := [i for i in range(len(parts)) if i not in rows]:
-            suspects = []
-            # a single part gains nothing from a second process
-            for index, result in _results(work, parts, pending, 1 if len(parts) == 1 else jobs):
-                if result is _DIED:
-                    suspects.append(index)
-                else:
-                    keep(index, result)
-            if suspects:
-                warn_user(
-                    "a worker process died while these points were under way: "
-                    + "; ".join(_span(parts[i], describe) for i in suspects)
-                    + ". They are computed again, one part at a time"
-                )
-            for index in suspects:
-                keep(index, _alone(work, parts[index], died, describe))
-    return [row for index in range(len(parts)) for row in rows[index]]
+) -> None:
+    suspects = []
+    # a single part gains nothing from a second process
+    results = _results(work, parts, pending, 1 if len(parts) == 1 else jobs)
+    with contextlib.closing(results):
+        for index, result in results:
+            if result is _DIED:
+                suspects.append(index)
+            else:
+                keep(index, result)
+    if suspects:
+        warn_user(
+            "a worker process died while these points were under way: "
+            + "; ".join(_span(parts[i], describe) for i in suspects)
+            + ". They are computed again, one part at a time"
+        )
+    for index in suspects:
+        keep(index, _alone(work, parts[index], died, describe))
 
 
 def _span(part: Part, describe: Callable[[Any], str]) -> str:
@@ -161,7 +192,7 @@ def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) ->
 
 def _results(
     work: Work, parts: list[Part], pending: list[int], jobs: int
-) -> Iterator[tuple[int, Any]]:
+) -> Generator[tuple[int, Any]]:
     """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -191,15 +222,47 @@ def _results(
         n_jobs=jobs,
         batch_size=1,
         return_as="generator_unordered",
-        initializer=end_with,
+        initializer=_begin_worker,
         initargs=(os.getpid(),),
     )
+    with _interrupts_held():
+        results = parallel(tasks())
     try:
-        for index, rows in parallel(tasks()):
+        for index, rows in results:
             under_way.remove(index)
             yield index, rows
     except TerminatedWorkerError:
         yield from ((index, _DIED) for index in under_way)
+    finally:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # joblib tells how many tasks it drops
+            results.close()
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Delay Ctrl-C; processes that are started within the context never receive it."""
+    if sys.platform == "win32":
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # starting it would unblock SIGINT
+    usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, usual)
+
+
+def _begin_worker(caller: int) -> None:
+    from tqdm import tqdm
+
+    end_with(caller)
+    # Ctrl-C at a terminal reaches all processes; the caller ends the workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # tqdm's default lock is a system semaphore, which leaks when the worker is killed
+    tqdm.set_lock(threading.RLock())
 
 
 def _folder() -> str | None:

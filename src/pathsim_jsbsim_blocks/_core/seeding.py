@@ -1,0 +1,103 @@
+"""Seeds for the blocks of a diagram that draw random numbers."""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+import random
+from collections.abc import Collection, Iterator
+from typing import Any
+
+import numpy as np
+from pathsim import Simulation
+from pathsim.blocks import Block
+
+from ._pathsim import draw_first
+from .noise import WhiteNoise
+from .wiring import contents
+
+
+class Seeding:
+    """Context in which one seed decides all random numbers of a diagram.
+
+    Python's and NumPy's global generators, from which blocks of PathSim draw, are seeded with it
+    and restored at the end. Blocks that have a seed or a generator of their own get theirs from
+    `seed_blocks`.
+
+    Parameters
+    ----------
+    seed : int
+        0 or more
+
+    Attributes
+    ----------
+    used : bool
+        at the end: whether anything was drawn from what was seeded
+    """
+
+    def __init__(self, seed: int):
+        self.seed, self.used = seed, False
+        self._blocks: list[Block] = []
+
+    def __enter__(self) -> Seeding:
+        self._usual = random.getstate(), np.random.get_state()  # noqa: NPY002
+        random.seed(self.seed)
+        np.random.seed(self.seed % 2**32)  # noqa: NPY002
+        self._before = self._state()
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._look()
+        random.setstate(self._usual[0])
+        np.random.set_state(self._usual[1])  # noqa: NPY002
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Context in which other code cannot seed the global generators."""
+        usual = random.seed, np.random.seed
+        random.seed = np.random.seed = lambda *_, **__: None  # type: ignore[assignment]
+        try:
+            yield
+        finally:
+            random.seed, np.random.seed = usual
+
+    def seed_blocks(self, sim: Simulation, given: Collection[Any] = ()) -> None:
+        """Give each block with random numbers a seed of its own, in the diagram's order.
+
+        Those of ``given`` keep theirs.
+        """
+        self._look()
+        blocks = [b for b in contents(sim)[0] if hasattr(b, "seed") or _sources(b)]
+        children = np.random.SeedSequence(self.seed).spawn(len(blocks))
+        for block, child in zip(blocks, children, strict=True):
+            if not any(block is x for x in given):
+                _seed(block, int(child.generate_state(1)[0]))
+                self._blocks.append(block)
+        self._before = self._state()
+
+    def _look(self) -> None:
+        self.used = self.used or self._state() != self._before
+
+    def _state(self) -> bytes:
+        shared = random.getstate(), np.random.get_state()  # noqa: NPY002
+        return pickle.dumps((shared, [_sources(block) for block in self._blocks]))
+
+
+_KINDS = (np.random.Generator, np.random.RandomState, random.Random, WhiteNoise)
+
+
+def _sources(block: Block) -> list[Any]:
+    """The generators that a block holds."""
+    return [x for x in vars(block).values() if isinstance(x, _KINDS)]
+
+
+def _seed(block: Block, seed: int) -> None:
+    if hasattr(block, "seed"):
+        block.seed = seed
+    for source in _sources(block):
+        if isinstance(source, np.random.Generator):
+            bits = source.bit_generator
+            bits.state = type(bits)(seed).state
+        elif not isinstance(source, WhiteNoise):
+            source.seed(seed)
+    draw_first(block)

@@ -1,0 +1,161 @@
+"""What a study's rows depend on, part by part: kept rows are resumed for the same study only."""
+
+from __future__ import annotations
+
+import dis
+import functools
+import hashlib
+import json
+import sys
+import types
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
+from typing import Any
+
+from .. import __version__
+
+# characters; a longer part, a list or a dict is represented by its checksum
+_LONGEST = 40
+
+
+def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
+    """A text for each part of a study, and for the versions of what computes it.
+
+    Parameters
+    ----------
+    parts : mapping
+        everything that the rows depend on, as plain data, by the name that the user knows it by
+    """
+    versions = {
+        "jsbsim": version("jsbsim"),
+        "pathsim": version("pathsim"),
+        "pathsim-jsbsim-blocks": __version__,
+    }
+    return versions | {name: _text(value) for name, value in parts.items()}
+
+
+def _text(value: Any) -> str:
+    text = value if isinstance(value, str) else json.dumps(value, sort_keys=True)
+    return _checksum(text) if isinstance(value, (list, dict)) or len(text) > _LONGEST else text
+
+
+def differences(kept: Mapping[str, str], wanted: Mapping[str, str]) -> str:
+    """The parts that differ, in words; nothing where the keys are those of unlike studies."""
+    if set(kept) != set(wanted):
+        return ""
+    return ", ".join(
+        name
+        if "sha256" in kept[name] + wanted[name]
+        else f"{name} (kept {kept[name]}, now {wanted[name]})"
+        for name in wanted
+        if kept[name] != wanted[name]
+    )
+
+
+def code(function: Any) -> str:
+    """Checksum of what a function does.
+
+    That is its byte code and constants, the values of its defaults, its closure and the global
+    variables it uses, and the same of the functions and classes among them. Installed modules count
+    by their names.
+    """
+    return _checksum(_Walk().form(function))
+
+
+def _checksum(text: str) -> str:
+    return f"sha256 {hashlib.sha256(text.encode()).hexdigest()}"
+
+
+class _Walk:
+    """Texts of values: the same in any process for functions that do the same."""
+
+    def __init__(self) -> None:
+        # by id; kept, so that no later value gets the same one
+        self._met: dict[int, Any] = {}
+
+    def form(self, value: Any) -> str:
+        if value is None or isinstance(value, (bool, int, float, complex, str, bytes)):
+            return repr(value)
+        if id(value) in self._met:
+            return "..."
+        # equal constants may or may not be one object
+        if not isinstance(value, (tuple, frozenset, types.CodeType)):
+            self._met[id(value)] = value
+        return f"{type(value).__name__}({', '.join(self._parts(value))})"
+
+    def _parts(self, value: Any) -> Iterator[str]:
+        if isinstance(value, types.CodeType):
+            yield from map(self.form, (value.co_code, value.co_names, value.co_consts))
+            yield repr(getattr(value, "co_exceptiontable", b""))  # from Python 3.11 on
+        elif isinstance(value, (list, tuple)):
+            yield from map(self.form, value)
+        elif isinstance(value, (set, frozenset)):
+            yield from sorted(map(self.form, value))
+        elif isinstance(value, Mapping):
+            yield from (f"{self.form(k)}: {self.form(x)}" for k, x in value.items())
+        elif isinstance(value, functools.partial):
+            yield from map(self.form, (value.func, value.args, value.keywords))
+        elif isinstance(value, types.MethodType):
+            yield from map(self.form, (value.__func__, value.__self__))
+        elif isinstance(value, (staticmethod, classmethod)):
+            yield self.form(value.__func__)
+        elif isinstance(value, property):
+            yield from map(self.form, (value.fget, value.fset))
+        elif isinstance(value, types.ModuleType):
+            yield value.__name__
+        elif isinstance(value, types.FunctionType) and _is_users(value):
+            yield from map(self.form, (value.__code__, value.__defaults__, value.__kwdefaults__))
+            yield from map(self.form, _closure(value))
+            yield from map(self.form, _globals(value))
+        elif isinstance(value, type) and _is_users(value):
+            yield from map(self.form, value.__bases__)
+            own = set(vars(value)) - set(vars(_Empty))
+            yield from (f"{name}: {self.form(vars(value)[name])}" for name in sorted(own))
+        elif hasattr(value, "__qualname__"):
+            yield f"{getattr(value, '__module__', '')}.{value.__qualname__}"
+        elif _is_users(type(value)) and hasattr(value, "__dict__"):
+            yield from map(self.form, (type(value), vars(value)))
+        else:
+            yield _content(value)
+
+
+class _Empty:
+    pass
+
+
+def _is_users(value: Any) -> bool:
+    """Whether a function or class is the user's, whose code no version stands for."""
+    name = value.__module__ or "__main__"
+    if name.partition(".")[0] in {*sys.stdlib_module_names, __package__.partition(".")[0]}:
+        return False
+    file = getattr(sys.modules.get(name), "__file__", None) or ""
+    return "site-packages" not in file and "dist-packages" not in file
+
+
+def _closure(function: types.FunctionType) -> Iterator[Any]:
+    for cell in function.__closure__ or ():
+        try:
+            yield cell.cell_contents
+        except ValueError:  # not assigned yet
+            yield None
+
+
+def _globals(function: types.FunctionType) -> Iterator[Any]:
+    """Values of the global variables that a function reads, those of functions inside it too."""
+    names: dict[str, None] = {}
+    codes = [function.__code__]
+    for code in codes:
+        codes += [x for x in code.co_consts if isinstance(x, types.CodeType)]
+        reads = (i for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME"))
+        names |= dict.fromkeys(i.argval for i in reads)
+    return (function.__globals__[name] for name in names if name in function.__globals__)
+
+
+def _content(value: Any) -> str:
+    """Checksum of an object of an installed class."""
+    import joblib
+
+    try:
+        return joblib.hash(value)
+    except Exception:  # it cannot be pickled
+        return ""
