@@ -226,6 +226,7 @@ if __name__ == "__main__":
     ("stop", "status", "text"),
     [
         ("raise KeyboardInterrupt", 130, "interrupted"),
+        ("raise KeyboardInterrupt('2 of 50 done')", 130, "interrupted: 2 of 50 done"),
         ("1 / 0", 1, "mine.py failed"),
         (
             "from pathsim_jsbsim_blocks import ParameterError; "

@@ -18,6 +18,14 @@ def test_an_aircraft_names_its_model_and_condition():
     assert repr(ground) == "JSBSimFDM('c172p', on the ground at 0 ft)"
 
 
+def test_a_notebook_shows_a_trim_as_the_table_that_print_shows():
+    formatters = pytest.importorskip("IPython.core.formatters")
+    trim = Aircraft("c172p", 5000, 90).trim
+    shown = formatters.PlainTextFormatter()(trim)
+    assert shown == str(trim)
+    assert any(line.split()[::2] == ["speed", "KCAS"] for line in shown.splitlines())
+
+
 def test_outputs_print_as_a_line_for_each_port():
     plane = Aircraft("c172p", 5000, 90, output_properties=["position/h-agl-ft"])
     lines = [line.split() for line in str(plane.outputs).splitlines()]

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -67,6 +68,9 @@ def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
         (["--set", "sim.dt=-0.01"], "dt must be greater than 0"),
         (["--duration", "-1"], "duration must be greater than 0"),
         (["--duration", "nan"], "duration must be finite"),
+        (["--csv", "a.csv", "--csv-rate", "0"], "csv-rate must be greater than 0"),
+        (["--csv", "a.csv", "--csv-rate", "nan"], "csv-rate must be finite"),
+        (["--csv-rate", "10"], "--csv-rate goes with --csv FILE"),
     ],
 )
 def test_a_setting_without_effect_ends_before_the_flight(options, said, capsys):
@@ -80,6 +84,21 @@ def test_a_study_takes_no_settings(capsys):
     assert main(["run", "aoa_vs_cas", "--set", "x=1"]) == 1
     assert main(["run", "aoa_vs_cas", "--duration", "1"]) == 1
     assert capsys.readouterr().err.count("is no script: it takes no --") == 2
+    assert main(["run", "aoa_vs_cas", "--csv-rate", "1"]) == 1
+    assert "has no time: it takes no --csv-rate" in capsys.readouterr().err
+
+
+def test_the_rate_of_a_csv_leaves_out_rows_and_changes_none():
+    for name, options in (("all", []), ("ten", ["10"]), ("fifty", ["50"]), ("most", ["1000"])):
+        rate = ["--csv-rate", *options] if options else []
+        assert main(["run", "pitch_hold", "--duration", "3", "--csv", f"{name}.csv", *rate]) == 0
+    header, *rows = Path("all.csv").read_text().splitlines()
+    assert Path("most.csv").read_text().splitlines() == [header, *rows]
+    # 120 steps a second
+    assert Path("ten.csv").read_text().splitlines() == [header, *rows[::12]]
+    fifty = Path("fifty.csv").read_text().splitlines()[1:]
+    assert len(fifty) == 151
+    assert set(fifty) < set(rows)
 
 
 @pytest.mark.parametrize(

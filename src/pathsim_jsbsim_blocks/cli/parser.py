@@ -129,6 +129,12 @@ def command_parser() -> argparse.ArgumentParser:
         "interrupted",
     )
     sub.add_argument(
+        "--csv-rate",
+        metavar="HZ",
+        type=float,
+        help="at most so many rows per second in the CSV, each as recorded; default is all",
+    )
+    sub.add_argument(
         "--track",
         metavar="FILE",
         type=Path,

@@ -17,7 +17,7 @@ from ..errors import BlocksError, ParameterError
 from .console import GONE, directory_is_gone
 from .editor import asking
 from .results import run_study, studies
-from .saving import csv_path, recording_scopes, save, saving_figures
+from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
 
 
 def list_names(args: argparse.Namespace) -> None:
@@ -48,10 +48,11 @@ def run(args: argparse.Namespace) -> int:
             ("flightgear", "flies no aircraft"),
             ("set", "is no script"),
             ("duration", "is no script"),
+            ("csv_rate", "has no time"),
         ):
             if getattr(args, option) not in (None, []):
                 raise ParameterError(
-                    f"the study {args.name} {reason}: it takes no --{option}",
+                    f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}",
                     parameter=option,
                     value=str(getattr(args, option)),
                 )
@@ -66,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
         source = _code_of_model(script, args)
     else:
         script = find_diagram(args.name, studies()).absolute()
-    csv_file = None if args.csv is None else csv_path(args.csv).absolute()
+    signals = signals_writer(args.csv, args.csv_rate)
     status = 0
     try:
         with (
@@ -89,12 +90,12 @@ def run(args: argparse.Namespace) -> int:
                 if not runs.begun:
                     _no_run(objects, duration, constant)
             except SystemExit as error:  # a script may end normally with sys.exit
-                save(args.save, csv_file, recording_scopes(_left_by(error)))
+                save(args.save, signals, recording_scopes(_left_by(error)))
                 raise
             except BaseException as error:
-                status = _stopped(error, script, args.save, csv_file)
+                status = _stopped(error, script, args.save, signals)
                 raise
-            save(args.save, csv_file, recording_scopes(objects))
+            save(args.save, signals, recording_scopes(objects))
     except BaseException:
         if not status:
             raise
@@ -243,14 +244,16 @@ def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> N
     print(f"pathsim-jsbsim: {said}", file=sys.stderr)
 
 
-def _stopped(error: BaseException, script: Path, figure: Path | None, csv_file: Path | None) -> int:
+def _stopped(
+    error: BaseException, script: Path, figure: Path | None, signals: SignalsWriter | None
+) -> int:
     """Save what a script recorded before it stopped, and print the reason."""
     scopes = recording_scopes(_left_by(error))
     saved = ""
-    if scopes and (figure is not None or csv_file is not None):
+    if scopes and (figure is not None or signals is not None):
         until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
         try:
-            save(figure, csv_file, scopes, until)
+            save(figure, signals, scopes, until)
             saved = f"; what was recorded {until} is saved"
         except BlocksError as failure:
             saved = f"; what was recorded {until} is not all saved: {failure}"

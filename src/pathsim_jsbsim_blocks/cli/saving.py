@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import contextlib
 import csv
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..errors import FileError, ParameterError
 
+SignalsWriter: TypeAlias = Callable[[Sequence[Any]], None]
+
 
 def save(
-    figure: Path | None, csv_file: Path | None, scopes: Sequence[Any], until: str = ""
+    figure: Path | None, signals: SignalsWriter | None, scopes: Sequence[Any], until: str = ""
 ) -> None:
     """Write the open figures and the signals; a failure of one does not prevent the other.
 
     ``until``, if given, is the title of a further figure of all that was recorded.
     """
     with contextlib.ExitStack() as last:
-        if csv_file is not None:
-            last.callback(_write_csv, scopes, csv_file)
+        if signals is not None:
+            last.callback(signals, scopes)
         if figure is not None:
             _save_open_figures()
             if until:
@@ -52,6 +55,25 @@ def csv_path(path: Path) -> Path:
     return ending("csv", writable("csv", path), ".csv", "")
 
 
+def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | None:
+    """What writes the recordings of scopes as CSV, with at most ``rate`` rows per second.
+
+    Raises
+    ------
+    ParameterError
+        for a rate without a file, a rate that is not positive, and the errors of `csv_path`
+    """
+    from .._core.checks import positive
+
+    if rate is not None:
+        positive("csv-rate", rate)
+        if path is None:
+            raise ParameterError(
+                "--csv-rate goes with --csv FILE", parameter="csv-rate", value=rate
+            )
+    return None if path is None else partial(_write_csv, csv_path(path).absolute(), rate)
+
+
 def saving_figures(path: Path | None) -> contextlib.AbstractContextManager[None]:
     from ..plots import saving_to
 
@@ -79,7 +101,9 @@ def recording_scopes(objects: Iterable[Any]) -> list[Any]:
     ]
 
 
-def _write_csv(scopes: Sequence[Any], path: Path) -> None:
+def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
+    import numpy as np
+
     from .._core.files import replacing
     from .._core.scopes import recording, signal_label
 
@@ -90,6 +114,11 @@ def _write_csv(scopes: Sequence[Any], path: Path) -> None:
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
         time, data = recording(scope)
+        if rate is not None:
+            # the first sample of each period; sums of steps end just before or after an instant
+            periods = np.floor(time * rate + 1e-6)
+            first = np.flatnonzero(np.diff(periods, prepend=-1.0))
+            time, data = time[first], data[:, first]
         for i, values in enumerate(data):
             column = dict(zip(time.tolist(), values.tolist(), strict=True))
             columns.append((signal_label(scope, i), column))

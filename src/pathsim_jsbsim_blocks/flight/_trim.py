@@ -237,6 +237,10 @@ class TrimState:
             )
         return "\n".join(lines)
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """Show the table as the last line of a cell in IPython and Jupyter too."""
+        printer.text(str(self))
+
     def to_dict(self) -> dict[str, float]:
         """The state's numbers by name; those of each engine as ``throttle[0]``."""
         found: dict[str, float] = {}

@@ -52,14 +52,17 @@ def run_batch(
     build : callable, str or Path
         a diagram of the catalogue by its name, or the path of a script: each case names blocks and
         constants of it, ``{"hold.theta_ref": [2, 3, 4]}``, as ``load_diagram`` takes them. The
-        script is imported, its ``sim`` flown and ``measure`` called.
+        script is imported, its ``sim`` flown and ``measure`` called. Every block with random
+        numbers, such as turbulence, sensors and PathSim's noise sources, gets a seed of its own
+        from that of the case; a seed written in the script has no effect.
         Or a function, called as ``build(**case)``: builds the diagram, runs it, and returns what it
         measured as a dict of numbers or texts. A parameter ``seed`` receives the case's seed; the
         generators of `random` and of ``numpy.random`` are always seeded with it. It is sent to
         other processes: it must not refer to objects that live outside it, such as an aircraft
     cases : dict, DataFrame or list of dicts
         the parameters of each case; a dict of lists means their product, the last one fastest. A
-        column ``seed`` replaces the seeds drawn
+        column ``seed`` replaces the seeds drawn, and one such as ``"turbulence.seed"``, or a
+        variable from which the script makes a ``seed=``, the seed of that block
     measure : callable, optional
         of a script, with which it goes: called after the flight with the script's module, it
         returns what ``build`` would: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent
@@ -72,20 +75,26 @@ def run_batch(
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
     resume : Path, optional
-        file that keeps finished cases: repeating a killed call with the same file resumes it. Of
-        ``build`` only the name is compared: after changing what it does, name another file
+        file that keeps finished cases: repeating a killed call with the same file resumes it. It is
+        refused for other cases, another script, ``duration``, ``build`` or ``measure`` (compared by
+        their code and the values that they use), and for another version of this package, PathSim,
+        JSBSim or Python
     progress : bool
         show a progress bar on stderr
 
     Returns
     -------
     pandas.DataFrame
-        one row for each case, in their order: its parameters, ``seed``, ``completed``, ``reason``
+        one row for each case, in their order: its parameters, ``seed`` where anything was drawn
+        from it or the cases give it, ``completed``, ``reason``
         (empty, or the error that ended the case: a trim not found, a flight that cannot continue,
-        "worker died") and what ``build`` returned, NaN where it did not
+        "worker died") and what ``build`` returned, NaN where it did not. Lists and dicts stay such
+        in Parquet and are JSON text in CSV
 
     Raises
     ------
+    KeyboardInterrupt
+        on Ctrl-C, with the number of cases done and the file to resume with
     ParameterError
         before the work begins: no cases, a case that ``build`` does not take (of a script: a block,
         parameter or constant that it does not have, naming the nearest), NaN, a ``build`` that

@@ -225,7 +225,7 @@ def _results(
         initializer=_begin_worker,
         initargs=(os.getpid(),),
     )
-    with _interrupts_held():
+    with contextlib.nullcontext() if jobs == 1 else _interrupts_held():
         results = parallel(tasks())
     try:
         for index, rows in results:
