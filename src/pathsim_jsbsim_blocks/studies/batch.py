@@ -17,8 +17,6 @@ import numpy as np
 
 from .._core.checks import did_you_mean, nearest, positive, whole
 from .._core.extras import required
-from .._core.seeding import Seeding
-from .._core.template import SettingError, Template
 from ..catalogue import find_diagram
 from ..errors import ParameterError
 from .grid import cell, expand, plain
@@ -27,6 +25,8 @@ from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from .._core.seeding import Seeding
 
 log = logging.getLogger(__name__)
 
@@ -173,6 +173,7 @@ def _fly_script(
     case: dict[str, Any],
 ) -> Mapping[str, Any]:
     from .._core.running import fly
+    from .._core.template import Template
 
     template = Template(script, _without_seed(case))
     with seeding.alone():
@@ -187,6 +188,9 @@ def _check_script(
 ) -> Callable[[Any], Mapping[str, Any]]:
     """Refuse a script that cannot be flown and cases without effect on it; return ``measure``."""
     from pathsim import Simulation
+
+    from .._core.seeding import Seeding
+    from .._core.template import SettingError, Template
 
     if not callable(measure):
         raise ParameterError(
@@ -294,6 +298,8 @@ def _run_cases(run: Callable[..., Any], cases: list[dict[str, Any]]) -> list[dic
 
 
 def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
+    from .._core.seeding import Seeding
+
     with Seeding(case["seed"]) as seeding:
         try:
             row = {"completed": True, "reason": "", **_measured(run(seeding, case), case)}
