@@ -155,7 +155,7 @@ def test_a_long_run_keeps_no_results_of_old_instants(states, dt):
     plant, _, sim = counting(ramp(), *(Integrator() for _ in range(states)), dt=dt)
     sim.run(10.0)
     assert plant.samples == 100
-    assert min(plant._results) >= 99
+    assert min(plant.clock.results) >= 99
 
 
 @pytest.mark.parametrize("states", [0, 1])
@@ -257,7 +257,7 @@ def test_a_look_shows_and_does_not_act(depth, states):
     if not states:
         sim.steadystate()
     assert len(plant.latched) == plant.samples == 5
-    assert law.clock.index - 1 + (law._sampled >= law.clock.index) == 5
+    assert law.clock.index - 1 + (law.clock.sampled >= law.clock.index) == 5
     sim._update(sim.time)
     assert np.array_equal(plant.outputs.to_array(), seen[0])
     assert np.array_equal(law.outputs.to_array(), seen[1])
@@ -388,7 +388,7 @@ def test_a_plant_acts_in_the_step_that_ends_at_its_instant():
     for _ in range(8):
         sim.run(T / 4)
         acted.append(len(plant.latched))
-    assert plant.one_pass
+    assert plant.clock.one_pass
     assert acted == [0, 0, 0, 1, 1, 1, 1, 2]
 
 
@@ -419,17 +419,17 @@ def test_an_interrupted_advance_is_done_again(states):
 def test_a_dynamic_block_added_between_two_runs_ends_the_one_pass():
     plant, _, sim = counting(source := ramp())
     sim.run(0.3)
-    assert plant.one_pass
+    assert plant.clock.one_pass
     sim.add_block(integrator := Integrator())
     sim.add_connection(Connection(plant, integrator))
     sim.run(0.3)
-    assert not plant.one_pass
+    assert not plant.clock.one_pass
     # the plant's output is held over each step, in its stages too: 0.3 + 0.4 + 0.5
     assert integrator.outputs[0] == pytest.approx((3 + 4 + 5) * T, abs=1e-12)
     sim.remove_connection(sim.connections[-1])
     sim.remove_block(integrator)
     sim.run(0.4)
-    assert plant.one_pass
+    assert plant.clock.one_pass
     assert [u for _, u in plant.latched] == pytest.approx([k * T for k in range(10)])
     assert source in sim
 

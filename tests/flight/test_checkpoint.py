@@ -154,8 +154,8 @@ def test_a_checkpoint_of_other_ports_is_refused(tmp_path):
 def test_parameters_edited_in_flight_do_not_count_before_the_reset(tmp_path):
     sim, plane, scope = diagram()
     sim.run(1.0)
-    plane.heading = 90.0
-    plane.T = 1 / 60
+    with pytest.warns(RuntimeWarning, match="next reset"):
+        plane.set(heading=90.0, T=1 / 60)
     sim.save_checkpoint(str(tmp_path / "stop"))
     again, _, other_scope = diagram()
     again.load_checkpoint(str(tmp_path / "stop"))

@@ -108,7 +108,8 @@ def test_edited_parameters_count_from_the_reset_on():
     plane = Aircraft("c172p", altitude=5000, speed=90)
     scope, sim = wire(plane, Aircraft.output_port_labels)
     sim.run(2.0)
-    plane.altitude, plane.speed = 6000.0, 95.0
+    with pytest.warns(RuntimeWarning, match="next reset"):
+        plane.altitude, plane.speed = 6000.0, 95.0
     sim.run(2.0, reset=True)
     other = Aircraft("c172p", altitude=6000, speed=95)
     other_scope, other_sim = wire(other, Aircraft.output_port_labels)

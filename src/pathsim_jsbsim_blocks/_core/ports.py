@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import reprlib
 from collections.abc import Callable
@@ -15,6 +16,8 @@ from ..errors import BlocksError, ParameterError
 from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
 from ._pathsim import NamedRegister, port_names
 from .checks import did_you_mean, known_keywords, nearest_ports, refuse_unknown
+
+_PACKAGE = __name__.partition(".")[0] + "."
 
 # relative to an input's value, and the least
 _STEP = 1e-6
@@ -45,14 +48,43 @@ def label(port: str) -> str:
 class NamedPorts(Block):
     """Base of all blocks here: parameters, ``block["name"]`` and outputs are checked by name."""
 
+    # from the end of the constructor on, in the classes of this package
+    _built = False
+
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         if "__init__" in vars(cls):
             known_keywords(cls)
+            init = cls.__init__  # type: ignore[misc]
+
+            @functools.wraps(init)
+            def building(self: Any, *arguments: Any, **keywords: Any) -> None:
+                init(self, *arguments, **keywords)
+                kind = type(self)
+                if kind.__init__ is building and kind.__module__.startswith(_PACKAGE):
+                    self._built = True
+
+            cls.__init__ = building  # type: ignore[method-assign]
 
     def __init__(self, *arguments: Any, **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)
         self.outputs = NamedRegister(len(self.outputs), port_names(self.outputs))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # 20 times as slow as a plain assignment: what every step changes is on the sample clock
+        if (
+            self._built
+            and name[0] != "_"
+            and not hasattr(type(self), name)
+            and not hasattr(self, name)
+        ):
+            refuse_unknown(
+                type(self).__name__,
+                {name: value},
+                self.info()["parameters"],
+                port_names(self.inputs),
+            )
+        super().__setattr__(name, value)
 
     def __repr__(self) -> str:
         said = []

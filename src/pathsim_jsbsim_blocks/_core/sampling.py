@@ -23,7 +23,7 @@ Blocks act when an event is resolved, which is always correct: events are resolv
 never by a look at the diagram. But every event costs one more pass through the graph, a quarter of
 a step. In a fixed step without solver stages the first evaluation is the one at the step's end;
 blocks that are not in a subsystem show their outputs there, and need no event.
-`SampledBlock.one_pass` is the switch. A plant may then not act in the evaluation, which could be a
+`SampleClock.one_pass` is the switch. A plant may then not act in the evaluation, which could be a
 look; it acts when the step starts.
 
 Most steps of most diagrams lead from one instant to the next in one pass. Five methods see each of
@@ -84,7 +84,9 @@ class Instant(NamedTuple):
 
 
 class SampleClock(ClockEvent):
-    """Event on the sample instants of one block, and the count of them.
+    """Event on the sample instants of one block, the count of them, and what was computed there.
+
+    What every step changes is kept here: a block checks each attribute that is set.
 
     Parameters
     ----------
@@ -99,8 +101,12 @@ class SampleClock(ClockEvent):
         self.first = first
         # the fields of an `Instant`; as a plain tuple it is made and read in a third of the time
         self.instant: tuple[int, float, float, float, float, float]
+        # the last step had solver stages, so the next one probably has them too
+        self.stages = False
+        self.dt = 0.0
         super().__init__()
         self.reset()
+        self.forget()
 
     def reset(self) -> None:
         super().reset()
@@ -113,6 +119,18 @@ class SampleClock(ClockEvent):
         self.settling = False
         self.reached = 0.0
         self.begin_at(0.0, self.first)
+
+    def forget(self) -> None:
+        """Nothing has been computed, and no instant reached."""
+        # what belongs to the instants around the next one, by index
+        self.results: dict[int, Any] = {}
+        self.sampled = self.index - 1
+        self.resolved = False
+        # end of the step in which the outputs were shown without an event
+        self.acted_at: float | None = None
+        # whether the step under way has one evaluation, at its end, unless a stage comes before it.
+        # In a subsystem, what enters comes one evaluation late; adaptive runs may reject the step
+        self.one_pass = False
 
     @property
     def next(self) -> Instant:
@@ -164,11 +182,11 @@ class SampleClock(ClockEvent):
         """All blocks hold their final values at ``t``, where the next step starts."""
         block = self._block
         k, _, _, due_until, _, _ = self.instant
-        if block._acted_at == t <= due_until and block._sampled == k:
+        if self.acted_at == t <= due_until and self.sampled == k:
             # the last step showed instant k in one pass: what holds for it holds for this one
             self.go_on()
-            block._results.pop(k - 1, None)
-            block._acted_at = None
+            self.results.pop(k - 1, None)
+            self.acted_at = None
         else:
             block.start_step(t)
         self.step_start = t
@@ -187,7 +205,7 @@ class SampleClock(ClockEvent):
         block = self._block
         _, time, due_from, due_until, _, _ = self.instant
         self.settling = settling = t >= due_from
-        if not settling or block._acted_at == t <= due_until or block.has_acted(t):
+        if not settling or self.acted_at == t <= due_until or block.has_acted(t):
             return NOT_DETECTED
         self.reached = t
         if t <= due_until:
@@ -203,21 +221,28 @@ class PlantClock(SampleClock):
 
     _block: SampledPlant
 
+    def forget(self) -> None:
+        super().forget()
+        # index of the instant up to which the inputs are kept, and the inputs
+        self.latched: tuple[int, list[float]] = (0, [])
+        # index of the instant to which the plant is or was on its way
+        self.begun = 0
+
     def buffer(self, t: float) -> None:
         block = self._block
         k, _, _, due_until, _, _ = self.instant
-        if block._acted_at == t <= due_until and block._sampled == k:
+        if self.acted_at == t <= due_until and self.sampled == k:
             # as for any block
             self.go_on()
-            results = block._results
+            results = self.results
             results.pop(k - 1, None)
-            block._acted_at = None
+            self.acted_at = None
             self.step_start = t
             self.in_step = True
             # the step before had one evaluation, so this one has
             k += 1
-            latched, u = block._latched
-            if latched == k and t + block._dt >= self.instant[2] and k not in results:
+            latched, u = self.latched
+            if latched == k and t + self.dt >= self.instant[2] and k not in results:
                 # an interrupt before the result is kept leaves it to be done
                 results[k] = block.advance(k, u)
                 return
@@ -243,28 +268,18 @@ class SampledBlock(Block):
         # engine of the simulation that ran it last, and of those that ran it before
         self._runs_in: Any = None
         self._left: WeakSet[Any] = WeakSet()
-        # the last step had solver stages, so the next one probably has them too
-        self._stages = False
-        self._dt = 0.0
         self._warned = False
         self._forget()
 
     def _forget(self) -> None:
         """Nothing has been computed, and no instant reached."""
-        # what belongs to the instants around the next one, by index
-        self._results: dict[int, Any] = {}
-        self._sampled = self.clock.index - 1
-        self._resolved = False
-        # end of the step in which the outputs were shown without an event
-        self._acted_at: float | None = None
-        # whether the step under way has one evaluation, at its end, unless a stage comes before it.
-        # In a subsystem, what enters comes one evaluation late; adaptive runs may reject the step
-        self.one_pass = False
+        self.clock.forget()
 
     @property
     def awaited(self) -> int:
         """Index of the first instant that was not reached yet."""
-        return max(self.clock.index, self._sampled + 1)
+        clock = self.clock
+        return max(clock.index, clock.sampled + 1)
 
     def linearize(self, t: float) -> Any:
         """Refused: a sampled block goes on sampling. `to_statespace` gives its linear model."""
@@ -276,7 +291,7 @@ class SampledBlock(Block):
     def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
         """PathSim calls this when the block comes into a simulation, with that one's engine."""
         self._finish()
-        self._acted_at = None
+        self.clock.acted_at = None
         self._engine = parent
         self.clock.nested = False
 
@@ -312,10 +327,11 @@ class SampledBlock(Block):
 
     def sample(self, t: float, dt: float) -> None:
         """PathSim calls this once when a run begins and at the end of every step."""
-        self._dt, self._resolved = dt, False
-        k, _, due_from, due_until, _, _ = self.clock.instant
+        clock = self.clock
+        clock.dt, clock.resolved = dt, False
+        k, _, due_from, due_until, _, _ = clock.instant
         if t >= due_from:
-            self._sampled = k if t <= due_until and k in self._results else self._latest(t)
+            clock.sampled = k if t <= due_until and k in clock.results else self._latest(t)
 
     def start_step(self, t: float) -> None:
         """Start a step of any kind at ``t``."""
@@ -324,24 +340,25 @@ class SampledBlock(Block):
         if t < due_from:
             if t == clock.step_start:
                 # the step is repeated: its end was not reached, whatever was recorded there
-                self._sampled = k - 1
-        elif self._sampled < k:
-            self._sampled = self._latest(t)
-        if self._sampled >= k:
+                clock.sampled = k - 1
+        elif clock.sampled < k:
+            clock.sampled = self._latest(t)
+        if clock.sampled >= k:
             self._finish()
-        self._resolved, self._acted_at = False, None
+        clock.resolved, clock.acted_at = False, None
         k, _, _, due_until, latest_from, _ = clock.instant
         if t > due_until or t < latest_from:
             # switched off for a while, another time, another simulation: go on from here
             clock.begin_at(t, k)
         engine = self._engine
-        self.one_pass = not (self._stages or clock.nested or engine.is_adaptive)
+        clock.one_pass = not (clock.stages or clock.nested or engine.is_adaptive)
         step_begins(engine)
 
     def _latest(self, t: float) -> int:
         """Index of the latest instant up to ``t`` of which there is a result."""
-        k, results = self.clock.index, self._results
-        latest = k - 1 + self.clock.due(t)
+        clock = self.clock
+        k, results = clock.index, clock.results
+        latest = k - 1 + clock.due(t)
         return (
             latest
             if latest in results
@@ -350,31 +367,34 @@ class SampledBlock(Block):
 
     def _finish(self) -> None:
         """Let the instants that were reached be over."""
-        clock, sampled = self.clock, self._sampled
+        clock = self.clock
+        sampled = clock.sampled
         k = clock.index
         if sampled == k:
             clock.go_on()
         elif sampled > k:
             clock.go_to(sampled + 1)
         for i in range(k - 1, sampled):
-            self._results.pop(i, None)
+            clock.results.pop(i, None)
 
     def _shown(self, t: float) -> int:
         """Index of the instant whose outputs belong to ``t``."""
-        k, _, due_from, due_until, _, _ = self.clock.instant
+        clock = self.clock
+        k, _, due_from, due_until, _, _ = clock.instant
         if t < due_from:
             return k - 1
-        if self._sampled < k and not self._resolved:
-            if not (self.one_pass and without_stages(self._engine)):
+        if clock.sampled < k and not clock.resolved:
+            if not (clock.one_pass and without_stages(self._engine)):
                 return k - 1
-            self._acted_at = t
-        return k if t <= due_until else k - 1 + self.clock.due(t)
+            clock.acted_at = t
+        return k if t <= due_until else k - 1 + clock.due(t)
 
     def has_acted(self, t: float) -> bool:
         """Whether the outputs at ``t``, the end of a step, are shown already."""
-        if self._acted_at == t:
+        clock = self.clock
+        if clock.acted_at == t:
             return True
-        self._stages = not without_stages(self._engine)
+        clock.stages = not without_stages(self._engine)
         return False
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
@@ -384,7 +404,7 @@ class SampledBlock(Block):
             period=clock.period,
             start=clock.start,
             index=clock.index,
-            sampled=self._sampled,
+            sampled=clock.sampled,
             step_start=clock.step_start,
         )
         return json_data, npz_data
@@ -403,13 +423,14 @@ class SampledBlock(Block):
         clock.start, clock.step_start = json_data["start"], json_data["step_start"]
         clock.go_to(json_data["index"])
         self._forget()
-        self._sampled = json_data["sampled"]
+        clock.sampled = json_data["sampled"]
 
     def act(self, t: float) -> None:
         """Act on all instants up to ``t``, the end of the step."""
-        if t > self.clock.next.due_until:
+        clock = self.clock
+        if t > clock.next.due_until:
             self._warn_of_late_instants(t)
-        self._resolved = True
+        clock.resolved = True
 
     def _warn_of_late_instants(self, t: float) -> None:
         if self._warned:
@@ -446,11 +467,6 @@ class SampledPlant(SampledBlock):
     def __len__(self) -> int:
         return 0
 
-    def _forget(self) -> None:
-        super()._forget()
-        # index of the instant up to which the inputs are kept, and the inputs
-        self._latched: tuple[int, list[float]] = (0, [])
-
     @property
     def samples(self) -> int:
         """Number of sample periods advanced since the start or the last reset."""
@@ -458,60 +474,65 @@ class SampledPlant(SampledBlock):
 
     def start_from(self, y: list[float]) -> None:
         """Show the outputs at the instant before the next one."""
-        self._results[self.clock.index - 1] = y
+        clock = self.clock
+        clock.results[clock.index - 1] = y
         show(self.outputs, y)
 
     def sample(self, t: float, dt: float) -> None:
-        k, _, due_from, due_until, latest_from, latest_until = self.clock.instant
-        if due_from <= t <= due_until and k in self._results:
-            self._dt, self._resolved = dt, False
-            self._sampled = k
-            self._latched = k + 1, self.latch()
+        clock = self.clock
+        k, _, due_from, due_until, latest_from, latest_until = clock.instant
+        if due_from <= t <= due_until and k in clock.results:
+            clock.dt, clock.resolved = dt, False
+            clock.sampled = k
+            clock.latched = k + 1, self.latch()
             return
         super().sample(t, dt)
-        if self._sampled >= k:
-            self._latched = self._sampled + 1, self.latch()
-        elif latest_from <= t <= latest_until and k not in self._results:
+        if clock.sampled >= k:
+            clock.latched = clock.sampled + 1, self.latch()
+        elif latest_from <= t <= latest_until and k not in clock.results:
             # a run begins at an instant: values may have been edited since the last one
-            self._latched = k, self.latch()
+            clock.latched = k, self.latch()
 
     def step_started(self, t: float) -> None:
         """Act where the step that has started at ``t`` is evaluated at its end only."""
-        k, _, due_from, _, _, _ = self.clock.instant
-        results = self._results
+        clock = self.clock
+        k, _, due_from, _, _, _ = clock.instant
+        results = clock.results
         if k not in results:
-            latched, u = self._latched
+            latched, u = clock.latched
             if latched != k:
                 u = self.latch()
-                self._latched = k, u
-            if self.one_pass and t + self._dt >= due_from:
+                clock.latched = k, u
+            if clock.one_pass and t + clock.dt >= due_from:
                 results[k] = self.advance(k, u)
 
     def update(self, t: float) -> None:
-        k, _, due_from, due_until, _, _ = self.clock.instant
-        results = self._results
+        clock = self.clock
+        k, _, due_from, due_until, _, _ = clock.instant
+        results = clock.results
         if k not in results:
             return
         if (
-            self.one_pass
+            clock.one_pass
             and due_from <= t <= due_until
-            and self._sampled < k
-            and not self._resolved
+            and clock.sampled < k
+            and not clock.resolved
             and show_without_stages(self._engine, self.outputs, results[k])
         ):
-            self._acted_at = t
+            clock.acted_at = t
         else:
             shown = self._shown(t)
             if shown not in results:
-                shown, self._acted_at = max(results), None
+                shown, clock.acted_at = max(results), None
             show(self.outputs, results[shown])
 
     def act(self, t: float) -> None:
         super().act(t)
-        index = self.clock.index
-        for i in range(index, index + self.clock.due(t)):
-            if i not in self._results:
-                self._results[i] = self.advance(i, self._latched[1])
+        clock = self.clock
+        index = clock.index
+        for i in range(index, index + clock.due(t)):
+            if i not in clock.results:
+                clock.results[i] = self.advance(i, clock.latched[1])
 
     def latch(self) -> list[float]:
         raise NotImplementedError
@@ -538,7 +559,7 @@ class SampledLaw(SampledBlock):
     def _forget(self) -> None:
         super()._forget()
         # outputs at an instant, and the state after it
-        self._results[-1] = None, self.initial_state()
+        self.clock.results[-1] = None, self.initial_state()
 
     def initial_state(self) -> Any:
         """State before the first sample."""
@@ -549,31 +570,33 @@ class SampledLaw(SampledBlock):
         raise NotImplementedError
 
     def update(self, t: float) -> None:
-        k, _, due_from, due_until, _, _ = self.clock.instant
+        clock = self.clock
+        k, _, due_from, due_until, _, _ = clock.instant
         if (
-            self.one_pass
+            clock.one_pass
             and due_from <= t <= due_until
-            and self._sampled < k
-            and not self._resolved
+            and clock.sampled < k
+            and not clock.resolved
             and without_stages(self._engine)
         ):
-            self._acted_at = t
-            before = self._results[k - 1]
+            clock.acted_at = t
+            before = clock.results[k - 1]
             y, state = self.law(values(self.inputs), before[1])
-            self._results = {k - 1: before, k: (y, state)}
+            clock.results = {k - 1: before, k: (y, state)}
             show(self.outputs, y)
         else:
             self._show_anywhere(t)
 
     def _show_anywhere(self, t: float) -> None:
-        k, results = self.clock.index, self._results
+        clock = self.clock
+        k, results = clock.index, clock.results
         shown = max(self._shown(t), 0)  # the first instant is the first evaluation of the graph
-        if shown >= k > self._sampled:
+        if shown >= k > clock.sampled:
             before = results[k - 1]
             u, state = values(self.inputs), before[1]
             for _ in range(k, shown + 1):
                 y, state = self.law(u, state)
-            self._results = {k - 1: before, shown: (y, state)}
+            clock.results = {k - 1: before, shown: (y, state)}
             show(self.outputs, y)
         elif len(results) > 1:
             y, _ = results[max(i for i in results if i <= max(shown, k - 1))]
@@ -589,8 +612,10 @@ class SampledLaw(SampledBlock):
             if there is none
         """
         u = values(self.inputs)
-        _, state = self._results[max(self._results)]
-        if max(self._results) < 0:
+        results = self.clock.results
+        latest = max(results)
+        _, state = results[latest]
+        if latest < 0:
             # bumpless: the first sample engages the law where it is
             _, state = self.law(u, state)
         return continuous_equivalent(self.law, u, state, self.clock.period, type(self).__name__)
@@ -603,12 +628,12 @@ class SampledLaw(SampledBlock):
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        json_data.update(results=[[i, y, state] for i, (y, state) in self._results.items()])
+        json_data.update(results=[[i, y, state] for i, (y, state) in self.clock.results.items()])
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
-        self._results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
+        self.clock.results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
 
 
 def _tuples(state: Any) -> Any:

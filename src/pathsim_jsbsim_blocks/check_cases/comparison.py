@@ -120,16 +120,16 @@ def fly_case(case: int, rate: int = 100, integrators: Any = "precise") -> list[S
     """
     from pathsim.blocks import Scope
 
-    diagram = load_diagram(f"check_case_{_known(case):02d}")
+    name = f"check_case_{_known(case):02d}"
     if whole("rate", rate, low=10) % 2:
         raise ParameterError(
             f"rate must be even, for the reference has a point each 0.5 s, not {rate!r}",
             parameter="rate",
             value=rate,
         )
-    diagram.vehicle.set(T=1 / rate, integrators=integrators)
-    diagram.sim.dt = 1 / rate
-    fly(diagram.sim, diagram.DURATION, reset=True)
+    T = 1 / rate
+    diagram = load_diagram(name, {"vehicle.T": T, "vehicle.integrators": integrators, "sim.dt": T})
+    fly(diagram.sim, diagram.DURATION)
     return [block for block in diagram.sim.blocks if isinstance(block, Scope)]
 
 

@@ -17,11 +17,13 @@ from pathsim.exceptions import LinearizationError
 from pathsim.utils.portreference import PortReference
 
 from .._core._pathsim import port_names, show, values
+from .._core.callers import warn_user
 from .._core.checks import flag, number, one_of, positive, whole
 from .._core.continuous import Matrices
 from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
+from .._core.wiring import name_of
 from ..errors import (
     BlocksError,
     CopyError,
@@ -51,6 +53,9 @@ _CRASH = 50.0
 
 # ft above the terrain; JSBSim lets a centre of gravity sink below this
 _UNDERGROUND = -1.0
+
+# parameters that act at once, and those that a reset refuses to change
+_NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
 Write = Callable[[list[float]], None]
 Read = Callable[[], list[float]]
@@ -161,6 +166,8 @@ def _unobserved() -> Iterator[None]:
 class FlightBlock(NamedPorts, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
+    # that a parameter acts at the next reset
+    _told = False
     # trim keywords of the block, which a condition replaces, and the condition's names of them
     _trim_keywords: Mapping[str, str]
 
@@ -427,8 +434,6 @@ class FlightBlock(NamedPorts, SampledPlant):
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
         self._bound = fdm.run, fdm.get_sim_time, write, read, speed, height, nz, numbers
-        # index of the instant to which the aircraft is or was on its way
-        self._begun = 0
         self._flown = array("d")
         self._flying = self._flight()
         y = read()
@@ -441,6 +446,24 @@ class FlightBlock(NamedPorts, SampledPlant):
     def fdm(self) -> jsbsim.FGFDMExec:
         """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` replaces it."""
         return self.airframe.fdm
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        changed = (
+            self._built
+            and not self._told
+            and name[0] != "_"
+            and name in self.info()["parameters"]
+            and name not in _NOT_AT_RESET
+            # by its text, because arrays do not compare to one value
+            and repr(value) != repr(getattr(self, name))
+        )
+        super().__setattr__(name, value)
+        if changed:
+            self._told = True
+            warn_user(
+                f"{name_of(self)}.{name} = {value!r} acts at the next reset: sim.reset() or "
+                "sim.run(..., reset=True)"
+            )
 
     def __repr__(self) -> str:
         if not hasattr(self, "trim"):
@@ -515,10 +538,11 @@ class FlightBlock(NamedPorts, SampledPlant):
             self._thread = get_ident()
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
-        done = self._steps_since(index - 1) if self._begun == index else 0
+        clock = self.clock
+        done = self._steps_since(index - 1) if clock.begun == index else 0
         try:
             if not done:
-                self._begun = index
+                clock.begun = index
                 write(u)
             for _ in range(substeps - done):
                 run()
@@ -614,7 +638,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         ParameterError
             if the aircraft has flown and ``record_inputs`` is or was off
         """
-        flown = max(self._results)
+        flown = max(self.clock.results)
         if len(self._flown) != flown * self._n_inputs:
             raise ParameterError(
                 f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
@@ -623,7 +647,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                 value=self.record_inputs,
             )
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        latched, u = self._latched
+        latched, u = self.clock.latched
         json_data.update(flight=self._flying, samples=flown, latched=latched)
         npz_data[f"{prefix}/flown"] = np.array(self._flown)
         npz_data[f"{prefix}/latched"] = np.array(u)
@@ -653,13 +677,13 @@ class FlightBlock(NamedPorts, SampledPlant):
         self.take_off()
         samples, kept = json_data["samples"], json_data["index"] - 1
         rows = npz[f"{prefix}/flown"].reshape(samples, self._n_inputs).tolist()
-        self._results = results = {0: self._results[kept]}
+        self.clock.results = results = {0: self.clock.results[kept]}
         for index, row in enumerate(rows, 1):
             results[index] = self.advance(index, row)
             if index <= kept:
                 del results[index - 1]
         self._flown = array("d", npz[f"{prefix}/flown"].tolist())
-        self._latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
+        self.clock.latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
         if not any(np.array_equal(y, saved) for y in results.values()):
             raise ParameterError(
                 "the recorded inputs lead to another state than the one saved: is it the same "

@@ -253,11 +253,11 @@ class CourseHold(Hold):
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
         # what was saved are tuples without names
-        for i, (y, state) in self._results.items():
+        for i, (y, state) in self.clock.results.items():
             (here, *others), found, leg, direct, *loops = state
             ground = _Ground(here and Place(*here), *others)
             direct = direct and GreatCircle(*direct)
-            self._results[i] = y, (ground, found, leg, direct, *loops)
+            self.clock.results[i] = y, (ground, found, leg, direct, *loops)
 
     def _lag(self, speed: float) -> float:
         """Time constant of the heading loop, s."""
