@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Amplifier, Block, Integrator, Scope, Source
+from pathsim.blocks import Adder, Amplifier, Block, Integrator, Scope, Source
 from pathsim.events import Event, ZeroCrossing
 from pathsim.solvers import EUB, EUF, RK4, SSPRK22
 from pathsim.utils.logger import LoggerManager
@@ -28,7 +28,7 @@ SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
 PRIVATE = re.compile(
     r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
     r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent"
-    r"|graph_dirty|sample|get_input_indices|get_output_indices)\b"
+    r"|graph_dirty|sample|get_input_indices|get_output_indices|loops)\b"
 )
 
 
@@ -231,6 +231,20 @@ def test_a_step_samples_as_pathsim_does():
     # as while PathSim searches a periodic solution
     sim._sampling_enabled = False
     assert sampled() == []
+
+
+@pytest.mark.parametrize("nested", [False, True], ids=["simulation", "subsystem"])
+def test_loops_are_solved_after_the_levels_of_the_graph(nested):
+    one, total, half = Source(lambda t: 1.0 + t), Adder(), Amplifier(0.5)
+    blocks = [one, total, half]
+    wires = [Connection(one, total[0]), Connection(total, half), Connection(half, total[1])]
+    diagram = Subsystem([Interface(), *blocks], wires) if nested else Simulation(blocks, wires)
+    assert diagram.graph.has_loops
+    sim = Simulation([diagram], dt=0.1, log=False) if nested else diagram
+    sim.run(0.1)
+    assert total.outputs[0] == pytest.approx(2.0 * (1.0 + sim.time))
+    seam._show_again(sim, 1.0)
+    assert total.outputs[0] == pytest.approx(4.0)
 
 
 def test_pathsim_redirects_warnings_in_one_method():

@@ -37,6 +37,11 @@ def said(sim, run=None):
     return [str(w.message) for w in caught]
 
 
+def inside(blocks, connections):
+    """A subsystem of these blocks."""
+    return Subsystem([Interface(), *blocks], connections)
+
+
 def test_the_command_of_a_hold_that_goes_nowhere():
     plane, hold, scope = Aircraft(), PitchHold(theta_ref=3.0), Scope()
     wires = [Connection(plane[a], hold[b]) for a, b in MEASURED.items()]
@@ -126,6 +131,60 @@ def test_two_wires_into_one_port_by_name_and_by_number():
         "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder. "
         "One of them has no effect"
     ]
+
+
+@pytest.mark.parametrize("build", [Simulation, inside], ids=["simulation", "subsystem"])
+def test_what_is_no_block_or_no_connection(build):
+    plane, kick = Aircraft(), Constant(0.01)
+    wire = Connection(kick, plane["elevator"])
+    flat = "are one list, without lists in it"
+    for blocks, wires, said in (
+        ([[plane, kick]], [wire], f"[plane, kick] among the blocks is no Block: blocks {flat}"),
+        (
+            [plane, kick],
+            [[wire]],
+            "[Connection(kick[0], plane['elevator'])] among the connections is no Connection: "
+            f"connections {flat}",
+        ),
+        (
+            [plane["theta"], kick],
+            [wire],
+            "plane['theta'] among the blocks is no Block: the list has the blocks themselves",
+        ),
+        (
+            [plane, Constant],
+            [wire],
+            "Constant among the blocks is no Block: build one with Constant(...)",
+        ),
+        (
+            [wire],
+            [plane],
+            "Connection(kick[0], plane['elevator']) among the blocks is no Block",
+        ),
+    ):
+        with pytest.raises(ParameterError) as caught:
+            build(blocks, wires)
+        assert str(caught.value) == said
+
+
+def test_a_block_alone_in_place_of_the_list():
+    plane = Aircraft()
+    with pytest.raises(ParameterError, match=r"^plane\[0\] among the blocks is no Block"):
+        Simulation(plane, [])
+
+
+def test_a_wire_between_different_numbers_of_ports():
+    plane, scope, hold = Aircraft(), Scope(), PitchHold()
+    for source, targets, said in (
+        (plane["theta", "q"], [scope], "plane['theta', 'q'] has 2 ports and scope[0] has 1"),
+        (plane["theta"], [scope[:3]], "plane['theta'] has 1 port and scope[0, 1, 2] has 3"),
+        (plane[:2], [scope[:2], hold["q"]], "plane[0, 1] has 2 ports and hold['q'] has 1"),
+    ):
+        with pytest.raises(ParameterError) as caught:
+            Connection(source, *targets)
+        assert str(caught.value) == (
+            f"{said}: each target of a connection needs as many ports as its source"
+        )
 
 
 def test_a_place_without_a_wire():

@@ -10,7 +10,9 @@ import contextlib
 import functools
 import logging
 import math
+import threading
 import warnings
+import weakref
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from operator import itemgetter
 from typing import Any
@@ -178,6 +180,99 @@ def _events(subsystem: Subsystem) -> list[Event]:
 Subsystem.events = property(_events, doc=Subsystem.events.__doc__)
 
 
+# the latest run of a simulation, or of the clock of a sampled block, while anything continues it
+_latest: WeakKeyDictionary[Simulation | Event, weakref.ref[Steps]] = WeakKeyDictionary()
+_beginning = threading.Lock()
+
+
+class Steps(Iterator[dict[str, Any]]):
+    """The steps of a run, as PathSim's loop makes them.
+
+    Two runs at once of a simulation, or of two simulations that share a sampled block, would each
+    make a part of the steps: both end with an error. A run that is left unfinished blocks no other.
+
+    Raises
+    ------
+    ParameterError
+        if the run begins inside a step of the other, in an event or in another thread
+    """
+
+    def __init__(self, sim: Simulation, loop: Generator[dict[str, Any], None, None]):
+        self._sim, self._loop = sim, loop
+        # the run that began meanwhile
+        self._other: Steps | None = None
+        self._inside = False
+        events = (event for block in sim.blocks for event in block.events)
+        parts = [sim, *(event for event in events if isinstance(event, ClockEvent))]
+        with _beginning:
+            earlier = [steps for part in parts if (steps := _latest.get(part, lambda: None)())]
+            for steps in earlier:
+                # set before `_inside` is read; a step of another thread does it the other way
+                # round, so that one of them sees the other
+                steps._other = self
+            if any(steps._inside for steps in earlier):
+                raise self._conflict()
+            _latest.update(dict.fromkeys(parts, weakref.ref(self)))
+
+    def __next__(self) -> dict[str, Any]:
+        with self:
+            self.go_on()
+            return next(self._loop)
+
+    def close(self) -> None:
+        """End PathSim's loop; more steps may be made inside ``with``, after a `go_on` each."""
+        self._loop.close()
+
+    def go_on(self) -> bool:
+        """Whether nothing has stopped the run; refused where another run has begun."""
+        if self._other is not None:
+            self._other._other = self
+            raise self._conflict()
+        return self._sim._active
+
+    def _conflict(self) -> ParameterError:
+        return ParameterError(
+            "two runs at once of a simulation, or of a block that two simulations share: one began "
+            "inside an event of the other, or in another thread. Both end here; build a diagram "
+            "for each",
+            parameter="sim",
+            value=self._sim,
+        )
+
+    def __enter__(self) -> Steps:
+        self._inside = True
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+        try:
+            # PathSim's loop ends quietly where a block or event has raised StopSimulation
+            ended = kind is not None and (kind is not StopIteration or not is_running(self._sim))
+            if ended and not (self._other and self._other._inside):
+                _show_again(self._sim, self._sim.time)
+        finally:
+            self._inside = False
+
+
+def _show_again(diagram: Simulation | Subsystem, t: float) -> None:
+    """Show the values at ``t`` again, the start of a step that an exception has ended.
+
+    Which blocks the step had reached varies: PathSim orders the blocks of a level by address. A
+    block that fails again keeps its last values.
+    """
+    for _, blocks, connections in diagram.graph.dag():
+        for block in filter(None, blocks):
+            if isinstance(block, Subsystem):
+                _show_again(block, t)
+            else:
+                with contextlib.suppress(Exception):
+                    block.update(t)
+        for connection in filter(None, connections):
+            connection.update()
+    if diagram.graph.has_loops:
+        with contextlib.suppress(Exception):
+            diagram._loops(t)
+
+
 # called when a run begins, of any kind, with the simulation and whether the run resets it
 before_runs: list[Callable[[Simulation, bool], None]] = []
 
@@ -191,9 +286,10 @@ def _announce_runs() -> None:
     def announced(self: Simulation, duration: float, reset: bool, *args: Any, **kwargs: Any) -> Any:
         # PathSim's loop never ends without
         number("dt", positive("dt", self.dt))
+        steps = Steps(self, loop(self, duration, reset, *args, **kwargs))
         for call in before_runs:
             call(self, reset)
-        return loop(self, duration, reset, *args, **kwargs)
+        return steps
 
     Simulation._run_loop = announced
 
@@ -201,20 +297,44 @@ def _announce_runs() -> None:
 _announce_runs()
 
 
-def explain_conflicts(refusal: Callable[[Sequence[Connection]], ValueError | None]) -> None:
-    """Let ``refusal`` say which connections PathSim refuses as conflicting."""
-    check = Graph._validate_connections
-    if hasattr(check, "__wrapped__"):
-        check = check.__wrapped__
+def check_diagrams(
+    part: Callable[[Any, type], None],
+    wire: Callable[[Connection], None],
+    wires: Callable[[Sequence[Connection]], None],
+) -> None:
+    """Have blocks and connections checked before PathSim takes them, and fails elsewhere.
 
-    @functools.wraps(check)
-    def explained(self: Graph) -> None:
-        try:
-            check(self)
-        except ValueError as error:
-            raise refusal(self.connections) or error from None
+    Parameters
+    ----------
+    part : callable
+        called with each part of a diagram, and what it must be: a Block or a Connection
+    wire, wires : callable
+        called with a connection that is made, and with all those of a diagram
+    """
 
-    Graph._validate_connections = explained
+    def inside(subsystem: Subsystem) -> None:
+        for kind, found in ((Block, subsystem.blocks), (Connection, subsystem.connections)):
+            for x in found:
+                part(x, kind)
+
+    _before(Simulation, "add_block", lambda sim, block: part(block, Block))
+    _before(Simulation, "add_connection", lambda sim, connection: part(connection, Connection))
+    _before(Subsystem, "_assemble_graph", inside)
+    _before(Connection, "_validate_dimensions", wire)
+    _before(Graph, "_validate_connections", lambda graph: wires(graph.connections))
+
+
+def _before(owner: type, name: str, check: Callable[..., None]) -> None:
+    """Call ``check`` with the arguments of a method, and then the method."""
+    method = getattr(owner, name)
+    method = getattr(method, "__wrapped__", method)  # this package was imported anew
+
+    @functools.wraps(method)
+    def checked(*args: Any, **kwargs: Any) -> Any:
+        check(*args, **kwargs)
+        return method(*args, **kwargs)
+
+    setattr(owner, name, checked)
 
 
 def tracker(sim: Simulation, duration: float) -> ProgressTracker:
@@ -224,7 +344,7 @@ def tracker(sim: Simulation, duration: float) -> ProgressTracker:
 
 def run_loop(
     sim: Simulation, duration: float, reset: bool, adaptive: bool, progress: ProgressTracker
-) -> Generator[dict[str, Any], None, None]:
+) -> Steps:
     """The loop of `Simulation.run`, which yields after every step."""
     return sim._run_loop(duration, reset, adaptive, tracker=progress)
 

@@ -76,7 +76,9 @@ def fly(
                 # sim.dt may be another one since
                 dt = made["dt"]
                 loop.close()
-                _steps(sim, dt, _whole(duration / dt) - 1, start, duration, tracker, bar)
+                _fixed_steps(
+                    loop, sim, dt, _whole(duration / dt) - 1, start, duration, tracker, bar
+                )
     return tracker.stats
 
 
@@ -163,20 +165,28 @@ def _whole(steps: float) -> int:
     return math.ceil(steps * (1 - _ROUNDING))
 
 
-def _steps(
-    sim: Simulation, dt: float, count: int, start: float, duration: float, tracker: Any, bar: tqdm
+def _fixed_steps(
+    steps: _pathsim.Steps,
+    sim: Simulation,
+    dt: float,
+    count: int,
+    start: float,
+    duration: float,
+    tracker: Any,
+    bar: tqdm,
 ) -> None:
     step, shown = _pathsim.fixed_step(sim, dt), not bar.disable
     update = tracker.update if sim.log else functools.partial(_count, tracker.stats)
     try:
-        for _ in range(count):
-            if not _pathsim.is_running(sim):
-                break
-            success = step()
-            passed = sim.time - start
-            update(passed / duration, success)
-            if shown:
-                bar.update(passed - bar.n)
+        with steps:
+            for _ in range(count):
+                if not steps.go_on():
+                    break
+                success = step()
+                passed = sim.time - start
+                update(passed / duration, success)
+                if shown:
+                    bar.update(passed - bar.n)
     except StopSimulation as stop:
         sim.logger.info(f"STOP (StopSimulation: '{stop}')")
         sim.stop()

@@ -1,20 +1,22 @@
 """Mistakes in the wiring of a diagram, named by block and port.
 
-PathSim refuses two wires into one port without a name, and runs on with the others.
+PathSim refuses some without a name, or fails on them elsewhere, and runs on with the others.
 """
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 from weakref import WeakKeyDictionary
 
 from pathsim import Connection, Simulation, Subsystem
 from pathsim.blocks import Block
+from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
 from ..errors import ParameterError
-from ._pathsim import before_runs, explain_conflicts, port_names
+from ._pathsim import before_runs, check_diagrams, port_names
 from .callers import frames, is_users, warn_user
 
 _told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
@@ -76,8 +78,8 @@ def _conflict(one: Block, i: int, other: Block, k: int, target: Block, j: int) -
     )
 
 
-def refusal(connections: Sequence[Connection]) -> ParameterError | None:
-    """Names of blocks and ports for PathSim's refusal of two wires into one port."""
+def _check_wires(connections: Sequence[Connection]) -> None:
+    """Refuse two wires into one port."""
     ends: dict[tuple[int, int | str], tuple[Block, int]] = {}
     for connection in connections:
         source = connection.source.block
@@ -88,12 +90,57 @@ def refusal(connections: Sequence[Connection]) -> ParameterError | None:
             for i, port, j in zip(outputs, reference.ports, numbers, strict=True):
                 if (id(target), port) in ends:
                     message = _conflict(*ends[id(target), port], source, i, target, j)
-                    return ParameterError(message, parameter="connections", value=connection)
+                    raise ParameterError(message, parameter="connections", value=connection)
                 ends[id(target), port] = source, i
-    return None
 
 
-explain_conflicts(refusal)
+def _check_wire(connection: Connection) -> None:
+    """Refuse a wire whose ends have different numbers of ports."""
+    for target in connection.targets:
+        if len(target) != len(connection.source):
+            start, end = connection.source, target
+            raise ParameterError(
+                f"{_called(start)} has {len(start)} port{'s' * (len(start) > 1)} and "
+                f"{_called(end)} has {len(end)}: each target of a connection needs as many ports "
+                "as its source",
+                parameter="targets",
+                value=connection,
+            )
+
+
+def _check_part(part: Any, kind: type) -> None:
+    """Refuse what is no block, or no connection, in the list of them."""
+    if isinstance(part, kind):
+        return
+    parameter = "blocks" if kind is Block else "connections"
+    hint = ""
+    if isinstance(part, (list, tuple)):
+        hint = f": {parameter} are one list, without lists in it"
+    elif isinstance(part, type):
+        hint = f": build one with {part.__name__}(...)"
+    elif isinstance(part, PortReference):
+        hint = ": the list has the blocks themselves"
+    raise ParameterError(
+        f"{_called(part)} among the {parameter} is no {kind.__name__}{hint}",
+        parameter=parameter,
+        value=part,
+    )
+
+
+def _called(part: Any) -> str:
+    """What the user calls a part of a diagram."""
+    if isinstance(part, (list, tuple)):
+        return f"[{', '.join(map(_called, part))}]"
+    if isinstance(part, PortReference):
+        return f"{name_of(part.block)}[{', '.join(map(repr, part.ports))}]"
+    if isinstance(part, Connection):
+        return f"Connection({', '.join(map(_called, [part.source, *part.targets]))})"
+    if isinstance(part, type):
+        return part.__name__
+    return name_of(part) if isinstance(part, Block) else reprlib.repr(part)
+
+
+check_diagrams(_check_part, _check_wire, _check_wires)
 
 
 def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:
