@@ -207,7 +207,7 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
     where = tmp_path / "ran"
     editor.page.unroute_all()
     editor.open(model)
-    session = editor.page.evaluate("localStorage.getItem('flask-session-id')")
+    session = editor.page.evaluate("localStorage.getItem('flask-session-id')") + "-0"
     code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
     elsewhere.pages["/attack"] = f"""<iframe src="{editor.url(model)}"></iframe>
         <iframe src="{editor.address}/editor"></iframe>

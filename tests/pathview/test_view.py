@@ -168,3 +168,26 @@ def test_scripts_that_load_the_style_sheet_are_redirected_here():
     assert loading
     assert found.keys() == loading
     assert not any(map(cdn.search, found.values()))
+
+
+def test_opening_the_address_ends_runs_without_a_page_and_no_others(server, monkeypatch):
+    headers = page_headers(server.url())
+
+    def call(path, session, **body):
+        request = urllib.request.Request(
+            f"{server.address}/api/{path}",
+            data=json.dumps(body).encode(),
+            headers={"Content-Type": "application/json", "X-Session-ID": session, **headers},
+        )
+        return json.load(urllib.request.urlopen(request, timeout=60))
+
+    for session in ("gone", "there"):
+        call("exec", session, code="import time", id="1")
+        call("stream/start", session, expr="time.sleep(0.01) or {'done': False, 'result': 1}")
+    monkeypatch.setattr("pathsim_jsbsim_blocks.pathview.server._SILENT", 0.5)
+    end = time.monotonic() + 1.0
+    while time.monotonic() < end:
+        assert not call("stream/poll", "there")["done"]
+    get(server.url())
+    assert call("stream/poll", "gone") == {"messages": [], "done": True}
+    assert call("stream/poll", "there")["messages"]

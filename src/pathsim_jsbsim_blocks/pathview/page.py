@@ -13,6 +13,7 @@ from typing import Any
 from .toolboxes import OURS, Toolbox
 
 KATEX = Path(__file__).parent / "katex"
+_SCRIPT = Path(__file__).with_name("page.js")
 _CDN = re.compile(r"https://cdn\.jsdelivr\.net/npm/katex@[^/\"'`]+/dist")
 
 # PathView installs this toolbox with pip when it first starts in a browser
@@ -30,29 +31,6 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
 
 # wires pass behind the names of ports
 _STYLE = "<style>.port-label { background: var(--surface); }</style>"
-
-# PathView fits the blocks into the window, not the wires around them: zoom out until these are seen
-_WHOLE = """async () => {
-        const shown = () => [...document.querySelectorAll(".svelte-flow__edge-path")].map(
-            wire => wire.getBoundingClientRect());
-        let busy = false, before = "", still = 0;
-        const over = new AbortController(), options = {capture: true, signal: over.signal};
-        for (const kind of ["pointerdown", "keydown", "wheel"])
-            addEventListener(kind, event => { busy ||= event.isTrusted; }, options);
-        for (let i = 0; i < 100 && still < 4 && !busy; i++) {
-            await pause(250);
-            const now = JSON.stringify(shown());
-            still = now === before && now !== "[]" ? still + 1 : 0;
-            before = now;
-        }
-        const outside = () => shown().some(wire => wire.left < 0 || wire.right > innerWidth
-            || wire.top < 40 || wire.bottom > innerHeight);
-        for (let i = 0; i < 4 && !busy && outside(); i++) {
-            document.body.dispatchEvent(new KeyboardEvent("keydown", {key: "-", bubbles: true}));
-            await pause(400);
-        }
-        over.abort();
-    }"""
 
 
 def policy(nonce: str = "") -> str:
@@ -99,31 +77,15 @@ def refused(reason: str) -> str:
 
 
 def registration(required: list[Toolbox]) -> str:
-    """JavaScript that registers toolboxes before PathView starts; the last of a name wins."""
+    """JavaScript that registers toolboxes before PathView starts, and guards what it opens."""
     toolboxes = required if OURS in required else [OURS, *required]
     entries = [{**t.requirement(), "blocks": _selection(t), "events": []} for t in toolboxes]
     name, module = _PRELOADED
     seeded = [name] if importlib.util.find_spec(module) is None else []
     return f"""(() => {{
-        const key = "pathview.toolboxes.v1", toolboxes = {_literal(entries)};
-        let state = null;
-        try {{ state = JSON.parse(localStorage.getItem(key)); }} catch {{}}
-        if (state?.version !== 1) state = {{version: 1}};
-        const others = (state.toolboxes ?? []).filter(o => !toolboxes.some(t => t.id === o.id));
-        state.toolboxes = [...others, ...toolboxes];
-        state.seededIds = [...new Set([...(state.seededIds ?? []), ...{_literal(seeded)}])];
-        localStorage.setItem(key, JSON.stringify(state));
-        // a model that opens before its toolboxes are there is drawn, and wired, at wrong sizes
-        const fetched = window.fetch, ready = "button[aria-label='Run']:not([disabled])";
-        const pause = ms => new Promise(done => setTimeout(done, ms));
-        const whole = {_WHOLE};
-        window.fetch = async (url, ...rest) => {{
-            if (!String(url).startsWith("/model/")) return fetched(url, ...rest);
-            for (let i = 0; i < 600 && !document.querySelector(ready); i++) await pause(100);
-            whole();
-            return fetched(url, ...rest);
-        }};
-    }})();"""
+const toolboxes = {_literal(entries)}, seeded = {_literal(seeded)};
+{_SCRIPT.read_text(encoding="utf-8")}
+}})();"""
 
 
 def _literal(value: Any) -> str:

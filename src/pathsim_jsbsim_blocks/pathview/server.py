@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -18,6 +19,7 @@ from .toolboxes import required_toolboxes
 
 # a constant address, because the browser stores the user's settings by address
 PORT = 8360
+_SILENT = 10.0  # s; a page with a run asks for results every second, even if it is hidden
 
 _HEADERS = {
     "Content-Security-Policy": page.policy(),
@@ -45,7 +47,7 @@ class Server:
     """
 
     def __init__(self, models: Mapping[str, Json], port: int | None = None):
-        self._sessions: set[str] = set()
+        self._heard: dict[str, float] = {}  # time of each session's last request, s
         self._closed = False
         self._models = models
         self._access = Access(self._served)
@@ -72,8 +74,8 @@ class Server:
 
         self._closed = True
         self._server.close()
-        while self._sessions:
-            remove_session(self._sessions.pop())
+        while self._heard:
+            remove_session(self._heard.popitem()[0])
 
     def __enter__(self) -> Server:
         return self
@@ -124,8 +126,13 @@ class Server:
             if reason := self._access.refusal(request, page=html is not None):
                 return make_response(page.refused(reason), 403)
             if session := request.headers.get("X-Session-ID"):
-                self._sessions.add(session)
+                if request.path == "/api/init":  # a page that starts: the one before has gone
+                    _end_run(session)
+                self._heard[session] = time.monotonic()
             if html is not None:
+                for session, heard in list(self._heard.items()):
+                    if time.monotonic() - heard > _SILENT:
+                        _end_run(session)
                 return editor(html)
             if text := scripts.get(request.path):
                 response = make_response(text)
@@ -167,6 +174,15 @@ class Server:
             return send_from_directory(page.KATEX, name)
 
         return app
+
+
+def _end_run(session: str) -> None:
+    """End a session's worker if it has results that no page has asked for."""
+    from pathview.app import _sessions, remove_session
+
+    worker = _sessions.get(session)
+    if worker and (worker._streaming or not worker._stream_queue.empty()):
+        remove_session(session)
 
 
 def _bound(app: Any, port: int | None) -> Any:
