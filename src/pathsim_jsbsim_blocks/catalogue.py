@@ -7,8 +7,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ._core.checks import as_path, did_you_mean, mapping, nearest
-from .errors import ParameterError
+from ._core.checks import as_path, did_you_mean, mapping, nearest, refuse
 
 
 def diagram_folder() -> Path:
@@ -39,21 +38,21 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         if there is neither; the message names the nearest
     """
     if not isinstance(also, Iterable) or not all(isinstance(n, str) for n in also):
-        raise ParameterError(f"also must be names, not {also!r}", parameter="also", value=also)
+        refuse("also", also, f"also must be names, not {also!r}")
     also = list(also)
     script = as_path("name", name)
     if script.suffix == ".py" and script.is_file():
         return script
     names = diagram_names()
     if script.is_file():
-        raise ParameterError(f"{name!r} is not a Python script (.py)", parameter="name", value=name)
+        refuse("name", name, f"{name!r} is not a Python script (.py)")
     if name in names:
         return diagram_folder() / f"{name}.py"
-    raise ParameterError(
+    refuse(
+        "name",
+        name,
         f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
         + did_you_mean(nearest(name, [*map(str, script.parent.glob("*.py")), *names, *also])),
-        parameter="name",
-        value=name,
     )
 
 

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
-from ._core.checks import did_you_mean, finite, nearest, one_of, writable
+from ._core.checks import did_you_mean, finite, nearest, one_of, refuse, writable
 from ._core.files import replacing
 from ._core.scopes import name_and_unit, recording, signal_label
-from .errors import FileError, ParameterError
+from .errors import FileError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,12 +108,12 @@ def time_histories(
         naming the nearest, and one that is no number for each time
     """
     if not scopes:
-        raise ParameterError("there is no scope to draw", parameter="scopes", value=scopes)
+        refuse("scopes", scopes, "there is no scope to draw")
     if references is not None and not isinstance(references, Mapping):
-        raise ParameterError(
+        refuse(
+            "references",
+            references,
             f"references must be a dict from labels to numbers or functions, not {references!r}",
-            parameter="references",
-            value=references,
         )
     panels: list[tuple[str, list]] = []
     for scope in scopes:
@@ -168,12 +168,12 @@ def _asked(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
     try:
         return np.broadcast_to(np.asarray(values, dtype=float), time.shape)
     except (TypeError, ValueError):
-        raise ParameterError(
+        refuse(
+            "references",
+            reference,
             f"the reference of {label!r} must be a number, or a function that returns one for each "
             f"of the {len(time)} times, not {values!r}",
-            parameter="references",
-            value=reference,
-        ) from None
+        )
 
 
 def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
@@ -303,7 +303,7 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
         if there is no flight, or a scope lacks one of the signals; the message names the nearest
     """
     if not flights:
-        raise ParameterError("flights holds no scope", parameter="flights", value=flights)
+        refuse("flights", flights, "flights holds no scope")
     first = next(iter(flights.values()))
     signals = [_label(first, i) for i in range(len(recording(first)[1]))]
     along = signals[_index([name for name, _ in signals], label)]
@@ -427,10 +427,10 @@ def pole_map(*models: Any, title: str = "") -> Figure:
 def _linear(model: Any) -> Any:
     """A linear model; a look at its methods, because `plots` imports none of the subjects."""
     if not (hasattr(model, "modes") and hasattr(model, "select")):
-        raise ParameterError(
+        refuse(
+            "model",
+            model,
             f"a LinearModel is needed, such as plane.linear_model(), not {reprlib.repr(model)}",
-            parameter="model",
-            value=model,
         )
     return model
 
@@ -557,11 +557,11 @@ def root_locus(
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
-        raise ParameterError(
+        refuse(
+            "values",
+            values,
             f"values must have one number for each of the {len(models)} models (at least one), not "
             f"the shape {swept.shape}",
-            parameter="values",
-            value=values,
         )
     found = [_linear(model).modes() for model in models]
     points = [(m.pole, value) for modes, value in zip(found, swept, strict=True) for m in modes]
@@ -637,11 +637,7 @@ def saving_to(path: str | Path) -> Iterator[None]:
     finally:
         _save_to.pop()
     if next(targets) == path:
-        raise ParameterError(
-            f"no figure was shown that could be saved as {str(path)!r}",
-            parameter="save",
-            value=str(path),
-        )
+        refuse("save", str(path), f"no figure was shown that could be saved as {str(path)!r}")
 
 
 def _numbered(path: Path) -> Iterator[Path]:
@@ -659,10 +655,10 @@ def _index(names: list[str], label: str) -> int:
     """Number of a scope's signal, by its label with or without the unit."""
     wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
     if wanted not in names:
-        raise ParameterError(
+        refuse(
+            "label",
+            label,
             f"the scope has no signal {label!r}" + did_you_mean(nearest(label, names)),
-            parameter="label",
-            value=label,
         )
     return names.index(wanted)
 

@@ -28,7 +28,7 @@ from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
 from ..errors import ParameterError
-from .checks import did_you_mean, nearest_ports, number, positive
+from .checks import did_you_mean, nearest_ports, number, positive, refuse
 
 
 def values(register: Register) -> list[float]:
@@ -71,7 +71,7 @@ class NamedRegister(Register):
         if isinstance(key, str) and key not in self._mapping:
             close = nearest_ports(key, self._mapping)
             known = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
-            raise ParameterError(f"no port {key!r}{known}", parameter="port", value=key)
+            refuse("port", key, f"no port {key!r}{known}")
         return super().__getitem__(key)
 
     def __str__(self) -> str:

@@ -19,6 +19,7 @@ from pathsim import Simulation
 
 from ..errors import BlocksError, FileError, ParameterError
 from ._pathsim import ClockEvent
+from .checks import refuse
 
 _save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
 
@@ -101,10 +102,10 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     except (ValueError, TypeError, KeyError, RecursionError):
         intact = False
     if not intact:
-        raise ParameterError(
+        refuse(
+            "checkpoint",
+            base,
             f"the checkpoint {base!r} is damaged: its files have changed since they were saved",
-            parameter="checkpoint",
-            value=base,
         )
     try:
         _load(simulation, base)

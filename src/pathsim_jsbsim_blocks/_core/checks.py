@@ -10,13 +10,18 @@ import os
 from collections.abc import Container, Iterable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
 from ..errors import KeywordError, ParameterError
 
 Checked = TypeVar("Checked", bound=type)
+
+
+def refuse(parameter: str, value: Any, why: str) -> NoReturn:
+    """Raise ParameterError, in place of the exception being handled if there is one."""
+    raise ParameterError(why, parameter=parameter, value=value) from None
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
@@ -157,23 +162,15 @@ def number(
         for text, booleans, arrays, NaN, infinities (unless ``infinite``) and values out of range
     """
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ParameterError(
-            f"{parameter} must be a number, not {value!r}", parameter=parameter, value=value
-        )
+        refuse(parameter, value, f"{parameter} must be a number, not {value!r}")
     try:
         x = float(value)
     except OverflowError:
         x = math.inf
     if not math.isfinite(x) and not (infinite and math.isinf(x)):
-        raise ParameterError(
-            f"{parameter} must be finite, not {x}", parameter=parameter, value=value
-        )
+        refuse(parameter, value, f"{parameter} must be finite, not {x}")
     if above is not None and not x > above:
-        raise ParameterError(
-            f"{parameter} must be greater than {above:g}, not {x:g}",
-            parameter=parameter,
-            value=value,
-        )
+        refuse(parameter, value, f"{parameter} must be greater than {above:g}, not {x:g}")
     if not low <= x <= high:
         if high == math.inf:
             bounds = f"be at least {low:g}"
@@ -183,9 +180,7 @@ def number(
             bounds = f"lie in [{low:g}, {high:g}]"
         else:
             bounds = f"lie in ({above:g}, {high:g}]"
-        raise ParameterError(
-            f"{parameter} must {bounds}, not {x:g}", parameter=parameter, value=value
-        )
+        refuse(parameter, value, f"{parameter} must {bounds}, not {x:g}")
     return x
 
 
@@ -198,11 +193,7 @@ def limits(low: Any, high: Any) -> tuple[float, float]:
     """``low`` and ``high`` as floats, which may be infinite, the lower not above the upper."""
     least, most = number("low", low, infinite=True), number("high", high, infinite=True)
     if least > most:
-        raise ParameterError(
-            f"the lower limit {low!r} must not be above the upper, {high!r}",
-            parameter="low",
-            value=low,
-        )
+        refuse("low", low, f"the lower limit {low!r} must not be above the upper, {high!r}")
     return least, most
 
 
@@ -210,9 +201,7 @@ def whole(parameter: str, value: Any, *, low: int) -> int:
     """``value`` as an int of at least ``low``; 4.0 passes, 4.5 does not."""
     x = number(parameter, value, low=low)
     if x != int(x):
-        raise ParameterError(
-            f"{parameter} must be a whole number, not {x:g}", parameter=parameter, value=value
-        )
+        refuse(parameter, value, f"{parameter} must be a whole number, not {x:g}")
     # not of x, which has 53 bits
     return int(value)
 
@@ -222,20 +211,18 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     choices = list(choices)
     if isinstance(value, str) and value in choices:
         return value
-    raise ParameterError(
+    refuse(
+        parameter,
+        value,
         f"{parameter} must be one of {', '.join(map(repr, choices))}, not {value!r}"
         + did_you_mean(nearest(str(value), choices, 1)),
-        parameter=parameter,
-        value=value,
     )
 
 
 def flag(parameter: str, value: Any) -> bool:
     """``value`` if it is a real bool: the string "no" is truthy."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ParameterError(
-            f"{parameter} must be True or False, not {value!r}", parameter=parameter, value=value
-        )
+        refuse(parameter, value, f"{parameter} must be True or False, not {value!r}")
     return bool(value)
 
 
@@ -247,9 +234,7 @@ def as_path(parameter: str, value: Any) -> Path:
             raise TypeError
         return path
     except TypeError:
-        raise ParameterError(
-            f"{parameter} must be a path, not {value!r}", parameter=parameter, value=value
-        ) from None
+        refuse(parameter, value, f"{parameter} must be a path, not {value!r}")
 
 
 def writable(parameter: str, value: Any) -> Path:
@@ -257,17 +242,9 @@ def writable(parameter: str, value: Any) -> Path:
     path = as_path(parameter, value)
     # os.path, because a name too long for the system is an error of Path's
     if os.path.isdir(path):
-        raise ParameterError(
-            f"{parameter} must be a file, {str(path)!r} is a directory",
-            parameter=parameter,
-            value=str(path),
-        )
+        refuse(parameter, str(path), f"{parameter} must be a file, {str(path)!r} is a directory")
     if not os.path.isdir(path.parent):
-        raise ParameterError(
-            f"no directory {str(path.parent)!r} to write {path.name!r} in",
-            parameter=parameter,
-            value=str(path),
-        )
+        refuse(parameter, str(path), f"no directory {str(path.parent)!r} to write {path.name!r} in")
     new = not os.path.lexists(path)
     if new or os.path.isfile(path):  # opening and closing a pipe would end its data
         try:
@@ -275,11 +252,7 @@ def writable(parameter: str, value: Any) -> Path:
             if new:
                 path.unlink()
         except OSError as error:
-            raise ParameterError(
-                f"cannot write {str(path)!r}: {error.strerror}",
-                parameter=parameter,
-                value=str(path),
-            ) from None
+            refuse(parameter, str(path), f"cannot write {str(path)!r}: {error.strerror}")
     return path
 
 
@@ -287,11 +260,11 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
     """``path`` if it has one of ``endings``; the error names it with the first of them."""
     if path.suffix.lower() not in endings:
         known = " or ".join(x for x in endings if x)
-        raise ParameterError(
+        refuse(
+            parameter,
+            str(path),
             f"{parameter} must end in {known}, not {path.name!r}; did you mean "
             f"{os.path.splitext(path)[0] + endings[0]!r}?",
-            parameter=parameter,
-            value=str(path),
         )
     return path
 
@@ -299,18 +272,10 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
 def property_list(parameter: str, names: Any) -> list[str]:
     """``names`` as a list of texts."""
     if isinstance(names, str) or not isinstance(names, Sequence):
-        raise ParameterError(
-            f"{parameter} must be a list of property names, not {names!r}",
-            parameter=parameter,
-            value=names,
-        )
+        refuse(parameter, names, f"{parameter} must be a list of property names, not {names!r}")
     for i, name in enumerate(names):
         if not isinstance(name, str):
-            raise ParameterError(
-                f"{parameter}[{i}] must be a property's name, not {name!r}",
-                parameter=parameter,
-                value=names,
-            )
+            refuse(parameter, names, f"{parameter}[{i}] must be a property's name, not {name!r}")
     return list(names)
 
 
@@ -319,11 +284,7 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping):
-        raise ParameterError(
-            f"{parameter} must be a dict of names and values, not {value!r}",
-            parameter=parameter,
-            value=value,
-        )
+        refuse(parameter, value, f"{parameter} must be a dict of names and values, not {value!r}")
     return dict(value)
 
 
@@ -356,10 +317,8 @@ def finite(**values: Any) -> list[Any]:
     for parameter, x in zip(values, out, strict=True):
         known = np.isfinite(x)
         if not known.all():
-            raise ParameterError(
-                f"{parameter} must be finite, not {x[~known].flat[0]}",
-                parameter=parameter,
-                value=values[parameter],
+            refuse(
+                parameter, values[parameter], f"{parameter} must be finite, not {x[~known].flat[0]}"
             )
     return [x if x.ndim else float(x) for x in out]
 
@@ -373,19 +332,19 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         except ValueError:  # ragged
             x = np.empty(0, object)
         if x.dtype.kind not in "iuf":
-            raise ParameterError(
+            refuse(
+                parameter,
+                value,
                 f"{parameter} must be a real number or an array of them, not {value!r}",
-                parameter=parameter,
-                value=value,
             )
         out.append(x.astype(float, copy=False))
     try:
         return out, np.broadcast_shapes(*(x.shape for x in out))
     except ValueError:
         shapes = {parameter: x.shape for parameter, x in zip(values, out, strict=True)}
-        raise ParameterError(
+        refuse(
+            ", ".join(values),
+            shapes,
             "the arrays must broadcast to one shape, not "
             + ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape),
-            parameter=", ".join(values),
-            value=shapes,
-        ) from None
+        )

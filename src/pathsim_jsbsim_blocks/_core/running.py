@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from pathsim import Simulation, StopSimulation
 
-from ..errors import ParameterError
 from . import _pathsim
 from ._pathsim import Run
-from .checks import number, positive
+from .checks import number, positive, refuse
 from .progress import progress_bar
 from .realtime import is_real_time
 
@@ -58,7 +57,7 @@ def fly(
         if the duration or the step is not positive and finite, or ``sim`` is no simulation
     """
     if not isinstance(sim, Simulation):
-        raise ParameterError(f"sim must be a Simulation, not {sim!r}", parameter="sim", value=sim)
+        refuse("sim", sim, f"sim must be a Simulation, not {sim!r}")
     duration = number("duration", positive("duration", duration))
     if is_real_time():
         return sim.run(duration, reset)
@@ -148,11 +147,11 @@ class Runs:
         if self.duration is None:
             return duration
         if self.begun > 1:
-            raise ParameterError(
+            refuse(
+                "duration",
+                self.duration,
                 f"the script runs more than once: which of its runs is to last "
                 f"{self.duration:g} s is not clear",
-                parameter="duration",
-                value=self.duration,
             )
         return self.duration
 

@@ -42,7 +42,6 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 from pathsim.exceptions import LinearizationError
 
-from ..errors import ParameterError
 from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
 from ._pathsim import (
     ClockEvent,
@@ -55,7 +54,7 @@ from ._pathsim import (
     without_stages,
 )
 from .callers import warn_user
-from .checks import number, positive
+from .checks import number, positive, refuse
 from .continuous import Matrices, continuous_equivalent
 from .wiring import contents, name_of
 
@@ -308,11 +307,11 @@ class SampledBlock(Block):
         """
         engine = sim.engine
         if engine in self._left and not reset and self.awaited > self.clock.first:
-            raise ParameterError(
+            refuse(
+                "blocks",
+                self,
                 f"{name_of(self)} has gone on in another simulation since this one ran: two "
                 "simulations cannot share it. Build a block for each, or reset this one first",
-                parameter="blocks",
-                value=self,
             )
         if engine is not self._engine:
             self.set_solver(sim.Solver, engine)
@@ -412,11 +411,11 @@ class SampledBlock(Block):
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         clock = self.clock
         if json_data["period"] != clock.period:
-            raise ParameterError(
+            refuse(
+                "T",
+                clock.period,
                 f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
                 f"this one has T = {clock.period!r}",
-                parameter="T",
-                value=clock.period,
             )
         super().load_checkpoint(prefix, json_data, npz)
         clock.in_step = False

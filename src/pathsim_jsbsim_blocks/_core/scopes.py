@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import ParameterError
+from .checks import refuse
 
 if TYPE_CHECKING:
     from pathsim.blocks import Scope
@@ -25,16 +25,10 @@ def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     from pathsim.blocks import Scope  # a trim does without PathSim
 
     if not isinstance(scope, Scope):
-        raise ParameterError(
-            f"a Scope or a FlightRecorder is needed, not {reprlib.repr(scope)}",
-            parameter="scope",
-            value=scope,
-        )
+        refuse("scope", scope, f"a Scope or a FlightRecorder is needed, not {reprlib.repr(scope)}")
     time, data = scope.read()
     if time is None:
-        raise ParameterError(
-            "the scope holds no recording: run the simulation first", parameter="scope", value=scope
-        )
+        refuse("scope", scope, "the scope holds no recording: run the simulation first")
     # an interrupt may come between a sample's time and its values
     n = min(len(time), data.shape[1])
     return time[:n], data[:, :n]

@@ -21,7 +21,7 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from ..errors import ParameterError
-from .checks import did_you_mean, nearest
+from .checks import did_you_mean, nearest, refuse
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
 _SET, _BUILD, _SEEDED = "__set__", "__build__", "__seeded__"
@@ -74,11 +74,11 @@ class Text(str):
         if value is ...:
             if replaced is None or replaced is inspect.Parameter.empty:
                 return text
-            raise ParameterError(
+            refuse(
+                name,
+                text,
                 f"cannot set {name!r}: {text!r} is not a Python value such as 3.5, 1/120, True or "
                 f"[1, 2]; it replaces {replaced!r}",
-                parameter=name,
-                value=text,
             )
         return value
 

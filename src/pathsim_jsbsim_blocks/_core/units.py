@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..errors import ParameterError
-from .checks import did_you_mean, nearest
+from .checks import did_you_mean, nearest, refuse
 
 _FOOT = 0.3048  # m
 _MILE = 1852.0  # m, nautical
@@ -121,11 +120,11 @@ def _known(parameter: str, unit: Any) -> str:
     if isinstance(unit, str) and unit in _DIMENSION:
         return _DIMENSION[unit]
     other = _ELSEWHERE.get(str(unit))
-    raise ParameterError(
+    refuse(
+        parameter,
+        unit,
         f"{parameter} must be a unit such as 'kt', 'ft' or 'm/s', not {unit!r}"
         + did_you_mean([other] if other else nearest(str(unit), _DIMENSION)),
-        parameter=parameter,
-        value=unit,
     )
 
 
@@ -139,11 +138,11 @@ def conversion(source: str, target: str) -> tuple[float, float]:
     """
     dimension, other = _known("source", source), _known("target", target)
     if dimension != other:
-        raise ParameterError(
+        refuse(
+            "target",
+            target,
             f"{source!r} is a unit of {dimension}, {target!r} one of {other}; units of {dimension} "
             f"are {', '.join(UNITS[dimension])}",
-            parameter="target",
-            value=target,
         )
     (a, b), (c, d) = UNITS[dimension][source], UNITS[dimension][target]
     return a / c, (b - d) / c

@@ -19,8 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._core.checks import finite, one_of
-from ..errors import ParameterError
+from .._core.checks import finite, one_of, refuse
 
 G0 = 9.80665  # m/s2, standard acceleration of free fall
 R = 287.05287  # J/(kg K), specific gas constant of dry air
@@ -123,29 +122,25 @@ def positive_finite(**values: Any) -> list[Any]:
     out = finite(**values)
     for (parameter, value), x in zip(values.items(), out, strict=True):
         if not _lowest(x) > 0:
-            raise ParameterError(
-                f"{parameter} must be positive, not {_lowest(x):g}",
-                parameter=parameter,
-                value=value,
-            )
+            refuse(parameter, value, f"{parameter} must be positive, not {_lowest(x):g}")
     return out
 
 
 def _refuse_altitude(altitude: Any) -> None:
     (h,) = finite(altitude=altitude)
-    raise ParameterError(
+    refuse(
+        "altitude",
+        altitude,
         f"altitude must be above the Earth's centre at {-EARTH_RADIUS:.0f} m, not {_lowest(h):g} m",
-        parameter="altitude",
-        value=altitude,
     )
 
 
 def _refuse_deviation(temp_deviation: Any, temperature: float) -> None:
     finite(temp_deviation=temp_deviation)
-    raise ParameterError(
+    refuse(
+        "temp_deviation",
+        temp_deviation,
         f"temp_deviation must leave a positive temperature, not {temperature:g} K",
-        parameter="temp_deviation",
-        value=temp_deviation,
     )
 
 
@@ -177,10 +172,10 @@ def geometric_altitude(geopotential: Any) -> Any:
     """
     (h,) = finite(altitude=geopotential)
     if not _lowest(-h) > -EARTH_RADIUS:
-        raise ParameterError(
+        refuse(
+            "altitude",
+            geopotential,
             f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-_lowest(-h):g} m",
-            parameter="altitude",
-            value=geopotential,
         )
     return EARTH_RADIUS * h / (EARTH_RADIUS - h)
 

@@ -10,7 +10,7 @@ from typing import Any
 import pathsim_flight.atmosphere as flight
 
 from .._core.callers import warn_user
-from .._core.checks import finite, one_of
+from .._core.checks import finite, one_of, refuse
 from .._core.ports import NamedFunction
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
@@ -99,7 +99,7 @@ class AirDataBlock(NamedFunction):
             f"atmosphere's range, {self._low:.0f} m to {self._high:.0f} m"
         )
         if self.out_of_range == "error" or altitude <= -EARTH_RADIUS:
-            raise ParameterError(message, parameter="altitude", value=altitude)
+            refuse("altitude", altitude, message)
         if not self._warned:
             self._warned = True
             warn_user(f"{type(self).__name__}: {message}; extrapolated")

@@ -27,9 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import arrays
+from .._core.checks import arrays, refuse
 from .._core.docs import filler
-from ..errors import ParameterError
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
@@ -124,10 +123,10 @@ def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Valu
 def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     parts = list(reference) if np.iterable(reference) else []
     if len(parts) != 3:
-        raise ParameterError(
+        refuse(
+            "reference",
+            reference,
             f"reference must be the three coordinates x, y, z, not {reference!r}",
-            parameter="reference",
-            value=reference,
         )
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 

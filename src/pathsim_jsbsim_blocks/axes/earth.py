@@ -27,9 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import arrays
+from .._core.checks import arrays, refuse
 from .._core.docs import filler
-from ..errors import ParameterError
 from .aircraft import Components, Values, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3
@@ -65,9 +64,7 @@ def _ellipsoid() -> Any:
 
 def _check_latitude(parameter: str, lat: Any) -> None:
     if np.any(np.abs(lat) > 90.0):
-        raise ParameterError(
-            f"{parameter} must lie in [-90, 90] deg, not {lat}", parameter=parameter, value=lat
-        )
+        refuse(parameter, lat, f"{parameter} must lie in [-90, 90] deg, not {lat}")
 
 
 @_fill
@@ -132,11 +129,11 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     x, y, z = arrays(x=x, y=y, z=z)
     radius = np.sqrt(x * x + y * y + z * z)
     if np.any(radius < 0.98 * SEMI_MINOR_AXIS):
-        raise ParameterError(
+        refuse(
+            "x, y, z",
+            (x, y, z),
             "x, y, z must lie near or above the ground, some 20.9e6 ft from the "
             f"centre of the Earth, not at {np.min(radius):g} ft",
-            parameter="x, y, z",
-            value=(x, y, z),
         )
     return ecef2geodetic(x, y, z, _ellipsoid())
 

@@ -18,8 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .._core.checks import number
-from ..errors import ParameterError
+from .._core.checks import number, refuse
 from .earth import SEMI_MAJOR_AXIS, SEMI_MINOR_AXIS
 
 Vector = tuple[float, float, float]
@@ -135,11 +134,11 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
     first, last = (place_unchecked(*point(name, p)) for name, p in (("start", start), ("end", end)))
     circle = circle_through(first, last)
     if circle is None:
-        raise ParameterError(
+        refuse(
+            "end",
+            end,
             f"there is no single great circle from {tuple(start)} to {tuple(end)}: they coincide "
             "or lie opposite each other",
-            parameter="end",
-            value=end,
         )
     return circle
 
@@ -178,10 +177,10 @@ def point(parameter: str, value: Any) -> tuple[float, float]:
         for what is not two numbers, and a latitude beyond 90 deg
     """
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise ParameterError(
+        refuse(
+            parameter,
+            value,
             f"{parameter} must be a latitude and a longitude in deg, not {value!r}",
-            parameter=parameter,
-            value=value,
         )
     lat, lon = value
     return (

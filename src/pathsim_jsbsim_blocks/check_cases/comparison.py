@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import whole
+from .._core.checks import refuse, whole
 from .._core.running import fly
 from ..catalogue import load_diagram
-from ..errors import ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,10 +121,10 @@ def fly_case(case: int, rate: int = 100, integrators: Any = "precise") -> list[S
 
     name = f"check_case_{_known(case):02d}"
     if whole("rate", rate, low=10) % 2:
-        raise ParameterError(
+        refuse(
+            "rate",
+            rate,
             f"rate must be even, for the reference has a point each 0.5 s, not {rate!r}",
-            parameter="rate",
-            value=rate,
         )
     T = 1 / rate
     diagram = load_diagram(name, {"vehicle.T": T, "vehicle.integrators": integrators, "sim.dt": T})
@@ -281,9 +280,7 @@ def comparison_figure(case: int, *scopes: Scope) -> Figure:
 def _known(case: Any) -> int:
     number = whole("case", case, low=1)
     if number not in CASES:
-        raise ParameterError(
-            f"case must be one of 1 to {max(CASES)}, not {case!r}", parameter="case", value=case
-        )
+        refuse("case", case, f"case must be one of 1 to {max(CASES)}, not {case!r}")
     return number
 
 
@@ -306,17 +303,15 @@ def _distance(
 
     scope = next((s for s in scopes if any(name in label for label in s.labels)), None)
     if scope is None:
-        raise ParameterError(
-            f"none of the scopes records the {name}", parameter="scopes", value=scopes
-        )
+        refuse("scopes", scopes, f"none of the scopes records the {name}")
     recorded, values = signal(scope, name)
     at = np.minimum(np.searchsorted(recorded, time - 1e-6), len(recorded) - 1)
     missing = time[abs(recorded[at] - time) > 1e-6]
     if missing.size:
-        raise ParameterError(
+        refuse(
+            "scope",
+            scope,
             f"the recording has no sample at t = {missing[0]:g} s, which the reference has",
-            parameter="scope",
-            value=scope,
         )
     quantity = _QUANTITIES[name]
     return _on_circle(quantity, values[at] * quantity.per_signal - expected)

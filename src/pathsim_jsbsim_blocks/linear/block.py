@@ -8,8 +8,8 @@ from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
 from .._core._pathsim import NamedRegister
+from .._core.checks import refuse
 from .._core.ports import NamedPorts
-from ..errors import ParameterError
 from .model import LinearModel
 
 
@@ -48,9 +48,7 @@ class LinearModelBlock(NamedPorts, StateSpace):
 
     def __init__(self, model: LinearModel) -> None:
         if not isinstance(model, LinearModel):
-            raise ParameterError(
-                f"model must be a LinearModel, not {model!r}", parameter="model", value=model
-            )
+            refuse("model", model, f"model must be a LinearModel, not {model!r}")
         super().__init__(*model.with_lags(model.latency * model.dt))
         self.model = model
         self.inputs = NamedRegister.of(model.inputs)

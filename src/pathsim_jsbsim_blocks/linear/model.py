@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import expm
 
-from .._core.checks import as_path, did_you_mean, mapping, nearest, positive
+from .._core.checks import as_path, did_you_mean, mapping, nearest, positive, refuse
 from .._core.extras import required
 from .._core.files import write_whole
-from ..errors import FileError, ParameterError
+from ..errors import FileError
 
 if TYPE_CHECKING:
     import control
@@ -128,21 +128,19 @@ class LinearModel:
             if value.shape != wanted and value.size == np.prod(wanted) == 0:
                 value = value.reshape(wanted)
             if value.shape != wanted:
-                raise ParameterError(
+                refuse(
+                    name,
+                    value,
                     f"{name} has the shape {value.shape}, but there are "
                     + " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape)),
-                    parameter=name,
-                    value=value,
                 )
             if name not in _UNKNOWN and not np.all(np.isfinite(value)):
-                raise ParameterError(f"{name} must be finite", parameter=name, value=value)
+                refuse(name, value, f"{name} must be finite")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         if np.any((self.latency < 0) | (self.latency != np.round(self.latency))):
-            raise ParameterError(
-                f"latency is in whole periods, not {self.latency.tolist()}",
-                parameter="latency",
-                value=self.latency,
+            refuse(
+                "latency", self.latency, f"latency is in whole periods, not {self.latency.tolist()}"
             )
 
     @property
@@ -214,12 +212,12 @@ class LinearModel:
             usable = False
         if not usable:
             shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
-            raise ParameterError(
+            refuse(
+                "u",
+                given,
                 f"u must have a row for each period of {self.dt:.6g} s and {len(self.inputs)} "
                 f"columns ({', '.join(self.inputs)}) of finite numbers, not "
                 f"{reprlib.repr(given)}{shape}",
-                parameter="u",
-                value=given,
             )
         du = np.zeros_like(u)
         for j, late in enumerate(self.latency.astype(int)):
@@ -256,11 +254,11 @@ class LinearModel:
         try:
             states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
         except (IndexError, np.linalg.LinAlgError):
-            raise ParameterError(
+            refuse(
+                "omega",
+                omega,
                 f"omega must be a list of frequencies at which no pole lies, not {omega!r}",
-                parameter="omega",
-                value=omega,
-            ) from None
+            )
         return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -276,11 +274,7 @@ class LinearModel:
         """
         m, given = len(self.inputs), np.asarray(tau, dtype=float)
         if given.shape not in ((), (m,)) or not np.all((given >= 0.0) & np.isfinite(given)):
-            raise ParameterError(
-                f"tau must be one time from 0 s on, or {m} of them, not {tau!r}",
-                parameter="tau",
-                value=tau,
-            )
+            refuse("tau", tau, f"tau must be one time from 0 s on, or {m} of them, not {tau!r}")
         tau = np.broadcast_to(given, m)
         lagging = np.flatnonzero(tau)
         n, k = len(self.states), len(lagging)
@@ -385,9 +379,7 @@ class LinearModel:
         except OSError as error:
             raise FileError("read", file, error) from None
         except (ValueError, TypeError, KeyError, RecursionError) as error:
-            raise ParameterError(
-                f"{str(file)!r} holds no linear model: {error}", parameter="path", value=str(file)
-            ) from None
+            refuse("path", str(file), f"{str(file)!r} holds no linear model: {error}")
 
 
 def _to_lists(array: np.ndarray) -> Any:
@@ -408,24 +400,16 @@ def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> 
     if wanted is None:
         return list(range(len(known)))
     if isinstance(wanted, str) or not isinstance(wanted, Sequence):
-        raise ParameterError(
-            f"{parameter} must be a list of names, not {wanted!r}",
-            parameter=parameter,
-            value=wanted,
-        )
+        refuse(parameter, wanted, f"{parameter} must be a list of names, not {wanted!r}")
     for i, name in enumerate(wanted):
         if name not in known:
             close = nearest(str(name), known)
-            raise ParameterError(
+            refuse(
+                parameter,
+                wanted,
                 f"{parameter}[{i}]: there is no {name!r}"
                 + (did_you_mean(close) if close else f" among {', '.join(known)}"),
-                parameter=parameter,
-                value=wanted,
             )
     if len(set(wanted)) < len(wanted):
-        raise ParameterError(
-            f"{parameter} lists a name twice: {', '.join(wanted)}",
-            parameter=parameter,
-            value=wanted,
-        )
+        refuse(parameter, wanted, f"{parameter} lists a name twice: {', '.join(wanted)}")
     return [list(known).index(name) for name in wanted]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, positive, whole
+from .._core.checks import did_you_mean, nearest, positive, refuse, whole
 from .._core.extras import required
 from ..catalogue import find_diagram
 from ..errors import ParameterError
@@ -112,10 +112,8 @@ def run_batch(
     else:
         for option, value in (("measure", measure), ("duration", duration)):
             if value is not None:
-                raise ParameterError(
-                    f"{option} goes with a script: the function build does it all",
-                    parameter=option,
-                    value=value,
+                refuse(
+                    option, value, f"{option} goes with a script: the function build does it all"
                 )
         name, run = _name(build), partial(_call, build, _check(build, rows))
 
@@ -193,10 +191,10 @@ def _check_script(
     from .._core.template import SettingError, Template
 
     if not callable(measure):
-        raise ParameterError(
+        refuse(
+            "measure",
+            measure,
             f"measure must be a function of the script's module, not {measure!r}",
-            parameter="measure",
-            value=measure,
         )
     _check_sent("measure", measure)
     if duration is not None:
@@ -211,24 +209,20 @@ def _check_script(
         except (Exception, SystemExit):
             continue  # a value that cannot be ends its own case
         if not isinstance(getattr(module, "sim", None), Simulation):
-            raise ParameterError(
+            refuse(
+                "build",
+                str(script),
                 f"{script.name} builds no Simulation named sim when it is imported",
-                parameter="build",
-                value=str(script),
             )
         if module.sim.time:
-            raise ParameterError(
+            refuse(
+                "build",
+                str(script),
                 f"{script.name} runs when it is imported: put the run under "
                 'if __name__ == "__main__":',
-                parameter="build",
-                value=str(script),
             )
         if duration is None and not hasattr(module, "DURATION"):
-            raise ParameterError(
-                f"{script.name} has no DURATION: give duration=...",
-                parameter="duration",
-                value=None,
-            )
+            refuse("duration", None, f"{script.name} has no DURATION: give duration=...")
     return measure
 
 
@@ -246,34 +240,26 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     """Refuse what a worker cannot run; return whether ``build`` takes the seed."""
     if not callable(build):
-        raise ParameterError(
-            f"build must be a function, not {build!r}", parameter="build", value=build
-        )
+        refuse("build", build, f"build must be a function, not {build!r}")
     try:
         parameters = inspect.signature(build).parameters
     except ValueError:  # many built-in functions
-        raise ParameterError(
-            f"build must be a function with known parameters, not {build!r}",
-            parameter="build",
-            value=build,
-        ) from None
+        refuse("build", build, f"build must be a function with known parameters, not {build!r}")
     free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     takes_seed = free or "seed" in parameters
     for i, row in enumerate(rows):
         for key in row:
             if key not in parameters and key != "seed" and not free:
-                raise ParameterError(
+                refuse(
+                    key,
+                    row[key],
                     f"case {i} has {key!r}, which build does not take"
                     + did_you_mean(nearest(key, parameters)),
-                    parameter=key,
-                    value=row[key],
                 )
         for key, p in parameters.items():
             needed = p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
             if needed and key not in row:
-                raise ParameterError(
-                    f"case {i} has no {key!r}, which build needs", parameter=key, value=None
-                )
+                refuse(key, None, f"case {i} has no {key!r}, which build needs")
     _check_sent("build", build)
     return takes_seed
 
@@ -311,18 +297,10 @@ def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
 
 def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(result, Mapping):
-        raise ParameterError(
-            f"build must return a dict of what it measured, not {result!r}",
-            parameter="build",
-            value=result,
-        )
+        refuse("build", result, f"build must return a dict of what it measured, not {result!r}")
     for key in result:
         if key in (*case, "completed", "reason"):
-            raise ParameterError(
-                f"build returned {key!r}, which is a column of the cases",
-                parameter="build",
-                value=key,
-            )
+            refuse("build", key, f"build returned {key!r}, which is a column of the cases")
     return {str(key): _value(str(key), value) for key, value in result.items()}
 
 

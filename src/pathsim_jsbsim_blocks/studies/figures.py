@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest
-from ..errors import ParameterError
+from .._core.checks import did_you_mean, nearest, refuse
 from ..plots import subplots
 
 if TYPE_CHECKING:
@@ -28,31 +27,21 @@ def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
     known = [str(name) for name in getattr(table, "columns", ())]
     if not known:
-        raise ParameterError(
-            f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}",
-            parameter="table",
-            value=table,
-        )
+        refuse("table", table, f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}")
     for name in ("trimmed", *columns):
         if name not in known:
-            raise ParameterError(
+            refuse(
+                "table",
+                known,
                 f"{chart} draws a table of {study}; this one has no column {name!r}"
                 + did_you_mean(nearest(name, known)),
-                parameter="table",
-                value=known,
             )
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
-        raise ParameterError(
-            f"{chart} has nothing to draw: no point of the table trims",
-            parameter="table",
-            value=known,
-        )
+        refuse("table", known, f"{chart} has nothing to draw: no point of the table trims")
     for name in columns:
         if name not in _WORDS and rows[name].infer_objects().dtype.kind not in "biuf":
-            raise ParameterError(
-                f"{chart} needs numbers in the column {name!r}", parameter="table", value=name
-            )
+            refuse("table", name, f"{chart} needs numbers in the column {name!r}")
     return rows
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
 
-from .._core.checks import did_you_mean, nearest, number
+from .._core.checks import did_you_mean, nearest, number, refuse
 from ..errors import ParameterError
 from ..flight._trim import UNITS
 from ..flight.condition import TrimCondition
@@ -62,19 +62,13 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
         rows = list(grid)
         for row in rows:
             if not isinstance(row, Mapping):
-                raise ParameterError(
-                    f"{name} must hold one dict for each point, not {row!r}",
-                    parameter=name,
-                    value=grid,
-                )
+                refuse(name, grid, f"{name} must hold one dict for each point, not {row!r}")
     else:
-        raise ParameterError(
-            f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}",
-            parameter=name,
-            value=grid,
+        refuse(
+            name, grid, f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}"
         )
     if not rows:
-        raise ParameterError(f"{name} is empty", parameter=name, value=grid)
+        refuse(name, grid, f"{name} is empty")
     return [
         {str(key): plain(f"{name} point {i}: {key}", value) for key, value in row.items()}
         for i, row in enumerate(rows)
@@ -87,15 +81,11 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
     try:
         values = list(values)
     except TypeError:
-        raise ParameterError(
-            f"{name}: {key} must be a value or a list of values, not {values!r}",
-            parameter=str(key),
-            value=values,
-        ) from None
-    if not values:
-        raise ParameterError(
-            f"{name} is empty: {key} has no values", parameter=str(key), value=values
+        refuse(
+            str(key), values, f"{name}: {key} must be a value or a list of values, not {values!r}"
         )
+    if not values:
+        refuse(str(key), values, f"{name} is empty: {key} has no values")
     return values
 
 
@@ -119,11 +109,7 @@ def plain(name: str, value: Any) -> Any:
         return {key: plain(f"{name}[{key!r}]", item) for key, item in value.items()}
     if isinstance(value, Sequence):
         return [plain(f"{name}[{i}]", item) for i, item in enumerate(value)]
-    raise ParameterError(
-        f"{name} must be a number, text, a list or a dict, not {value!r}",
-        parameter=name,
-        value=value,
-    )
+    refuse(name, value, f"{name} must be a number, text, a list or a dict, not {value!r}")
 
 
 class _List(list):
@@ -164,26 +150,22 @@ def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
     fields = {key: value for key, value in point.items() if "/" not in key}
     for key in fields:
         if key not in _COLUMNS:
-            raise ParameterError(
+            refuse(
+                key,
+                point[key],
                 f"the grid has a column {key!r} that no trim condition has"
                 + did_you_mean(nearest(key, _COLUMNS))
                 + f" (columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path)",
-                parameter=key,
-                value=point[key],
             )
     try:
         if fields.get("mach") is not None and fields.get("speed") is not None:
-            raise ParameterError(
-                "both mach and speed are given", parameter="mach", value=fields["mach"]
-            )
+            refuse("mach", fields["mach"], "both mach and speed are given")
         return TrimCondition(
             **{key: value for key, value in fields.items() if value is not None},
             setup={key: number(key, value) for key, value in point.items() if "/" in key},
         )
     except ParameterError as error:
-        raise ParameterError(
-            f"grid point {i}: {error}", parameter=error.parameter, value=error.value
-        ) from None
+        refuse(error.parameter, error.value, f"grid point {i}: {error}")
 
 
 def structure(condition: TrimCondition) -> tuple[Any, ...]:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import number
+from .._core.checks import number, refuse
 from .._core.extras import required
-from ..errors import LinearisationError, ParameterError, TrimError
+from ..errors import LinearisationError, TrimError
 from ..flight.airframe import Airframe, has_retractable_gear
 from ..flight.condition import TrimCondition
 from .workers import WORKER_DIED, run_parts
@@ -73,15 +73,13 @@ def modes_over_speed(
     required("joblib", "studies")
     altitude = number("altitude", altitude)
     if aircraft is None and speeds is not None:
-        raise ParameterError(
-            "speeds are those of one aircraft: name it", parameter="speeds", value=speeds
-        )
+        refuse("speeds", speeds, "speeds are those of one aircraft: name it")
     if aircraft is not None and speeds is None and aircraft not in _SWEEPS:
         Airframe(aircraft)
-        raise ParameterError(
+        refuse(
+            "speeds",
+            None,
             f"speeds: give those of {aircraft!r}; the study knows {' and '.join(_SWEEPS)}",
-            parameter="speeds",
-            value=None,
         )
     given = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
     points = [
@@ -95,7 +93,7 @@ def modes_over_speed(
         for speed in (_SWEEPS[name] if given is None else given)
     ]
     if not points:
-        raise ParameterError("speeds is empty", parameter="speeds", value=speeds)
+        refuse("speeds", speeds, "speeds is empty")
     rows = run_parts(
         _modes_at,
         [[point] for point in points],

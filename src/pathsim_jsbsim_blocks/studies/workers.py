@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core.callers import warn_user
-from .._core.checks import whole
+from .._core.checks import refuse, whole
 from .._core.extras import required
 from ..errors import ParameterError
 from .identity import study_key
@@ -131,7 +131,7 @@ def _count(jobs: int) -> int:
     try:
         return whole("jobs", jobs, low=1)
     except ParameterError as error:
-        raise ParameterError(f"{error} (-1: all cores)", parameter="jobs", value=jobs) from None
+        refuse("jobs", jobs, f"{error} (-1: all cores)")
 
 
 def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress: bool) -> Any:

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, writable
+from .._core.checks import did_you_mean, nearest, refuse, writable
 from .._core.extras import required
 from .._core.files import replacing
-from ..errors import FileError, ParameterError
+from ..errors import FileError
 from .acmi import write_acmi
 from .czml import write_czml
 from .kml import write_kml
@@ -52,11 +52,11 @@ def track_file(parameter: str, path: Any) -> Path:
     path = writable(parameter, path)
     ending = path.suffix.lower()
     if ending not in _FORMATS:
-        raise ParameterError(
+        refuse(
+            parameter,
+            str(path),
             f"{parameter} must end in one of {', '.join(_FORMATS)}, not {path.name!r}"
             + did_you_mean(nearest(ending, _FORMATS, 1)),
-            parameter=parameter,
-            value=str(path),
         )
     for package in _FORMATS[ending][1]:
         required(package, "tracks")
@@ -96,18 +96,14 @@ def save_tracks(
     tracks = list(tracks) if isinstance(tracks, Iterable) else [tracks]
     for track in tracks:
         if not isinstance(track, Track):
-            raise ParameterError(
+            refuse(
+                "tracks",
+                track,
                 f"tracks must be one Track or a list of them, not {reprlib.repr(track)}",
-                parameter="tracks",
-                value=track,
             )
     names = [track.name for track in tracks]
     if not tracks or len(set(names)) != len(names):
-        raise ParameterError(
-            f"tracks must be one or more, of different names, not {names}",
-            parameter="tracks",
-            value=names,
-        )
+        refuse("tracks", names, f"tracks must be one or more, of different names, not {names}")
     start = _START if start is None else _utc(start)
     write, _ = _FORMATS[path.suffix.lower()]
     try:
@@ -117,11 +113,11 @@ def save_tracks(
     except OSError as error:
         raise FileError("write", path, error) from None
     except OverflowError:
-        raise ParameterError(
+        refuse(
+            "start",
+            start,
             f"the dates of the flight, which starts at {start}, end after the year 9999",
-            parameter="start",
-            value=start,
-        ) from None
+        )
 
 
 def _utc(start: Any) -> datetime.datetime:
@@ -131,11 +127,11 @@ def _utc(start: Any) -> datetime.datetime:
             return date.replace(tzinfo=datetime.timezone.utc)
         return date.astimezone(datetime.timezone.utc)
     except (AttributeError, TypeError, ValueError, OverflowError):
-        raise ParameterError(
+        refuse(
+            "start",
+            start,
             f"start must be a datetime between the years 1 and 9999 in UTC, not {start!r}",
-            parameter="start",
-            value=start,
-        ) from None
+        )
 
 
 def _versions() -> str:

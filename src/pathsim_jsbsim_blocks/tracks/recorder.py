@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 from pathsim.blocks import Scope
 from pathsim.utils.register import Register
 
-from .._core.checks import number, positive
+from .._core.checks import number, positive, refuse
 from .._core.ports import NamedPorts
 from .._core.scopes import name_and_unit, recording
-from ..errors import ParameterError
 from .files import save_tracks
 from .track import POSITION, Track, writable_text
 
@@ -106,27 +105,23 @@ class FlightRecorder(NamedPorts, Scope):
         if isinstance(signals, str) or not (
             isinstance(signals, Sequence) and all(isinstance(s, str) for s in signals)
         ):
-            raise ParameterError(
-                f"signals must be a list of labels, not {signals!r}",
-                parameter="signals",
-                value=signals,
-            )
+            refuse("signals", signals, f"signals must be a list of labels, not {signals!r}")
         ports = [*POSITION, *(name_and_unit(writable_text("signals", x))[0] for x in signals)]
         twice = [port for i, port in enumerate(ports) if port in ports[:i]]
         if twice:
-            raise ParameterError(
+            refuse(
+                "signals",
+                signals,
                 f"signals has {twice[0]!r} twice, or it is a port of every recorder: "
                 + ", ".join(POSITION),
-                parameter="signals",
-                value=signals,
             )
         if hasattr(self, "_signals"):
             if list(signals) == list(self._signals):
                 return
-            raise ParameterError(
+            refuse(
+                "signals",
+                signals,
                 "signals cannot change, they are the block's ports: build another block",
-                parameter="signals",
-                value=signals,
             )
         self._signals = signals
         self.labels = [*POSITION.values(), *signals]

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import finite, flag, mapping
+from .._core.checks import finite, flag, mapping, refuse
 from .._core.extras import required
-from ..errors import ParameterError
 
 if TYPE_CHECKING:
     import pandas
@@ -45,15 +44,13 @@ def instant(start: datetime.datetime, seconds: float) -> str:
 def writable_text(parameter: str, text: Any) -> str:
     """``text`` if every format of a track can hold it."""
     if not isinstance(text, str):
-        raise ParameterError(
-            f"{parameter} must be text, not {text!r}", parameter=parameter, value=text
-        )
+        refuse(parameter, text, f"{parameter} must be text, not {text!r}")
     if found := _UNWRITABLE.search(text):
-        raise ParameterError(
+        refuse(
+            parameter,
+            text,
             f"{parameter} has the character {found[0]!r}, which files of tracks cannot hold, in "
             f"{text!r}",
-            parameter=parameter,
-            value=text,
         )
     return text
 
@@ -124,19 +121,17 @@ class Track:
         object.__setattr__(self, "signals", rest)
         for name, column in {**{n: getattr(self, n) for n in given}, **rest}.items():
             if column.shape != self.time.shape or column.ndim != 1 or not column.size:
-                raise ParameterError(
+                refuse(
+                    name,
+                    column.shape,
                     f"{name} has the shape {column.shape}, time has {self.time.shape}; all columns "
                     "must have the same number of samples, at least 1",
-                    parameter=name,
-                    value=column.shape,
                 )
         if np.any(np.diff(self.time) <= 0):
-            raise ParameterError("time must increase", parameter="time", value=self.time)
+            refuse("time", self.time, "time must increase")
         if np.max(np.abs(self.lat)) > 90:
             worst = self.lat[np.argmax(np.abs(self.lat))]
-            raise ParameterError(
-                f"lat must lie in [-90, 90] deg, not {worst:g}", parameter="lat", value=worst
-            )
+            refuse("lat", worst, f"lat must lie in [-90, 90] deg, not {worst:g}")
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
@@ -215,14 +210,8 @@ def _signal(label: Any, values: Any) -> np.ndarray:
     """A further column; it may be undefined at times, such as the angle of attack at rest."""
     writable_text("signals", label)
     if label in ("time [s]", *POSITION.values()):
-        raise ParameterError(
-            f"signals has {label!r}, a column of every track", parameter="signals", value=label
-        )
+        refuse("signals", label, f"signals has {label!r}, a column of every track")
     try:
         return np.asarray(values).astype(float, casting="same_kind")
     except (TypeError, ValueError):
-        raise ParameterError(
-            f"{label} must be an array of real numbers, not {values!r}",
-            parameter=label,
-            value=values,
-        ) from None
+        refuse(label, values, f"{label} must be an array of real numbers, not {values!r}")
