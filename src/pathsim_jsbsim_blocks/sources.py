@@ -9,61 +9,64 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
-import numpy as np
 from pathsim.events import ScheduleList
 
-from ._core.checks import number, positive
-from ._core.ports import NamedPorts
+from ._core.checks import number, numbers, positive
+from ._core.parameters import Parametric, parameter
 from .errors import ParameterError
 
 
-class _EdgeSource(NamedPorts):
+def polarity_of(name: str, value: Any) -> float:
+    """1 or -1."""
+    if number(name, value) not in (1.0, -1.0):
+        raise ParameterError(f"{name} must be 1 or -1, not {value!r}", parameter=name, value=value)
+    return float(value)
+
+
+class _EdgeSource(Parametric):
     """Source whose output changes at scheduled times, its edges."""
 
-    input_port_labels: dict[str, int] = {}
-    output_port_labels = {"out": 0}
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.edges = ScheduleList(self._edges_apart(), func_act=self._at_edge)
-        self.events = [self.edges]
+    input_port_labels: ClassVar[dict[str, int]] = {}
+    output_port_labels: ClassVar[dict[str, int]] = {"out": 0}
 
     def __len__(self) -> int:
         return 0
 
+    def begin(self) -> None:
+        super().begin()
+        self.edges = ScheduleList([], func_act=self._at_edge)
+        self.events = [self.edges]
+
+    def build(self) -> None:
+        self._times = self._edge_times()
+        for time, after in pairwise(self._times):
+            if not time < after < math.inf:
+                raise ParameterError(
+                    f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
+                    "be told apart",
+                    parameter="start",
+                    value=self._times,
+                )
+        if not self.passed:
+            self.edges.times_evt = self._times
+
     def reset(self) -> None:
         super().reset()
-        self.edges.times_evt = self._edges_apart()
+        self.edges.times_evt = self._times
 
     @property
     def passed(self) -> int:
         """Number of edges passed."""
         return len(self.edges)
 
-    def _put(self, values: dict[str, Any]) -> None:
-        super()._put(values)
-        self._edges_apart()
-
     def _edge_times(self) -> list[float]:
         raise NotImplementedError
 
     def _at_edge(self, t: float) -> None:
         # parameters may have been edited since the last edge
-        self.edges.times_evt = self._edges_apart()
-
-    def _edges_apart(self) -> list[float]:
-        times = self._edge_times()
-        for time, after in pairwise(times):
-            if not time < after < math.inf:
-                raise ParameterError(
-                    f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
-                    "be told apart",
-                    parameter="start",
-                    value=times,
-                )
-        return times
+        self.edges.times_evt = self._times
 
 
 class _StepsSource(_EdgeSource):
@@ -74,14 +77,13 @@ class _StepsSource(_EdgeSource):
         raise NotImplementedError
 
     def _edge_times(self) -> list[float]:
-        start = number("start", getattr(self, "start", None), low=0.0)
-        durations = [duration for duration, _ in self._pulses()]
-        return [start + sum(durations[:i]) for i in range(len(durations) + 1)]
+        durations, levels = zip(*self._pulses(), strict=True)
+        self._levels = [*levels, 0.0]
+        return [self.checked.start + sum(durations[:i]) for i in range(len(durations) + 1)]
 
     def _at_edge(self, t: float) -> None:
         super()._at_edge(t)
-        levels = [level for _, level in self._pulses()]
-        self.outputs[0] = [*levels, 0.0][self.passed - 1]
+        self.outputs[0] = self._levels[self.passed - 1]
 
 
 class DoubletSource(_StepsSource):
@@ -106,25 +108,16 @@ class DoubletSource(_StepsSource):
         0, then ``polarity * amplitude``, 0 in the gap, ``-polarity * amplitude``, 0
     """
 
-    def __init__(
-        self,
-        amplitude: float = 0.1,
-        start: float = 1.0,
-        width: float = 1.0,
-        gap: float = 0.0,
-        polarity: float = 1,
-    ) -> None:
-        self.amplitude = amplitude
-        self.start = start
-        self.width = width
-        self.gap = gap
-        self.polarity = polarity
-        super().__init__()
+    amplitude: float = parameter(0.1, number)
+    start: float = parameter(1.0, number, low=0.0)
+    width: float = parameter(1.0, positive)
+    gap: float = parameter(0.0, number, low=0.0)
+    polarity: float = parameter(1, polarity_of)
 
     def _pulses(self) -> list[tuple[float, float]]:
-        level = _sign(self.polarity) * number("amplitude", self.amplitude)
-        width, gap = positive("width", self.width), number("gap", self.gap, low=0.0)
-        return [(width, level), *([(gap, 0.0)] if gap else []), (width, -level)]
+        c = self.checked
+        level = c.polarity * c.amplitude
+        return [(c.width, level), *([(c.gap, 0.0)] if c.gap else []), (c.width, -level)]
 
 
 class MultistepSource(_StepsSource):
@@ -152,33 +145,23 @@ class MultistepSource(_StepsSource):
         0, then each pulse in turn, then 0
     """
 
-    def __init__(
-        self,
-        amplitude: float = 0.1,
-        start: float = 1.0,
-        step: float = 1.0,
-        widths: Sequence[float] = (3, 2, 1, 1),
-        signs: Sequence[float] = (1, -1, 1, -1),
-    ) -> None:
-        self.amplitude = amplitude
-        self.start = start
-        self.step = step
-        self.widths = widths
-        self.signs = signs
-        super().__init__()
+    amplitude: float = parameter(0.1, number)
+    start: float = parameter(1.0, number, low=0.0)
+    step: float = parameter(1.0, positive)
+    widths: Sequence[float] = parameter((3, 2, 1, 1), numbers, above=0.0)
+    signs: Sequence[float] = parameter((1, -1, 1, -1), numbers)
 
     def _pulses(self) -> list[tuple[float, float]]:
-        widths = [positive(f"widths[{i}]", w) for i, w in enumerate(_list("widths", self.widths))]
-        signs = [number(f"signs[{i}]", s) for i, s in enumerate(_list("signs", self.signs))]
-        if len(widths) != len(signs) or not widths:
+        c = self.checked
+        if len(c.widths) != len(c.signs) or not c.widths:
             raise ParameterError(
-                f"widths and signs must have the same length, at least 1, not {len(widths)} and "
-                f"{len(signs)}",
+                f"widths and signs must have the same length, at least 1, not {len(c.widths)} and "
+                f"{len(c.signs)}",
                 parameter="signs",
                 value=self.signs,
             )
-        step, amplitude = positive("step", self.step), number("amplitude", self.amplitude)
-        return [(step * width, amplitude * sign) for width, sign in zip(widths, signs, strict=True)]
+        pulses = zip(c.widths, c.signs, strict=True)
+        return [(c.step * width, c.amplitude * sign) for width, sign in pulses]
 
 
 class RampSource(_EdgeSource):
@@ -205,25 +188,15 @@ class RampSource(_EdgeSource):
         0, the ramp, the final value, and 0 again after ``hold``
     """
 
-    def __init__(
-        self,
-        final: float = 1.0,
-        start: float = 1.0,
-        rise_time: float = 1.0,
-        hold: float = 0.0,
-    ) -> None:
-        self.final = final
-        self.start = start
-        self.rise_time = rise_time
-        self.hold = hold
-        super().__init__()
+    final: float = parameter(1.0, number)
+    start: float = parameter(1.0, number, low=0.0)
+    rise_time: float = parameter(1.0, positive)
+    hold: float = parameter(0.0, number, low=0.0)
 
     def _edge_times(self) -> list[float]:
-        number("final", self.final)
-        start = number("start", self.start, low=0.0)
-        top = start + positive("rise_time", self.rise_time)
-        hold = number("hold", self.hold, low=0.0)
-        return [start, top, top + hold] if hold else [start, top]
+        c = self.checked
+        top = c.start + c.rise_time
+        return [c.start, top, top + c.hold] if c.hold else [c.start, top]
 
     def update(self, t: float) -> None:
         if self.passed == 1:
@@ -231,19 +204,3 @@ class RampSource(_EdgeSource):
         else:
             y = self.final if self.passed == 2 else 0.0
         self.outputs[0] = y
-
-
-def _sign(polarity: Any) -> Any:
-    if polarity not in (1, -1):
-        raise ParameterError(
-            f"polarity must be 1 or -1, not {polarity!r}", parameter="polarity", value=polarity
-        )
-    return polarity
-
-
-def _list(name: str, value: Any) -> list:
-    if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim):
-        return list(value)
-    raise ParameterError(
-        f"{name} must be a list of numbers, not {value!r}", parameter=name, value=value
-    )

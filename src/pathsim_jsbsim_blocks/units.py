@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from ._core.parameters import Parametric, parameter
 from ._core.ports import NamedFunction
 from ._core.units import conversion
 
 __all__ = ["UnitConversion", "conversion"]
 
 
-class UnitConversion(NamedFunction):
+class UnitConversion(Parametric, NamedFunction):
     """Converts a signal from one unit to another, by exact factors.
 
     Aircraft have ft, ft/s, kt and deg at their ports, air-data blocks SI.
@@ -54,19 +55,17 @@ class UnitConversion(NamedFunction):
     (1.852, 0.0)
     """
 
+    source: str = parameter("ft")
+    target: str = parameter("m")
+
     input_port_labels = {"in": 0}
     output_port_labels = {"out": 0}
 
-    def __init__(self, source: str = "ft", target: str = "m") -> None:
-        self.source = source
-        self.target = target
-        conversion(source, target)
-        super().__init__(func=self._convert)
+    def begin(self) -> None:
+        NamedFunction.__init__(self, self._convert)
 
-    def _put(self, values: dict[str, Any]) -> None:
-        super()._put(values)
-        conversion(self.source, self.target)
+    def build(self) -> None:
+        self._factor, self._offset = conversion(self.source, self.target)
 
     def _convert(self, u: Any) -> Any:
-        factor, offset = conversion(self.source, self.target)
-        return factor * u + offset
+        return self._factor * u + self._offset

@@ -189,6 +189,22 @@ def positive(parameter: str, value: Any) -> float:
     return number(parameter, value, above=0.0)
 
 
+def optional(parameter: str, value: Any, **bounds: Any) -> float | None:
+    """``value`` as a number within bounds, or None."""
+    return None if value is None else number(parameter, value, **bounds)
+
+
+def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:
+    """``value``, a list, tuple or array, as numbers within bounds."""
+    if not isinstance(value, (list, tuple)) and not (isinstance(value, np.ndarray) and value.ndim):
+        raise ParameterError(
+            f"{parameter} must be a list of numbers, not {value!r}",
+            parameter=parameter,
+            value=value,
+        )
+    return [number(f"{parameter}[{i}]", x, **bounds) for i, x in enumerate(value)]
+
+
 def limits(low: Any, high: Any) -> tuple[float, float]:
     """``low`` and ``high`` as floats, which may be infinite, the lower not above the upper."""
     least, most = number("low", low, infinite=True), number("high", high, infinite=True)

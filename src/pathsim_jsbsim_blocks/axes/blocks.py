@@ -6,6 +6,7 @@ from typing import Any
 
 from .._core.checks import number
 from .._core.docs import filler
+from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
@@ -154,7 +155,7 @@ class BodyToNED(NamedFunction):
 
 
 @_fill
-class GeodeticToNED(NamedFunction):
+class GeodeticToNED(Parametric, NamedFunction):
     """Position north, east and down of a reference point, such as a runway threshold.
 
     The axes are tangent to JSBSim's ellipsoid (WGS84) at the reference.
@@ -188,22 +189,16 @@ class GeodeticToNED(NamedFunction):
     %(references)s
     """
 
+    lat0: float = parameter(0.0, number, low=-90.0, high=90.0)
+    lon0: float = parameter(0.0, number)
+    h0: float = parameter(0.0, number)
+
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
 
-    def __init__(self, lat0: float = 0.0, lon0: float = 0.0, h0: float = 0.0) -> None:
-        self.lat0 = lat0
-        self.lon0 = lon0
-        self.h0 = h0
-        self._origin()
-        super().__init__(func=self._position)
-
-    def _origin(self) -> tuple[float, float, float]:
-        return (
-            number("lat0", self.lat0, low=-90.0, high=90.0),
-            number("lon0", self.lon0),
-            number("h0", self.h0),
-        )
+    def begin(self) -> None:
+        NamedFunction.__init__(self, self._position)
 
     def _position(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
-        return geodetic_to_ned(lat, lon, h, *self._origin())
+        c = self.checked
+        return geodetic_to_ned(lat, lon, h, c.lat0, c.lon0, c.h0)

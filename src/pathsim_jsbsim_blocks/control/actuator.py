@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from .._core.checks import limits, number, positive
+from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
 from ..errors import ParameterError
 
@@ -63,33 +64,21 @@ class Actuator(TunableLaw):
         position that do not fit each other
     """
 
+    frequency: float = parameter(30.0, positive)
+    damping: float = parameter(0.7, number, low=0.0)
+    max_rate: float = parameter(math.inf, number, above=0.0, infinite=True)
+    low: float = parameter(-1.0)
+    high: float = parameter(1.0)
+    initial: float = parameter(0.0)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("u",)
     input_port_labels = {"u": 0}
     output_port_labels = {"y": 0, "rate": 1, "sat": 2}
 
-    def __init__(
-        self,
-        frequency: float = 30.0,
-        damping: float = 0.7,
-        max_rate: float = math.inf,
-        low: float = -1.0,
-        high: float = 1.0,
-        initial: float = 0.0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.frequency = frequency
-        self.damping = damping
-        self.max_rate = max_rate
-        self.low = low
-        self.high = high
-        self.initial = initial
-        self.configure()
-
     def build(self) -> None:
-        omega = positive("frequency", self.frequency)
-        zeta = number("damping", self.damping, low=0.0)
-        self._max_rate = number("max_rate", self.max_rate, above=0.0, infinite=True)
+        omega, zeta = self.checked.frequency, self.checked.damping
+        self._max_rate = self.checked.max_rate
         self._low, self._high = limits(self.low, self.high)
         self._initial = number("initial", self.initial, low=self._low, high=self._high)
         # of the distance from the command, and of the rate

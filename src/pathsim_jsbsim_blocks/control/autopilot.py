@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from .controller import LOW, SLOW, Authority, Hold, fill, protection_from
+from .._core.checks import number, optional, positive
+from .._core.parameters import parameter
+from .controller import (
+    LOW,
+    SLOW,
+    Authority,
+    Hold,
+    authority_limits,
+    fill,
+    protection_from,
+    reference_kind,
+)
 from .gains import Gains
 from .loops import (
     AltitudeLoop,
@@ -11,8 +22,6 @@ from .loops import (
     SpeedLoop,
     State,
     YawLoop,
-    limits,
-    optional,
     pitch_loop,
     roll_loop,
 )
@@ -107,6 +116,24 @@ class Autopilot(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    theta_ref: float | None = parameter(None, optional)
+    h_ref: float | None = parameter(None, optional)
+    phi_ref: float | None = parameter(None, optional)
+    psi_ref: float | None = parameter(None, optional)
+    vc_ref: float | None = parameter(None, optional)
+    bank_max: float = parameter(25.0, positive)
+    hdot_max: float | None = parameter(None, optional, above=0.0)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    elevator_authority: Authority = parameter(1.0, authority_limits)
+    aileron_authority: Authority = parameter(1.0, authority_limits)
+    rudder_authority: Authority = parameter(1.0, authority_limits)
+    throttle_authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+    alpha_max: float | None = parameter(None, optional)
+
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     # an aircraft may have a yaw damper of its own
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
@@ -158,67 +185,20 @@ class Autopilot(Hold):
         )
     }
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        theta_ref: float | None = None,
-        h_ref: float | None = None,
-        phi_ref: float | None = None,
-        psi_ref: float | None = None,
-        vc_ref: float | None = None,
-        bank_max: float = 25.0,
-        hdot_max: float | None = None,
-        theta_min: float = -10.0,
-        theta_max: float | None = None,
-        elevator_authority: Authority = 1.0,
-        aileron_authority: Authority = 1.0,
-        rudder_authority: Authority = 1.0,
-        throttle_authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-        alpha_max: float | None = None,
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.theta_ref = theta_ref
-        self.h_ref = h_ref
-        self.phi_ref = phi_ref
-        self.psi_ref = psi_ref
-        self.vc_ref = vc_ref
-        self.bank_max = bank_max
-        self.hdot_max = hdot_max
-        self.theta_min = theta_min
-        self.theta_max = theta_max
-        self.elevator_authority = elevator_authority
-        self.aileron_authority = aileron_authority
-        self.rudder_authority = rudder_authority
-        self.throttle_authority = throttle_authority
-        self.reference = reference
-        self.alpha_max = alpha_max
-        self.configure()
-
     def build(self) -> None:
         T = self.clock.period
         pitch, roll, heading, altitude, speed, yaw, envelope = self.gains_of(
             "pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"
         )
-        self._targets = [
-            optional(name, getattr(self, name))
-            for name in ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
-        ]
-        self._pitch = pitch_loop(
-            T, pitch, limits("elevator_authority", self.elevator_authority), self._loop
-        )
-        self._roll = roll_loop(
-            T, roll, limits("aileron_authority", self.aileron_authority), self._loop
-        )
-        self._speed = SpeedLoop(
-            T, speed, limits("throttle_authority", self.throttle_authority), self._loop
-        )
-        self._yaw = YawLoop(T, yaw, limits("rudder_authority", self.rudder_authority))
-        self._heading = HeadingLoop(T, heading, self.bank_max)
-        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
-        self._protection = protection_from(T, self.alpha_max, envelope)
+        c = self.checked
+        self._targets = [c.theta_ref, c.h_ref, c.phi_ref, c.psi_ref, c.vc_ref]
+        self._pitch = pitch_loop(T, pitch, c.elevator_authority, self._loop)
+        self._roll = roll_loop(T, roll, c.aileron_authority, self._loop)
+        self._speed = SpeedLoop(T, speed, c.throttle_authority, self._loop)
+        self._yaw = YawLoop(T, yaw, c.rudder_authority)
+        self._heading = HeadingLoop(T, heading, c.bank_max)
+        self._altitude = self.altitude_loop(altitude, c.hdot_max, c.theta_min, c.theta_max)
+        self._protection = protection_from(T, c.alpha_max, envelope)
 
     def initial_state(self) -> State:
         return (

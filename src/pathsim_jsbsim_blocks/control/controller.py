@@ -6,11 +6,12 @@ from typing import Any
 
 from .._core._pathsim import port_names
 from .._core.callers import warn_user
-from .._core.checks import one_of
+from .._core.checks import number, one_of
 from .._core.docs import filler
 from .._core.tunable import TunableLaw
+from ..errors import ParameterError
 from .gains import AltitudeGains, EnvelopeLimits, loop_gains, schedule_of
-from .loops import AltitudeLoop, ReferenceLoop, ScheduledLoop, optional
+from .loops import AltitudeLoop, ReferenceLoop, ScheduledLoop
 from .protection import UNPROTECTED, Protection, Unprotected
 
 # largest increment, or lower and upper
@@ -50,6 +51,25 @@ fill = filler(
 )
 
 
+def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
+    """Lower and upper limit of an actuator increment, from one number or from both."""
+    if isinstance(value, (list, tuple)):
+        if len(value) != 2:
+            raise ParameterError(
+                f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
+                parameter=parameter,
+                value=value,
+            )
+        return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
+    most = number(parameter, value, low=0.0)
+    return -most, most
+
+
+def reference_kind(parameter: str, value: Any) -> str:
+    """What a wired reference port is."""
+    return one_of(parameter, value, ("increment", "absolute"))
+
+
 class Hold(TunableLaw):
     """Base of the holds: references by increment or absolute, and gains over the airspeed.
 
@@ -65,9 +85,7 @@ class Hold(TunableLaw):
         """Gains of the loops, at the nominal point of a schedule."""
         self._schedule = schedule_of(self.gains)
         self._loop = ReferenceLoop if self._schedule is None else ScheduledLoop
-        self._absolute = one_of("reference", self.reference, ("increment", "absolute")) != (
-            "increment"
-        )
+        self._absolute = self.reference == "absolute"
         return loop_gains(self.gains, *loops)
 
     def altitude_loop(
@@ -117,7 +135,6 @@ def protection_from(
     T: float, alpha_max: float | None, envelope: EnvelopeLimits | None
 ) -> Protection | None:
     """The protection from the stall; None without an angle of attack to keep."""
-    own = optional("alpha_max", alpha_max)
-    if own is None and envelope is None:
+    if alpha_max is None and envelope is None:
         return None
-    return Protection(T, own, envelope)
+    return Protection(T, alpha_max, envelope)

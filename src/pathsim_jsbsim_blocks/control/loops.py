@@ -376,25 +376,6 @@ def wrap(angle: float) -> float:
     return (angle + 180.0) % 360.0 - 180.0
 
 
-def optional(parameter: str, value: Any) -> float | None:
-    """A number, or None."""
-    return None if value is None else number(parameter, value)
-
-
-def limits(parameter: str, value: Any) -> tuple[float, float]:
-    """Lower and upper limit of an actuator increment, from one number or from both."""
-    if isinstance(value, (list, tuple)):
-        if len(value) != 2:
-            raise ParameterError(
-                f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
-                parameter=parameter,
-                value=value,
-            )
-        return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
-    most = number(parameter, value, low=0.0)
-    return -most, most
-
-
 def pitch_loop(
     T: float,
     gains: AttitudeGains,

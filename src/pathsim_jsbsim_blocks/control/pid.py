@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from .._core.checks import limits, number, positive
+from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
 
 State = tuple[float, float, float, float, float, float]
@@ -273,51 +274,25 @@ class DiscretePID(TunableLaw):
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
+    Kp: float = parameter(1.0)
+    Ki: float = parameter(0.0)
+    Kd: float = parameter(0.0)
+    Kr: float = parameter(0.0)
+    b: float = parameter(1.0)
+    Tf: float = parameter(0.0)
+    Tt: float | None = parameter(None)
+    Te: float = parameter(0.3)
+    low: float = parameter(-1.0)
+    high: float = parameter(1.0)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("y",)
     input_port_labels = {"r": 0, "y": 1, "rate": 2, "sat": 3, "off": 4, "track": 5, "feed": 6}
     output_port_labels = {"u": 0}
 
-    def __init__(
-        self,
-        Kp: float = 1.0,
-        Ki: float = 0.0,
-        Kd: float = 0.0,
-        Kr: float = 0.0,
-        b: float = 1.0,
-        Tf: float = 0.0,
-        Tt: float | None = None,
-        Te: float = 0.3,
-        low: float = -1.0,
-        high: float = 1.0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.Kp = Kp
-        self.Ki = Ki
-        self.Kd = Kd
-        self.Kr = Kr
-        self.b = b
-        self.Tf = Tf
-        self.Tt = Tt
-        self.Te = Te
-        self.low = low
-        self.high = high
-        self.configure()
-
     def build(self) -> None:
-        self._pid = PID(
-            self.clock.period,
-            Kp=self.Kp,
-            Ki=self.Ki,
-            Kd=self.Kd,
-            Kr=self.Kr,
-            b=self.b,
-            Tf=self.Tf,
-            Tt=self.Tt,
-            Te=self.Te,
-            low=self.low,
-            high=self.high,
-        )
+        gains = {name: getattr(self, name) for name in self._fields if name != "T"}
+        self._pid = PID(self.clock.period, **gains)
 
     def initial_state(self) -> State:
         return PID.FROM_REST

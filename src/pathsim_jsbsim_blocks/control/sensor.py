@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .._core.checks import number
+from .._core.checks import number, positive, whole
 from .._core.noise import WhiteNoise
+from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
 
 
@@ -54,37 +55,25 @@ class Sensor(TunableLaw):
         are not finite
     """
 
+    bias: float = parameter(0.0, number)
+    noise: float = parameter(0.0, number, low=0.0)
+    lag: float = parameter(0.0, number, low=0.0)
+    quantum: float = parameter(0.0, number, low=0.0)
+    seed: int = parameter(0, whole, low=0)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("u",)
     input_port_labels = {"u": 0}
     output_port_labels = {"y": 0}
 
-    def __init__(
-        self,
-        bias: float = 0.0,
-        noise: float = 0.0,
-        lag: float = 0.0,
-        quantum: float = 0.0,
-        seed: int = 0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.bias = bias
-        self.noise = noise
-        self.lag = lag
-        self.quantum = quantum
-        self.seed = seed
-        self.configure()
-
     def build(self) -> None:
-        self._bias = number("bias", self.bias)
-        self._sigma = number("noise", self.noise, low=0.0)
-        self._quantum = number("quantum", self.quantum, low=0.0)
-        self._noise = WhiteNoise(self.seed, 1)
-        lag = number("lag", self.lag, low=0.0)
+        c = self.checked
+        self._bias, self._sigma, self._quantum = c.bias, c.noise, c.quantum
+        self._noise = WhiteNoise(c.seed, 1)
         # x[k+1] = a x[k] + b u[k] + c u[k+1]
         self._a, self._b, self._c = 0.0, 0.0, 1.0
-        if lag:
-            periods = self.clock.period / lag
+        if c.lag:
+            periods = self.clock.period / c.lag
             mean = -math.expm1(-periods) / periods
             self._a = math.exp(-periods)
             self._b, self._c = mean - self._a, 1 - mean

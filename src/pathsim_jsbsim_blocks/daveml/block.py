@@ -85,7 +85,8 @@ class DaveML(TunableLaw):
             (i, v.initial) for i, v in enumerate(model.inputs) if v.initial is not None
         ]
         known = dict(self._initial)
-        self.measured = tuple(n for n, i in port_names(self.inputs).items() if i not in known)
+        missing = (n for n, i in port_names(self.inputs).items() if i not in known)
+        self.measured = tuple(missing)  # type: ignore[misc]
 
     def enter(self, sim: Simulation, reset: bool) -> None:
         super().enter(sim, reset)

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from .._core.checks import number, positive
+from .._core.checks import number, optional, positive
+from .._core.parameters import parameter
 from ..air import isa
-from ..sources import _EdgeSource, _sign
+from ..sources import _EdgeSource, polarity_of
 
 _FOOT = 0.3048  # m
 
@@ -106,41 +107,26 @@ class OneMinusCosineGust(_EdgeSource):
     14 CFR 25.341(a), CS 25.341(a).
     """
 
-    output_port_labels = {"gust": 0}
+    gradient: float = parameter(350.0, positive)
+    airspeed: float = parameter(300.0, positive)
+    altitude: float = parameter(0.0)
+    amplitude: float | None = parameter(None, optional)
+    start: float = parameter(1.0, number, low=0.0)
+    polarity: float = parameter(1, polarity_of)
 
-    def __init__(
-        self,
-        gradient: float = 350.0,
-        airspeed: float = 300.0,
-        altitude: float = 0.0,
-        amplitude: float | None = None,
-        start: float = 1.0,
-        polarity: float = 1,
-    ) -> None:
-        self.gradient = gradient
-        self.airspeed = airspeed
-        self.altitude = altitude
-        self.amplitude = amplitude
-        self.start = start
-        self.polarity = polarity
-        super().__init__()
+    output_port_labels = {"gust": 0}
 
     @property
     def peak(self) -> float:
         """Velocity at the middle of the gust, ft/s."""
-        sign = _sign(self.polarity)
-        if self.amplitude is None:
-            return sign * design_gust_velocity(self.gradient, self.altitude)
-        return sign * number("amplitude", self.amplitude)
+        peak = self.checked.amplitude
+        if peak is None:
+            peak = design_gust_velocity(self.gradient, self.altitude)
+        return self.checked.polarity * peak
 
     def _edge_times(self) -> list[float]:
-        gradient, airspeed = (
-            positive("gradient", self.gradient),
-            positive("airspeed", self.airspeed),
-        )
-        start = number("start", self.start, low=0.0)
-        self._peak = self.peak
-        return [start, start + 2 * gradient / airspeed]
+        c, self._peak = self.checked, self.peak
+        return [c.start, c.start + 2 * c.gradient / c.airspeed]
 
     def update(self, t: float) -> None:
         y = 0.0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import finite, number, positive
+from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from ..axes.earth import geodetic_to_ned
 
@@ -78,7 +79,7 @@ def oseguera_bowles(
     return spread * north, spread * east, down
 
 
-class Microburst(NamedFunction):
+class Microburst(Parametric, NamedFunction):
     """Downburst of Oseguera and Bowles at a place on the ground, for the aircraft's wind ports.
 
     .. math::
@@ -129,43 +130,31 @@ class Microburst(NamedFunction):
     Stagnation Flow*, NASA TM-100632, 1988.
     """
 
+    lat0: float = parameter(0.0, number, low=-89.0, high=89.0)
+    lon0: float = parameter(0.0, number)
+    radius: float = parameter(3000.0, positive)
+    outflow: float = parameter(60.0, positive)
+    height: float = parameter(150.0, positive)
+    terrain: float = parameter(0.0, number)
+
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
     # inputs that must be connected
     places = ("lat", "lon", "h")
 
-    def __init__(
-        self,
-        lat0: float = 0.0,
-        lon0: float = 0.0,
-        radius: float = 3000.0,
-        outflow: float = 60.0,
-        height: float = 150.0,
-        terrain: float = 0.0,
-    ) -> None:
-        self.lat0 = lat0
-        self.lon0 = lon0
-        self.radius = radius
-        self.outflow = outflow
-        self.height = height
-        self.terrain = terrain
-        self._wind(0.0, 0.0, 0.0)
-        super().__init__(func=self._wind)
-
-    def _put(self, values: dict[str, Any]) -> None:
-        super()._put(values)
-        self._wind(0.0, 0.0, 0.0)
+    def begin(self) -> None:
+        NamedFunction.__init__(self, self._wind)
 
     def _wind(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
-        lat0, lon0 = number("lat0", self.lat0, low=-89.0, high=89.0), number("lon0", self.lon0)
-        per_lat, per_lon = _feet_per_degree(lat0)
+        c = self.checked
+        per_lat, per_lon = _feet_per_degree(c.lat0)
         return oseguera_bowles(
-            per_lat * (lat - lat0),
-            per_lon * math.remainder(lon - lon0, 360.0),
-            h - number("terrain", self.terrain),
-            self.radius,
-            self.outflow,
-            self.height,
+            per_lat * (lat - c.lat0),
+            per_lon * math.remainder(lon - c.lon0, 360.0),
+            h - c.terrain,
+            c.radius,
+            c.outflow,
+            c.height,
         )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import finite, number
+from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from .._core.units import conversion
 
@@ -49,16 +50,16 @@ def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
     """
     (h,) = finite(h=h)
-    low, speed = _roughness(roughness), number("wind_20ft", wind_20ft, low=0.0)
+    low, speed = _roughness("roughness", roughness), number("wind_20ft", wind_20ft, low=0.0)
     speed = speed * np.log(np.clip(h, low, _TOP) / low) / math.log(_REFERENCE_HEIGHT / low)
     return speed if np.ndim(speed) else float(speed)
 
 
-def _roughness(value: Any) -> float:
-    return number("roughness", value, above=0.0, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
+def _roughness(name: str, value: Any) -> float:
+    return number(name, value, above=0.0, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
 
 
-class WindShear(NamedFunction):
+class WindShear(Parametric, NamedFunction):
     """Mean wind that grows with the logarithm of the height, for the aircraft's wind ports.
 
     .. math::
@@ -98,31 +99,21 @@ class WindShear(NamedFunction):
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
     """
 
+    wind_20ft: float = parameter(15.0, number, low=0.0)
+    direction: float = parameter(0.0, number)
+    roughness: float = parameter(0.15, _roughness)
+    terrain: float = parameter(0.0, number)
+
     input_port_labels = {"h": 0}
     output_port_labels = {"north": 0, "east": 1}
     # inputs that must be connected
     places = ("h",)
 
-    def __init__(
-        self,
-        wind_20ft: float = 15.0,
-        direction: float = 0.0,
-        roughness: float = 0.15,
-        terrain: float = 0.0,
-    ) -> None:
-        self.wind_20ft = wind_20ft
-        self.direction = direction
-        self.roughness = roughness
-        self.terrain = terrain
-        self._wind(0.0)
-        super().__init__(func=self._wind)
-
-    def _put(self, values: dict[str, Any]) -> None:
-        super()._put(values)
-        self._wind(0.0)
+    def begin(self) -> None:
+        NamedFunction.__init__(self, self._wind)
 
     def _wind(self, h: float) -> tuple[float, float]:
-        height = number("h", h) - number("terrain", self.terrain)
+        height = number("h", h) - self.checked.terrain
         speed = _KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
-        psi = math.radians(number("direction", self.direction))
+        psi = math.radians(self.checked.direction)
         return -speed * math.cos(psi), -speed * math.sin(psi)

@@ -6,8 +6,9 @@ import math
 from bisect import bisect_right
 from typing import Any, NamedTuple
 
-from .._core.checks import number, one_of, positive
+from .._core.checks import number, one_of, positive, whole
 from .._core.noise import WhiteNoise
+from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
 from .._core.units import conversion
 
@@ -371,39 +372,28 @@ class DrydenTurbulence(TunableLaw):
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.
     """
 
+    severity: str = parameter("moderate")
+    wind_20ft: float | None = parameter(None)
+    sigma: float | None = parameter(None)
+    span: float = parameter(35.8, positive)
+    terrain: float = parameter(0.0, number)
+    seed: int = parameter(0, whole, low=0)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("h", "vt")
     input_port_labels = {"h": 0, "vt": 1, "psi": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2, "p": 3, "q": 4, "r": 5}
 
-    def __init__(
-        self,
-        severity: str = "moderate",
-        wind_20ft: float | None = None,
-        sigma: float | None = None,
-        span: float = 35.8,
-        terrain: float = 0.0,
-        seed: int = 0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.severity = severity
-        self.wind_20ft = wind_20ft
-        self.sigma = sigma
-        self.span = span
-        self.terrain = terrain
-        self.seed = seed
-        self.configure()
-
     def build(self) -> None:
         self._dryden = Dryden(
             self.clock.period,
-            span=self.span,
+            span=self.checked.span,
             severity=self.severity,
             wind_20ft=self.wind_20ft,
             sigma=self.sigma,
         )
-        self._terrain = number("terrain", self.terrain)
-        self._noise = WhiteNoise(self.seed, Dryden.WIDTH)
+        self._terrain = self.checked.terrain
+        self._noise = WhiteNoise(self.checked.seed, Dryden.WIDTH)
 
     def initial_state(self) -> State:
         return (0,)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from ..controller import Authority, Hold, fill
+from ..._core.checks import optional, positive
+from ..._core.parameters import parameter
+from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import (
     HeadingLoop,
     ReferenceLoop,
     State,
     YawLoop,
-    limits,
-    optional,
     roll_loop,
 )
 
@@ -63,32 +63,21 @@ class RollHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    phi_ref: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+
     measured = ("phi", "p")
     commands = {"aileron": "off"}
     input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4, "vc": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        phi_ref: float | None = None,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.phi_ref = phi_ref
-        self.authority = authority
-        self.reference = reference
-        self.configure()
-
     def build(self) -> None:
         (gains,) = self.gains_of("roll")
-        self._phi_ref = optional("phi_ref", self.phi_ref)
-        self._roll = roll_loop(
-            self.clock.period, gains, limits("authority", self.authority), self._loop
-        )
+        self._phi_ref = self.checked.phi_ref
+        self._roll = roll_loop(self.clock.period, gains, self.checked.authority, self._loop)
 
     def initial_state(self) -> State:
         return ReferenceLoop.START
@@ -155,35 +144,23 @@ class HeadingHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    psi_ref: float | None = parameter(None, optional)
+    bank_max: float = parameter(25.0, positive)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+
     measured = ("psi", "phi", "p")
     commands = {"aileron": "off"}
     input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5, "vc": 6}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        psi_ref: float | None = None,
-        bank_max: float = 25.0,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.psi_ref = psi_ref
-        self.bank_max = bank_max
-        self.authority = authority
-        self.reference = reference
-        self.configure()
-
     def build(self) -> None:
         heading, roll = self.gains_of("heading", "roll")
-        self._psi_ref = optional("psi_ref", self.psi_ref)
-        self._heading = HeadingLoop(self.clock.period, heading, self.bank_max)
-        self._roll = roll_loop(
-            self.clock.period, roll, limits("authority", self.authority), self._loop
-        )
+        self._psi_ref = self.checked.psi_ref
+        self._heading = HeadingLoop(self.clock.period, heading, self.checked.bank_max)
+        self._roll = roll_loop(self.clock.period, roll, self.checked.authority, self._loop)
 
     def initial_state(self) -> State:
         return HeadingLoop.START, ReferenceLoop.START
@@ -248,25 +225,18 @@ class YawDamper(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("r",)
     commands = {"rudder": "off"}
     input_port_labels = {"r": 0, "off": 1, "beta": 2, "vc": 3, "p": 4, "phi": 5}
     output_port_labels = {"rudder": 0}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.authority = authority
-        self.configure()
-
     def build(self) -> None:
         (gains,) = self.gains_of("yaw")
-        self._yaw = YawLoop(self.clock.period, gains, limits("authority", self.authority))
+        self._yaw = YawLoop(self.clock.period, gains, self.checked.authority)
 
     def initial_state(self) -> State:
         return YawLoop.START

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from ..controller import LOW, SLOW, Authority, Hold, fill, protection_from
+from ..._core.checks import number, optional, positive
+from ..._core.parameters import parameter
+from ..controller import (
+    LOW,
+    SLOW,
+    Authority,
+    Hold,
+    authority_limits,
+    fill,
+    protection_from,
+    reference_kind,
+)
 from ..gains import Gains
 from ..loops import (
     AltitudeLoop,
     ReferenceLoop,
     SpeedLoop,
     State,
-    limits,
-    optional,
     pitch_loop,
 )
 from ..protection import Protection
@@ -65,32 +74,21 @@ class PitchHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    theta_ref: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+
     measured = ("theta", "q")
     commands = {"elevator": "off"}
     input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4, "vc": 5}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        theta_ref: float | None = None,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.theta_ref = theta_ref
-        self.authority = authority
-        self.reference = reference
-        self.configure()
-
     def build(self) -> None:
         (gains,) = self.gains_of("pitch")
-        self._theta_ref = optional("theta_ref", self.theta_ref)
-        self._pitch = pitch_loop(
-            self.clock.period, gains, limits("authority", self.authority), self._loop
-        )
+        self._theta_ref = self.checked.theta_ref
+        self._pitch = pitch_loop(self.clock.period, gains, self.checked.authority, self._loop)
 
     def initial_state(self) -> State:
         return ReferenceLoop.START
@@ -175,6 +173,16 @@ class AltitudeHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    h_ref: float | None = parameter(None, optional)
+    hdot_max: float | None = parameter(None, optional, above=0.0)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+    alpha_max: float | None = parameter(None, optional)
+
     measured = ("h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
     input_port_labels = {
@@ -190,37 +198,14 @@ class AltitudeHold(Hold):
     }
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        h_ref: float | None = None,
-        hdot_max: float | None = None,
-        theta_min: float = -10.0,
-        theta_max: float | None = None,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-        alpha_max: float | None = None,
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.h_ref = h_ref
-        self.hdot_max = hdot_max
-        self.theta_min = theta_min
-        self.theta_max = theta_max
-        self.authority = authority
-        self.reference = reference
-        self.alpha_max = alpha_max
-        self.configure()
-
     def build(self) -> None:
         altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
-        self._h_ref = optional("h_ref", self.h_ref)
-        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
-        self._pitch = pitch_loop(
-            self.clock.period, pitch, limits("authority", self.authority), self._loop
+        self._h_ref = self.checked.h_ref
+        self._altitude = self.altitude_loop(
+            altitude, self.checked.hdot_max, self.checked.theta_min, self.checked.theta_max
         )
-        self._protection = protection_from(self.clock.period, self.alpha_max, envelope)
+        self._pitch = pitch_loop(self.clock.period, pitch, self.checked.authority, self._loop)
+        self._protection = protection_from(self.clock.period, self.checked.alpha_max, envelope)
 
     def initial_state(self) -> State:
         return AltitudeLoop.START, ReferenceLoop.START, (Protection.START, 0.0)
@@ -311,32 +296,21 @@ class AirspeedHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    vc_ref: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+
     measured = ("vc", "hdot")
     commands = {"throttle": "off"}
     input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        vc_ref: float | None = None,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        reference: str = "increment",
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.vc_ref = vc_ref
-        self.authority = authority
-        self.reference = reference
-        self.configure()
-
     def build(self) -> None:
         (gains,) = self.gains_of("speed")
-        self._vc_ref = optional("vc_ref", self.vc_ref)
-        self._speed = SpeedLoop(
-            self.clock.period, gains, limits("authority", self.authority), self._loop
-        )
+        self._vc_ref = self.checked.vc_ref
+        self._speed = SpeedLoop(self.clock.period, gains, self.checked.authority, self._loop)
 
     def initial_state(self) -> State:
         return SpeedLoop.START

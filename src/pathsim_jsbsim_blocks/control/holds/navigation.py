@@ -6,7 +6,8 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import number, positive, whole
+from ..._core.checks import number, optional, positive, whole
+from ..._core.parameters import parameter
 from ..._core.units import GRAVITY
 from ...axes.navigation import (
     GreatCircle,
@@ -20,14 +21,12 @@ from ...axes.navigation import (
     point,
 )
 from ...errors import ParameterError
-from ..controller import Authority, Hold, fill, protection_from
+from ..controller import Authority, Hold, authority_limits, fill, protection_from
 from ..gains import Gains
 from ..loops import (
     HeadingLoop,
     ReferenceLoop,
     State,
-    limits,
-    optional,
     pitch_loop,
     roll_loop,
     wrap,
@@ -147,6 +146,16 @@ class CourseHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    chi_ref: float | None = parameter(None, optional)
+    waypoints: list[tuple[float, float]] | None = parameter(None)
+    leg: int = parameter(0, whole, low=0)
+    lookahead: float | None = parameter(None, optional, above=0.0)
+    intercept: float = parameter(45.0, number, above=0.0, high=90.0)
+    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+
     measured = ("lat", "lon", "psi", "phi", "p")
     commands = {"aileron": "off"}
     input_port_labels = {
@@ -170,33 +179,10 @@ class CourseHold(Hold):
         "leg": 6,
     }
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        chi_ref: float | None = None,
-        waypoints: list[tuple[float, float]] | None = None,
-        leg: int = 0,
-        lookahead: float | None = None,
-        intercept: float = 45.0,
-        bank_max: float = 25.0,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.chi_ref = chi_ref
-        self.waypoints = waypoints
-        self.leg = leg
-        self.lookahead = lookahead
-        self.intercept = intercept
-        self.bank_max = bank_max
-        self.authority = authority
-        self.configure()
-
     def build(self) -> None:
-        T = self.clock.period
+        T, c = self.clock.period, self.checked
         heading, roll = self.gains_of("heading", "roll")
-        self._chi_ref = optional("chi_ref", self.chi_ref)
+        self._chi_ref = self.checked.chi_ref
         self._route = _Route(self.waypoints, self.leg)
         if self._route.waypoints and self._chi_ref is not None:
             raise ParameterError(
@@ -205,13 +191,10 @@ class CourseHold(Hold):
                 parameter="chi_ref",
                 value=self.chi_ref,
             )
-        self._tau = None if self.lookahead is None else positive("lookahead", self.lookahead)
-        self._intercept = number("intercept", self.intercept, above=0.0, high=90.0)
-        bank_max = number("bank_max", self.bank_max, above=0.0, high=80.0)
-        self._heading = HeadingLoop(T, heading, bank_max)
-        self._roll = roll_loop(T, roll, limits("authority", self.authority), self._loop)
+        self._heading = HeadingLoop(T, heading, c.bank_max)
+        self._roll = roll_loop(T, roll, self.checked.authority, self._loop)
         self._share = -math.expm1(-T / _SMOOTHING)
-        self._centripetal = GRAVITY * math.tan(math.radians(bank_max))
+        self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
     def initial_state(self) -> State:
         return _Ground(), None, None, None, HeadingLoop.START, ReferenceLoop.START
@@ -233,9 +216,10 @@ class CourseHold(Hold):
         if self._route.waypoints:
             leg, direct, track = self._along(here, chi, ground.speed, leg, direct, engaged)
             across, to_go = track.across, track.to_go
-            tau = self._tau or _SEPARATION * self._lag(ground.speed)
+            tau = self.checked.lookahead or _SEPARATION * self._lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
-            target = track.course - min(max(closing, -self._intercept), self._intercept)
+            most = self.checked.intercept
+            target = track.course - min(max(closing, -most), most)
         else:
             found = found if engaged and found is not None else chi
             target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
@@ -299,8 +283,8 @@ class CourseHold(Hold):
         """
         turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
         radius = speed * speed / self._centripetal
-        roll_in = self.bank_max / self._roll.ramp
-        lead = min(turn / self.bank_max, 1.0) * (roll_in + self._lag(speed)) / 2
+        roll_in = self.checked.bank_max / self._roll.ramp
+        lead = min(turn / self.checked.bank_max, 1.0) * (roll_in + self._lag(speed)) / 2
         return radius * math.tan(math.radians(turn / 2)) + lead * speed
 
 
@@ -416,6 +400,18 @@ class GlideslopeHold(Hold):
     %(raises)s
     """
 
+    gains: Gains = parameter("c172p")
+    threshold: tuple[float, float] = parameter((0.0, 0.0), point)
+    elevation: float = parameter(0.0, number)
+    angle: float = parameter(3.0, number, above=0.0, high=20.0)
+    crossing_height: float = parameter(50.0, number, low=0.0)
+    hdot_max: float | None = parameter(None, optional, above=0.0)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    alpha_max: float | None = parameter(None, optional)
+
     measured = ("h", "hdot", "lat", "lon", "theta", "q")
     commands = {"elevator": "off"}
     input_port_labels = {
@@ -440,44 +436,17 @@ class GlideslopeHold(Hold):
         "captured": 6,
     }
 
-    def __init__(
-        self,
-        gains: Gains = "c172p",
-        threshold: tuple[float, float] = (0.0, 0.0),
-        elevation: float = 0.0,
-        angle: float = 3.0,
-        crossing_height: float = 50.0,
-        hdot_max: float | None = None,
-        theta_min: float = -10.0,
-        theta_max: float | None = None,
-        authority: Authority = 1.0,
-        T: float = 1 / 120,
-        alpha_max: float | None = None,
-    ) -> None:
-        super().__init__(T)
-        self.gains = gains
-        self.threshold = threshold
-        self.elevation = elevation
-        self.angle = angle
-        self.crossing_height = crossing_height
-        self.hdot_max = hdot_max
-        self.theta_min = theta_min
-        self.theta_max = theta_max
-        self.authority = authority
-        self.alpha_max = alpha_max
-        self.configure()
-
     def build(self) -> None:
-        T = self.clock.period
+        T, c = self.clock.period, self.checked
         altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
-        self._threshold = place_unchecked(*point("threshold", self.threshold))
-        self._elevation = number("elevation", self.elevation)
-        self._angle = number("angle", self.angle, above=0.0, high=20.0)
-        self._slope = math.tan(math.radians(self._angle))
-        self._foot = number("crossing_height", self.crossing_height, low=0.0) / self._slope
-        self._altitude = self.altitude_loop(altitude, self.hdot_max, self.theta_min, self.theta_max)
-        self._pitch = pitch_loop(T, pitch, limits("authority", self.authority), self._loop)
-        self._protection = protection_from(T, self.alpha_max, envelope)
+        self._threshold = place_unchecked(*c.threshold)
+        self._slope = math.tan(math.radians(c.angle))
+        self._foot = c.crossing_height / self._slope
+        self._altitude = self.altitude_loop(
+            altitude, self.checked.hdot_max, self.checked.theta_min, self.checked.theta_max
+        )
+        self._pitch = pitch_loop(T, pitch, self.checked.authority, self._loop)
+        self._protection = protection_from(T, self.checked.alpha_max, envelope)
         self._share = -math.expm1(-T / _SMOOTHING)
 
     def initial_state(self) -> State:
@@ -499,9 +468,9 @@ class GlideslopeHold(Hold):
         dist = -away if captured and rate < 0.0 else away
         along = dist + self._foot
         # above the level of the threshold, as a straight line sees it
-        height = h - self._elevation - along * along / (2.0 * _RADIUS)
+        height = h - self.checked.elevation - along * along / (2.0 * _RADIUS)
         above = height - along * self._slope
-        degrees = math.degrees(math.atan2(height, along)) - self._angle
+        degrees = math.degrees(math.atan2(height, along)) - self.checked.angle
 
         protection = self.protection(alpha)
         # without the airspeed: its lowest is that of the clean aircraft

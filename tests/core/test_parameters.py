@@ -1,0 +1,139 @@
+"""Parameters declared as fields: constructor, attributes, checks and what introspection shows."""
+
+import inspect
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import DoubletSource, ParameterError, PitchHold, RampSource
+from pathsim_jsbsim_blocks._core.checks import number, numbers, positive
+from pathsim_jsbsim_blocks._core.parameters import Parametric, parameter
+
+
+class Gain(Parametric):
+    """A block with fields of its own."""
+
+    factor: float = parameter(1.0, number, low=-2.0)
+    weights: Sequence[float] = parameter((1, 2), numbers)
+    label: str = parameter("a")
+
+    def build(self):
+        c = self.checked
+        if c.factor * len(c.weights) > 10.0:
+            raise ParameterError("too much", parameter="factor", value=self.factor)
+        self.total = c.factor * sum(c.weights)
+
+
+class Wider(Gain):
+    """One with a further field."""
+
+    width: float = parameter(3.0, positive)
+
+
+class Own(Gain):
+    """One with a constructor, as users write it."""
+
+    def __init__(self, factor=2.0, extra=7.0):
+        super().__init__(factor, label="own")
+        self.extra = extra
+
+
+def test_fields_are_the_signature():
+    assert str(inspect.signature(Gain)) == (
+        "(factor: float = 1.0, weights: collections.abc.Sequence[float] = (1, 2), "
+        "label: str = 'a') -> None"
+    )
+    assert list(inspect.signature(Wider).parameters) == ["factor", "weights", "label", "width"]
+    assert Gain.info()["parameters"] == {
+        "factor": {"default": 1.0},
+        "weights": {"default": (1, 2)},
+        "label": {"default": "a"},
+    }
+    with pytest.raises(TypeError, match="too many positional"):
+        Gain(1.0, (1,), "b", 2.0)
+
+
+def test_attributes_keep_what_was_given_and_the_checked_values_are_beside_them():
+    given = np.array([1, 2, 3])
+    block = Gain(2, weights=given)
+    assert block.weights is given
+    assert (repr(block.factor), block.label) == ("2", "a")
+    assert type(block.checked.factor) is float
+    assert block.checked.weights == [1.0, 2.0, 3.0]
+    assert block.total == 12.0
+    assert repr(Gain(0.5, label="c")) == "Gain(factor=0.5, label='c')"
+
+
+@pytest.mark.parametrize(
+    ("values", "refused"),
+    [
+        ({"factor": -3.0}, "factor"),
+        ({"factor": "1"}, "factor"),
+        ({"weights": 4.0}, "weights"),
+        ({"weights": [1.0, None]}, r"weights[1]"),
+        ({"factor": 6.0}, "factor"),  # by build
+    ],
+)
+def test_a_bad_value_is_refused_at_construction_and_later(values, refused):
+    with pytest.raises(ParameterError) as error:
+        Gain(**values)
+    assert error.value.parameter == refused
+    block = Gain(2.0, label="kept")
+    with pytest.raises(ParameterError):
+        block.set(label="new", **values)
+    ((name, value),) = values.items()
+    with pytest.raises(ParameterError):
+        setattr(block, name, value)
+    assert (block.factor, block.weights, block.label, block.total) == (2.0, (1, 2), "kept", 6.0)
+
+
+def test_parameters_that_depend_on_each_other_are_set_together():
+    block = Gain(4.0)
+    block.set(weights=[1.0] * 9, factor=1.0)
+    assert block.total == 9.0
+    block.weights = [5.0]
+    assert block.total == 5.0
+
+
+def test_a_constructor_of_ones_own_keeps_the_checks_of_the_fields():
+    block = Own()
+    assert (block.factor, block.label, block.extra) == (2.0, "own", 7.0)
+    with pytest.raises(ParameterError, match="factor must be at least -2"):
+        block.factor = -5.0
+    block.set(extra=8.0)
+    assert block.extra == 8.0
+    with pytest.raises(ParameterError, match="factor"):
+        Own(factor="x")
+
+
+def test_a_hold_of_ones_own_with_its_own_defaults():
+    class Mine(PitchHold):
+        def __init__(self, theta_ref=2.0, T=1 / 50):
+            super().__init__("737", theta_ref, T=T)
+
+    hold = Mine()
+    assert (hold.gains, hold.theta_ref, hold.clock.period) == ("737", 2.0, 1 / 50)
+    with pytest.raises(ParameterError, match="theta_ref must be a number"):
+        hold.theta_ref = "up"
+
+
+@pytest.mark.parametrize("polarity", [np.array([1.0]), np.array(1), "1", None, 2])
+def test_a_polarity_is_one_number(polarity):
+    with pytest.raises(ParameterError, match="polarity must be"):
+        DoubletSource(polarity=polarity)
+
+
+def test_a_start_moved_before_it_is_reached_is_the_start():
+    # the pulse began at the old time
+    source, scope = RampSource(start=1.0, rise_time=0.5), Scope()
+    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.01, log=False)
+    sim.run(0.5)
+    source.start = 2.0
+    sim.run(2.5)
+    time, (y,) = scope.read()
+    assert y == pytest.approx(np.clip((time - 2.0) / 0.5, 0.0, 1.0), abs=1e-12)
+    with pytest.raises(ParameterError, match="start must be at least 0"):
+        source.start = -1.0
