@@ -20,6 +20,7 @@ _CDN = re.compile(r"https://cdn\.jsdelivr\.net/npm/katex@[^/\"'`]+/dist")
 _PRELOADED = ("pathsim-chem", "pathsim_chem")
 _CATEGORIES = {  # folder of this package: category and shape in PathView's block library
     "flight": ("Aircraft", "rect"),
+    "daveml": ("Aircraft", "rect"),
     "sources": ("Sources", "pill"),
     "wind": ("Wind", "rect"),
     "control": ("Autopilot", "rect"),
