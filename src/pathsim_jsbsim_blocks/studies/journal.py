@@ -8,10 +8,10 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
-from .._core.checks import as_path
-from ..errors import FileError, ParameterError
+from .._core.checks import as_path, refuse
+from ..errors import FileError
 from .identity import differences
 
 _FORMAT = "pathsim-jsbsim study"
@@ -52,16 +52,12 @@ class Journal:
         header = {"format": _FORMAT, "version": _VERSION, "study": title, "key": dict(key)}
         self.finished: dict[int, list] = {}
         if os.path.exists(self.path) and not os.path.isfile(self.path):
-            raise ParameterError(
-                f"cannot write {str(path)!r}: it is not a file", parameter="resume", value=str(path)
-            )
+            self._refuse(f"cannot write {str(path)!r}: it is not a file")
         try:
             # unbuffered, so that finished lines survive a kill of this process
             self._file = self.path.open("a+b", buffering=0)
         except OSError as error:
-            raise ParameterError(
-                f"cannot write {str(path)!r}: {error.strerror}", parameter="resume", value=str(path)
-            ) from None
+            self._refuse(f"cannot write {str(path)!r}: {error.strerror}")
         try:
             self._lock()
             self._file.seek(0)
@@ -79,13 +75,13 @@ class Journal:
         with contextlib.suppress(OSError):  # a file system without locks
             free = lock_descriptor(self._file.fileno(), blocking=False)
         if not free:
-            raise self._refused(
+            self._refuse(
                 f"{str(self.path)!r} is in use: another process runs this study. "
                 "Wait for it or name another file"
             )
 
-    def _refused(self, message: str) -> ParameterError:
-        return ParameterError(message, parameter="resume", value=str(self.path))
+    def _refuse(self, why: str) -> NoReturn:
+        refuse("resume", str(self.path), why)
 
     def _read(self, content: bytes, header: dict[str, Any]) -> None:
         if _line(header).startswith(content):  # new, or killed before the first line was complete
@@ -95,7 +91,7 @@ class Journal:
         # text after the last newline was cut off by a kill
         first, *lines = content.split(b"\n")[:-1] or [content]
         if first + b"\n" != _line(header):
-            raise self._refused(
+            self._refuse(
                 f"{str(self.path)!r} holds {_holds(first, header)}; name another file or delete it"
             )
         for number, line in enumerate(lines, 2):
@@ -103,10 +99,10 @@ class Journal:
                 part = _checked(line)
                 self.finished[part["part"]] = part["rows"]
             except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-                raise self._refused(
+                self._refuse(
                     f"line {number} of {str(self.path)!r} is damaged: delete the line and it is "
                     "computed again"
-                ) from None
+                )
         self._file.truncate(content.rindex(b"\n") + 1)
 
     def add(self, part: int, rows: list) -> None:
