@@ -190,6 +190,27 @@ def test_the_block_reference_has_every_public_name():
     assert [n for n in public if f"autoclass:: {n}\n" not in text] == []
 
 
+# what users import from; _core and cli are for the package alone
+SUBJECTS = sorted(
+    m.name for m in pkgutil.iter_modules(package.__path__) if m.name[0] != "_" and m.name != "cli"
+)
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_what_users_call_has_one_documented_place(subject):
+    module = importlib.import_module(f"{package.__name__}.{subject}")
+    assert f"\n- ``{subject}``: " in package.__doc__ or subject == "sources"
+    if not hasattr(module, "__path__"):
+        return
+    pages = "".join(p.read_text("utf-8") for p in (ROOT / "docs" / "reference").glob("*.rst"))
+    whole = re.findall(r"automodule:: (\S+)\n   :members:((?: [\w,]+)*)\n", pages)
+    members = [n for m, names in whole for n in names.replace(",", " ").split() or [m]]
+    for name in module.__all__:
+        origin = getattr(getattr(module, name), "__module__", module.__name__)
+        single = re.search(rf"auto\w+:: (\S+\.)?{name}\n", pages)
+        assert single or {name, origin, module.__name__} & {*members}, name
+
+
 def test_the_block_reference_finds_its_names():
     # automodule also sets the module that bare names are looked up in
     for page in sorted((ROOT / "docs" / "reference").glob("*.rst")):

@@ -1,7 +1,28 @@
 """Fly JSBSim aircraft in PathSim block diagrams.
 
-Every block can be imported from here. Where jsbsim is not installed (PathView's hosted editor runs
-in the browser), the aircraft blocks are absent and all others work.
+Every block is imported from here, and so are ``fly``, ``TrimCondition``, ``TrimState`` and the
+errors of blocks. Functions are imported from the module of their subject:
+
+- ``air``: the standard atmosphere and airspeeds, such as ``isa`` and ``cas_to_tas``
+- ``axes``: axes of the aircraft and of the Earth, ``great_circle``, ``place``
+- ``catalogue``: the diagrams, ``load_diagram``, ``find_diagram``
+- ``check_cases``: NASA's check cases, ``fly_case``, ``compare``
+- ``control``: ``response_quality`` of a step
+- ``daveml``: models in DAVE-ML, ``DaveModel``
+- ``design``: gains for any aircraft, ``design_gains``, ``design_schedule``
+- ``errors``: all errors
+- ``flight``: aircraft without a diagram, ``trim``, ``linear_model``, ``level_flight``,
+  ``aircraft_names``
+- ``linear``: ``LinearModel``, its modes and ``flying_qualities``
+- ``pathview``: ``view``, ``export_script``, ``convert_model``
+- ``plots``: figures, such as ``time_histories``, ``bode`` and ``show``
+- ``studies``: ``trim_sweep``, ``run_batch`` and the published studies
+- ``tracks``: recorded flights, ``save_tracks``, ``to_frame``
+- ``units``: ``conversion`` of a unit
+- ``wind``: models of wind, gusts and turbulence, such as ``dryden_field``
+
+Where jsbsim is not installed (PathView's hosted editor runs in the browser), the aircraft blocks
+are absent and all others work.
 """
 
 import logging

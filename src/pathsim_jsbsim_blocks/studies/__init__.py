@@ -16,3 +16,21 @@ from .published import (
     trim_envelope,
 )
 from .sweep import trim_sweep
+
+__all__ = [
+    "STUDIES",
+    "Study",
+    "alpha_elevator_chart",
+    "aoa_vs_cas",
+    "aoa_vs_cas_loading",
+    "climb_chart",
+    "climb_schedule",
+    "envelope_map",
+    "modes_chart",
+    "modes_over_speed",
+    "run_batch",
+    "thrust_chart",
+    "thrust_vectoring",
+    "trim_envelope",
+    "trim_sweep",
+]
