@@ -15,7 +15,7 @@ import warnings
 import weakref
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from operator import itemgetter
-from typing import Any
+from typing import Any, NoReturn
 from weakref import WeakKeyDictionary
 
 from pathsim import Connection, Simulation, Subsystem
@@ -27,7 +27,6 @@ from pathsim.utils.logger import LoggerManager
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
-from ..errors import ParameterError
 from .checks import did_you_mean, nearest_ports, number, positive, refuse
 
 
@@ -211,7 +210,7 @@ class Steps(Iterator[dict[str, Any]]):
                 # round, so that one of them sees the other
                 steps._other = self
             if any(steps._inside for steps in earlier):
-                raise self._conflict()
+                self._refuse()
             _latest.update(dict.fromkeys(parts, weakref.ref(self)))
 
     def __next__(self) -> dict[str, Any]:
@@ -227,16 +226,16 @@ class Steps(Iterator[dict[str, Any]]):
         """Whether nothing has stopped the run; refused where another run has begun."""
         if self._other is not None:
             self._other._other = self
-            raise self._conflict()
+            self._refuse()
         return self._sim._active
 
-    def _conflict(self) -> ParameterError:
-        return ParameterError(
+    def _refuse(self) -> NoReturn:
+        refuse(
+            "sim",
+            self._sim,
             "two runs at once of a simulation, or of a block that two simulations share: one began "
             "inside an event of the other, or in another thread. Both end here; build a diagram "
             "for each",
-            parameter="sim",
-            value=self._sim,
         )
 
     def __enter__(self) -> Steps:

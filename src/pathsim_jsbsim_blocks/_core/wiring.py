@@ -15,9 +15,9 @@ from pathsim.blocks import Block
 from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
-from ..errors import ParameterError
 from ._pathsim import before_runs, check_diagrams, port_names
 from .callers import frames, is_users, warn_user
+from .checks import refuse
 
 _told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
 
@@ -90,7 +90,7 @@ def _check_wires(connections: Sequence[Connection]) -> None:
             for i, port, j in zip(outputs, reference.ports, numbers, strict=True):
                 if (id(target), port) in ends:
                     message = _conflict(*ends[id(target), port], source, i, target, j)
-                    raise ParameterError(message, parameter="connections", value=connection)
+                    refuse("connections", connection, message)
                 ends[id(target), port] = source, i
 
 
@@ -99,12 +99,12 @@ def _check_wire(connection: Connection) -> None:
     for target in connection.targets:
         if len(target) != len(connection.source):
             start, end = connection.source, target
-            raise ParameterError(
+            refuse(
+                "targets",
+                connection,
                 f"{_called(start)} has {len(start)} port{'s' * (len(start) > 1)} and "
                 f"{_called(end)} has {len(end)}: each target of a connection needs as many ports "
                 "as its source",
-                parameter="targets",
-                value=connection,
             )
 
 
@@ -120,11 +120,7 @@ def _check_part(part: Any, kind: type) -> None:
         hint = f": build one with {part.__name__}(...)"
     elif isinstance(part, PortReference):
         hint = ": the list has the blocks themselves"
-    raise ParameterError(
-        f"{_called(part)} among the {parameter} is no {kind.__name__}{hint}",
-        parameter=parameter,
-        value=part,
-    )
+    refuse(parameter, part, f"{_called(part)} among the {parameter} is no {kind.__name__}{hint}")
 
 
 def _called(part: Any) -> str:
