@@ -130,6 +130,15 @@ def print_trim(args: argparse.Namespace) -> None:
 
 @_warnings_last()
 def print_modes(args: argparse.Namespace) -> None:
+    from .._core.checks import writable
+
+    if args.json is not None:
+        writable("json", args.json)
+    with saving_figures(args.save):
+        _print_modes(args)
+
+
+def _print_modes(args: argparse.Namespace) -> None:
     from ..flight.linear import linear_model
     from ..linear import flying_qualities
 
@@ -139,6 +148,7 @@ def print_modes(args: argparse.Namespace) -> None:
         condition,
         args.method,
         setup=values_of("set", args.set),
+        root=args.root,
         create=values_of("create", args.create),
     )
     qualities = flying_qualities(model, args.category, args.aircraft_class)
@@ -163,8 +173,7 @@ def print_modes(args: argparse.Namespace) -> None:
     if args.save is not None:
         from ..plots import pole_map, show
 
-        with saving_figures(args.save):
-            show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
+        show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 
 
 def print_gains(args: argparse.Namespace) -> int:
