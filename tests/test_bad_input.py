@@ -21,9 +21,11 @@ from pathsim_jsbsim_blocks import (
     AircraftError,
     Autopilot,
     BlocksError,
+    DoubletSource,
     FlightError,
     ISAtmosphere,
     JSBSimFDM,
+    OneMinusCosineGust,
     ParameterError,
     PitchHold,
     PropertyError,
@@ -35,7 +37,9 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks._core._pathsim import port_names
 from pathsim_jsbsim_blocks.errors import KeywordError
-from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.linear import flying_qualities
+from pathsim_jsbsim_blocks.studies import trim_sweep
 
 pytestmark = pytest.mark.matrix
 
@@ -493,6 +497,33 @@ def test_a_port_given_as_a_parameter_is_told():
 def test_the_name_of_an_aircraft_is_not_trimmed():
     with pytest.raises(ParameterError, match=r"airframe must be an Airframe, .* not 'c172p'"):
         trim("c172p", TrimCondition(altitude=5000, speed=90))
+
+
+def test_engines_may_be_given_as_an_array():
+    by_array = TrimCondition(engines_off=np.array([1, 0]))
+    assert by_array == TrimCondition(engines_off=[0, 1])
+    assert TrimCondition(engines_off=np.array([])) == TrimCondition()
+    for bad in (np.array(0), np.array([[0, 1]]), np.array([0.5]), np.array(["a"]), 0):
+        with pytest.raises(ParameterError, match="engines_off must be"):
+            TrimCondition(engines_off=bad)
+
+
+@pytest.mark.parametrize("value", [np.array([True, False]), np.array([]), "no", 2])
+def test_flags_and_signs_that_are_arrays_or_text_are_refused(value):
+    with pytest.raises(ParameterError, match="hint must be True or False"):
+        trim(Airframe("c172p"), TrimCondition(speed=90), hint=value)
+    with pytest.raises(ParameterError, match="progress must be True or False"):
+        fly(Simulation([Constant(1.0)], log=False), 0.1, progress=value)
+    with pytest.raises(ParameterError, match="progress must be True or False"):
+        trim_sweep("c172p", {"altitude": [5000], "speed": [90]}, jobs=1, progress=value)
+    for source in (DoubletSource, OneMinusCosineGust):
+        with pytest.raises(ParameterError, match="polarity must be"):
+            source(polarity=value)
+
+
+def test_flying_qualities_are_those_of_a_model():
+    with pytest.raises(ParameterError, match=r"must be that of linear_model.*, not 'c172p'"):
+        flying_qualities("c172p")
 
 
 def test_only_a_simulation_is_flown():

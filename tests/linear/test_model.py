@@ -419,6 +419,10 @@ def test_a_model_is_saved_and_loaded(tmp_path):
         ({"u0": [None] * 4}, "u0 must be finite"),
         ({"inputs": ["elevator"] * 4}, "lists a name twice"),
         ({"units": 5}, "units must be a dict"),
+        ({"x0": [10**400] * 12}, "x0 must be an array of numbers"),
+        ({"x0": [1e999] * 12}, "x0 must be finite"),
+        ({"fit": [[math.inf] * 4] * 22}, "fit must be finite"),
+        ({"kinks": "text"}, "kinks must be an array of numbers"),
     ],
 )
 def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):

@@ -6,6 +6,8 @@ import functools
 import sys
 from typing import TYPE_CHECKING
 
+from .checks import flag
+
 if TYPE_CHECKING:
     from tqdm import tqdm
 
@@ -18,6 +20,8 @@ def progress_bar(duration: float, shown: bool | None = None) -> tqdm:
 
     ``shown``: at once or never; default is after 2 s, where stderr is a terminal.
     """
+    if shown is not None:
+        flag("progress", shown)
     return _bar_class()(
         total=duration,
         unit=" s",

@@ -165,7 +165,7 @@ def impact_pressure(mach: Any, air: Air) -> Any:
 def dynamic_pressure(mach: Any, air: Air) -> Any:
     """Dynamic pressure in Pa, ``0.7 p M^2 = rho TAS^2 / 2``, at a Mach number."""
     mach = _speed("mach", mach, air)
-    return 0.7 * air.pressure * mach**2
+    return 0.7 * air.pressure * (mach * mach)
 
 
 def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") -> Any:
@@ -177,10 +177,16 @@ def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") ->
     Raises
     ------
     ParameterError
-        if a value is not finite and positive, or the shapes do not broadcast
+        if a value is not finite and positive, the shapes do not broadcast, or no pressure has both
+        speeds
     """
     cas, mach = positive_finite(cas=cas, mach=mach)
-    ratios = [
-        _impact_ratio(x) if isinstance(x, float) else _impact_ratios(x) for x in (cas / A0, mach)
-    ]
-    return pressure_altitude(P0 * ratios[0] / ratios[1], altitude_kind)
+    with np.errstate(all="ignore"):
+        ratios = [
+            _impact_ratio(x) if isinstance(x, float) else _impact_ratios(x)
+            for x in (cas / A0, mach)
+        ]
+        pressure = np.divide(P0 * ratios[0], ratios[1])
+    if not np.all(np.isfinite(pressure) & (pressure > 0.0)):
+        refuse("mach", mach, f"no altitude has a CAS of {cas} m/s at Mach {mach}")
+    return pressure_altitude(pressure, altitude_kind)

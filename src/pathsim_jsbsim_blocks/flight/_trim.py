@@ -16,7 +16,7 @@ import jsbsim
 import numpy as np
 
 from .._core.callers import warn_user
-from .._core.checks import mapping, number, one_of
+from .._core.checks import flag, mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
 from ._newton import EFFORT, Search, Seed, alpha_range
@@ -398,6 +398,8 @@ def trim(
             value=airframe,
         )
     check_condition(condition)
+    flag("hint", hint)
+    flag("warm", warm)
     steady = number("steady", steady, low=0.0, high=3600.0)
     try:
         found = _trim(airframe, condition, setup, warm)

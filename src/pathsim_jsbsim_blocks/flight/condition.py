@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from .._core.checks import known_keywords, mapping, number, one_of, whole
 from ..errors import ParameterError
@@ -213,7 +215,7 @@ class TrimCondition:
                 value=self.load_factor,
             )
 
-        if self.engines_off != "all":
+        if not (isinstance(self.engines_off, str) and self.engines_off == "all"):
             put("engines_off", _indices("engines_off", self.engines_off))
         self._check_balance(put)
 
@@ -294,7 +296,7 @@ def check_condition(condition: Any) -> None:
 
 
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
-    if isinstance(value, str) or not isinstance(value, Iterable):
+    if isinstance(value, str) or not np.iterable(value):
         raise ParameterError(
             f"{parameter} must be 'all' or a list of engines from 0, not {value!r}",
             parameter=parameter,

@@ -122,7 +122,10 @@ class LinearModel:
             find(name, getattr(self, name), getattr(self, name))
         sizes = {name: len(getattr(self, name)) for name in _NAMES}
         for name, shape in _ARRAYS.items():
-            value = np.array(getattr(self, name), dtype=float)
+            try:
+                value = np.array(getattr(self, name), dtype=float)
+            except (TypeError, ValueError, OverflowError) as error:
+                refuse(name, getattr(self, name), f"{name} must be an array of numbers: {error}")
             wanted = tuple(sizes[side] for side in shape)
             # numpy has no shape (0, m) for an empty list
             if value.shape != wanted and value.size == np.prod(wanted) == 0:
@@ -134,7 +137,8 @@ class LinearModel:
                     f"{name} has the shape {value.shape}, but there are "
                     + " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape)),
                 )
-            if name not in _UNKNOWN and not np.all(np.isfinite(value)):
+            known = value[~np.isnan(value)] if name in _UNKNOWN else value
+            if not np.all(np.isfinite(known)):
                 refuse(name, value, f"{name} must be finite")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
@@ -372,13 +376,10 @@ class LinearModel:
             data = json.loads(file.read_text(encoding="utf-8"))
             if not isinstance(data, dict) or data.pop("format", None) != _FORMAT:
                 raise ValueError("it does not say that it is one")
-            for name in _ARRAYS:
-                # NaN is null in JSON
-                data[name] = np.array(data[name], dtype=float)
-            return cls(**data)
+            return cls(**data)  # an array of null is NaN
         except OSError as error:
             raise FileError("read", file, error) from None
-        except (ValueError, TypeError, KeyError, RecursionError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             refuse("path", str(file), f"{str(file)!r} holds no linear model: {error}")
 
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._core.checks import one_of
+from .._core.checks import one_of, refuse
 from .._core.units import GRAVITY
+from .model import LinearModel
 from .modes import Mode
-
-if TYPE_CHECKING:
-    from .model import LinearModel
 
 CLASSES = ("I", "II-L", "II-C", "III", "IV")
 CATEGORIES = ("A", "B", "C")
@@ -93,13 +90,15 @@ def flying_qualities(
     Raises
     ------
     ParameterError
-        for an unknown category or class
+        for an unknown category or class, and for what is no model
 
     References
     ----------
     MIL-F-8785C, "Flying Qualities of Piloted Airplanes", 5 November 1980: paragraphs 3.2.1.2,
     3.2.2.1, 3.3.1.1, 3.3.1.2 and 3.3.1.3.
     """
+    if not isinstance(model, LinearModel):
+        refuse("model", model, f"model must be that of linear_model('c172p', ...), not {model!r}")
     one_of("category", category, CATEGORIES)
     one_of("aircraft_class", aircraft_class, CLASSES)
     modes = model.modes()

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core.callers import warn_user
-from .._core.checks import refuse, whole
+from .._core.checks import flag, refuse, whole
 from .._core.extras import required
 from ..errors import ParameterError
 from .identity import study_key
@@ -142,7 +142,7 @@ def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress
         initial=_points(finished.values()),
         desc=title,
         unit=" points",
-        disable=not progress,
+        disable=not flag("progress", progress),
     )
 
 

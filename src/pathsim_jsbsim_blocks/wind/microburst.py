@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from .._core.checks import finite, number, positive
+from .._core.checks import finite, number
 from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from ..axes.earth import geodetic_to_ned
@@ -17,6 +17,9 @@ from ..axes.earth import geodetic_to_ned
 _OUTER, _INNER = 0.22, 2.75
 # largest value of (1 - exp(-x^2)) / (2 x), the outflow over the radius at one height
 _PEAK = 0.31908642
+
+_length = partial(number, above=0.0, low=1.0, high=1e6)  # ft
+_speed = partial(number, above=0.0, high=1e3)  # ft/s
 
 
 def oseguera_bowles(
@@ -59,7 +62,8 @@ def oseguera_bowles(
     Raises
     ------
     ParameterError
-        for a radius, outflow or height that is not positive, and values that are not finite
+        for a radius or height outside of [1, 1e6] ft, an outflow that is not positive or above
+        1000 ft/s, and values that are not finite
 
     References
     ----------
@@ -67,11 +71,9 @@ def oseguera_bowles(
     Stagnation Flow*, NASA TM-100632, 1988.
     """
     north, east, h = finite(north=north, east=east, h=h)
-    radius, height = positive("radius", radius), positive("height", height)
+    radius, height = _length("radius", radius), _length("height", height)
     outer, inner = height / _OUTER, height / _INNER
-    scale = positive("outflow", outflow) / (
-        radius * _PEAK * (math.exp(-_OUTER) - math.exp(-_INNER))
-    )
+    scale = _speed("outflow", outflow) / (radius * _PEAK * (math.exp(-_OUTER) - math.exp(-_INNER)))
     z = np.maximum(h, 0.0)
     q = np.maximum((north * north + east * east) / radius**2, 1e-300)  # 0 / 0 at the centre
     spread = scale / 2 * -np.expm1(-q) / q * (np.exp(-z / outer) - np.exp(-z / inner))
@@ -121,8 +123,8 @@ class Microburst(Parametric, NamedFunction):
     Raises
     ------
     ParameterError
-        for a radius, outflow or height that is not positive, a latitude out of its range, and
-        values that are not finite
+        for a radius or height outside of [1, 1e6] ft, an outflow that is not positive or above
+        1000 ft/s, a latitude out of its range, and values that are not finite
 
     References
     ----------
@@ -132,9 +134,9 @@ class Microburst(Parametric, NamedFunction):
 
     lat0: float = parameter(0.0, number, low=-89.0, high=89.0)
     lon0: float = parameter(0.0, number)
-    radius: float = parameter(3000.0, positive)
-    outflow: float = parameter(60.0, positive)
-    height: float = parameter(150.0, positive)
+    radius: float = parameter(3000.0, _length)
+    outflow: float = parameter(60.0, _speed)
+    height: float = parameter(150.0, _length)
     terrain: float = parameter(0.0, number)
 
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,10 @@ from .._core.units import conversion
 _KNOT, _ = conversion("kt", "ft/s")
 _REFERENCE_HEIGHT = 20.0  # ft
 _TOP = 1000.0  # ft, up to which the specification gives the profile
+
+_speed = partial(number, low=0.0, high=1e3)  # kt
+# ft; from smoother than ice to below the reference height
+_roughness = partial(number, above=0.0, low=1e-6, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
 
 
 def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15) -> Any:
@@ -50,13 +55,9 @@ def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
     """
     (h,) = finite(h=h)
-    low, speed = _roughness("roughness", roughness), number("wind_20ft", wind_20ft, low=0.0)
+    low, speed = _roughness("roughness", roughness), _speed("wind_20ft", wind_20ft)
     speed = speed * np.log(np.clip(h, low, _TOP) / low) / math.log(_REFERENCE_HEIGHT / low)
     return speed if np.ndim(speed) else float(speed)
-
-
-def _roughness(name: str, value: Any) -> float:
-    return number(name, value, above=0.0, high=math.nextafter(_REFERENCE_HEIGHT, 0.0))
 
 
 class WindShear(Parametric, NamedFunction):
@@ -99,7 +100,7 @@ class WindShear(Parametric, NamedFunction):
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
     """
 
-    wind_20ft: float = parameter(15.0, number, low=0.0)
+    wind_20ft: float = parameter(15.0, _speed)
     direction: float = parameter(0.0, number)
     roughness: float = parameter(0.15, _roughness)
     terrain: float = parameter(0.0, number)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from functools import partial
 from typing import Any, NamedTuple
 
 from .._core.checks import number, one_of, positive, whole
@@ -30,6 +31,9 @@ SIGMA = {
 
 _LOWEST, _LOW, _MEDIUM = 10.0, 1000.0, 2000.0  # ft, where the forms of the specification hold
 _MEDIUM_LENGTH = 1750.0  # ft
+_speed = partial(number, low=0.0, high=1e3)  # kt and ft/s, of winds and their rms
+_span = partial(number, above=0.0, low=0.1, high=1e3)  # ft
+_FARTHEST = 1e100  # ft in a period: nothing of the state before is left, and squares are finite
 
 # number of the next row of noise; u; two states and the lagged velocity of v and of w; p
 State = tuple[Any, ...]
@@ -102,10 +106,10 @@ def _intensities(severity: Any, wind_20ft: Any, sigma: Any) -> tuple[float, tupl
     one_of("severity", severity, WIND_20FT)
     if wind_20ft is None:
         wind_20ft = WIND_20FT[severity]
-    low = 0.1 * _KNOT * number("wind_20ft", wind_20ft, low=0.0)
+    low = 0.1 * _KNOT * _speed("wind_20ft", wind_20ft)
     if sigma is None:
         return low, SIGMA[severity]
-    return low, (number("sigma", sigma, low=0.0),) * len(_ALTITUDES)
+    return low, (_speed("sigma", sigma),) * len(_ALTITUDES)
 
 
 def _field(h: float, low: float, medium: tuple[float, ...]) -> Field:
@@ -180,7 +184,7 @@ class Dryden:
         sigma: float | None = None,
     ):
         self.T = positive("T", T)
-        self.span = positive("span", span)
+        self.span = _span("span", span)
         self._low, self._medium = _intensities(severity, wind_20ft, sigma)
 
     def field(self, h: float) -> Field:
@@ -199,7 +203,7 @@ class Dryden:
         """The state one period later, at height ``h`` in ft and true airspeed ``V`` in ft/s."""
         field = self.field(h)
         n_u, *n, n_p = noise
-        distance = max(V, 0.0) * self.T
+        distance = min(max(V, 0.0) * self.T, _FARTHEST)
         u = _first_order(state[0], distance / field.L_u, n_u)
         v = _second_order(state[1:4], distance / field.L_v, self._lag_v(field), n[:3])
         w = _second_order(state[4:7], distance / field.L_w, self._lag_w(field), n[3:])
@@ -375,7 +379,7 @@ class DrydenTurbulence(TunableLaw):
     severity: str = parameter("moderate")
     wind_20ft: float | None = parameter(None)
     sigma: float | None = parameter(None)
-    span: float = parameter(35.8, positive)
+    span: float = parameter(35.8, _span)
     terrain: float = parameter(0.0, number)
     seed: int = parameter(0, whole, low=0)
     T: float = parameter(1 / 120, positive)

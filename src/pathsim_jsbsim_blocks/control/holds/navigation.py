@@ -349,7 +349,7 @@ class GlideslopeHold(Hold):
     elevation : float
         height of the threshold above sea level, ft
     angle : float
-        glide path angle gamma, deg
+        glide path angle gamma in [0.1, 20], deg
     crossing_height : float
         height of the path above the threshold, ft
     hdot_max : float, optional
@@ -403,8 +403,8 @@ class GlideslopeHold(Hold):
     gains: Gains = parameter("c172p")
     threshold: tuple[float, float] = parameter((0.0, 0.0), point)
     elevation: float = parameter(0.0, number)
-    angle: float = parameter(3.0, number, above=0.0, high=20.0)
-    crossing_height: float = parameter(50.0, number, low=0.0)
+    angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)
+    crossing_height: float = parameter(50.0, number, low=0.0, high=1e4)
     hdot_max: float | None = parameter(None, optional, above=0.0)
     theta_min: float = parameter(-10.0, number)
     theta_max: float | None = parameter(None, optional)
