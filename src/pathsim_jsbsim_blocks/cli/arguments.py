@@ -1,16 +1,99 @@
-"""Values of options."""
+"""Options that several commands have, and values of options."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
-
-from ..errors import ParameterError
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from ..flight.condition import TrimCondition
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+def add_command(
+    commands: Commands, name: str, function: Callable, text: str
+) -> argparse.ArgumentParser:
+    sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+    sub.set_defaults(command=function, parser=sub)
+    return sub
+
+
+def repeatable(
+    sub: argparse.ArgumentParser, option: str, metavar: str, text: str, **more: Any
+) -> None:
+    help_text = f"{text} (repeatable)"
+    sub.add_argument(option, metavar=metavar, action="append", default=[], help=help_text, **more)
+
+
+def trust_option(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--trust",
+        action="store_true",
+        help="open a model from outside without asking, now and later; its code runs "
+        "as you when the model runs",
+    )
+
+
+def trust_toolbox_option(sub: argparse.ArgumentParser) -> None:
+    repeatable(
+        sub,
+        "--trust-toolbox",
+        "PACKAGE[:IMPORT]",
+        "import this toolbox if the model asks for it, even if it is not one of PathSim's",
+    )
+
+
+def root_option(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--root", metavar="DIR", help="JSBSim root directory with models of your own")
+
+
+def property_options(sub: argparse.ArgumentParser) -> None:
+    repeatable(sub, "--set", "PROPERTY=VALUE", "a property to write before the trim")
+    repeatable(
+        sub, "--create", "PROPERTY=VALUE", "a property that the model expects from FlightGear"
+    )
+
+
+def condition_options(sub: argparse.ArgumentParser) -> None:
+    root_option(sub)
+    sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
+    speed = sub.add_mutually_exclusive_group()
+    speed.add_argument(
+        "--speed",
+        type=float,
+        default=100.0,
+        help="KCAS (default %(default)g; docs/fleet.md has one for each aircraft)",
+    )
+    speed.add_argument("--mach", type=float, help="instead of --speed")
+    sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
+    sub.add_argument("--heading", type=float, default=0.0, help="deg")
+    sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
+    sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
+    sub.add_argument(
+        "--mode",
+        default="full",
+        help="full, longitudinal, ground, pull-up, turn, glide or none",
+    )
+    sub.add_argument("--beta", type=float, default=0.0, help="sideslip angle, deg")
+    sub.add_argument("--throttle", type=float, help="0 to 1; the path angle is then free")
+    sub.add_argument("--thrust", type=float, help="lbf, instead of --throttle")
+    sub.add_argument("--free", help="gamma or speed, with --throttle, --thrust or a glide")
+    sub.add_argument("--latitude", type=float, help="deg, north positive")
+    sub.add_argument("--longitude", type=float, help="deg, east positive")
+    sub.add_argument(
+        "--engines-off",
+        type=engine_numbers,
+        default=(),
+        metavar="N,...",
+        help="engines that do not run, from 0, or all",
+    )
+    sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
+    sub.add_argument("--gear", type=float, help="0 up to 1 down")
+    sub.add_argument("--flaps", type=float, help="0 to 1")
+    property_options(sub)
 
 
 def condition_of(args: argparse.Namespace) -> TrimCondition:
@@ -22,17 +105,15 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
 
 
 def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
+    from .._core.checks import refuse
+
     values = {}
     for item in items:
         name, _, value = item.partition("=")
         try:
             values[name] = float(value)
         except ValueError:
-            raise ParameterError(
-                f"--{option} needs PROPERTY=VALUE with a number, not {item!r}",
-                parameter=option,
-                value=item,
-            ) from None
+            refuse(option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}")
     return values
 
 
@@ -47,15 +128,13 @@ def engine_numbers(text: str) -> tuple[int, ...] | str:
 
 def values_in_range(option: str, text: str) -> list[float]:
     """The numbers of FIRST:LAST:STEP, including the last."""
+    from .._core.checks import refuse
+
     try:
         first, last, step = map(float, text.split(":"))
         count = int((last - first) / step + 1e-9)
         if not 0 <= count < 10_000:
             raise ValueError
     except (ValueError, OverflowError, ZeroDivisionError):
-        raise ParameterError(
-            f"--{option} needs FIRST:LAST:STEP, such as 60:120:10, not {text!r}",
-            parameter=option,
-            value=text,
-        ) from None
+        refuse(option, text, f"--{option} needs FIRST:LAST:STEP, such as 60:120:10, not {text!r}")
     return [first + i * step for i in range(count + 1)]

@@ -9,8 +9,22 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..errors import UntrustedModelError
+from .arguments import Commands, add_command, repeatable, trust_option, trust_toolbox_option
 
 _Opened = TypeVar("_Opened")
+
+
+def add_view(commands: Commands) -> None:
+    sub = add_command(commands, "view", view_model, "open a diagram in PathView")
+    sub.add_argument(
+        "target",
+        nargs="?",
+        help="a diagram, a model (.pvm) or a script; default is an empty diagram",
+    )
+    sub.add_argument("--port", type=int, help="default is 8360, or a free one")
+    sub.add_argument("--no-browser", action="store_true", help="only serve")
+    trust_option(sub)
+    trust_toolbox_option(sub)
 
 
 def view_model(args: argparse.Namespace) -> None:
@@ -56,6 +70,18 @@ def says_yes(error: UntrustedModelError) -> bool:
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
+def add_export(commands: Commands) -> None:
+    sub = add_command(commands, "export", export, "write a diagram script as a PathView model")
+    sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
+    sub.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.pvm",
+        type=Path,
+        help="default is NAME.pvm, beside the script or, for the catalogue, here",
+    )
+
+
 def export(args: argparse.Namespace) -> None:
     from .._core.checks import ending, writable
     from ..catalogue import diagram_folder, find_diagram
@@ -72,6 +98,22 @@ def export(args: argparse.Namespace) -> None:
     # all code in the model comes from the script, which has just run here
     remember(digest(read(model)))
     print(f"model saved: {model}")
+
+
+def add_convert(commands: Commands) -> None:
+    sub = add_command(commands, "convert", convert, "write a PathView model as a Python script")
+    sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
+    sub.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.py",
+        type=Path,
+        help="default is NAME.py beside the model, if that does not exist yet",
+    )
+    repeatable(
+        sub, "--toolbox", "PACKAGE[:IMPORT]", "a toolbox that the model itself does not name"
+    )
+    trust_toolbox_option(sub)
 
 
 def convert(args: argparse.Namespace) -> None:

@@ -12,8 +12,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import BlocksError, DesignError, ParameterError, TrimError
-from .arguments import condition_of, values_of
+from ..errors import BlocksError, DesignError, TrimError
+from .arguments import (
+    Commands,
+    add_command,
+    condition_of,
+    condition_options,
+    property_options,
+    root_option,
+    values_of,
+)
 from .saving import saving_figures
 
 if TYPE_CHECKING:
@@ -21,15 +29,35 @@ if TYPE_CHECKING:
     from ..flight.airframe import Airframe
 
 
+def add_aircraft(commands: Commands) -> None:
+    sub = add_command(
+        commands, "aircraft", list_aircraft, "the aircraft models, and which of them load"
+    )
+    sub.add_argument("name", nargs="?", help="one model only")
+    root_option(sub)
+    sub.add_argument(
+        "--points",
+        metavar="FIG",
+        type=Path,
+        help="draw the points that the model names: CG, wheels, tanks, ...",
+    )
+    sub.add_argument(
+        "--table",
+        action="store_true",
+        help="trim each in level flight or a glide and fly it for 30 s, controls fixed",
+    )
+
+
 def list_aircraft(args: argparse.Namespace) -> None:
+    from .._core.checks import refuse
     from ..flight.airframe import Airframe, aircraft_names
 
     if args.table:
         if args.root is not None:
-            raise ParameterError(
+            refuse(
+                "root",
+                args.root,
                 "--table covers the models that jsbsim brings; it takes no --root",
-                parameter="root",
-                value=args.root,
             )
         from ..flight.fleet import HEADER, fleet_table, format_row
 
@@ -53,15 +81,14 @@ def list_aircraft(args: argparse.Namespace) -> None:
 
 
 def _draw_points(name: str | None, root: str | None, path: Path) -> None:
+    from .._core.checks import refuse
     from ..flight.airframe import Airframe
     from ..flight.points import aircraft_points
     from ..plots import aircraft_points as draw
     from ..plots import show
 
     if name is None:
-        raise ParameterError(
-            "--points needs the name of an aircraft", parameter="points", value=str(path)
-        )
+        refuse("points", str(path), "--points needs the name of an aircraft")
     airframe = Airframe(name, root=root)
     airframe.run_ic()
     points = aircraft_points(airframe)
@@ -70,6 +97,30 @@ def _draw_points(name: str | None, root: str | None, path: Path) -> None:
             print(f"{kind:<28} x {x:9.2f}  y {y:9.2f}  z {z:9.2f} in")
     with saving_figures(path):
         show(draw(points, f"{name}: named points"), "")
+
+
+def add_properties(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "properties",
+        list_properties,
+        "the properties of an aircraft: name, access, value as initialised, after the "
+        "trim or in flight",
+    )
+    sub.add_argument("aircraft")
+    sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
+    sub.add_argument(
+        "--trim",
+        action="store_true",
+        help="values after the trim; implied by any option of the condition",
+    )
+    sub.add_argument(
+        "--after",
+        metavar="SECONDS",
+        type=float,
+        help="values after this time of flight from the trim, controls fixed",
+    )
+    condition_options(sub)
 
 
 def list_properties(args: argparse.Namespace) -> None:
@@ -117,6 +168,21 @@ def _warnings_last() -> Iterator[None]:
         print(f"  {warning.message}")
 
 
+def add_trim(commands: Commands) -> None:
+    sub = add_command(commands, "trim", print_trim, "trim an aircraft and print the state found")
+    sub.add_argument("aircraft")
+    sub.add_argument(
+        "--steady",
+        type=float,
+        nargs="?",
+        const=10.0,
+        default=0.0,
+        metavar="SECONDS",
+        help="fly from the trim (default 10 s), controls fixed, and say how far it is from it then",
+    )
+    condition_options(sub)
+
+
 @_warnings_last()
 def print_trim(args: argparse.Namespace) -> None:
     from ..flight._trim import trim
@@ -126,6 +192,35 @@ def print_trim(args: argparse.Namespace) -> None:
     condition = condition_of(args)
     airframe = Airframe(args.aircraft, root=args.root, create=create)
     print(trim(airframe, condition, setup, steady=args.steady))
+
+
+def add_modes(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "modes",
+        print_modes,
+        "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C",
+    )
+    sub.add_argument("aircraft")
+    sub.add_argument(
+        "--method",
+        default="flown",
+        help="flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)",
+    )
+    sub.add_argument(
+        "--class",
+        dest="aircraft_class",
+        default="II-L",
+        help="I, II-L, II-C, III or IV (default %(default)s: medium, land-based)",
+    )
+    sub.add_argument(
+        "--category",
+        default="B",
+        help="flight phases: A, B or C (default %(default)s: climb, cruise)",
+    )
+    sub.add_argument("--save", metavar="FIG", type=Path, help="draw the poles into this file")
+    sub.add_argument("--json", metavar="FILE", type=Path, help="write the linear model")
+    condition_options(sub)
 
 
 @_warnings_last()
@@ -174,6 +269,31 @@ def _print_modes(args: argparse.Namespace) -> None:
         from ..plots import pole_map, show
 
         show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
+
+
+def add_gains(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "gains",
+        print_gains,
+        "design gains of the autopilot for an aircraft, and report how good they are",
+    )
+    sub.add_argument("aircraft")
+    for option, unit in (("altitude", "ft"), ("speed", "KCAS")):
+        sub.add_argument(
+            f"--{option}",
+            metavar=unit.upper(),
+            type=float,
+            nargs="+",
+            help=f"{unit}, one or several (default: where docs/fleet.md has it in level flight)",
+        )
+    sub.add_argument("--gear", type=float, help="0 up to 1 down (default: up where it retracts)")
+    sub.add_argument("--flaps", type=float, help="0 to 1")
+    sub.add_argument(
+        "--save", metavar="FILE.json", type=Path, help="write the gains, as gains= takes them"
+    )
+    root_option(sub)
+    property_options(sub)
 
 
 def print_gains(args: argparse.Namespace) -> int:

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import FileError, ParameterError
-from .arguments import values_in_range
+from ..errors import FileError
+from .arguments import Commands, add_command, values_in_range
 from .saving import csv_path, saving_figures
 
 
@@ -22,6 +22,31 @@ def studies() -> Mapping[str, Any]:
     from ..studies import STUDIES
 
     return STUDIES
+
+
+def add_study(commands: Commands) -> None:
+    sub = add_command(commands, "study", study, "run a trim study: its table, its figure")
+    sub.add_argument(
+        "name",
+        help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, modes_over_speed, thrust_vectoring "
+        "or trim_envelope",
+    )
+    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
+    sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table as CSV")
+    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
+    sub.add_argument(
+        "--resume",
+        metavar="FILE",
+        type=Path,
+        help="keep finished points in this file, and resume from it",
+    )
+    sub.add_argument("--wide", action="store_true", help="the larger grid, if there is one")
+    own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
+    own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
+    own.add_argument("--altitude", metavar="FT", type=float)
+    own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
+    own.add_argument("--speed", metavar="KCAS", type=float, help="one airspeed")
+    own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
 
 
 def study(args: argparse.Namespace) -> None:
@@ -43,7 +68,7 @@ def study(args: argparse.Namespace) -> None:
 
 def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
     """Compute a study, print its result and show its figure; options that are None are left out."""
-    from .._core.checks import one_of
+    from .._core.checks import one_of, refuse
     from .._core.files import replacing
     from ..plots import show
     from ..studies import STUDIES
@@ -53,11 +78,11 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
     taken = inspect.signature(study.table).parameters
     for option, value in options.items():
         if option not in taken:
-            raise ParameterError(
+            refuse(
+                option,
+                value,
                 f"the study {name} takes no --{option}; it takes "
                 + ", ".join(f"--{x}" for x in taken if x != "progress"),
-                parameter=option,
-                value=value,
             )
     if csv_file is not None:
         csv_path(csv_file)
@@ -78,6 +103,24 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
         show(figure, name)
 
 
+def add_check(commands: Commands) -> None:
+    sub = add_command(
+        commands, "check", check, "fly NASA's check cases and compare with NASA's simulators"
+    )
+    sub.add_argument("case", nargs="*", type=int, help="1 to 10 (default all)")
+    sub.add_argument(
+        "--rate", metavar="HZ", type=int, default=100, help="steps per second (default %(default)s)"
+    )
+    sub.add_argument(
+        "--integrators",
+        default="precise",
+        help="default, which is JSBSim's own, or precise (default %(default)s)",
+    )
+    sub.add_argument(
+        "--save", metavar="FIG", type=Path, help="write the figures: FIG, FIG with _2, ..."
+    )
+
+
 def check(args: argparse.Namespace) -> int:
     from ..check_cases import CASES, compare, comparison_figure, comparison_table, fly_case
     from ..plots import show
@@ -93,6 +136,16 @@ def check(args: argparse.Namespace) -> int:
                 show(comparison_figure(case, *scopes), "")
     print(f"{passed} of {len(cases)} cases pass: at {args.rate} Hz, {args.integrators} integrators")
     return int(passed < len(cases))
+
+
+def add_daveml(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "daveml",
+        print_daveml,
+        "the variables of a DAVE-ML model, and whether it passes its own check data",
+    )
+    sub.add_argument("file", metavar="FILE", help="the model, or the name of one of the package")
 
 
 def print_daveml(args: argparse.Namespace) -> int:

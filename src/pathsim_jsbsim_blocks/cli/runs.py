@@ -13,11 +13,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import BlocksError, ParameterError
+from ..errors import BlocksError
+from .arguments import Commands, add_command, repeatable, trust_option, trust_toolbox_option
 from .console import GONE, directory_is_gone
 from .editor import asking
 from .results import run_study, studies
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
+
+
+def add_list(commands: Commands) -> None:
+    add_command(commands, "list", list_names, "the diagrams and studies of the catalogue")
 
 
 def list_names(args: argparse.Namespace) -> None:
@@ -34,9 +39,58 @@ def list_names(args: argparse.Namespace) -> None:
         print(f"{name:<{width}}  {summary}")
 
 
+def add_run(commands: Commands) -> None:
+    sub = add_command(
+        commands, "run", run, "run a diagram or a study: print its results and show its figures"
+    )
+    sub.add_argument(
+        "name",
+        help="a diagram or a study of the catalogue, or the path of a script or a model (.pvm)",
+    )
+    repeatable(
+        sub,
+        "--set",
+        "NAME=VALUE",
+        "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
+        "at the top of the script",
+    )
+    sub.add_argument("--duration", metavar="SECONDS", type=float, help="simulated time to run for")
+    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
+    sub.add_argument(
+        "--csv",
+        metavar="FILE",
+        type=Path,
+        help="write all recorded signals as CSV, including those of a run that crashes or is "
+        "interrupted",
+    )
+    sub.add_argument(
+        "--csv-rate",
+        metavar="HZ",
+        type=float,
+        help="at most so many rows per second in the CSV, each as recorded; default is all",
+    )
+    repeatable(
+        sub,
+        "--track",
+        "FILE",
+        "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
+        "(Tacview), .czml (Cesium), .csv or .parquet",
+        type=Path,
+    )
+    sub.add_argument(
+        "--flightgear",
+        metavar="HOST:PORT",
+        nargs="?",
+        const="",
+        help="fly in real time and send to FlightGear (default 127.0.0.1:5550)",
+    )
+    trust_option(sub)
+    trust_toolbox_option(sub)
+
+
 def run(args: argparse.Namespace) -> int:
     from .._core._pathsim import keep_warnings_visible
-    from .._core.checks import positive
+    from .._core.checks import positive, refuse
     from .._core.running import runs_of, shown_runs
     from .._core.template import Template, main_program
     from ..catalogue import find_diagram
@@ -51,10 +105,10 @@ def run(args: argparse.Namespace) -> int:
             ("csv_rate", "has no time"),
         ):
             if getattr(args, option) not in (None, []):
-                raise ParameterError(
+                refuse(
+                    option,
+                    str(getattr(args, option)),
                     f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}",
-                    parameter=option,
-                    value=str(getattr(args, option)),
                 )
         run_study(args.name, args.save, args.csv)
         return 0
@@ -104,28 +158,25 @@ def run(args: argparse.Namespace) -> int:
 
 def _settings(items: Sequence[str]) -> dict[str, Any]:
     """The values of ``--set NAME=VALUE``, as texts."""
+    from .._core.checks import refuse
     from .._core.template import Text
 
     settings: dict[str, Any] = {}
     for item in items:
         name, equals, text = item.partition("=")
         if not (equals and text.strip()):
-            raise ParameterError(
-                f"--set needs NAME=VALUE, such as hold.theta_ref=5, not {item!r}",
-                parameter="set",
-                value=item,
-            )
+            refuse("set", item, f"--set needs NAME=VALUE, such as hold.theta_ref=5, not {item!r}")
         settings.update(_once(name.strip(), "set", settings, Text(text.strip())))
     return settings
 
 
 def _once(name: str, option: str, settings: Mapping[str, Any], value: Any) -> dict[str, Any]:
     """A setting that is not among those given already."""
+    from .._core.checks import refuse
+
     if name in settings:
-        raise ParameterError(
-            f"--{option}: {name} is set twice, to {settings[name]} and {value}",
-            parameter=option,
-            value=str(value),
+        refuse(
+            option, str(value), f"--{option}: {name} is set twice, to {settings[name]} and {value}"
         )
     return {name: value}
 
@@ -174,6 +225,8 @@ def _model_figures(model: Path) -> Iterator[None]:
 @contextlib.contextmanager
 def _tracking(paths: Sequence[Path]) -> Iterator[None]:
     """Write the flights within this context to files, also those before a failure."""
+    from .._core.checks import refuse
+
     if not paths:
         yield
         return
@@ -198,9 +251,7 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
                         for path in reversed(paths):
                             files.callback(save_to, path, flown)
                 elif ended:
-                    raise ParameterError(
-                        "the script flies no aircraft", parameter="track", value=str(paths[0])
-                    )
+                    refuse("track", str(paths[0]), "the script flies no aircraft")
             except BlocksError as failure:
                 if ended:
                     raise
@@ -230,6 +281,8 @@ def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> N
     """
     from pathsim import Simulation
 
+    from .._core.checks import refuse
+
     simulations = [x for x in objects if isinstance(x, Simulation)]
     resting = bool(simulations) and all(x.time == 0.0 for x in simulations)
     if not resting and (duration is None or constant):
@@ -240,7 +293,7 @@ def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> N
         + (': add sim.run(10) under if __name__ == "__main__":' if resting else "")
     )
     if duration is not None:
-        raise ParameterError(said, parameter="duration", value=duration)
+        refuse("duration", duration, said)
     print(f"pathsim-jsbsim: {said}", file=sys.stderr)
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..errors import FileError, ParameterError
+from ..errors import FileError
 
 SignalsWriter: TypeAlias = Callable[[Sequence[Any]], None]
 
@@ -63,14 +63,12 @@ def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | Non
     ParameterError
         for a rate without a file, a rate that is not positive, and the errors of `csv_path`
     """
-    from .._core.checks import positive
+    from .._core.checks import positive, refuse
 
     if rate is not None:
         positive("csv-rate", rate)
         if path is None:
-            raise ParameterError(
-                "--csv-rate goes with --csv FILE", parameter="csv-rate", value=rate
-            )
+            refuse("csv-rate", rate, "--csv-rate goes with --csv FILE")
     return None if path is None else partial(_write_csv, csv_path(path).absolute(), rate)
 
 
@@ -104,13 +102,12 @@ def recording_scopes(objects: Iterable[Any]) -> list[Any]:
 def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
     import numpy as np
 
+    from .._core.checks import refuse
     from .._core.files import replacing
     from .._core.scopes import recording, signal_label
 
     if not scopes:
-        raise ParameterError(
-            "the script has no simulation that a Scope recorded", parameter="csv", value=str(path)
-        )
+        refuse("csv", str(path), "the script has no simulation that a Scope recorded")
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
         time, data = recording(scope)
