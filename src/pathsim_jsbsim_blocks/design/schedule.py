@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from .._core.checks import as_path, ending, number, positive
+from .._core.checks import as_path, ending, number, positive, refuse
 from .._core.files import write_whole
 from ..control.gains import DesignPoint, GainSchedule, document_of
-from ..errors import DesignError, FileError, ParameterError, TrimError
+from ..errors import DesignError, FileError, TrimError
 from ..flight import TrimCondition
 from ..flight.condition import check_condition
 from .designed import DesignedGains, check_options, design_gains
@@ -111,12 +111,10 @@ def _sorted(name: str, values: Any, check: Callable[[str, Any], float]) -> list[
     except TypeError:
         items = None
     if items is None:
-        raise ParameterError(
-            f"{name} must be a list of numbers, not {values!r}", parameter=name, value=values
-        )
+        refuse(name, values, f"{name} must be a list of numbers, not {values!r}")
     found = sorted({check(name, value) for value in items})
     if not found:
-        raise ParameterError(f"{name} is empty", parameter=name, value=values)
+        refuse(name, values, f"{name} is empty")
     return found
 
 
@@ -160,14 +158,12 @@ def design_schedule(
     check_options(design_schedule, options)
     check_condition(condition)
     if progress is not None and not callable(progress):
-        raise ParameterError(
-            f"progress must be callable, not {progress!r}", parameter="progress", value=progress
-        )
+        refuse("progress", progress, f"progress must be callable, not {progress!r}")
     if condition.mach is not None:
-        raise ParameterError(
+        refuse(
+            "mach",
+            condition.mach,
             "a schedule is over the calibrated airspeed: give speeds instead of mach",
-            parameter="mach",
-            value=condition.mach,
         )
     levels = _sorted("altitudes", altitudes, number)
     airspeeds = _sorted("speeds", speeds, positive)

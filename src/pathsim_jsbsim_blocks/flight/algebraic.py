@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._core._pathsim import values
-from .._core.checks import mapping
-from ..errors import ParameterError
+from .._core.checks import mapping, refuse
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
 from .channels import RIGID, Channel, as_shown, driven, full_circle, ignorable
@@ -59,11 +58,7 @@ def algebraic_model(
 ) -> LinearModel:
     """Differentiate a block that ``build`` makes; parameters as of `FlightBlock.linear_model`."""
     if mapping("amplitude", amplitude):
-        raise ParameterError(
-            "amplitude is that of pulses: it goes with method='flown'",
-            parameter="amplitude",
-            value=amplitude,
-        )
+        refuse("amplitude", amplitude, "amplitude is that of pulses: it goes with method='flown'")
     block = build()
     airframe = block.airframe
     ports, channels = block.channels()
@@ -78,10 +73,10 @@ def algebraic_model(
     places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
     for c in shown:
         if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):
-            raise ParameterError(
+            refuse(
+                "outputs",
+                c.name,
                 f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'",
-                parameter="outputs",
-                value=c.name,
             )
     place0 = [airframe.fdm[c.properties[0]] for c in places]
 

@@ -9,7 +9,7 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
-from ..errors import ParameterError
+from .._core.checks import refuse
 
 HOST, PORT = "127.0.0.1", 5550
 
@@ -30,20 +30,20 @@ def address(parameter: str, value: Any) -> tuple[str, int]:
     found = re.fullmatch(r"([\w.-]*)(?::(\d{1,5}))?", value) if isinstance(value, str) else None
     port = int(found[2] or PORT) if found else 0
     if not found or not 0 < port < 65536:
-        raise ParameterError(
+        refuse(
+            parameter,
+            value,
             f"{parameter} must be HOST:PORT such as '{HOST}:{PORT}', not {value!r}",
-            parameter=parameter,
-            value=value,
         )
     host = found[1] or HOST
     try:
         socket.getaddrinfo(host, port, socket.AF_INET)
     except OSError as error:
-        raise ParameterError(
+        refuse(
+            parameter,
+            value,
             f"{parameter} names the host {host!r}, which is not found: {error.strerror}",
-            parameter=parameter,
-            value=value,
-        ) from None
+        )
     return host, port
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from .._core._pathsim import values
 from .._core.callers import warn_user
-from .._core.checks import did_you_mean, mapping, nearest, positive
-from ..errors import FlightError, LinearisationError, ParameterError
+from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
+from ..errors import FlightError, LinearisationError
 from ..linear.identification import Realisation, realise, respond
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
@@ -365,10 +365,10 @@ def _heights(
     names = [port.name for port in ports]
     for name in given:
         if name not in names:
-            raise ParameterError(
+            refuse(
+                "amplitude",
+                name,
                 f"amplitude: there is no input {name!r}" + did_you_mean(nearest(str(name), names)),
-                parameter="amplitude",
-                value=name,
             )
     piston = any(airframe.has(f"propulsion/engine[{i}]/map-inhg") for i in range(airframe.engines))
     heights = []
@@ -380,11 +380,11 @@ def _heights(
         elif port.unit in _AMPLITUDES:
             heights.append(_AMPLITUDES[port.unit])
         else:
-            raise ParameterError(
+            refuse(
+                "amplitude",
+                port.name,
                 f"how far to move {port.name!r} cannot be told from its name: give "
                 f"amplitude={{{port.name!r}: ...}}, in its unit and small",
-                parameter="amplitude",
-                value=port.name,
             )
     return heights
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .._core.checks import one_of
-from ..errors import ParameterError
+from .._core.checks import one_of, refuse
 
 # JSBSim's numbers for simulation/integrator/... (FGPropagate::eIntegrateType)
 _METHODS = {
@@ -67,11 +66,11 @@ def integrator_properties(integrators: Any) -> dict[str, int]:
     if isinstance(integrators, str):
         integrators = PRESETS[one_of("integrators", integrators, PRESETS)]
     elif not isinstance(integrators, Mapping):
-        raise ParameterError(
+        refuse(
+            "integrators",
+            integrators,
             f"integrators must be one of {', '.join(map(repr, PRESETS))} or a dict of states and "
             f"methods, not {integrators!r}",
-            parameter="integrators",
-            value=integrators,
         )
     properties = {}
     for state, method in integrators.items():

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .._core.checks import number, one_of, positive
-from ..errors import ParameterError
+from .._core.checks import number, one_of, positive, refuse
 
 # names and units of JSBSim's <planet>; NIMA TR8350.2, third edition, in ft. These are the planet
 # that JSBSim has for models without one
@@ -57,11 +56,11 @@ def planet_xml(planet: Any) -> str:
     elif isinstance(planet, Mapping):
         given = planet
     else:
-        raise ParameterError(
+        refuse(
+            "planet",
+            planet,
             f"planet must be one of {', '.join(map(repr, PLANETS))} or a dict of what differs "
             f"from WGS-84, not {planet!r}",
-            parameter="planet",
-            value=planet,
         )
     values = dict(_WGS84)
     for name, value in given.items():
@@ -70,11 +69,11 @@ def planet_xml(planet: Any) -> str:
             f"planet[{name!r}]", value
         )
     if values["semiminor_axis"] > values["semimajor_axis"]:
-        raise ParameterError(
+        refuse(
+            "planet",
+            planet,
             "the semiminor axis of a planet must not exceed its semimajor axis, "
             f"{values['semimajor_axis']:.10g} ft, not {values['semiminor_axis']:.10g} ft",
-            parameter="planet",
-            value=planet,
         )
     elements = (
         f"<{name}" + (f' unit="{_UNITS[name]}"' if _UNITS[name] else "") + f">{value!r}</{name}>"

@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .._core.checks import did_you_mean, nearest, property_list
-from ..errors import ParameterError, PropertyError
+from .._core.checks import did_you_mean, nearest, property_list, refuse
+from ..errors import PropertyError
 from .airframe import Airframe
 from .writable import why_no_input
 
@@ -88,25 +88,25 @@ def check_ports(
                     f"{name!r} cannot be an input: {why}", aircraft=airframe.aircraft, name=name
                 )
             if property_ in taken:
-                raise ParameterError(
+                refuse(
+                    parameter,
+                    names,
                     f"{parameter} lists {name!r}, which port {taken[property_]!r} writes already",
-                    parameter=parameter,
-                    value=names,
                 )
             if property_ in seen:
                 other = seen[property_]
-                raise ParameterError(
+                refuse(
+                    parameter,
+                    names,
                     f"{parameter} lists {name!r} twice"
                     + (f", first as {other!r}" if other != name else ""),
-                    parameter=parameter,
-                    value=names,
                 )
             seen[property_] = name
     if names != list(ports):
-        raise ParameterError(
+        refuse(
+            parameter,
+            names,
             f"{parameter} cannot change, they are the block's ports: build another block",
-            parameter=parameter,
-            value=names,
         )
 
 

@@ -10,8 +10,8 @@ import math
 import re
 from collections.abc import Callable, Mapping
 
-from .._core.checks import number
-from ..errors import ParameterError, PropertyError
+from .._core.checks import number, refuse
+from ..errors import PropertyError
 from .integrators import INTEGRATORS
 from .planet import GRAVITY
 
@@ -114,6 +114,4 @@ def value_check(name: str, aircraft: str, engines: int) -> Check | None:
 def _check_numbered(said: str, value: float, numbers: Mapping[str, int]) -> None:
     if value not in numbers.values():
         known = ", ".join(f"{number} ({name})" for name, number in numbers.items())
-        raise ParameterError(
-            f"{said} must be one of {known}, not {value:g}", parameter=said, value=value
-        )
+        refuse(said, value, f"{said} must be one of {known}, not {value:g}")
