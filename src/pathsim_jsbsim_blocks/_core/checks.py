@@ -197,11 +197,7 @@ def optional(parameter: str, value: Any, **bounds: Any) -> float | None:
 def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:
     """``value``, a list, tuple or array, as numbers within bounds."""
     if not isinstance(value, (list, tuple)) and not (isinstance(value, np.ndarray) and value.ndim):
-        raise ParameterError(
-            f"{parameter} must be a list of numbers, not {value!r}",
-            parameter=parameter,
-            value=value,
-        )
+        refuse(parameter, value, f"{parameter} must be a list of numbers, not {value!r}")
     return [number(f"{parameter}[{i}]", x, **bounds) for i, x in enumerate(value)]
 
 
