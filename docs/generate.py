@@ -132,19 +132,23 @@ def gallery():
     return "\n".join(parts)
 
 
+# the check cases with a section of their own, and those that share it
+FAMILIES = {
+    "check_case_01": "The others that fall are `check_case_02` to `check_case_10`",
+    "check_case_13_3": "The F-16 flies `check_case_11` to `check_case_16` too",
+}
+
+
 def gallery_names():
-    """The diagrams with a section of their own: the check cases share that of the first."""
-    return [n for n in diagram_names() if not n.startswith("check_case_") or n.endswith("_01")]
+    """The diagrams with a section of their own: the check cases share two."""
+    return [n for n in diagram_names() if not n.startswith("check_case_") or n in FAMILIES]
 
 
 def family(name):
     """Where the diagrams are that share a section."""
-    if not name.startswith("check_case_"):
+    if name not in FAMILIES:
         return ""
-    return (
-        "\nThe other nine are `check_case_02` to `check_case_10`; "
-        "[how far to trust it](accuracy.md) shows them all.\n"
-    )
+    return f"\n{FAMILIES[name]}; [how far to trust it](accuracy.md) shows them all.\n"
 
 
 def track(name):
@@ -182,11 +186,16 @@ GROUPS = {
 }
 
 
-def check_cases(integrators="precise"):
-    """The deviations of each check case, by quantity."""
+# those of spheres and bricks, and those of the F-16
+FALLS = [case for case in CASES if case <= 10]
+F16 = [case for case in CASES if case > 10]
+
+
+def check_cases(cases=FALLS, integrators="precise"):
+    """The deviations of check cases, by quantity."""
     return {
         case: {d.quantity: d for d in compare(case, *fly_case(case, integrators=integrators))}
-        for case in CASES
+        for case in cases
     }
 
 
@@ -212,12 +221,34 @@ def trust_table(precise):
 
 def cases_table(found):
     """One row for each check case: differences from simulator 05, and how much passes."""
-    head = " | ".join(f"{name} [{unit}]" for name, (unit, _) in GROUPS.items())
-    rows = [f"| | check case | {head} | pass |", "|---" * (len(GROUPS) + 3) + "|"]
+    # the F-16's cases compare no rates
+    groups = {n: g for n, g in GROUPS.items() if all(g[1][0] in ds for ds in found.values())}
+    head = " | ".join(f"{name} [{unit}]" for name, (unit, _) in groups.items())
+    rows = [f"| | check case | {head} | pass |", "|---" * (len(groups) + 3) + "|"]
     for case, deviations in found.items():
-        cells = " | ".join(worst(deviations, quantities) for _, quantities in GROUPS.values())
+        cells = " | ".join(worst(deviations, quantities) for _, quantities in groups.values())
         inside = sum(d.passes for d in deviations.values())
         rows.append(f"| {case} | {CASES[case]} | {cells} | {inside} of {len(deviations)} |")
+    return "\n".join(rows)
+
+
+def f16_table(found):
+    """One row for each kind of flight: the worst difference from simulator 05, and its limit."""
+    groups = [(name, *GROUPS[name]) for name in list(GROUPS)[:4]]
+    head = " | ".join(f"{name} [{unit}]" for name, unit, _ in groups)
+    rows = [f"| check cases | {head} | pass |", "|---" * 6 + "|"]
+    for kind, cases in {
+        "11, 12: trim, Mach 0.5 and 2": (11, 12),
+        "13.1 to 13.4: autopilot": (13.1, 13.2, 13.3, 13.4),
+        "15, 16: circles": (15, 16),
+    }.items():
+        cells = []
+        for _, _, quantities in groups:
+            some = [found[case][q] for case in cases for q in quantities]
+            most = max(some, key=lambda d: d.from_05)
+            cells.append(f"{most.from_05:.2g} of {max(d.limit_05 for d in some):g}")
+        judged = [d.passes for case in cases for d in found[case].values()]
+        rows.append(f"| {kind} | {' | '.join(cells)} | {sum(judged)} of {len(judged)} |")
     return "\n".join(rows)
 
 
@@ -261,11 +292,13 @@ def put(page, name, text):
 
 def accuracy():
     """The tables of the check cases and of the integrators."""
-    precise = check_cases()
+    precise, f16 = check_cases(), check_cases(F16)
     page = DOCS / "accuracy.md"
     put(DOCS.parent / "README.md", "check cases", trust_table(precise))
+    put(DOCS.parent / "README.md", "F-16", f16_table(f16))
     put(page, "check cases", cases_table(precise))
-    put(page, "check cases by default", cases_table(check_cases("default")))
+    put(page, "F-16", cases_table(f16))
+    put(page, "check cases by default", cases_table(check_cases(integrators="default")))
     put(page, "doublet", doublet_table())
 
 

@@ -16,7 +16,6 @@ from pathsim.blocks import Scope
 from pathsim_jsbsim_blocks import ParameterError, fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.check_cases import (
-    CASES,
     MODELS,
     compare,
     comparison_figure,
@@ -140,7 +139,7 @@ def distance(label, signal, rows, rate):
     return max(abs(math.remainder(x, 360.0) if "[deg]" in label else x) for x in found)
 
 
-CASES_AND_RATES = [(case, rate) for case in CASES for rate in (100, 120)]
+CASES_AND_RATES = [(case, rate) for case in SET_UP for rate in (100, 120)]
 
 
 @pytest.mark.parametrize(("case", "rate"), CASES_AND_RATES)
@@ -263,8 +262,8 @@ def test_a_comparison_cannot_be_changed():
 
 
 def test_what_cannot_be_compared_is_refused():
-    with pytest.raises(ParameterError, match="case must be one of 1 to 10, not 11"):
-        fly_case(11)
+    with pytest.raises(ParameterError, match=r"case must be one of 1, 2, .*, 16, not 17"):
+        fly_case(17)
     with pytest.raises(ParameterError, match="rate must be even"):
         fly_case(1, rate=25)
     with pytest.raises(ParameterError, match="none of the scopes records the altitude"):
@@ -283,21 +282,21 @@ def test_the_command_prints_tables_and_saves_figures(tmp_path, capsys):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert main(["check", "2", "6", "--integrators", "default"]) == 1
     assert "1 of 2 cases pass" in capsys.readouterr().out
-    assert main(["check", "12"]) == 1
-    assert "case must be one of 1 to 10, not 12" in capsys.readouterr().err
+    assert main(["check", "17"]) == 1
+    assert "case must be one of 1, 2" in capsys.readouterr().err
 
 
 def test_the_command_finds_models_of_ones_own(capsys):
     assert main(["aircraft", "--root", MODELS]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["nesc_brick", "nesc_sphere"]
+    assert [line.split()[0] for line in lines] == ["nesc_brick", "nesc_f16", "nesc_sphere"]
     assert main(["properties", "nesc_sphere", "nesc/cd", "--root", MODELS]) == 0
     assert capsys.readouterr().out.split() == ["nesc/cd", "rw", "0.1"]
     condition = ["--mode", "none", "--altitude", "1000"]
     assert main(["trim", "nesc_sphere", "--root", MODELS, *condition]) == 0
     assert "1000.000000 ft" in capsys.readouterr().out
     assert main(["trim", "c172p", "--root", MODELS]) == 1
-    assert "no aircraft 'c172p' among the 2 models" in capsys.readouterr().err
+    assert "no aircraft 'c172p' among the 3 models" in capsys.readouterr().err
     assert main(["aircraft", "--table", "--root", MODELS]) == 1
     assert "it takes no --root" in capsys.readouterr().err
 
@@ -307,7 +306,7 @@ def test_the_tables_of_the_documentation_are_current(monkeypatch):
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)
     generate = importlib.import_module("generate")
-    found = {case: {d.quantity: d for d in compare(case, *flown(case, 100))} for case in CASES}
+    found = {case: {d.quantity: d for d in compare(case, *flown(case, 100))} for case in SET_UP}
     assert generate.trust_table(found) in (docs.parent / "README.md").read_text(encoding="utf-8")
     assert generate.cases_table(found) in (docs / "accuracy.md").read_text(encoding="utf-8")
 
@@ -319,5 +318,5 @@ def test_the_tables_of_other_integrators_are_current(monkeypatch):
     monkeypatch.syspath_prepend(docs)
     generate = importlib.import_module("generate")
     page = (docs / "accuracy.md").read_text(encoding="utf-8")
-    assert generate.cases_table(generate.check_cases("default")) in page
+    assert generate.cases_table(generate.check_cases(integrators="default")) in page
     assert generate.doublet_table() in page

@@ -14,7 +14,7 @@ Expression = tuple
 _ANY = 256
 
 # fewest and most arguments, Python (what joins two arguments, or a function), JSBSim's element
-_OPERATORS: dict[str, tuple[int, int, str, str]] = {
+OPERATORS: dict[str, tuple[int, int, str, str]] = {
     "plus": (1, _ANY, " + ", "sum"),
     "times": (1, _ANY, " * ", "product"),
     "minus": (1, 2, " - ", "difference"),
@@ -48,8 +48,8 @@ _OPERATORS: dict[str, tuple[int, int, str, str]] = {
     "not": (1, 1, "negate", "not"),
 }
 _RECIPROCALS = {"sec": "cos", "csc": "sin", "cot": "tan"}
-_LOGIC = ("and", "or", "not")
-_BOOLEAN = ("lt", "gt", "leq", "geq", "eq", "neq", *_LOGIC)
+LOGIC = ("and", "or", "not")
+BOOLEAN = ("lt", "gt", "leq", "geq", "eq", "neq", *LOGIC)
 _CONSTANTS = {"pi": math.pi, "exponentiale": math.e, "true": 1.0, "false": 0.0}
 
 
@@ -94,9 +94,9 @@ def read_expression(element: Element) -> Expression:
 def _applied(element: Element, name: str, arguments: list[Expression]) -> Expression:
     if name in _RECIPROCALS:
         return ("divide", ("number", 1.0), _applied(element, _RECIPROCALS[name], arguments))
-    if name not in _OPERATORS:
-        raise element.error(f"unknown operator {name!r}", name=name, of=[*_OPERATORS, "sec", "cot"])
-    fewest, most, *_ = _OPERATORS[name]
+    if name not in OPERATORS:
+        raise element.error(f"unknown operator {name!r}", name=name, of=[*OPERATORS, "sec", "cot"])
+    fewest, most, *_ = OPERATORS[name]
     if not fewest <= len(arguments) <= most:
         raise element.error(f"{name!r} takes {fewest} to {most} arguments, not {len(arguments)}")
     if name == "root":
@@ -105,7 +105,7 @@ def _applied(element: Element, name: str, arguments: list[Expression]) -> Expres
     if name == "log" and len(arguments) == 2:
         return ("divide", ("ln", arguments[1]), ("ln", arguments[0]))
     if len(arguments) == 1 and most == _ANY:
-        return ("neq", *arguments, ("number", 0.0)) if name in _LOGIC else arguments[0]
+        return ("neq", *arguments, ("number", 0.0)) if name in LOGIC else arguments[0]
     if name == "minus" and len(arguments) == 1:
         return ("minus", ("number", 0.0), *arguments)
     return (name, *arguments)
@@ -149,5 +149,5 @@ def python_of(expression: Expression, name: Callable[[str], str]) -> str:
         pieces = zip(parts[::2], parts[1::2], strict=False)
         last = parts[-1] if len(parts) % 2 else "undefined()"
         return "(" + "".join(f"{value} if {when} else " for value, when in pieces) + f"{last})"
-    operator = _OPERATORS[kind][2]
+    operator = OPERATORS[kind][2]
     return f"({operator.join(parts)})" if operator[0] == " " else f"{operator}({', '.join(parts)})"

@@ -104,6 +104,11 @@ class DaveModel:
         self.variables = {name: found[name] for name in _order(found)}
         self.inputs = [v for v in found.values() if v.kind == "input"]
         self.outputs = [v for v in found.values() if v.is_output]
+        self.constants = {
+            v.id: _limited(v.initial, v.low, v.high)
+            for v in found.values()
+            if v.kind == "constant" and v.initial is not None
+        }
         self._shots = [*_shots(root, self)]
         self._function = self._compiled()
         numbers = {name: i for i, name in enumerate(self.variables)}

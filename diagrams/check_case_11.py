@@ -1,0 +1,95 @@
+"""NASA's check case 11: an F-16 in level flight, controls fixed.
+
+It tests aerodynamics, thrust and trim. The F-16 is trimmed at 10,013 ft and Mach 0.52, heading
+45 deg, and flies for 180 s with elevator and power fixed.
+
+Expected: within 0.001 ft in altitude and 3e-6 deg of simulator 05. One of NASA's simulators flies
+another trim, and is 45 ft away at the end.
+
+Source: NASA/TM-2015-218675, atmospheric check case 11, and the F-16 that NASA published with it.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.check_cases import MODELS
+
+DURATION = 180.0  # s
+
+# level flight over the ellipsoid, in still air: the angle of attack, elevator and power at which
+# udot, wdot and qdot are 0, and the rates at which the vertical turns
+ALPHA = 2.6389076926144264  # deg
+ELEVATOR = -3.232741194162996  # deg, trailing edge down
+POWER = 13.873860063261105  # percent
+RATES = [
+    5.794250606300034e-07,
+    -2.7048375306696378e-05,
+    -1.3863146715424909e-05,
+]  # rad/s, relative to the Earth
+
+vehicle = JSBSimFDM(
+    T=1 / 200,
+    output_properties=[
+        "position/h-sl-ft",
+        "position/lat-geod-deg",
+        "position/long-gc-deg",
+        "velocities/vt-fps",
+        "attitude/phi-deg",
+        "attitude/theta-deg",
+        "attitude/psi-deg",
+    ],
+    JSBSim_path=MODELS,
+    aircraft_model="nesc_f16",
+    condition=TrimCondition(
+        mode="none",
+        altitude=10013.0,
+        heading=45.0,
+        latitude=36.01916667,
+        longitude=-75.67444444,
+        setup={
+            "ic/vn-fps": 400.0,
+            "ic/ve-fps": 400.0,
+            "ic/theta-deg": ALPHA,
+            "ic/p-rad_sec": RATES[0],
+            "ic/q-rad_sec": RATES[1],
+            "ic/r-rad_sec": RATES[2],
+            "nesc_f16/elevator-deg": ELEVATOR,
+            "nesc_f16/power-pct": POWER,
+        },
+    ),
+    integrators="precise",
+)
+position = Scope(labels=["altitude [ft]", "latitude [deg]", "longitude [deg]"])
+speed = Scope(labels=["true airspeed [ft/s]"])
+attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
+
+sim = Simulation(
+    [vehicle, position, speed, attitude],
+    [
+        Connection(vehicle["position/h-sl-ft"], position[0]),
+        Connection(vehicle["position/lat-geod-deg"], position[1]),
+        Connection(vehicle["position/long-gc-deg"], position[2]),
+        Connection(vehicle["velocities/vt-fps"], speed[0]),
+        Connection(vehicle["attitude/phi-deg"], attitude[0]),
+        Connection(vehicle["attitude/theta-deg"], attitude[1]),
+        Connection(vehicle["attitude/psi-deg"], attitude[2]),
+    ],
+    dt=1 / 200,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.check_cases import comparison_figure
+
+    return comparison_figure(11, position, speed, attitude)
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.check_cases import compare, comparison_table
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    print(comparison_table(11, compare(11, position, speed, attitude)))
+    show(figure(), "check_case_11")

@@ -1,0 +1,153 @@
+"""NASA's check case 13.2: an F-16's autopilot slows down by 5 kt.
+
+The F-16 of case 13.1; at 5 s the commanded equivalent airspeed falls by 5 kt. One of NASA's
+simulators took 10 kt.
+
+Expected: within 0.35 ft in altitude of simulator 05, and 0.03 kt in airspeed.
+
+Source: NASA/TM-2015-218675, atmospheric check case 13.2, and the F-16 that NASA published with it.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Constant, Scope, StepSource
+
+from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.check_cases import MODELS
+
+DURATION = 20.0  # s
+
+# level flight over the ellipsoid, in still air: the angle of attack, elevator and power at which
+# udot, wdot and qdot are 0, and the rates at which the vertical turns
+ALPHA = 2.6389076926144264  # deg
+ELEVATOR = -3.232741194162996  # deg, trailing edge down
+POWER = 13.873860063261105  # percent
+RATES = [
+    5.794250606300034e-07,
+    -2.7048375306696378e-05,
+    -1.3863146715424909e-05,
+]  # rad/s, relative to the Earth
+KEAS = 287.9813957627089  # kt
+
+vehicle = JSBSimFDM(
+    T=1 / 200,
+    input_properties=[
+        "nesc_f16/elevator-deg",
+        "nesc_f16/aileron-deg",
+        "nesc_f16/rudder-deg",
+        "nesc_f16/power-pct",
+    ],
+    output_properties=[
+        "position/h-sl-ft",
+        "position/lat-geod-deg",
+        "position/long-gc-deg",
+        "velocities/vt-fps",
+        "attitude/phi-deg",
+        "attitude/theta-deg",
+        "attitude/psi-deg",
+        "aero/alpha-deg",
+        "aero/beta-deg",
+        "velocities/pi-rad_sec",
+        "velocities/qi-rad_sec",
+        "velocities/ri-rad_sec",
+        "velocities/ve-kts",
+    ],
+    JSBSim_path=MODELS,
+    aircraft_model="nesc_f16",
+    condition=TrimCondition(
+        mode="none",
+        altitude=10013.0,
+        heading=45.0,
+        latitude=36.01916667,
+        longitude=-75.67444444,
+        setup={
+            "ic/vn-fps": 400.0,
+            "ic/ve-fps": 400.0,
+            "ic/theta-deg": ALPHA,
+            "ic/p-rad_sec": RATES[0],
+            "ic/q-rad_sec": RATES[1],
+            "ic/r-rad_sec": RATES[2],
+            "nesc_f16/elevator-deg": ELEVATOR,
+            "nesc_f16/power-pct": POWER,
+        },
+    ),
+    integrators="precise",
+)
+laws = DaveML("f16_control.dml")
+autopilot_on = Constant(1.0)
+trim_throttle = Constant(POWER / 100)
+trim_stick = Constant(-ELEVATOR / 25)
+altitude_command = Constant(10013.0)
+airspeed_command = Constant(KEAS)
+airspeed_step = StepSource(amplitude=-5.0, tau=5.0)
+new_airspeed = Adder()
+course_command = Constant(45.0)
+offset = Constant(0.0)
+position = Scope(labels=["altitude [ft]", "latitude [deg]", "longitude [deg]"])
+speed = Scope(labels=["true airspeed [ft/s]"])
+attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
+surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
+
+sim = Simulation(
+    [
+        vehicle,
+        laws,
+        autopilot_on,
+        trim_throttle,
+        trim_stick,
+        altitude_command,
+        airspeed_command,
+        airspeed_step,
+        new_airspeed,
+        course_command,
+        offset,
+        position,
+        speed,
+        attitude,
+        surfaces,
+    ],
+    [
+        Connection(vehicle["position/h-sl-ft"], laws["altitudeMsl"], position[0]),
+        Connection(vehicle["position/lat-geod-deg"], position[1]),
+        Connection(vehicle["position/long-gc-deg"], position[2]),
+        Connection(vehicle["velocities/vt-fps"], speed[0]),
+        Connection(vehicle["attitude/phi-deg"], laws["eulerAngle_Roll"], attitude[0]),
+        Connection(vehicle["attitude/theta-deg"], laws["eulerAngle_Pitch"], attitude[1]),
+        Connection(vehicle["attitude/psi-deg"], laws["eulerAngle_Yaw"], attitude[2]),
+        Connection(vehicle["aero/alpha-deg"], laws["angleOfAttack"]),
+        Connection(vehicle["aero/beta-deg"], laws["angleOfSideslip"]),
+        Connection(vehicle["velocities/pi-rad_sec"], laws["bodyAngularRate_Roll"]),
+        Connection(vehicle["velocities/qi-rad_sec"], laws["bodyAngularRate_Pitch"]),
+        Connection(vehicle["velocities/ri-rad_sec"], laws["bodyAngularRate_Yaw"]),
+        Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
+        Connection(autopilot_on, laws["autopilotOn"]),
+        Connection(trim_throttle, laws["trimThrottle"]),
+        Connection(trim_stick, laws["trimStick"]),
+        Connection(altitude_command, laws["altitudeCommand"]),
+        Connection(airspeed_command, new_airspeed[0]),
+        Connection(airspeed_step, new_airspeed[1]),
+        Connection(new_airspeed, laws["airspeedCommand"]),
+        Connection(course_command, laws["courseCommand"]),
+        Connection(offset, laws["lateralOffset"]),
+        Connection(laws["elevatorDeflection"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
+        Connection(laws["aileronDeflection"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
+        Connection(laws["rudderDeflection"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),
+        Connection(laws["powerLeverAngle"], vehicle["nesc_f16/power-pct"], surfaces[3]),
+    ],
+    dt=1 / 200,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.check_cases import comparison_figure
+
+    return comparison_figure(13.2, position, speed, attitude)
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.check_cases import compare, comparison_table
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    print(comparison_table(13.2, compare(13.2, position, speed, attitude)))
+    show(figure(), "check_case_13_2")

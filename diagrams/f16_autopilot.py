@@ -1,0 +1,222 @@
+"""An F-16's autopilot from core blocks turns by 15 deg.
+
+It shows control laws in the open: altitude and course loops command pitch and bank, and two
+matrices of gains (a linear-quadratic regulator) turn the errors of airspeed, angle of attack,
+attitude and rates into stick, throttle and pedal. They are the laws of NASA's check cases 13 to 16,
+which are the file ``f16_control.dml`` there, with the autopilot on.
+
+Expected: the same flight as `check_case_13_3`, which has the file as a block, to 1e-9 deg. At 15 s
+the commanded course turns by 15 deg; the F-16 is at 30 deg of bank half a second later, 36 deg at
+most, and within 0.1 deg of the new heading at 30 s.
+
+Source: NASA/TM-2015-218675, atmospheric check case 13.3, and the F-16 that NASA published with it.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, Clip, Constant, Function, Matrix, Scope, StepSource
+
+from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.check_cases import MODELS
+
+DURATION = 30.0  # s
+
+# level flight over the ellipsoid, in still air: the angle of attack, elevator and power at which
+# udot, wdot and qdot are 0, and the rates at which the vertical turns
+ALPHA = 2.6389076926144264  # deg
+ELEVATOR = -3.232741194162996  # deg, trailing edge down
+POWER = 13.873860063261105  # percent
+RATES = [
+    5.794250606300034e-07,
+    -2.7048375306696378e-05,
+    -1.3863146715424909e-05,
+]  # rad/s, relative to the Earth
+KEAS = 287.9813957627089  # kt
+DESIGN = 2.653813535191715  # deg, angle of attack and pitch angle for which the gains were made
+
+# of airspeed [kt], angle of attack [deg], pitch rate [rad/s], pitch angle [deg]
+LONGITUDINAL = [
+    [0.063009074230494, -0.113230403179271, -10.113432224566077, -3.154983341632913],  # stick
+    [-0.997260602961658, 0.025467711176391, -1.213308488207827, -0.208744369535208],  # throttle
+]
+# of bank angle [deg], sideslip angle [deg], roll rate [rad/s], yaw rate [rad/s]
+LATERAL = [
+    [-3.07804394151577, -0.032365863044163, -4.557858908828332, -0.589443156647647],  # stick
+    [0.70581745275452, 0.256362860634868, 1.073666149713151, -0.822114635953878],  # pedal
+]
+# of pitch stick, throttle, roll stick, pedal: elevator, aileron, rudder [deg], power [%]
+MIXER = [
+    [-25.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, -21.5, 0.0],
+    [0.0, 0.0, -0.172, -30.0],
+    [0.0, 100.0, 0.0, 0.0],
+]
+
+
+def within_half_a_turn(angle):
+    return (angle + 180.0) % 360.0 - 180.0
+
+
+vehicle = JSBSimFDM(
+    T=1 / 200,
+    input_properties=[
+        "nesc_f16/elevator-deg",
+        "nesc_f16/aileron-deg",
+        "nesc_f16/rudder-deg",
+        "nesc_f16/power-pct",
+    ],
+    output_properties=[
+        "position/h-sl-ft",
+        "attitude/phi-deg",
+        "attitude/theta-deg",
+        "attitude/psi-deg",
+        "aero/alpha-deg",
+        "aero/beta-deg",
+        "velocities/pi-rad_sec",
+        "velocities/qi-rad_sec",
+        "velocities/ri-rad_sec",
+        "velocities/ve-kts",
+    ],
+    JSBSim_path=MODELS,
+    aircraft_model="nesc_f16",
+    condition=TrimCondition(
+        mode="none",
+        altitude=10013.0,
+        heading=45.0,
+        latitude=36.01916667,
+        longitude=-75.67444444,
+        setup={
+            "ic/vn-fps": 400.0,
+            "ic/ve-fps": 400.0,
+            "ic/theta-deg": ALPHA,
+            "ic/p-rad_sec": RATES[0],
+            "ic/q-rad_sec": RATES[1],
+            "ic/r-rad_sec": RATES[2],
+            "nesc_f16/elevator-deg": ELEVATOR,
+            "nesc_f16/power-pct": POWER,
+        },
+    ),
+    integrators="precise",
+)
+
+altitude_command = Constant(10013.0)
+altitude_error = Adder("+-")
+climb = Amplifier(-0.05)  # deg/ft
+pitch_step = Clip(-5.0, 5.0)  # deg
+design = Constant(DESIGN)
+pitch_error = Adder("+--")
+
+course_command = Constant(45.0)
+course_step = StepSource(amplitude=15.0, tau=15.0)
+course_error = Adder("++--")
+half_turn = Function(within_half_a_turn)
+turn = Amplifier(-10.0)
+bank_command = Clip(-30.0, 30.0)  # deg
+bank_error = Adder("+-")
+
+airspeed_command = Constant(KEAS)
+airspeed_error = Adder("+-")
+alpha_error = Adder("+-")
+
+longitudinal = Matrix(LONGITUDINAL)
+lateral = Matrix(LATERAL)
+trim_stick = Constant(-ELEVATOR / 25)
+trim_throttle = Constant(POWER / 100)
+stick = Adder()
+throttle = Adder()
+stops = Clip([-1.0, 0.0, -1.0, -1.0], [1.0, 1.0, 1.0, 1.0])
+mixer = Matrix(MIXER)
+
+angles = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
+flight = Scope(labels=["altitude [ft]", "equivalent airspeed [kt]"])
+surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
+
+sim = Simulation(
+    [
+        vehicle,
+        altitude_command,
+        altitude_error,
+        climb,
+        pitch_step,
+        design,
+        pitch_error,
+        course_command,
+        course_step,
+        course_error,
+        half_turn,
+        turn,
+        bank_command,
+        bank_error,
+        airspeed_command,
+        airspeed_error,
+        alpha_error,
+        longitudinal,
+        lateral,
+        trim_stick,
+        trim_throttle,
+        stick,
+        throttle,
+        stops,
+        mixer,
+        angles,
+        flight,
+        surfaces,
+    ],
+    [
+        Connection(vehicle["position/h-sl-ft"], altitude_error[0], flight[0]),
+        Connection(altitude_command, altitude_error[1]),
+        Connection(altitude_error, climb),
+        Connection(climb, pitch_step),
+        Connection(vehicle["attitude/theta-deg"], pitch_error[0], angles[1]),
+        Connection(pitch_step, pitch_error[1]),
+        Connection(design, pitch_error[2], alpha_error[1]),
+        Connection(vehicle["attitude/psi-deg"], course_error[0], angles[2]),
+        Connection(vehicle["aero/beta-deg"], course_error[1], lateral[1]),
+        Connection(course_command, course_error[2]),
+        Connection(course_step, course_error[3]),
+        Connection(course_error, half_turn),
+        Connection(half_turn, turn),
+        Connection(turn, bank_command),
+        Connection(vehicle["attitude/phi-deg"], bank_error[0], angles[0]),
+        Connection(bank_command, bank_error[1]),
+        Connection(vehicle["velocities/ve-kts"], airspeed_error[0], flight[1]),
+        Connection(airspeed_command, airspeed_error[1]),
+        Connection(vehicle["aero/alpha-deg"], alpha_error[0]),
+        Connection(airspeed_error, longitudinal[0]),
+        Connection(alpha_error, longitudinal[1]),
+        Connection(vehicle["velocities/qi-rad_sec"], longitudinal[2]),
+        Connection(pitch_error, longitudinal[3]),
+        Connection(bank_error, lateral[0]),
+        Connection(vehicle["velocities/pi-rad_sec"], lateral[2]),
+        Connection(vehicle["velocities/ri-rad_sec"], lateral[3]),
+        Connection(longitudinal[0], stick[0]),
+        Connection(trim_stick, stick[1]),
+        Connection(longitudinal[1], throttle[0]),
+        Connection(trim_throttle, throttle[1]),
+        Connection(stick, stops[0]),
+        Connection(throttle, stops[1]),
+        Connection(lateral[0], stops[2]),
+        Connection(lateral[1], stops[3]),
+        Connection(stops[0:4], mixer[0:4]),
+        Connection(mixer[0], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
+        Connection(mixer[1], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
+        Connection(mixer[2], vehicle["nesc_f16/rudder-deg"], surfaces[2]),
+        Connection(mixer[3], vehicle["nesc_f16/power-pct"], surfaces[3]),
+    ],
+    dt=1 / 200,
+    log=False,
+)
+
+
+def figure():
+    from pathsim_jsbsim_blocks.plots import time_histories
+
+    return time_histories(angles, flight, surfaces, title="F-16: a turn by 15 deg")
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    time, (phi, _, psi) = angles.read()
+    print(f"largest bank {phi.max():.2f} deg, heading at the end {psi[-1]:.2f} deg")
+    show(figure(), "f16_autopilot")
