@@ -1,7 +1,7 @@
 """NASA's check case 13.3: an F-16's autopilot turns by 15 deg.
 
-The F-16 of case 13.1; at 15 s the commanded course turns by 15 deg to the right. The bank angle
-follows with a bandwidth of 60 rad/s: below 200 samples per second the roll loop diverges.
+The F-16 of case 13.1; at 15 s the commanded course turns by 15 deg to the right. The roll
+loop has a bandwidth of 60 rad/s: at 80 samples per second the aileron goes from stop to stop.
 
 Expected: within 0.35 ft in altitude of simulator 05, 0.5 deg of bank while it rolls, and 0.011 kt
 in airspeed.

@@ -10,7 +10,7 @@ Source: NASA/TM-2015-218675, atmospheric check case 13.4, and the F-16 that NASA
 """
 
 from pathsim import Connection, Simulation
-from pathsim.blocks import Adder, Constant, Integrator, Matrix, Scope, StepSource
+from pathsim.blocks import Adder, Amplifier, Constant, Integrator, Scope, StepSource
 
 from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
 from pathsim_jsbsim_blocks.check_cases import MODELS
@@ -28,7 +28,7 @@ RATES = [
     -1.3863146715424909e-05,
 ]  # rad/s, relative to the Earth
 KEAS = 287.9813957627089  # kt
-ACROSS = 0.7071067811865476  # of the velocity to the east, and minus that to the north
+ACROSS = 0.7071067811865476  # of the velocity to the east less that to the north
 
 vehicle = JSBSimFDM(
     T=1 / 200,
@@ -83,7 +83,8 @@ trim_stick = Constant(-ELEVATOR / 25)
 altitude_command = Constant(10013.0)
 airspeed_command = Constant(KEAS)
 course_command = Constant(45.0)
-across = Matrix([[-ACROSS, ACROSS]])
+turned = Adder("+-")
+across = Amplifier(ACROSS)
 distance = Integrator(0.0)
 new_path = StepSource(amplitude=2000.0, tau=20.0)
 offset = Adder("+-")
@@ -102,6 +103,7 @@ sim = Simulation(
         altitude_command,
         airspeed_command,
         course_command,
+        turned,
         across,
         distance,
         new_path,
@@ -125,14 +127,15 @@ sim = Simulation(
         Connection(vehicle["velocities/qi-rad_sec"], laws["bodyAngularRate_Pitch"]),
         Connection(vehicle["velocities/ri-rad_sec"], laws["bodyAngularRate_Yaw"]),
         Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
-        Connection(vehicle["velocities/v-north-fps"], across[0]),
-        Connection(vehicle["velocities/v-east-fps"], across[1]),
+        Connection(vehicle["velocities/v-north-fps"], turned[1]),
+        Connection(vehicle["velocities/v-east-fps"], turned[0]),
         Connection(autopilot_on, laws["autopilotOn"]),
         Connection(trim_throttle, laws["trimThrottle"]),
         Connection(trim_stick, laws["trimStick"]),
         Connection(altitude_command, laws["altitudeCommand"]),
         Connection(airspeed_command, laws["airspeedCommand"]),
         Connection(course_command, laws["courseCommand"]),
+        Connection(turned, across),
         Connection(across, distance),
         Connection(distance, offset[0]),
         Connection(new_path, offset[1]),

@@ -1,9 +1,9 @@
 """An F-16's autopilot from core blocks turns by 15 deg.
 
-It shows control laws in the open: altitude and course loops command pitch and bank, and two
-matrices of gains (a linear-quadratic regulator) turn the errors of airspeed, angle of attack,
-attitude and rates into stick, throttle and pedal. They are the laws of NASA's check cases 13 to 16,
-which are the file ``f16_control.dml`` there, with the autopilot on.
+It shows control laws in the open: altitude and course loops command pitch and bank, and the gains
+of a linear-quadratic regulator turn the errors of airspeed, angle of attack, attitude and rates
+into stick, throttle and pedal. They are the laws of NASA's check cases 13 to 16, which the package
+has in DAVE-ML too, in ``f16_control.dml``; here the autopilot is on.
 
 Expected: the same flight as `check_case_13_3`, which has the file as a block, to 1e-9 deg. At 15 s
 the commanded course turns by 15 deg; the F-16 is at 30 deg of bank half a second later, 36 deg at
@@ -13,7 +13,7 @@ Source: NASA/TM-2015-218675, atmospheric check case 13.3, and the F-16 that NASA
 """
 
 from pathsim import Connection, Simulation
-from pathsim.blocks import Adder, Amplifier, Clip, Constant, Function, Matrix, Scope, StepSource
+from pathsim.blocks import Adder, Amplifier, Clip, Constant, Function, Scope, StepSource
 
 from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
 from pathsim_jsbsim_blocks.check_cases import MODELS
@@ -33,23 +33,26 @@ RATES = [
 KEAS = 287.9813957627089  # kt
 DESIGN = 2.653813535191715  # deg, angle of attack and pitch angle for which the gains were made
 
-# of airspeed [kt], angle of attack [deg], pitch rate [rad/s], pitch angle [deg]
-LONGITUDINAL = [
-    [0.063009074230494, -0.113230403179271, -10.113432224566077, -3.154983341632913],  # stick
-    [-0.997260602961658, 0.025467711176391, -1.213308488207827, -0.208744369535208],  # throttle
-]
-# of bank angle [deg], sideslip angle [deg], roll rate [rad/s], yaw rate [rad/s]
-LATERAL = [
-    [-3.07804394151577, -0.032365863044163, -4.557858908828332, -0.589443156647647],  # stick
-    [0.70581745275452, 0.256362860634868, 1.073666149713151, -0.822114635953878],  # pedal
-]
-# of pitch stick, throttle, roll stick, pedal: elevator, aileron, rudder [deg], power [%]
-MIXER = [
-    [-25.0, 0.0, 0.0, 0.0],
-    [0.0, 0.0, -21.5, 0.0],
-    [0.0, 0.0, -0.172, -30.0],
-    [0.0, 100.0, 0.0, 0.0],
-]
+
+def longitudinal_gains(airspeed, alpha, q, theta):  # kt, deg, rad/s, deg
+    stick = 0.063009074230494 * airspeed - 0.113230403179271 * alpha
+    stick -= 10.113432224566077 * q + 3.154983341632913 * theta
+    throttle = -0.997260602961658 * airspeed + 0.025467711176391 * alpha
+    throttle -= 1.213308488207827 * q + 0.208744369535208 * theta
+    return stick, throttle
+
+
+def lateral_gains(phi, beta, p, r):  # deg, deg, rad/s, rad/s
+    stick = -3.07804394151577 * phi - 0.032365863044163 * beta
+    stick -= 4.557858908828332 * p + 0.589443156647647 * r
+    pedal = 0.70581745275452 * phi + 0.256362860634868 * beta
+    pedal += 1.073666149713151 * p - 0.822114635953878 * r
+    return stick, pedal
+
+
+def deflections(pitch, throttle, roll, pedal):
+    aileron = -21.5 * roll
+    return -25.0 * pitch, aileron, -30.0 * pedal + 0.008 * aileron, 100.0 * throttle
 
 
 def within_half_a_turn(angle):
@@ -117,14 +120,14 @@ airspeed_command = Constant(KEAS)
 airspeed_error = Adder("+-")
 alpha_error = Adder("+-")
 
-longitudinal = Matrix(LONGITUDINAL)
-lateral = Matrix(LATERAL)
+longitudinal = Function(longitudinal_gains)
+lateral = Function(lateral_gains)
 trim_stick = Constant(-ELEVATOR / 25)
 trim_throttle = Constant(POWER / 100)
 stick = Adder()
 throttle = Adder()
 stops = Clip([-1.0, 0.0, -1.0, -1.0], [1.0, 1.0, 1.0, 1.0])
-mixer = Matrix(MIXER)
+mixer = Function(deflections)
 
 angles = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
 flight = Scope(labels=["altitude [ft]", "equivalent airspeed [kt]"])

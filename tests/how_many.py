@@ -18,6 +18,7 @@ def first(cases, count=1):
 HEAVY = (
     "doublet_linear_nonlinear",
     "dutch_roll",
+    "f16_autopilot",
     "fleet_pitch_hold",
     "gust_response",
     "microburst_approach",

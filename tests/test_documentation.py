@@ -72,11 +72,12 @@ def commands():
 
 # test_published and tests/design compute these in each run of the tests
 LONG = ("trim_envelope", "thrust_vectoring", "gains c172p")
+CHECK = "pathsim-jsbsim check"  # flies all 18 cases
 COMMANDS = [
     pytest.param(
         c,
         id=f"{', '.join(pages)}: {c}",
-        marks=pytest.mark.long if any(name in c for name in LONG) else (),
+        marks=pytest.mark.long if any(name in c for name in LONG) or c == CHECK else (),
     )
     for c, pages in commands()
 ]

@@ -128,8 +128,8 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     case : float
         1 to 12, 13.1 to 13.4, 15 or 16
     rate : int, optional
-        steps per second, an even number; default is 100, and 200 for the F-16 of cases 11 to 16,
-        which needs as many
+        steps per second, an even number; default is 100, and 200, which is the least there, for
+        the F-16 of cases 11 to 16
     integrators : str or dict
         as in `JSBSimFDM`
 
@@ -141,8 +141,8 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     Raises
     ------
     ParameterError
-        for a case that does not exist, a rate without a sample at each 0.5 s, and one at which
-        the F-16's control laws diverge
+        for a case that does not exist, a rate without a sample at each 0.5 s, and one that is too
+        low for the F-16's control laws
     """
     from pathsim.blocks import Scope
 

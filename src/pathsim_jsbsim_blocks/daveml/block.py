@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from pathsim import Simulation
-
 from .._core._pathsim import NamedRegister, WiredRegister, port_names, show, values
 from .._core.checks import number
 from .._core.tunable import TunableLaw
@@ -81,6 +79,11 @@ class DaveML(TunableLaw):
                 parameter="file",
                 value=self.file,
             )
+        # PathView shows eight characters: varIDs are shorter than names
+        self.drawn_ports = {
+            side: [v.id for v in variables]
+            for side, variables in (("input", model.inputs), ("output", model.outputs))
+        }
         self._initial = [
             (i, v.initial) for i, v in enumerate(model.inputs) if v.initial is not None
         ]
@@ -88,9 +91,9 @@ class DaveML(TunableLaw):
         missing = (n for n, i in port_names(self.inputs).items() if i not in known)
         self.measured = tuple(missing)  # type: ignore[misc]
 
-    def enter(self, sim: Simulation, reset: bool) -> None:
-        super().enter(sim, reset)
-        if not self.events and not self._wires_seen:
+    def sample(self, t: float, dt: float) -> None:
+        super().sample(t, dt)
+        if not self._wires_seen:
             self._wires_seen = True
             self._warn_of_missing_wires()
 

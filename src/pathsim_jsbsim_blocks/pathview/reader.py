@@ -533,6 +533,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
         for ports in (port_names(register), labels or {})
         for name, i in ports.items()
     }
+    names.update(enumerate(getattr(block, "drawn_ports", {}).get(side, ())))
     if side == "input":
         drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
         if kind.__name__ in ("Scope", "Spectrum", "Adder", "Divider"):
