@@ -456,10 +456,8 @@ def test_the_laws_of_core_blocks_fly_as_those_of_the_file():
 
 @pytest.mark.parametrize(("rate", "swings"), [(80, 43.0), (100, 0.13), (200, 0.13)])
 def test_the_roll_loop_needs_100_samples_per_second(rate, swings):
-    diagram = load_diagram("check_case_13_3")
-    diagram.vehicle.set(T=1 / rate)
-    diagram.sim.dt = 1 / rate
-    fly(diagram.sim, 30.0, reset=True)
+    diagram = load_diagram("check_case_13_3", {"vehicle.T": 1 / rate, "sim.dt": 1 / rate})
+    fly(diagram.sim, 30.0)
     aileron = recorded([diagram.surfaces])["aileron [deg]"]
     # at 80 Hz from stop to stop, long after the turn
     assert np.ptp(aileron[-5 * rate :]) == pytest.approx(swings, abs=0.01)

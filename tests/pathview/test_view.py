@@ -116,7 +116,7 @@ def test_this_package_is_always_registered_and_the_models_toolboxes_last():
     ]
     blocks = {b["className"]: b["override"] for b in registered([])[0]["blocks"]}
     assert blocks["DoubletSource"] == {"category": "Sources", "shape": "pill"}
-    assert blocks["DaveML"] == {"category": "Models", "shape": "rect"}
+    assert blocks["DaveML"] == {"category": "Aircraft", "shape": "rect"}
     assert blocks.keys() == OURS.blocks().keys()
 
 

@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from .._core.checks import as_path, mapping
+from .._core.checks import as_path, mapping, refuse
 from .._core.files import write_whole
-from ..errors import DaveMLError, FileError, ParameterError
+from ..errors import DaveMLError, FileError
 from .mathml import BOOLEAN, LOGIC, OPERATORS, Expression
 from .model import DaveModel, Variable
 from .tables import Grid
@@ -106,9 +106,7 @@ def write_aircraft(
         for a name that JSBSim would not accept
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise ParameterError(
-            f"name must be letters, digits, _, . and -, not {name!r}", parameter="name", value=name
-        )
+        refuse("name", name, f"name must be letters, digits, _, . and -, not {name!r}")
     given = mapping("properties", properties)
     air, mass = DaveModel(aero), DaveModel(inertia)
     parts = ["<external_reactions/>"]

@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from .._core._pathsim import NamedRegister, WiredRegister, port_names, show, values
-from .._core.checks import number
+from .._core.checks import number, refuse
 from .._core.tunable import TunableLaw
-from ..errors import DaveMLError, FlightError, ParameterError
+from ..errors import DaveMLError, FlightError
 from .model import DaveModel, Variable
 
 
@@ -68,17 +68,12 @@ class DaveML(TunableLaw):
 
     def build(self) -> None:
         if (number("T", self.T, low=0.0) > 0) != bool(self.events):
-            raise ParameterError(
-                "T cannot become 0 or positive: build another block", parameter="T", value=self.T
-            )
+            refuse("T", self.T, "T cannot become 0 or positive: build another block")
         self.model = model = DaveModel(self.file)
         sides = (model.inputs, self.inputs), (model.outputs, self.outputs)
         if any(_ports(side) != [*port_names(register)] for side, register in sides):
-            raise ParameterError(
-                f"{model.path} has other inputs or outputs than the block's ports",
-                parameter="file",
-                value=self.file,
-            )
+            reason = f"{model.path} has other inputs or outputs than the block's ports"
+            refuse("file", self.file, reason)
         # PathView shows eight characters: varIDs are shorter than names
         self.drawn_ports = {
             side: [v.id for v in variables]

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple
 
-from .._core.checks import did_you_mean, nearest, number
-from ..errors import DaveMLError, ParameterError
+from .._core.checks import did_you_mean, nearest, number, refuse
+from ..errors import DaveMLError
 from .elements import Element, read_elements
 from .mathml import NAMES, Expression, python_of, read_expression, variables_of
 from .tables import METHODS, Axis, Grid
@@ -146,7 +146,7 @@ class DaveModel:
             if name not in ids:
                 reason = f"{self.path.name} has no input {name!r}"
                 reason += did_you_mean(nearest(name, ids))
-                raise ParameterError(reason, parameter=name, value=value)
+                refuse(name, value, reason)
             given[ids[name]] = number(name, value)
         for name, value in given.items():
             number(f"{self.path.name}: the input {name!r}", value)

@@ -26,7 +26,6 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
     "control": ("Autopilot", "rect"),
     "axes": ("Axes", "rect"),
     "air": ("Air data", "rect"),
-    "daveml": ("Models", "rect"),
     "tracks": ("Recording", "rect"),
     "units": ("Units", "rect"),
 }
