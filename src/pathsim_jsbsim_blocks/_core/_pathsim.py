@@ -372,6 +372,26 @@ def other_run(
         Simulation.run = usual
 
 
+@contextlib.contextmanager
+def each_sample(sim: Simulation, take: Callable[[float], None]) -> Iterator[None]:
+    """Context in which ``take(t)`` is called when ``sim`` has sampled.
+
+    It samples when a run begins and after every step that is not rejected.
+    """
+    usual = Simulation._sample
+
+    def sample(self: Simulation, t: float, dt: float) -> None:
+        usual(self, t, dt)
+        if self is sim:
+            take(t)
+
+    Simulation._sample = sample
+    try:
+        yield
+    finally:
+        Simulation._sample = usual
+
+
 def run_in_real_time(
     sim: Simulation, duration: float, adaptive: bool, tick: Callable[[], None]
 ) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import copy
 import io
 import sys
 import tokenize
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from textwrap import dedent
@@ -17,8 +17,8 @@ from typing import Any, NoReturn
 from unittest.mock import patch
 
 from ..errors import DiagramError
+from .functions import Functions
 from .names import bound, passed, references, root, used
-from .same import Functions
 from .script import Script
 from .values import PARTS, Unwritable, Values
 
@@ -26,8 +26,8 @@ from .values import PARTS, Unwritable, Values
 class Context:
     """The code that the expressions of a diagram need, directly or indirectly.
 
-    It consists of statements of the script. Names whose statements cannot be copied, or do not
-    give the diagram's value, are written with their live values instead.
+    It consists of statements of the script. Names whose statements cannot be copied
+    are written with their live values instead.
 
     Parameters
     ----------
@@ -35,8 +35,6 @@ class Context:
         the script
     functions : Functions
         the functions of its source
-    pinned : collection of str
-        names to write with their live values
 
     Attributes
     ----------
@@ -46,11 +44,10 @@ class Context:
         writes live values as expressions
     """
 
-    def __init__(self, script: Script, functions: Functions, pinned: Collection[str] = ()):
+    def __init__(self, script: Script, functions: Functions):
         self.script = script
         self.parts: set[str] = set()
         self.values = Values(script.namespace, functions, self._need)
-        self._pinned = pinned
         self._pins: dict[str, ast.expr] = {}
         self._binders: dict[str, list[ast.stmt]] = {}
         for statement in script.statements:
@@ -194,24 +191,19 @@ class Context:
             return
         if name == "__file__":
             self.script.refuse("__file__ has no meaning in PathView", where)
-        if name in self._pinned:
-            self._pin(name, where, None)
-            return
         error = self._try(lambda: self._need_statements(name, value, where))
         if error:
             self._needed.add(name)
-            self._pin(name, where, error)
+            self._pin(name, error)
 
-    def _pin(self, name: str, where: ast.AST, error: Exception | None) -> None:
-        """Write a name's live value; ``error`` says why its statements cannot be taken."""
+    def _pin(self, name: str, error: Exception) -> None:
+        """Write a name's live value, because its statements cannot be taken."""
         value = self.script.namespace.get(name, ...)
         try:
             if value is ... or isinstance(value, ModuleType):
                 raise Unwritable(f"{name!r} is not known")
             node = self.values.expression(value, name)
         except (Unwritable, DiagramError) as reason:
-            if error is None:
-                self.script.refuse(f"{name!r} changes before the run, and {reason}", where)
             raise error from reason
         if not (isinstance(node, ast.Name) and node.id == name):
             self._pins[name] = node

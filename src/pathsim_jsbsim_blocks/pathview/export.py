@@ -1,44 +1,44 @@
-"""Turn a diagram script into a PathView model."""
+"""Turn a diagram script into a PathView model, and prove it by flight."""
 
 from __future__ import annotations
 
-import ast
-import io
-import math
-import random
-import sys
+import time
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NoReturn
-from unittest.mock import patch
 
-import numpy as np
 from pathsim import Simulation
 
-from .._core.checks import as_path
-from ..errors import DiagramError
+from .._core.checks import as_path, positive
 from . import pvm
 from .diagram import Diagram, Graph, Node
-from .generate import to_python
-from .names import bound, changes, passed
-from .reader import Choices, read_diagram
-from .same import Comparison, Difference, Functions
-from .script import HARMLESS, Script, quiet
+from .frozen import Frozen
+from .functions import Functions
+from .plain import attributes, text_of
+from .proof import Proof, Rehearsal
+from .reader import Live, read_diagram
+from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
+from .script import Script
 from .settings import setting_values
 from .shape import Json
-from .toolboxes import registry_for, required_toolboxes
+from .toolboxes import required_toolboxes
+
+_CHECKED = 60.0  # s of processing
 
 
-def export_script(script: str | Path, out: str | Path | None = None) -> Path:
-    """Write a PathSim script as a PathView model.
+def export_script(
+    script: str | Path, out: str | Path | None = None, check: float = _CHECKED
+) -> Path:
+    """Write a PathSim script as a PathView model that has flown as the script does.
 
-    The script is executed, as the main program and without arguments, until its first run begins;
-    the model is the diagram at that point. Blocks, wires, events and solver settings are read
-    from the simulation. Parameters are taken from the source as written where that gives the
-    diagram's values, and are its values elsewhere. A warning names what comes after the first run.
+    The script is executed, as the main program and without arguments, to the end of its first run.
+    The model is the diagram at the start of that run. Blocks, wires, events and solver settings are
+    read from the simulation. Parameters are taken from the source as written where that gives the
+    diagram's values, and are its values elsewhere. The model is then built from its text in a
+    process of its own and flown beside the script: every output of every block at every step must
+    be the same, bit for bit. Random numbers without a seed, and the time of day, are the same
+    on both sides. A warning names what comes after the first run.
 
     Parameters
     ----------
@@ -47,6 +47,9 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     out : str or Path, optional
         the model; default is the script's name with .pvm. If it exists, blocks that it has keep
         their positions
+    check : float
+        s of processing after which the comparison ends, with a warning; ``math.inf`` compares the
+        whole run
 
     Returns
     -------
@@ -56,25 +59,37 @@ def export_script(script: str | Path, out: str | Path | None = None) -> Path:
     Raises
     ------
     DiagramError
-        if the script fails or contains something that PathView cannot represent (file, line and
-        reason), or the model cannot be written
+        if the script fails or contains something that PathView cannot represent, the model flies
+        otherwise (file, line and reason), or the model cannot be written
     """
+    return export_with_proof(script, out, check)[0]
+
+
+def export_with_proof(
+    script: str | Path, out: str | Path | None = None, check: float = _CHECKED
+) -> tuple[Path, Proof]:
+    """`export_script`, and what was compared."""
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
-    pvm.write(out, pvm.text(script_model(script, pvm.read(out) if out.is_file() else None)))
-    return out
+    existing = pvm.read(out) if out.is_file() else None
+    content, proof = script_model(script, existing, positive("check", check))
+    pvm.write(out, pvm.text(content))
+    return out, proof
 
 
-def script_model(script: str | Path, existing: Json | None = None) -> Json:
-    """The content of a script's model, after a rehearsal of what PathView does with it.
+def script_model(
+    script: str | Path, existing: Json | None = None, check: float = _CHECKED
+) -> tuple[Json, Proof]:
+    """The content of a script's model, and what was compared; parameters as in `export_script`.
 
     Warns
     -----
     UserWarning
         names what the script does after its first run, which is not in the model
     """
-    with _other_numbers():
-        live = Script(script, lambda standing: _Export(standing).content(existing))
+    frozen = Frozen(time.time())
+    with Rehearsal() as rehearsal, frozen.applied():
+        live = Script(script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check))
     if rest := live.left_out():
         assert live.run is not None
         first = live.run.lines[-1]
@@ -86,327 +101,177 @@ def script_model(script: str | Path, existing: Json | None = None) -> Json:
             str(live.path),
             first,
         )
-    content: Json = live.result
-    return content
+    content, proof = live.result
+    return content, proof
 
 
 class _Export:
-    """Turns a script into a model that builds the same diagram, or explains why that is impossible.
+    """Turns a script, whose first run begins, into a model that flies as it does."""
 
-    The source is tried first. Where the resulting diagram differs from the script's, live values
-    replace the source, until nothing differs or nothing is left to replace.
-    """
-
-    def __init__(self, script: Script):
-        self.script = script
+    def __init__(self, script: Script, rehearsal: Rehearsal, frozen: Frozen):
+        self.script, self.rehearsal, self.frozen = script, rehearsal, frozen
         self.functions = Functions(script.tree, str(script.path))
-        self.choices = Choices()
-        self.parameters: dict[int, dict[str, bool]] = {}
-        self._seeds = [
-            n
-            for n in ast.walk(script.tree)
-            if isinstance(n, ast.Call)
-            and getattr(n.func, "attr", getattr(n.func, "id", "")) == "seed"
-        ]
-        self._numbers = self._numbers_there = _numbers()
 
-    def content(self, existing: Json | None) -> Json:
-        while True:
-            diagram = read_diagram(self.script, self.functions, self.choices)
-            self.parameters = {id(part): given for part, given in diagram.parts.values()}
-            content = pvm.model(diagram, existing)
-            error = self._evaluate(diagram)
-            if error is None:
-                differences, opaque = self._differences(content, diagram)
-                if not differences:
-                    self._check_opaque(opaque)
-                    self._check_seed(diagram)
-                    return content
-                if not self._replace(differences, diagram):
-                    self._refuse(differences[0])
-            elif not self._avoid(error, diagram):
-                raise DiagramError(
-                    f"PathView cannot evaluate {error.what} before the blocks exist: "
-                    f"{type(error.cause).__name__}: {error.cause}",
-                    path=diagram.path,
-                    line=error.line,
-                ) from error.cause
-
-    # what PathView evaluates --------------------------------------------------------------------
-
-    def _evaluate(self, diagram: Diagram) -> _Failure | None:
-        """PathView's own check before a run: every parameter, with the code alone, no blocks."""
-        namespace: dict[str, Any] = {"np": np}
-        with _as_in_pathview(), _other_numbers():
-            error = _executed(diagram.context, namespace, "exec")
-            if error is not None:
-                return _Failure("the code context", error, None, _code_line(error))
-            todo = list(diagram.graph.nodes)
-            for node in todo:
-                for name, value in node.params.items():
-                    error = _executed(value, namespace, "eval")
-                    if error is not None:
-                        return _Failure(
-                            f"parameter {name!r} of {node.name!r}",
-                            error,
-                            node.line,
-                            parameter=(node.part, name),
-                        )
-                todo += node.graph.nodes if node.graph else []
-            for name, value in diagram.settings.items():
-                if name == "solver" or not value:
-                    continue
-                live = setting_values(self.script)[name]
-                error = _executed(f"float({value})", namespace, "eval")
-                if error is not None:
-                    return _Failure(f"setting {name!r}", error, None, parameter=(None, name))
-                if repr(namespace[_VALUE]) != live:
-                    return _Failure(
-                        f"setting {name!r}",
-                        ValueError(f"{namespace[_VALUE]!r}, and {live} in the script"),
-                        None,
-                        parameter=(None, name),
-                    )
-        return None
-
-    def _avoid(self, error: _Failure, diagram: Diagram) -> bool:
-        """Choose live values for what cannot be evaluated; False if there is nothing to choose."""
-        if error.parameter is not None:
-            return _added(self.choices.live, {error.parameter})
-        names: set[str] = set()
-        for statement in ast.parse(diagram.context).body:
-            if statement.lineno <= (error.code_line or 0) <= (statement.end_lineno or 0):
-                names |= bound([statement]) & diagram.code_names
-        return _added(self.choices.pinned, names)
-
-    # what PathView builds -----------------------------------------------------------------------
-
-    def _differences(self, content: Json, diagram: Diagram) -> tuple[list[Difference], list[Any]]:
-        here = self.script.simulation
-        parts = {name: part for name, (part, _) in diagram.parts.items()}
-        there, theirs, functions = self._rebuilt(content, parts)
-        found = Comparison(here, there, parts, theirs, self.functions, functions)
-        if found.differences:
-            # what two builds of the model do not share is random in the script, too, unless that
-            # seeds a global generator
-            another, its, its_functions = self._rebuilt(content, parts)
-            again = Comparison(there, another, theirs, its, functions, its_functions)
-            by_chance = {(again.name(d.part), d.path) for d in again.differences}
-            found.differences = [
-                d
-                for d in found.differences
-                if (found.name(d.part), d.path) not in by_chance
-                or (self._seeds and d.attribute in self.parameters.get(id(d.part), {}))
-            ]
-        return found.differences, found.opaque
-
-    def _replace(self, differences: list[Difference], diagram: Diagram) -> bool:
-        """Choose live values for what differs; False if there is nothing left to choose."""
-        if _added(self.choices.pinned, {d.name for d in differences} & diagram.code_names):
-            return True
-        chosen = False
-        for part in {id(d.part): d.part for d in differences}.values():
-            mine = [d for d in differences if d.part is part]
-            parameters = self.parameters.get(id(part), {})
-            direct = {(id(part), d.attribute) for d in mine if d.attribute in parameters}
-            given = {(id(part), name) for name, source in parameters.items() if source}
-            chosen |= _added(self.choices.live, direct) or _added(self.choices.live, given)
-        return chosen
-
-    def _rebuilt(
-        self, content: Json, parts: Mapping[str, Any]
-    ) -> tuple[Simulation, dict[str, Any], Functions]:
-        path = self.script.path
-        # the script has imported its toolboxes already
-        imported = [f"{t.package}:{t.import_path}" for t in required_toolboxes(content, path)]
-        code = to_python(content, registry_for(content, path, trust_toolboxes=imported), path)
-        namespace: dict[str, Any] = {"__name__": "rebuilt"}
-        with _as_in_pathview(), _other_numbers():
-            error = _executed(code, namespace, "exec", "model")
-            self._numbers_there = _numbers()
-        if error is not None:
-            raise DiagramError(
-                f"PathView cannot build this model: {type(error).__name__}: {error}",
-                path=self.script.path,
-            ) from error
-        simulation = namespace["sim"]
-        run = self.script.run
-        if run is not None and run.arguments.get("reset"):
-            simulation.reset()
-        return (
-            simulation,
-            {name: namespace[name] for name in parts},
-            Functions(ast.parse(code), "model"),
-        )
-
-    # what cannot be written ---------------------------------------------------------------------
-
-    def _refuse(self, difference: Difference) -> NoReturn:
-        part = difference.part
-        what = self._called(part)
-        states = self.script.states
-        if states and part is not self.script.simulation:
-            method, line = states[-1]
-            raise DiagramError(
-                f"{method}() before the run changes {what}: {difference}; PathView "
-                "starts from the blocks' own initial values",
-                path=self.script.path,
-                line=line,
+    def proven(self, existing: Json | None, check: float) -> tuple[Json, Proof]:
+        script = self.script
+        if type(script.simulation) is not Simulation:
+            made = script.construction(script.simulation)
+            script.refuse(
+                f"the simulation is a {type(script.simulation).__name__}; "
+                "PathView has PathSim's Simulation only",
+                made and made.node,
             )
-        made = self.script.construction(part)
-        place = self._touched(part)
-        self.script.refuse(
-            f"{what} is changed after it is built: {difference}; PathView cannot represent that",
-            place or (made and made.node) or self.script.run_call,
+        self._refuse_changed_libraries()
+        settings = setting_values(script)
+        run = {
+            "duration": float(settings["duration"]),
+            "reset": bool(script.run and script.run.arguments.get("reset")),
+            "adaptive": True,
+        }
+        content, diagram = self._equal(existing, settings, run)
+        parts = {name: part for name, (part, _) in diagram.parts.items()}
+        self.frozen.run_begins()
+        outcome = self.rehearsal.fly(script.simulation, run, list(blocks_of(parts).values()), check)
+        if isinstance(outcome, Parting):
+            self._refuse_parting(outcome, diagram)
+        return content, outcome
+
+    def _equal(
+        self, existing: Json | None, settings: dict[str, str], run: dict[str, Any]
+    ) -> tuple[Json, Diagram]:
+        """A model that builds the script's diagram.
+
+        Parameters are as in the source; those that differ then are written with their values.
+        """
+        live: Live = set()
+        while True:
+            diagram = read_diagram(self.script, self.functions, live)
+            content = pvm.model(diagram, existing)
+            differences = self.rehearsal.differences(self._job(content, diagram, settings, run))
+            if not differences:
+                return content, diagram
+            more = {p for d in differences for p in self._parameters(d, diagram)} - live
+            if not more:
+                self._refuse(differences[0], diagram)
+            live |= more
+
+    def _job(
+        self, content: Json, diagram: Diagram, settings: dict[str, str], run: dict[str, Any]
+    ) -> Job:
+        script = self.script
+        parts = {name: part for name, (part, _) in diagram.parts.items()}
+        variables = {id(part): name for name, part in parts.items()}
+        given = {k: v for k, v in diagram.settings.items() if k != "solver" and v}
+        return Job(
+            text=pvm.text(content),
+            path=str(script.path),
+            # the script has imported them already
+            toolboxes=[
+                f"{t.package}:{t.import_path}" for t in required_toolboxes(content, script.path)
+            ],
+            process=self.rehearsal.surroundings,
+            now=self.frozen.now,
+            parts={name: attributes(part) for name, part in parts.items()},
+            parameters={
+                **{variables[n.part]: n.params for n in _nodes(diagram.graph) if n.part},
+                SETTINGS: given,
+            },
+            settings=settings,
+            names={
+                name: text_of(script.namespace[name])
+                for name in sorted(diagram.code_names & script.namespace.keys())
+            },
+            structure=structure(script.simulation, parts),
+            run=run,
         )
 
-    def _check_opaque(self, parts: list[Any]) -> None:
-        """Refuse calls that may change what cannot be compared."""
-        for part in parts:
-            place = self._touched(part)
-            if place is not None:
-                self.script.refuse(
-                    f"{self._called(part)} may be changed here after it is built; "
-                    "PathView cannot represent that",
-                    place,
-                )
+    def _parameters(self, difference: Difference, diagram: Diagram) -> Live:
+        """Parameters that may be written with their values for a difference to vanish."""
+        name = difference.name
+        if difference.variable == SETTINGS:
+            return {(None, name)}
+        if difference.variable not in diagram.parts:
+            return set()
+        part, parameters = diagram.parts[difference.variable]
+        names = [name] if name in parameters else [n for n, given in parameters.items() if given]
+        return {(id(part), n) for n in names}
+
+    # what cannot be written -----------------------------------------------------------------------
+
+    def _refuse_changed_libraries(self) -> None:
+        for name in self.script.changed_libraries():
+            self.script.refuse(
+                f"{name} is changed, and PathView has its own: a class or function of a library "
+                "cannot be replaced",
+                self.script.mention(name.rpartition(".")[2]),
+            )
+
+    def _refuse(self, difference: Difference, diagram: Diagram) -> NoReturn:
+        script, name = self.script, difference.name
+        part, _ = diagram.parts.get(difference.variable, (None, None))
+        what = self._called(part) if part is not None else repr(name)
+        values = f"{_short(difference.here)}, and {_short(difference.there)} in the model"
+        if difference.error:
+            owner = f"parameter {name!r} of {what}" if part is not None else name
+            script.refuse(
+                f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}",
+                self._built_at(part),
+            )
+        if part is None:
+            script.refuse(
+                f"{what} changes before the run: {values}; PathView cannot represent that",
+                script.mention(name) or script.run_call,
+            )
+        script.refuse(
+            f"{what} is changed after it is built: {name} is {values}; "
+            "PathView cannot represent that",
+            script.mention(*self._names(part)) or self._built_at(part),
+        )
+
+    def _refuse_parting(self, parting: Parting, diagram: Diagram) -> NoReturn:
+        script = self.script
+        if not parting.variable:
+            script.refuse(
+                f"at t = {parting.time!r} s the script {parting.here}, and the model "
+                f"{parting.there}",
+                script.run_call,
+            )
+        part, _ = diagram.parts[parting.variable]
+        why = "it depends on something that the model does not have"
+        line = self._built_at(part)
+        if script.states:
+            method, at = script.states[-1]
+            why, line = f"{method}() before the run changes it (line {at})", line
+        script.refuse(
+            f"{self._called(part)} flies otherwise in the model: port {parting.port} at "
+            f"t = {parting.time!r} s is {parting.here}, and {parting.there} in the model: {why}",
+            line,
+        )
+
+    def _built_at(self, part: Any) -> Any:
+        made = self.script.construction(part)
+        return made and made.node
 
     def _called(self, part: Any) -> str:
-        names = [n for n, v in self.script.namespace.items() if v is part]
         made = self.script.construction(part)
+        names = [n for n, v in self.script.namespace.items() if v is part]
         name = names[0] if names else made.target if made else ""
         return repr(name) if name else f"this {type(part).__name__}"
 
-    def _touched(self, part: Any) -> ast.AST | None:
-        """Where the script may change a part before the run, judging by its source."""
+    def _names(self, part: Any) -> set[str]:
+        """The script's names for a part, and those of collections that hold it."""
+
+        def has(value: Any) -> bool:
+            held = value.values() if isinstance(value, dict) else value
+            return isinstance(value, (dict, list, tuple)) and any(v is part for v in held)
+
         made = self.script.construction(part)
-        names = {
-            n
-            for n, v in self.script.namespace.items()
-            if v is part
-            or (isinstance(v, dict) and any(x is part for x in v.values()))
-            or (isinstance(v, (list, tuple)) and any(x is part for x in v))
-        }
-        if made is not None and made.target:
-            names.add(made.target)
-        last = self.script.run.lines[-1] if self.script.run else math.inf
-        for node in ast.walk(self.script.tree):
-            if (
-                not isinstance(node, ast.stmt)
-                or node.lineno > last
-                or (made is not None and node.lineno < made.node.lineno)
-            ):
-                continue
-            for name, place in changes(node):
-                if name in names and not (
-                    isinstance(place, ast.Attribute)
-                    and isinstance(place.ctx, ast.Load)
-                    and (place.attr in HARMLESS or place.attr.startswith("run"))
-                ):
-                    return place
-            if not isinstance(node, (ast.FunctionDef, ast.ClassDef)) and passed(node) & names:
-                return node
-        return None
-
-    def _check_seed(self, diagram: Diagram) -> None:
-        """Refuse functions that draw from a seeded global generator, whose state would differ."""
-        code = [diagram.context, *(v for n in _nodes(diagram.graph) for v in n.params.values())]
-        if self._seeds and self._numbers != self._numbers_there and any(map(_draws, code)):
-            self.script.refuse(
-                "functions of the diagram draw from the global random generator, "
-                "whose state differs in the model; give them their own generator "
-                "(np.random.default_rng)",
-                self._seeds[-1],
-            )
+        names = {n for n, v in self.script.namespace.items() if v is part or has(v)}
+        return names | ({made.target} if made and made.target else set())
 
 
-def _draws(code: str) -> bool:
-    """Whether functions in a piece of code draw from a global random generator."""
-    return any(
-        isinstance(n, ast.Attribute)
-        and ast.unparse(n.value) in ("np.random", "random")
-        and n.attr not in ("default_rng", "Generator", "RandomState", "Random", "seed")
-        for f in ast.walk(ast.parse(code))
-        if isinstance(f, (ast.FunctionDef, ast.Lambda))
-        for n in ast.walk(f)
-    )
-
-
-def _numbers() -> tuple[str, str]:
-    """The state of the global random generators."""
-    return str(random.getstate()), str(np.random.get_state())  # noqa: NPY002
-
-
-@contextmanager
-def _other_numbers() -> Iterator[None]:
-    """Reseed the global random generators, and restore their state at the end."""
-    before = random.getstate(), np.random.get_state()  # noqa: NPY002
-    random.seed()
-    np.random.seed()  # noqa: NPY002 (scripts draw from the global one)
-    try:
-        yield
-    finally:
-        random.setstate(before[0])
-        np.random.set_state(before[1])  # noqa: NPY002
-
-
-_VALUE = "__value__"
-
-
-@dataclass
-class _Failure:
-    """What cannot be evaluated, and why; ``parameter`` is a part's ``id`` and a name."""
-
-    what: str
-    cause: BaseException
-    line: int | None
-    code_line: int | None = None
-    parameter: tuple[int | None, str] | None = None
-
-
-def _executed(
-    code: str, namespace: dict[str, Any], mode: str, filename: str = "context"
-) -> BaseException | None:
-    """Run code; returns what it raised. The value of an expression is in the namespace."""
-    try:
-        if mode == "eval":
-            namespace[_VALUE] = eval(compile(code, filename, mode, dont_inherit=True), namespace)
-        else:
-            exec(compile(code, filename, mode, dont_inherit=True), namespace)
-    except (Exception, SystemExit) as error:
-        return error
-    return None
-
-
-def _code_line(error: BaseException) -> int | None:
-    """The line of the code context at which it failed."""
-    trace = error.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == "context" and (
-            trace.tb_frame.f_code.co_name == "<module>"
-        ):
-            return trace.tb_lineno
-        trace = trace.tb_next
-    return None
-
-
-@contextmanager
-def _as_in_pathview() -> Iterator[None]:
-    """Imitate PathView's process: other arguments, no output."""
-    with (
-        quiet(),
-        patch.object(sys, "argv", ["pathview", "serve", "--port", "5000"]),
-        redirect_stdout(io.StringIO()),
-        redirect_stderr(io.StringIO()),
-    ):
-        yield
-
-
-def _added(chosen: set[Any], more: set[Any]) -> bool:
-    """Whether ``more`` has anything new for ``chosen``."""
-    before = len(chosen)
-    chosen |= more
-    return len(chosen) > before
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _nodes(graph: Graph) -> Iterator[Node]:

@@ -1,7 +1,7 @@
 """Read a diagram script: structure from the live diagram, expressions from the source.
 
 A parameter keeps its expression if the model's code can evaluate it. Otherwise, or if the result
-differs from the diagram's value (``Choices``), the live value is written.
+differs from the diagram's value (``Live``), that value is written.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from .._core._pathsim import own_events, port_names, port_number
 from ..errors import DiagramError
 from .context import Context
 from .diagram import Diagram, Event, Graph, Node, Wire
+from .functions import Functions
 from .names import used
-from .same import Functions
 from .script import Construction, Script, named_arguments
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
@@ -48,24 +48,11 @@ _TAKEN = {
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
-@dataclass
-class Choices:
-    """Where the source does not give the diagram's value.
-
-    Attributes
-    ----------
-    live : set
-        parameters to write with their live values: ``id`` of the block or event and name; settings
-        as None and name
-    pinned : set of str
-        names of the code to write with their live values
-    """
-
-    live: set[tuple[int | None, str]] = field(default_factory=set)
-    pinned: set[str] = field(default_factory=set)
+# parameters to write with their values: the ``id`` of a part, or None for a setting, and the name
+Live = set[tuple[int | None, str]]
 
 
-def read_diagram(script: Script, functions: Functions, choices: Choices) -> Diagram:
+def read_diagram(script: Script, functions: Functions, live: Live) -> Diagram:
     """Everything in a diagram script that a model file can represent.
 
     Raises
@@ -73,7 +60,7 @@ def read_diagram(script: Script, functions: Functions, choices: Choices) -> Diag
     DiagramError
         for what PathView cannot represent, with file, line and reason
     """
-    return _Reader(script, functions, choices).diagram()
+    return _Reader(script, functions, live).diagram()
 
 
 @dataclass
@@ -92,11 +79,11 @@ class _Part:
 
 
 class _Reader:
-    def __init__(self, script: Script, functions: Functions, choices: Choices):
+    def __init__(self, script: Script, functions: Functions, live: Live):
         self.script = script
         self.refuse = script.refuse
-        self.choices = choices
-        self.context = Context(script, functions, choices.pinned)
+        self.live = live
+        self.context = Context(script, functions)
         self.registry = core_registry()
         self.parts: dict[int, _Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
@@ -153,7 +140,7 @@ class _Reader:
         found = {}
         for name, node in setting_expressions(self.script).items():
             local = self.script.local_names(node)
-            if (None, name) not in self.choices.live and self._refusal(node, local) is None:
+            if (None, name) not in self.live and self._refusal(node, local) is None:
                 found[name] = node
         return found
 
@@ -308,11 +295,11 @@ class _Reader:
             for name in known:
                 default = parameters[name].default if name in parameters else ...
                 if not _is_default(getattr(part.value, name, default), default):
-                    self.choices.live.add((id(part.value), name))
+                    self.live.add((id(part.value), name))
 
     def _settle(self, part: _Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
-        live = [n for n in part.known if (id(part.value), n) in self.choices.live]
+        live = [n for n in part.known if (id(part.value), n) in self.live]
         for name, node in part.arguments.items():
             if name in live:
                 continue
@@ -353,7 +340,7 @@ class _Reader:
         what = f"parameter {name!r} of {self._called(part.value)}"
         node = part.arguments.get(name)
         given = part.made.given if part.made else {}
-        value = getattr(part.value, name, given.get(id(node), ...))
+        value = getattr(part.value, name, given.get(name, ...))
         where = node if hasattr(node, "lineno") else self._node(part.value)
         if value is ...:
             reason = f": {error.reason}" if error else ""

@@ -8,6 +8,7 @@ import importlib.util
 import inspect
 import itertools
 import logging
+import math
 import sys
 import types
 from collections.abc import Callable, Iterator, Sequence
@@ -22,11 +23,12 @@ from pathsim.blocks import Block
 from pathsim.events._event import Event
 
 from ..errors import DiagramError
+from .libraries import Libraries
 from .names import bound, changes, root
 
 # scripts import `fly` from here; an import would tie the bridge to all blocks
 _PACKAGE = sys.modules[__name__.partition(".")[0]]
-RECORD = "__built__"
+_CALL = "__call__"
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 _RUNS = ("run", "run_streaming", "run_realtime")
 _FLY = "fly"
@@ -67,7 +69,7 @@ class Construction:
     target : str
         the variable, attribute or key to which it is assigned, or empty
     given : dict
-        values of the arguments that could be re-evaluated, by the ``id`` of their expression
+        the arguments of a direct call by parameter
     """
 
     node: ast.Call | ast.FunctionDef
@@ -75,7 +77,7 @@ class Construction:
     direct: bool
     local: set[str] = field(default_factory=set)
     target: str = ""
-    given: dict[int, Any] = field(default_factory=dict)
+    given: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -146,6 +148,7 @@ class Script:
         }
         self._at_run = at_run or (lambda script: None)
         self._error: Exception | None = None
+        self._standing = False
         self.result: Any = None
         self._execute()
         if self._error is not None:
@@ -153,6 +156,7 @@ class Script:
 
     def _stand(self) -> None:
         """Read the finished diagram; errors are stored, because the script could catch them."""
+        self._standing = True
         try:
             self.simulation = self._the_simulation()
             self.run_call = self._find_run()
@@ -161,10 +165,30 @@ class Script:
             self.result = self._at_run(self)
         except Exception as error:
             self._error = error
+        finally:
+            self._standing = False
 
     def refuse(self, reason: str, node: ast.AST | None = None) -> NoReturn:
         """Raise the error that names the script and the line."""
         raise DiagramError(reason, path=self.path, line=getattr(node, "lineno", None))
+
+    def changed_libraries(self) -> list[str]:
+        """What the script has changed in PathSim, its toolboxes and numpy so far."""
+        return self._libraries.changed()
+
+    def mention(self, *names: str) -> ast.AST | None:
+        """The last statement before the run that mentions a name and builds nothing."""
+        last = self.run.lines[-1] if self.run else math.inf
+        building = {id(made.node) for made in self._built.values()}
+        found = [
+            node
+            for node in ast.walk(self.tree)
+            if isinstance(node, (ast.Expr, ast.Assign, ast.AugAssign, ast.Delete, ast.AnnAssign))
+            and node.lineno < last
+            and not any(id(inner) in building for inner in ast.walk(node))
+            and {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & {*names}
+        ]
+        return max(found, key=lambda n: n.lineno, default=None)
 
     def construction(self, value: Any) -> Construction | None:
         """Where an object was built; None if no expression of the script did."""
@@ -199,10 +223,11 @@ class Script:
         module = types.ModuleType("__main__")
         module.__file__ = str(self.path)
         # stays in the namespace: functions of the script also call it later
-        setattr(module, RECORD, lambda i, value: self._record(recorder.calls[i], value))
+        setattr(module, _CALL, lambda i, *a, **k: self._call(recorder.calls[i], *a, **k))
         self.namespace = vars(module)
         try:
             with _as_main_program(module, self.path), self._runs_held_back():
+                self._libraries = Libraries(self.tree)
                 exec(code, self.namespace)
                 self._stand()
         except _RunReached:
@@ -228,11 +253,13 @@ class Script:
 
     @contextmanager
     def _runs_held_back(self) -> Iterator[None]:
-        def held_back(run: Callable[..., Any]) -> Callable[..., None]:
+        def held_back(run: Callable[..., Any]) -> Callable[..., Any]:
             signature = inspect.signature(run)
 
             @functools.wraps(run)
-            def method(*args: Any, **kwargs: Any) -> None:
+            def method(*args: Any, **kwargs: Any) -> Any:
+                if self._standing:  # the first run itself, by `at_run`
+                    return run(*args, **kwargs)
                 call = signature.bind(*args, **kwargs)
                 call.apply_defaults()
                 simulation = call.args[0]
@@ -279,24 +306,14 @@ class Script:
                 yield frame, frame.f_lineno
             frame = frame.f_back
 
-    def _record(self, node: ast.Call, value: Any) -> Any:
+    def _call(self, node: ast.Call, make: Any, *args: Any, **kwargs: Any) -> Any:
+        value = make(*args, **kwargs)
         if isinstance(value, (Block, Event, Simulation)) and id(value) not in self._built:
-            frame = sys._getframe(2)
-            made = Construction(node, value, False, self.local_names(node), self._target(node))
-            for part in (node.func, *node.args, *(k.value for k in node.keywords)):
-                # re-evaluate only expressions without side effects
-                if not any(isinstance(n, _ACTIVE) for n in ast.walk(part)):
-                    try:
-                        made.given[id(part)] = eval(
-                            compile(
-                                ast.Expression(part), str(self.path), "eval", dont_inherit=True
-                            ),
-                            frame.f_globals,
-                            frame.f_locals,
-                        )
-                    except Exception:  # a name of a comprehension around it
-                        continue
-            made.direct = made.given.get(id(node.func)) is type(value)
+            made = Construction(
+                node, value, make is type(value), self.local_names(node), self._target(node)
+            )
+            if made.direct:
+                made.given = inspect.signature(make).bind(*args, **kwargs).arguments
             self._built[id(value)] = made
         return value
 
@@ -488,20 +505,6 @@ class Script:
         return sorted(found.items())
 
 
-_ACTIVE = (
-    ast.Call,
-    ast.Await,
-    ast.Yield,
-    ast.YieldFrom,
-    ast.NamedExpr,
-    ast.Lambda,
-    ast.ListComp,
-    ast.SetComp,
-    ast.DictComp,
-    ast.GeneratorExp,
-)
-
-
 def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
     """Arguments of a call by parameter name, up to the first *args, without **kwargs."""
     positional = itertools.takewhile(lambda a: not isinstance(a, ast.Starred), call.args)
@@ -527,7 +530,7 @@ class _RunReached(BaseException):
 
 
 class _Recorder(ast.NodeTransformer):
-    """Wraps every call: ``f(x)`` becomes ``__built__(i, f(x))``."""
+    """Passes on every call: ``f(x)`` becomes ``__call__(i, f, x)``."""
 
     def __init__(self, original: ast.Module):
         self.calls: list[ast.Call] = []
@@ -539,8 +542,9 @@ class _Recorder(ast.NodeTransformer):
         self.calls.append(self._originals[_span(node)])
         index = len(self.calls) - 1
         self.generic_visit(node)
-        wrapped = ast.Call(ast.Name(RECORD, ast.Load()), [ast.Constant(index), node], [])
-        return ast.fix_missing_locations(ast.copy_location(wrapped, node))
+        node.args[:0] = [ast.Constant(index), node.func]
+        node.func = ast.Name(_CALL, ast.Load())
+        return ast.fix_missing_locations(node)
 
 
 def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:

@@ -19,7 +19,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
 
-from .same import Functions, inner_names, outer_value, short
+from .functions import Functions, inner_names, outer_value
 
 PARTS = (Block, Event, Connection, Simulation)
 
@@ -81,7 +81,7 @@ class Values:
                 or self._function(value, name)
             )
         if node is None:
-            raise Unwritable(f"{short(value)} cannot be written as an expression")
+            raise Unwritable(f"{_short(value)} cannot be written as an expression")
         return node
 
     def _literal(self, value: Any) -> ast.expr | None:
@@ -296,3 +296,8 @@ def _substituted(node: Any, renamed: Mapping[str, str], outer: set[str]) -> Any:
             if isinstance(statement, ast.Nonlocal) and set(statement.names) <= outer:
                 body[i] = ast.Global([renamed.get(n, n) for n in statement.names])
     return out
+
+
+def _short(value: Any) -> str:
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,57 @@
+"""What a script changes in the libraries that its diagram uses."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import importlib
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+_OF_DIAGRAMS = {"pathsim", "numpy", "math", "random", "jsbsim", __name__.partition(".")[0]}
+
+
+class Libraries:
+    """Modules and classes of PathSim, its toolboxes and numpy, as they are before a script.
+
+    Parameters
+    ----------
+    tree : ast.Module
+        the script; toolboxes that it imports are imported, so that changes to them can be seen
+    """
+
+    def __init__(self, tree: ast.Module):
+        for node in ast.walk(tree):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in filter(_of_diagrams, names):
+                with contextlib.suppress(ImportError):
+                    importlib.import_module(name)
+        self._before = {name: (holder, dict(vars(holder))) for name, holder in _holders()}
+
+    def changed(self) -> list[str]:
+        """Names of functions, classes and values that are others now, ``module.name``."""
+        return [
+            f"{where}.{name}"
+            for where, (holder, before) in self._before.items()
+            for name, value in before.items()
+            if vars(holder).get(name, ...) is not value
+            # caches and flags are private
+            and (not name.startswith("_") or callable(value))
+        ]
+
+
+def _of_diagrams(module: str) -> bool:
+    package = module.partition(".")[0]
+    return package in _OF_DIAGRAMS or package.startswith("pathsim_")
+
+
+def _holders() -> Iterator[tuple[str, Any]]:
+    """Modules and their classes, by name."""
+    for name, module in list(sys.modules.items()):
+        if _of_diagrams(name) and module is not None:
+            yield name, module
+            for key, value in list(vars(module).items()):
+                if isinstance(value, type) and value.__module__ == name:
+                    yield f"{name}.{key}", value

@@ -1,0 +1,79 @@
+"""Plain values as texts, so that two processes can compare what they hold."""
+
+from __future__ import annotations
+
+import functools
+import types
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+_NUMBERS = (bool, int, float, complex)
+_DEEP = 20
+MODEL = "rehearsed"  # the module that a model's code is in
+_OWN = ("__main__", MODEL)
+
+
+def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
+    """A text that is equal for equal plain values, of any depth.
+
+    Plain are numbers, texts, arrays, collections, and objects of classes that a script defines,
+    with their attributes. Of anything else it is the type only.
+    """
+    if value is None or isinstance(value, (*_NUMBERS, str, bytes, range, slice)):
+        return repr(value) if type(value) in _NUMBERS else f"{_kind(value)}({value!r})"
+    if isinstance(value, (np.ndarray, np.generic)):
+        return f"{_kind(value)}({value.dtype}, {value.shape}, {_items(value.tolist(), _around)})"
+    if id(value) in _around or len(_around) > _DEEP:
+        return "..."
+    inside = (*_around, id(value))
+    if isinstance(value, Mapping):
+        pairs = [f"{text_of(k, inside)}: {text_of(v, inside)}" for k, v in value.items()]
+        return f"{_kind(value)}{{{', '.join(pairs)}}}"
+    if isinstance(value, (list, tuple, deque)):
+        return f"{_kind(value)}[{', '.join(text_of(v, inside) for v in value)}]"
+    if isinstance(value, (set, frozenset)):
+        return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
+    if isinstance(value, types.FunctionType):
+        defaults = (value.__defaults__, value.__kwdefaults__)
+        return f"function{text_of(defaults, inside)}"
+    if isinstance(value, types.MethodType):
+        return f"{value.__name__} of {text_of(value.__self__, inside)}"
+    if isinstance(value, functools.partial):
+        return f"partial{text_of([value.func, value.args, value.keywords], inside)}"
+    if isinstance(value, type):
+        if value.__module__ not in _OWN:
+            return f"{value.__module__}.{value.__qualname__}"
+        own = {k: v for k, v in vars(value).items() if not k.startswith("__")}
+        return f"class {value.__qualname__} {text_of(own, inside)}"
+    if type(value).__module__ in _OWN:
+        own = getattr(value, "__dict__", {})
+        return f"{_kind(value)}({text_of(own, inside)}) {text_of(type(value), inside)}"
+    return _kind(value)
+
+
+def attributes(part: Any) -> dict[str, str]:
+    """The public attributes of a block or an event, and whether it is on, each as text."""
+    return {
+        name: text_of(value)
+        for name, value in vars(part).items()
+        if name == "_active" or not (name.startswith("_") or name in _LABELS)
+    }
+
+
+_LABELS = {"input_port_labels", "output_port_labels"}  # wires are compared by their numbers
+
+
+def _items(value: Any, around: tuple[int, ...]) -> str:
+    return text_of(value, around) if isinstance(value, list) else repr(value)
+
+
+def _kind(value: Any) -> str:
+    kind = type(value)
+    return (
+        kind.__qualname__
+        if kind.__module__ in ("builtins", *_OWN)
+        else (f"{kind.__module__}.{kind.__qualname__}")
+    )

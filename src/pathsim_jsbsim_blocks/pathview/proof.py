@@ -1,0 +1,138 @@
+"""Prove a model by flight: fly it beside its script, in a process of its own."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from pathsim import Simulation
+from pathsim.blocks import Block
+
+from .._core._pathsim import each_sample
+from .rehearsal import Difference, Ended, Job, Parting, Row, receive, row, send, serve
+
+_AT_ONCE = 200  # rows
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What was compared, and found equal, bit for bit.
+
+    Attributes
+    ----------
+    steps : int
+        steps of the simulation
+    signals : int
+        outputs of blocks
+    time : float
+        until when, s
+    whole : bool
+        whether the run was flown to its end
+    """
+
+    steps: int
+    signals: int
+    time: float
+    whole: bool
+
+    def __str__(self) -> str:
+        return f"same for {self.steps:,} steps, {self.signals} signals" + (
+            "" if self.whole else f", to t = {self.time:.6g} s only (--check all: to the end)"
+        )
+
+
+class Rehearsal:
+    """A process that builds the model of a script and flies it beside the script.
+
+    It is started before the script, of which it knows nothing but the model. As a context: where
+    it is left by an error, the process ends; otherwise it waits for the next model.
+    """
+
+    _idle: ClassVar[subprocess.Popen[bytes] | None] = None
+
+    def __init__(self) -> None:
+        # where the script begins
+        self.surroundings = {
+            "environment": dict(os.environ),
+            "folder": os.getcwd(),
+            "path": list(sys.path),
+        }
+
+    def __enter__(self) -> Rehearsal:
+        self._process, Rehearsal._idle = Rehearsal._idle or self._started(), None
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *details: Any) -> None:
+        if kind is None and hasattr(os, "fork"):
+            Rehearsal._idle = self._process
+        else:
+            self._process.kill()
+            self._process.communicate()
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        program = (
+            f"import sys; sys.path[:] = {sys.path!r}; from {serve.__module__} import serve; serve()"
+        )
+        process = subprocess.Popen(
+            [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        # it ends where its input does
+        atexit.register(process.communicate)
+        return process
+
+    def differences(self, job: Job) -> list[Difference]:
+        """Build a model; where it is not as its script's diagram is."""
+        if self._process.poll() is not None:
+            self._process = self._started()
+        return self._answer(job)
+
+    def fly(
+        self, simulation: Simulation, run: Mapping[str, Any], blocks: Sequence[Block], limit: float
+    ) -> Proof | Parting:
+        """Fly a simulation beside the model built last, for ``limit`` s of processing at most."""
+        rows: list[Row] = []
+        reached, steps, end = 0.0, -1, time.process_time() + limit
+
+        def take(t: float) -> None:
+            nonlocal reached, steps
+            rows.append(row(t, blocks))
+            reached, steps = t, steps + 1
+            if len(rows) >= _AT_ONCE:
+                self._send(rows)
+                rows.clear()
+                if time.process_time() > end:
+                    raise Ended
+
+        try:
+            with each_sample(simulation, take):
+                Simulation.run(simulation, **run)
+            whole = True
+        except Ended:
+            whole = False
+        if rows:
+            self._send(rows)
+        parting = self._answer(whole)
+        signals = sum(len(block.outputs) for block in blocks)
+        return parting or Proof(steps, signals, reached, whole)
+
+    def _send(self, value: Any) -> None:
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # its answer is missing then
+            send(self._process.stdin, value)
+
+    def _answer(self, value: Any) -> Any:
+        self._send(value)
+        assert self._process.stdout is not None
+        try:
+            return receive(self._process.stdout)
+        except EOFError:
+            raise RuntimeError(
+                f"the process that flies the model has ended with {self._process.wait()}"
+            ) from None
