@@ -3,7 +3,6 @@
 import ast
 
 import pytest
-
 from pathsim_jsbsim_blocks.pathview.same import Comparison, Functions
 
 SCRIPT = """

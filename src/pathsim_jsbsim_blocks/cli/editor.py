@@ -85,7 +85,7 @@ def add_export(commands: Commands) -> None:
 def export(args: argparse.Namespace) -> None:
     from .._core.checks import ending, writable
     from ..catalogue import diagram_folder, find_diagram
-    from ..pathview import export_script
+    from ..pathview.export import export_with_proof
     from ..pathview.pvm import read
     from ..pathview.trusted_models import digest, remember
 
@@ -94,10 +94,10 @@ def export(args: argparse.Namespace) -> None:
     script = find_diagram(args.script)
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
-    model = export_script(script, output)
+    model, proof = export_with_proof(script, output, args.check)
     # all code in the model comes from the script, which has just run here
     remember(digest(read(model)))
-    print(f"model saved: {model}")
+    print(f"model saved: {model} ({proof})")
 
 
 def add_convert(commands: Commands) -> None:

@@ -73,7 +73,7 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
         path = script.with_suffix(".pvm")
         existing = pvm.read(path) if path.exists() else None
         if existing is None or str(target) != script.stem:
-            content = script_model(script, existing)
+            content, _ = script_model(script, existing)
             refuse_markup(content, script)
             return content
     content = pvm.read(path)

@@ -59,7 +59,7 @@ class Diagram:
 
     ``code_names`` are the names that its code binds. ``parts`` has, by the variable in PathView's
     script, each block and event of the script, and of each of its parameters whether an expression
-    of the source gives it.
+    of the source gives it. ``places`` has lines of the script by lines of ``context``.
     """
 
     path: Path
@@ -69,4 +69,5 @@ class Diagram:
     settings: dict[str, str]
     toolboxes: list[Toolbox]
     code_names: frozenset[str] = frozenset()
+    places: dict[int, int] = field(default_factory=dict)
     parts: dict[str, tuple[Any, dict[str, bool]]] = field(default_factory=dict)

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
-from pathsim import Simulation
+from pathsim import Connection, Simulation
 
 from .._core.checks import as_path, positive
+from ..errors import DiagramError
 from . import pvm
 from .diagram import Diagram, Graph, Node
 from .frozen import Frozen
-from .functions import Functions
 from .plain import attributes, text_of
 from .proof import Proof, Rehearsal
 from .reader import Live, read_diagram
@@ -110,7 +110,7 @@ class _Export:
 
     def __init__(self, script: Script, rehearsal: Rehearsal, frozen: Frozen):
         self.script, self.rehearsal, self.frozen = script, rehearsal, frozen
-        self.functions = Functions(script.tree, str(script.path))
+        self._failed: dict[int, str] = {}  # statements that PathView cannot execute, by line
 
     def proven(self, existing: Json | None, check: float) -> tuple[Json, Proof]:
         script = self.script
@@ -119,7 +119,7 @@ class _Export:
             script.refuse(
                 f"the simulation is a {type(script.simulation).__name__}; "
                 "PathView has PathSim's Simulation only",
-                made and made.node,
+                made.node if made else None,
             )
         self._refuse_changed_libraries()
         settings = setting_values(script)
@@ -130,7 +130,7 @@ class _Export:
         }
         content, diagram = self._equal(existing, settings, run)
         parts = {name: part for name, (part, _) in diagram.parts.items()}
-        self.frozen.run_begins()
+        self.frozen.begin()
         outcome = self.rehearsal.fly(script.simulation, run, list(blocks_of(parts).values()), check)
         if isinstance(outcome, Parting):
             self._refuse_parting(outcome, diagram)
@@ -142,16 +142,24 @@ class _Export:
         """A model that builds the script's diagram.
 
         Parameters are as in the source; those that differ then are written with their values.
+        Statements that fail in PathView are left out.
         """
         live: Live = set()
         while True:
-            diagram = read_diagram(self.script, self.functions, live)
+            try:
+                diagram = read_diagram(self.script, live, self._failed)
+            except DiagramError:
+                self._refuse_failed()
+                raise
             content = pvm.model(diagram, existing)
             differences = self.rehearsal.differences(self._job(content, diagram, settings, run))
             if not differences:
                 return content, diagram
             more = {p for d in differences for p in self._parameters(d, diagram)} - live
-            if not more:
+            line = diagram.places.get(differences[0].line)
+            if line is not None:
+                self._failed[line] = differences[0].error
+            elif not more:
                 self._refuse(differences[0], diagram)
             live |= more
 
@@ -206,11 +214,19 @@ class _Export:
                 self.script.mention(name.rpartition(".")[2]),
             )
 
+    def _refuse_failed(self) -> None:
+        """Name the first statement that PathView cannot execute: the rest follows from it."""
+        for line, error in self._failed.items():
+            raise DiagramError(
+                f"PathView cannot execute this line: {error}", path=self.script.path, line=line
+            )
+
     def _refuse(self, difference: Difference, diagram: Diagram) -> NoReturn:
         script, name = self.script, difference.name
         part, _ = diagram.parts.get(difference.variable, (None, None))
         what = self._called(part) if part is not None else repr(name)
         values = f"{_short(difference.here)}, and {_short(difference.there)} in the model"
+        self._refuse_failed()
         if difference.error:
             owner = f"parameter {name!r} of {what}" if part is not None else name
             script.refuse(
@@ -218,9 +234,10 @@ class _Export:
                 self._built_at(part),
             )
         if part is None:
+            wires = [n for n, v in script.namespace.items() if isinstance(v, Connection)]
             script.refuse(
                 f"{what} changes before the run: {values}; PathView cannot represent that",
-                script.mention(name) or script.run_call,
+                script.mention(name, *wires) or script.run_call,
             )
         script.refuse(
             f"{what} is changed after it is built: {name} is {values}; "
@@ -230,6 +247,7 @@ class _Export:
 
     def _refuse_parting(self, parting: Parting, diagram: Diagram) -> NoReturn:
         script = self.script
+        self._refuse_failed()
         if not parting.variable:
             script.refuse(
                 f"at t = {parting.time!r} s the script {parting.here}, and the model "
@@ -237,15 +255,20 @@ class _Export:
                 script.run_call,
             )
         part, _ = diagram.parts[parting.variable]
-        why = "it depends on something that the model does not have"
-        line = self._built_at(part)
+        place = script.mention(*self._names(part))
         if script.states:
-            method, at = script.states[-1]
-            why, line = f"{method}() before the run changes it (line {at})", line
+            method, line = script.states[-1]
+            why = f"{method}() in line {line} changes its state before the run"
+        elif place is not None:
+            why = f"line {place.lineno} may change it after it is built"  # type: ignore[attr-defined]
+        elif self.frozen.seeded:
+            why = "it draws from a global random generator, whose state differs; give it its own"
+        else:
+            why = "it depends on something that the model does not have"
         script.refuse(
             f"{self._called(part)} flies otherwise in the model: port {parting.port} at "
-            f"t = {parting.time!r} s is {parting.here}, and {parting.there} in the model: {why}",
-            line,
+            f"t = {parting.time!r} s is {parting.here}, and {parting.there} in the model; {why}",
+            place or self._built_at(part),
         )
 
     def _built_at(self, part: Any) -> Any:

@@ -31,7 +31,7 @@ class Frozen:
 
     def __init__(self, now: float):
         self.now = now
-        self._seeded = False
+        self.seeded = False
         self._looks = itertools.count()
 
     @contextmanager
@@ -57,25 +57,25 @@ class Frozen:
             stack.enter_context(patch.object(time, "time", self._time))
             stack.enter_context(patch.object(time, "time_ns", lambda: int(self._time() * 1e9)))
             try:
-                self._seeded = False
-                self.run_begins()
+                self.seeded = False
+                self.begin()
                 yield
             finally:
                 random.setstate(before[0])
                 np.random.set_state(before[1])  # noqa: NPY002
 
-    def run_begins(self) -> None:
+    def begin(self) -> None:
         """Start the clock, and the global generators unless they have been seeded."""
         self._looks = itertools.count()
-        if not self._seeded:
+        if not self.seeded:
             random._inst.seed(_ENTROPY)  # type: ignore[attr-defined]
             np.random.mtrand._rand.seed(_ENTROPY)
 
     def _noted(self, usual: Callable[..., Any]) -> Callable[..., Any]:
         def noted(*args: Any, **kwargs: Any) -> Any:
             given = [*args, *kwargs.values()]
-            self._seeded = bool(given) and given[0] is not None
-            return usual(*args, **kwargs) if self._seeded else usual(_ENTROPY)
+            self.seeded = bool(given) and given[0] is not None
+            return usual(*args, **kwargs) if self.seeded else usual(_ENTROPY)
 
         return noted
 

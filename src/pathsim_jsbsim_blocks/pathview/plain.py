@@ -9,6 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from pathsim import Simulation
+from pathsim.blocks import Block
+from pathsim.events._event import Event
 
 _NUMBERS = (bool, int, float, complex)
 _DEEP = 20
@@ -37,8 +40,7 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, (set, frozenset)):
         return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
     if isinstance(value, types.FunctionType):
-        defaults = (value.__defaults__, value.__kwdefaults__)
-        return f"function{text_of(defaults, inside)}"
+        return f"function{text_of(_own_values(value), inside)}"
     if isinstance(value, types.MethodType):
         return f"{value.__name__} of {text_of(value.__self__, inside)}"
     if isinstance(value, functools.partial):
@@ -77,3 +79,13 @@ def _kind(value: Any) -> str:
         if kind.__module__ in ("builtins", *_OWN)
         else (f"{kind.__module__}.{kind.__qualname__}")
     )
+
+
+def _own_values(function: types.FunctionType) -> dict[str, Any]:
+    """Default values of a function and variables around it, without parts of a diagram."""
+    code, defaults = function.__code__, function.__defaults__ or ()
+    cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
+    own = dict(zip(code.co_varnames[code.co_argcount - len(defaults) :], defaults, strict=False))
+    own |= function.__kwdefaults__ or {}
+    own |= {name: cell.cell_contents for name, cell in cells.items()}
+    return {k: own[k] for k in sorted(own) if not isinstance(own[k], (Block, Event, Simulation))}

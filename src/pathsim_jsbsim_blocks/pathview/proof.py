@@ -123,15 +123,13 @@ class Rehearsal:
         return parting or Proof(steps, signals, reached, whole)
 
     def _send(self, value: Any) -> None:
-        assert self._process.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # its answer is missing then
-            send(self._process.stdin, value)
+            send(self._process.stdin, value)  # type: ignore[arg-type]
 
     def _answer(self, value: Any) -> Any:
         self._send(value)
-        assert self._process.stdout is not None
         try:
-            return receive(self._process.stdout)
+            return receive(self._process.stdout)  # type: ignore[arg-type]
         except EOFError:
             raise RuntimeError(
                 f"the process that flies the model has ended with {self._process.wait()}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import copy
 import inspect
 import itertools
 import keyword
@@ -20,15 +21,13 @@ from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
 from .._core._pathsim import own_events, port_names, port_number
-from ..errors import DiagramError
-from .context import Context
+from .code import Code
 from .diagram import Diagram, Event, Graph, Node, Wire
-from .functions import Functions
+from .literals import Functions, Unwritable, literal
 from .names import used
 from .script import Construction, Script, named_arguments
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
-from .values import Unwritable
 from .variables import plain, prefix_inside
 
 _TAKEN = {
@@ -52,7 +51,7 @@ _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 Live = set[tuple[int | None, str]]
 
 
-def read_diagram(script: Script, functions: Functions, live: Live) -> Diagram:
+def read_diagram(script: Script, live: Live, without: Collection[int] = ()) -> Diagram:
     """Everything in a diagram script that a model file can represent.
 
     Raises
@@ -60,7 +59,7 @@ def read_diagram(script: Script, functions: Functions, live: Live) -> Diagram:
     DiagramError
         for what PathView cannot represent, with file, line and reason
     """
-    return _Reader(script, functions, live).diagram()
+    return _Reader(script, live, without).diagram()
 
 
 @dataclass
@@ -79,11 +78,13 @@ class _Part:
 
 
 class _Reader:
-    def __init__(self, script: Script, functions: Functions, live: Live):
+    def __init__(self, script: Script, live: Live, without: Collection[int]):
         self.script = script
         self.refuse = script.refuse
         self.live = live
-        self.context = Context(script, functions)
+        self.code = Code(script, without)
+        self.stand_ins: dict[str, Any] = {}
+        self.functions = Functions(script.tree, str(script.path))
         self.registry = core_registry()
         self.parts: dict[int, _Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
@@ -100,27 +101,28 @@ class _Reader:
         for part in self.parts.values():
             self._settle(part)
         settings = self._settings()
-        context = self.context
-        for name in sorted(context.names):
+        code = self.code
+        for name in sorted(code.names):
             if _GENERATED.fullmatch(name):
                 self.refuse(f"PathView's own code uses the name {name!r}; rename it")
-        renamed = self._name_parts(context)
-        for name in sorted(context.parts - renamed.keys()):
+        renamed = self._name_parts(code)
+        for name in sorted(code.parts - renamed.keys()):
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
-        code_names = frozenset(context.names)
+        code_names = frozenset(code.names)
         renamed = {old: new for old, new in renamed.items() if old != new}
-        functions = self._write_parameters(context, renamed)
+        functions = self._write_parameters(code, renamed)
         imports = self._event_imports(graph)
         values = setting_values(self.script)
-        values.update({k: context.expression(e, renamed) for k, e in settings.items()})
+        values.update({k: code.expression(e, renamed) for k, e in settings.items()})
         return Diagram(
             path=self.script.path,
             docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph,
-            context="\n\n".join([*filter(None, [context.text(renamed, imports)]), *functions]),
+            context="\n\n".join([*filter(None, [code.text(renamed, imports)]), *functions]),
             settings=values,
             toolboxes=self._toolboxes(),
             code_names=code_names,
+            places=self.code.places,
             parts={
                 p.variable: (
                     p.value,
@@ -140,8 +142,9 @@ class _Reader:
         found = {}
         for name, node in setting_expressions(self.script).items():
             local = self.script.local_names(node)
-            if (None, name) not in self.live and self._refusal(node, local) is None:
+            if (None, name) not in self.live and self._stands_alone(node, local):
                 found[name] = node
+                self.code.need(node)
         return found
 
     # structure ----------------------------------------------------------------------------------
@@ -299,68 +302,64 @@ class _Reader:
 
     def _settle(self, part: _Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
-        live = [n for n in part.known if (id(part.value), n) in self.live]
+        for name in part.known:
+            if (id(part.value), name) in self.live:
+                part.arguments[name] = self._written(part, name)
+                part.function = None
         for name, node in part.arguments.items():
-            if name in live:
-                continue
             if part.function is not None:
-                try:
-                    self.context.admit(part.function)
-                except Unwritable as unwritable:
-                    self.refuse(str(unwritable), part.function)
+                plain = copy.copy(part.function)
+                plain.decorator_list = []
+                self.code.need(plain)
                 continue
-            error = self._refusal(node, part.made.local if part.made else set())
-            if error is not None:
-                part.arguments[name] = self._live(part, name, error)
-        for name in live:
-            part.arguments[name] = self._live(part, name, None)
-            part.function = None
+            if not self._stands_alone(node, part.made.local if part.made else set()):
+                part.arguments[name] = node = self._written(part, name)
+            self.code.need(node)
 
-    def _refusal(self, node: ast.expr, local: set[str]) -> DiagramError | None:
-        """Why an expression of the source cannot be kept."""
-        for inner in ast.walk(node):
-            if isinstance(inner, (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)):
-                return self._error("not a plain expression", node)
-        names = sorted(used(node) & local)
-        if names:
-            return self._error(f"{names[0]!r} is a variable of a function", node)
-        try:
-            self.context.admit(node)
-        except DiagramError as error:
-            return error
-        except Unwritable as error:
-            return self._error(str(error), node)
-        return None
+    @staticmethod
+    def _stands_alone(node: ast.expr, local: set[str]) -> bool:
+        """Whether an expression of the source may mean the same at the top level."""
+        active = (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)
+        return not used(node) & local and not any(isinstance(n, active) for n in ast.walk(node))
 
-    def _error(self, reason: str, node: ast.AST | None) -> DiagramError:
-        return DiagramError(reason, path=self.script.path, line=getattr(node, "lineno", None))
-
-    def _live(self, part: _Part, name: str, error: DiagramError | None) -> ast.expr:
-        """The live value of a parameter as an expression; ``error``: why the source is refused."""
-        what = f"parameter {name!r} of {self._called(part.value)}"
-        node = part.arguments.get(name)
-        given = part.made.given if part.made else {}
+    def _written(self, part: _Part, name: str) -> ast.expr:
+        """An expression for the value of a parameter."""
+        node, given = part.arguments.get(name), part.made.given if part.made else {}
         value = getattr(part.value, name, given.get(name, ...))
+        what = f"parameter {name!r} of {self._called(part.value)}"
         where = node if hasattr(node, "lineno") else self._node(part.value)
         if value is ...:
-            reason = f": {error.reason}" if error else ""
-            self.refuse(f"{what} cannot be read from the block{reason}", where)
+            self.refuse(f"{what} cannot be read from the block", where)
         try:
-            return self.context.live(value)
+            if not inspect.isfunction(value):
+                return _without_places(ast.parse(literal(value), mode="eval").body)
+            function = _without_places(self.functions.written(value, node, self._stand_in))
         except Unwritable as unwritable:
-            reason = error.reason if error else "it differs from the value in the source"
-            raise DiagramError(
-                f"{what}: {reason}, and {unwritable}",
-                path=self.script.path,
-                line=error.line if error else getattr(where, "lineno", None),
-            ) from unwritable
+            self.refuse(f"{what}: {unwritable}; write it at the top level, under a name", where)
+        if isinstance(function, ast.Lambda):
+            return function
+        name = function.name
+        taken = {*self.script.namespace, *self.code.made}
+        while name in taken and self.code.made.get(name) != function:
+            name += "_"
+        function.name, function.decorator_list, function.returns = name, [], None
+        self.code.made[name] = function
+        self.code.need(function)
+        return ast.Name(name, ast.Load())
+
+    def _stand_in(self, value: Any) -> str | None:
+        """A name for a part to which a function refers, until the parts are named."""
+        if value is self.script.simulation or id(value) in self.parts:
+            self.stand_ins[f"__part_{id(value)}"] = value
+            return f"__part_{id(value)}"
+        return None
 
     # names --------------------------------------------------------------------------------------
 
-    def _name_parts(self, context: Context) -> dict[str, str]:
+    def _name_parts(self, code: Code) -> dict[str, str]:
         """Name every part; returns the new names of the script's variables."""
         given: set[str] = set()
-        other = _TAKEN | context.names | self._locals(context)
+        other = _TAKEN | code.names | self._locals(code)
         renamed = {n: "sim" for n in self._variables(self.script.simulation)}
         for part in self.parts.values():
             prefix = _prefix(part.parent)
@@ -379,27 +378,20 @@ class _Reader:
                         break
             given.add(part.variable)
             renamed.update({n: part.variable for n in variables})
-        for name, value in context.values.parts.items():
-            if value is self.script.simulation:
-                renamed[name] = "sim"
-            elif id(value) in self.parts:
-                renamed[name] = self.parts[id(value)].variable
-            else:
-                self.refuse(
-                    f"a function refers to {self._called(value)}, which is not in the simulation",
-                    self._node(value),
-                )
+        for name, value in self.stand_ins.items():
+            whole = value is self.script.simulation
+            renamed[name] = "sim" if whole else self.parts[id(value)].variable
         return renamed
 
-    def _locals(self, context: Context) -> set[str]:
+    def _locals(self, code: Code) -> set[str]:
         """Variables of the functions that refer to parts; they would shadow a part of that name."""
         names: set[str] = set()
         nodes = [
-            *context.nodes(),
+            *code.nodes(),
             *(e for p in self.parts.values() for e in p.arguments.values()),
             *(p.function for p in self.parts.values() if p.function),
         ]
-        parts = context.parts | context.values.parts.keys()
+        parts = code.parts | self.stand_ins.keys()
         for node in (n for top in nodes for n in ast.walk(top)):
             if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts:
                 names |= {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)}
@@ -424,18 +416,18 @@ class _Reader:
             else ""
         )
 
-    def _write_parameters(self, context: Context, renamed: dict[str, str]) -> list[str]:
+    def _write_parameters(self, code: Code, renamed: dict[str, str]) -> list[str]:
         functions = []
         for part in self.parts.values():
             if part.function is not None:
                 name = f"{part.variable}_function"
-                while name in context.names:
+                while name in code.names:
                     name += "_"
-                functions.append(context.function(part.function, name, renamed))
+                functions.append(code.function(part.function, name, renamed))
                 part.target.params = dict.fromkeys(part.arguments, name)
             else:
                 part.target.params = {
-                    k: context.expression(e, renamed) for k, e in part.arguments.items()
+                    k: code.expression(e, renamed) for k, e in part.arguments.items()
                 }
         return functions
 
@@ -592,3 +584,11 @@ def _display_names(variable: str, kind: str, other: Collection[str]) -> Iterator
         name += " block"
         yield name
     yield from (f"{name} {i}" for i in itertools.count(2))
+
+
+def _without_places(node: Any) -> Any:
+    """A node that is not in the script's source."""
+    for inner in ast.walk(node):
+        for name in ("lineno", "end_lineno", "col_offset", "end_col_offset"):
+            inner.__dict__.pop(name, None)
+    return node

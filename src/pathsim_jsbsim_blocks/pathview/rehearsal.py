@@ -13,6 +13,7 @@ import os
 import pickle
 import struct
 import sys
+import traceback
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -82,7 +83,8 @@ class Difference:
     """Where the model is not as the script's diagram is.
 
     ``variable`` is a part of the diagram, SETTINGS, or empty; ``name`` an attribute or parameter
-    of it, a part of the structure or a name of the code. ``error`` says what cannot be evaluated.
+    of it, a part of the structure or a name of the code. ``error`` says what cannot be evaluated,
+    ``line`` which line of the code.
     """
 
     variable: str
@@ -90,6 +92,7 @@ class Difference:
     here: str = ""
     there: str = ""
     error: str = ""
+    line: int = 0
 
 
 @dataclass
@@ -208,7 +211,7 @@ def _rehearse(job: Job, requests: BinaryIO, replies: BinaryIO) -> None:
         differences = _evaluated(content, job)
         if not differences:
             try:
-                namespace = _built(content, job)
+                namespace = _built(content, job, frozen)
                 differences = _compared(namespace, job)
             except Exception as error:
                 differences = [Difference("", "", error=said(error))]
@@ -227,7 +230,12 @@ def _evaluated(content: Json, job: Job) -> list[Difference]:
     try:
         exec(compile(content["codeContext"]["code"], "code", "exec", dont_inherit=True), namespace)
     except (Exception, SystemExit) as error:
-        return [Difference("", "the code", error=said(error))]
+        lines = [
+            line
+            for frame, line in traceback.walk_tb(error.__traceback__)
+            if frame.f_code.co_filename == "code" and frame.f_code.co_name == "<module>"
+        ]
+        return [Difference("", "the code", error=said(error), line=lines[0] if lines else 0)]
     found = [
         Difference("", name, text, there)
         for name, text in job.names.items()
@@ -244,11 +252,12 @@ def _evaluated(content: Json, job: Job) -> list[Difference]:
     return found
 
 
-def _built(content: Json, job: Job) -> dict[str, Any]:
+def _built(content: Json, job: Job, frozen: Frozen) -> dict[str, Any]:
     """The names of the model's script, which it builds."""
     path = Path(job.path)
     code = to_python(content, registry_for(content, path, trust_toolboxes=job.toolboxes), path)
     namespace: dict[str, Any] = {"__name__": MODEL}
+    frozen.begin()
     exec(compile(code, "model", "exec", dont_inherit=True), namespace)
     if job.run["reset"]:
         namespace["sim"].reset()
@@ -283,7 +292,7 @@ def _flown(
         if mine != theirs:
             raise _parting(blocks, theirs, mine)
 
-    frozen.run_begins()
+    frozen.begin()
     try:
         with each_sample(simulation, take):
             simulation.run(**job.run)

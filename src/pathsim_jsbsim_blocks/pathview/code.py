@@ -1,0 +1,291 @@
+"""The code of a model: the imports, parameters and functions that a diagram needs."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import io
+import sys
+import tokenize
+from collections.abc import Collection, Iterable, Mapping
+from textwrap import dedent
+from typing import Any
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Block
+from pathsim.events._event import Event
+
+from .names import bound, references, root, used
+from .script import Script
+
+PARTS = (Block, Event, Connection, Simulation)
+_RANDOM = ("np.random.", "numpy.random.", "random.")
+
+
+class Code:
+    """The statements of a script that the expressions of its diagram need.
+
+    These are the statements, as written, that bind a needed name or stand alone with it
+    (``table.append(1)``), and neither build nor use a part of the diagram.
+
+    Parameters
+    ----------
+    script : Script
+        the script
+    without : collection of int
+        lines of statements that PathView cannot execute
+
+    Attributes
+    ----------
+    parts : set of str
+        blocks, events and the simulation to which functions refer
+    made : dict
+        functions to add, by their name
+    places : dict
+        lines of the script by lines of the text
+    """
+
+    def __init__(self, script: Script, without: Collection[int] = ()):
+        self.script = script
+        self.parts: set[str] = set()
+        self.made: dict[str, ast.FunctionDef] = {}
+        self._statements = [
+            s for s in script.statements if s.lineno not in without and not self._has_parts(s)
+        ]
+        self._touched = {s: self._touches(s) for s in self._statements}
+        self._needed: set[str] = {"np"}  # which PathView provides; a seed belongs to the diagram
+        self._kept: set[ast.stmt] = set()
+
+    def need(self, node: ast.AST) -> None:
+        """Add all that an expression or a function needs.
+
+        Raises
+        ------
+        DiagramError
+            for what has no meaning in PathView
+        """
+        todo = used(node)
+        while todo := todo - self._needed:
+            self._needed |= todo
+            for name in sorted(todo):
+                self._check(name, node)
+            new = {s for s in self._statements if self._touched[s] & self._needed} - self._kept
+            self._kept |= new
+            todo = {name for s in new for name in used(s)}
+
+    @property
+    def names(self) -> set[str]:
+        """The names that the code binds."""
+        return {n for s in self._kept for n in bound([s])} & self._needed | self.made.keys()
+
+    def nodes(self) -> list[ast.AST]:
+        """All of the code."""
+        return [*self._kept, *self.made.values()]
+
+    def _check(self, name: str, where: ast.AST) -> None:
+        value = self.script.namespace.get(name)
+        if isinstance(value, PARTS):
+            self.parts.add(name)
+        elif _holds_parts(value):
+            self.script.refuse(f"{name!r} holds blocks; PathView's code has no such name", where)
+        elif name == "__file__":
+            self.script.refuse("__file__ has no meaning in PathView", where)
+
+    def _has_parts(self, statement: ast.stmt) -> bool:
+        """Whether a statement builds or changes parts of the diagram."""
+        values = self.script.namespace
+        if any(_is_part(values.get(n)) for n in bound([statement])):
+            return True
+        if isinstance(statement, (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)):
+            return False
+        return any(_is_part(values.get(n)) for n in used(statement))
+
+    def _touches(self, statement: ast.stmt) -> set[str]:
+        """Names that a statement binds, or may change where it stands alone."""
+        names = set(bound([statement]))
+        if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
+            module = vars(sys.modules.get(statement.module or "", ast))
+            return {n for n in module if not n.startswith("_")} - {"np"}
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Expr):
+                for call in (n for n in ast.walk(node) if isinstance(n, ast.Call)):
+                    names |= self._changed_by(call)
+            elif isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(
+                node.ctx, ast.Load
+            ):
+                names.add(root(node) or "")
+        return names
+
+    def _changed_by(self, call: ast.Call) -> set[str]:
+        """Names that a call that stands alone may change."""
+        function, name = ast.unparse(call.func), root(call.func)
+        if function.startswith(_RANDOM):
+            return {"np"}
+        owner = self.script.namespace.get(name or "")
+        module = getattr(owner, "__name__", "") or type(owner).__module__
+        if name == "print" or module.partition(".")[0] == "matplotlib":
+            return set()
+        inside = (
+            s
+            for s in self.script.statements
+            if isinstance(s, ast.FunctionDef) and s.name == function
+        )
+        return {n for node in (call, *inside) for n in used(node)} - {"np"}
+
+    def text(self, renamed: Mapping[str, str], extra: Iterable[str] = ()) -> str:
+        """Source of the context, as written, with parts of the diagram under their new names."""
+        statements = sorted(self._kept, key=lambda s: (s.lineno, s.col_offset))
+        pieces = [*extra]
+        self.places: dict[int, int] = {}
+        end = 0
+        for statement in statements:
+            text = self._statement(statement, renamed)
+            if not text:
+                continue
+            start = self._first_line(statement)
+            separate = pieces and start > end + 1
+            pieces.append(("\n" if separate else "") + text)
+            for line in range(len(text.split("\n"))):
+                self.places["\n".join(pieces).count("\n") - line + 1] = statement.lineno
+            end = statement.end_lineno or 0
+        for function in self.made.values():
+            pieces.append(
+                "\n" + ast.unparse(ast.fix_missing_locations(_renamed(function, renamed)))
+            )
+        return "\n".join(pieces).lstrip("\n")
+
+    def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:
+        """Source of an expression as written, in one line."""
+        if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
+            return ast.unparse(ast.fix_missing_locations(_renamed(node, renamed)))
+        return _one_line(_rewrite(self.script.source, node, renamed))
+
+    def function(self, node: ast.FunctionDef, name: str, renamed: Mapping[str, str]) -> str:
+        """Source of a decorated function as a plain one, under another name."""
+        plain = _renamed(node, renamed)
+        plain.name, plain.decorator_list = name, []
+        return ast.unparse(plain)
+
+    def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
+        if isinstance(statement, (ast.Import, ast.ImportFrom)):
+            return self._import(statement)
+        text = _rewrite(self.script.source, statement, renamed)
+        lines = self.script.source.split("\n")
+        before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
+        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
+        if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
+            return text
+        above = lines[self._first_line(statement) - 1 : statement.lineno - 1]
+        return "".join(line[len(before) :] + "\n" for line in above) + dedent(before + text) + after
+
+    def _first_line(self, statement: ast.stmt) -> int:
+        """First line of a statement with its decorators and the comments right above it."""
+        decorators = getattr(statement, "decorator_list", [])
+        line = min([statement.lineno, *(d.lineno for d in decorators)])
+        lines = self.script.source.split("\n")
+        while line > 1 and lines[line - 2].lstrip().startswith("#"):
+            line -= 1
+        return line
+
+    def _import(self, statement: ast.Import | ast.ImportFrom) -> str:
+        """The part of an import that is needed; numpy as np is there already."""
+        names = [
+            a
+            for a in statement.names
+            if a.name == "*" or (a.asname or a.name).partition(".")[0] in self._needed
+        ]
+        if isinstance(statement, ast.Import):
+            names = [a for a in names if (a.name, a.asname) != ("numpy", "np")]
+        return ast.unparse(type(statement)(**{**vars(statement), "names": names})) if names else ""
+
+
+def _is_part(value: Any) -> bool:
+    return isinstance(value, PARTS) or _holds_parts(value)
+
+
+def _holds_parts(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    return isinstance(value, (list, tuple, set)) and any(isinstance(v, PARTS) for v in value)
+
+
+def _one_line(text: str) -> str:
+    """An expression without line breaks and comments."""
+    if "\n" not in text:
+        return text
+    out, end = "", (1, 0)
+    for token in tokenize.generate_tokens(io.StringIO(f"({text})").readline):
+        if token.type in (tokenize.NL, tokenize.COMMENT, tokenize.NEWLINE, tokenize.ENDMARKER):
+            continue
+        if token.start[0] > end[0]:
+            space = "" if out[-1] in "([{" or token.string in ")]}" else " "
+            if token.string in ("]", "}"):
+                out = out.rstrip(",")
+        else:
+            space = " " * (token.start[1] - end[1])
+        out, end = out + space + token.string, token.end
+    # a significant comma, as in a one-element tuple, may have been removed
+    tree, same = (ast.parse(t, mode="eval") for t in (f"({text})", out))
+    return out[1:-1] if ast.dump(tree) == ast.dump(same) else ast.unparse(tree)
+
+
+def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:
+    node = copy.deepcopy(node)
+    for name in list(references(node)):
+        name.id = renamed.get(name.id, name.id)
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.Global):
+            inner.names = [renamed.get(n, n) for n in inner.names]
+    return node
+
+
+def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
+    """Source of ``node`` with new names, and with multi-line strings written on one line.
+
+    PathView indents the code before running it, which would change multi-line strings.
+    """
+    lines = source.encode().splitlines(keepends=True)
+    starts = [0]
+    for line in lines:
+        starts.append(starts[-1] + len(line))
+
+    def place(n: Any) -> tuple[int, int]:
+        return (starts[n.lineno - 1] + n.col_offset, starts[n.end_lineno - 1] + n.end_col_offset)
+
+    edits: dict[tuple[int, int], str] = {}
+    docstrings = {
+        id(n.body[0].value)
+        for n in ast.walk(node)
+        if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+        and isinstance(n.body[0], ast.Expr)
+    }
+    # before Python 3.12 the parts of an f-string have no positions of their own
+    in_f_strings = {
+        id(n)
+        for f in ast.walk(node)
+        if isinstance(f, ast.JoinedStr)
+        for n in ast.walk(f)
+        if n is not f
+    }
+    for inner in ast.walk(node):
+        if id(inner) in in_f_strings:
+            continue
+        if isinstance(inner, ast.JoinedStr):
+            if inner.lineno != inner.end_lineno or any(n.id in renamed for n in references(inner)):
+                edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
+        elif isinstance(inner, ast.Constant) and isinstance(inner.value, (str, bytes)):
+            if inner.lineno != inner.end_lineno and id(inner) not in docstrings:
+                edits[place(inner)] = repr(inner.value)
+        elif isinstance(inner, ast.Global):
+            edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
+    for name in references(node):
+        if name.id in renamed and id(name) not in in_f_strings:
+            edits[place(name)] = renamed[name.id]
+    begin, end = place(node)
+    text = b"".join(lines)
+    out, at = [], begin
+    for (first, last), new in sorted(edits.items(), key=lambda e: (e[0][0], -e[0][1])):
+        if first >= at:  # decorators come before
+            out += [text[at:first], new.encode()]
+            at = last
+    return b"".join([*out, text[at:end]]).decode()

@@ -1,0 +1,139 @@
+"""Write values and functions of a script as Python expressions."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import copy
+import types
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .names import bound, references
+
+_FUNCTIONS = (ast.FunctionDef, ast.Lambda)
+
+
+class Unwritable(Exception):
+    """A value that cannot be written as an expression; the text says why."""
+
+
+def literal(value: Any) -> str:
+    """An expression for a number, text, array, collection or built-in function.
+
+    Raises
+    ------
+    Unwritable
+        for anything else
+    """
+    if isinstance(value, np.generic) and value.shape == () and not value.dtype.names:
+        value = value.item()
+    if value is None or value is ... or type(value) in (bool, int, str, bytes):
+        return repr(value)
+    if type(value) in (float, complex):
+        text = repr(value).replace("inf", "np.inf").replace("nan", "np.nan")
+        if type(value) is complex and "np." in text:
+            return f"complex({literal(value.real)}, {literal(value.imag)})"
+        return text
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biufcU":
+        same = value.size and np.array(value.tolist()).dtype == value.dtype
+        shape = "" if value.size else f".reshape({value.shape})"
+        dtype = "" if same else f", dtype={str(value.dtype)!r}"
+        return f"np.array({literal(value.tolist())}{dtype}){shape}"
+    if type(value) in (list, tuple, set):
+        items = ", ".join(map(literal, value))
+        if type(value) is list:
+            return f"[{items}]"
+        if type(value) is tuple:
+            return f"({items},)" if len(value) == 1 else f"({items})"
+        return f"{{{items}}}" if value else "set()"
+    if type(value) is dict:
+        return "{" + ", ".join(f"{literal(k)}: {literal(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, np.ufunc):
+        return f"np.{value.__name__}"
+    name = getattr(value, "__name__", "")
+    if name and getattr(builtins, name, None) is value:
+        return str(name)
+    text = " ".join(repr(value).split())
+    raise Unwritable(f"{text if len(text) <= 60 else text[:57] + '...'} is not a plain value")
+
+
+class Functions:
+    """The functions in a script, found by their code objects."""
+
+    def __init__(self, tree: ast.AST, filename: str):
+        self.filename = filename
+        self._nodes: list[Any] = [n for n in ast.walk(tree) if isinstance(n, _FUNCTIONS)]
+
+    def node(self, function: types.FunctionType) -> Any:
+        """Its definition; None if it is not in the script, or if it is ambiguous."""
+        code = function.__code__
+        found = [
+            n
+            for n in self._nodes
+            if code.co_filename == self.filename
+            and min([n.lineno, *(d.lineno for d in getattr(n, "decorator_list", ()))])
+            == code.co_firstlineno
+            and getattr(n, "name", "<lambda>") == code.co_name
+        ]
+        return found[0] if len({ast.dump(n) for n in found}) == 1 else None
+
+    def written(
+        self, function: types.FunctionType, source: Any, part_name: Callable[[Any], str | None]
+    ) -> ast.FunctionDef | ast.Lambda:
+        """A function of the script as one of the top level.
+
+        Values of variables around it become default values of further parameters.
+
+        Parameters
+        ----------
+        function : function
+            the function
+        source : ast.expr
+            the argument that it was; a lambda is its own definition
+        part_name : callable
+            gives the name of a part of the diagram to which it refers
+
+        Raises
+        ------
+        Unwritable
+            for a function that is not in the script, or one with variables that have no literal
+        """
+        node = source if isinstance(source, ast.Lambda) else self.node(function)
+        if node is None:
+            raise Unwritable(f"function {function.__name__!r} is not in the script")
+        if any(isinstance(n, ast.Nonlocal) for n in ast.walk(node)):
+            raise Unwritable(f"{function.__name__!r} changes a variable of the function around it")
+        new = copy.deepcopy(node)
+        values = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
+        renamed = {}
+        for name, cell in values.items():
+            part = part_name(cell.cell_contents)
+            if part is not None:
+                renamed[name] = part
+                continue
+            new.args.kwonlyargs.append(ast.arg(name))
+            new.args.kw_defaults.append(_parsed(literal(cell.cell_contents)))
+        new.args.defaults = [_parsed(literal(v)) for v in function.__defaults__ or ()]
+        given = function.__kwdefaults__ or {}
+        for i, argument in enumerate(node.args.kwonlyargs):
+            if argument.arg in given:
+                new.args.kw_defaults[i] = _parsed(literal(given[argument.arg]))
+        body = new.body if isinstance(new.body, list) else [new.body]
+        local = bound(body) | set(_arguments(new))
+        for part_of_body in body:
+            for reference in references(part_of_body, frozenset(local - renamed.keys())):
+                reference.id = renamed.get(reference.id, reference.id)
+        return new
+
+
+def _arguments(node: Any) -> tuple[str, ...]:
+    a = node.args
+    every = [*a.posonlyargs, *a.args, *a.kwonlyargs, *filter(None, (a.vararg, a.kwarg))]
+    return tuple(argument.arg for argument in every)
+
+
+def _parsed(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
