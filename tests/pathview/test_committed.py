@@ -1,5 +1,6 @@
 """The models beside the diagram scripts are what the exporter makes of them."""
 
+import math
 import shutil
 
 import pytest
@@ -11,12 +12,15 @@ from pathsim_jsbsim_blocks.pathview import export_script
 pytest.importorskip("pathview")
 
 
+@pytest.mark.parametrize(
+    "check", [0.5, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"]
+)
 @pytest.mark.parametrize("name", families_once(diagram_names()))
-def test_a_model_is_current(name, tmp_path):
+def test_a_model_is_current_and_flies_as_its_script(name, check, tmp_path):
     committed = diagram_folder() / f"{name}.pvm"
     again = tmp_path / committed.name
     shutil.copy(committed, again)  # positions are kept
-    export_script(diagram_folder() / f"{name}.py", again)
+    export_script(diagram_folder() / f"{name}.py", again, check)
     assert again.read_bytes() == committed.read_bytes(), f"pathsim-jsbsim export diagrams/{name}.py"
 
 

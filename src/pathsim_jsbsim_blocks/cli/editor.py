@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -80,6 +81,18 @@ def add_export(commands: Commands) -> None:
         type=Path,
         help="default is NAME.pvm, beside the script or, for the catalogue, here",
     )
+    sub.add_argument(
+        "--check",
+        metavar="SECONDS",
+        type=_seconds_or_all,
+        default=60.0,
+        help="processing time for which the model flies beside the script's first run, or all: "
+        "to the end of the run; default is 60",
+    )
+
+
+def _seconds_or_all(text: str) -> float:
+    return math.inf if text == "all" else float(text)
 
 
 def export(args: argparse.Namespace) -> None:

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 from .toolboxes import Toolbox
 
+NOTE = "docstring"  # the id of the note that holds the script's docstring
+
 
 class Wire(NamedTuple):
     """From an output of a node to an input of a node, each by its index in the graph."""
@@ -57,9 +59,10 @@ class Graph:
 class Diagram:
     """All of a diagram script that PathView can represent.
 
-    ``code_names`` are the names that its code binds. ``parts`` has, by the variable in PathView's
-    script, each block and event of the script, and of each of its parameters whether an expression
-    of the source gives it. ``places`` has lines of the script by lines of ``context``.
+    ``log`` tells whether the simulation logs; ``code_names`` are the names that its code binds.
+    ``parts`` has, by the variable in PathView's script, each block and event of the script, and of
+    each of its parameters whether an expression of the source gives it. ``places`` has lines of
+    the script by lines of ``context``.
     """
 
     path: Path
@@ -68,6 +71,7 @@ class Diagram:
     context: str
     settings: dict[str, str]
     toolboxes: list[Toolbox]
+    log: bool = True
     code_names: frozenset[str] = frozenset()
     places: dict[int, int] = field(default_factory=dict)
     parts: dict[str, tuple[Any, dict[str, bool]]] = field(default_factory=dict)

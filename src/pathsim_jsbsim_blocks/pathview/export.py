@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 from pathsim import Connection, Simulation
 
-from .._core.checks import as_path, positive
+from .._core.checks import as_path, number
 from ..errors import DiagramError
 from . import pvm
 from .diagram import Diagram, Graph, Node
@@ -72,7 +72,8 @@ def export_with_proof(
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
     existing = pvm.read(out) if out.is_file() else None
-    content, proof = script_model(script, existing, positive("check", check))
+    check = number("check", check, above=0.0, infinite=True)
+    content, proof = script_model(script, existing, check)
     pvm.write(out, pvm.text(content))
     return out, proof
 

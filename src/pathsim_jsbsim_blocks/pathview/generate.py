@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import builtins
+import re
 from pathlib import Path
 from typing import Any
 
 from ..errors import DiagramError
 from .check import BUSES, NUMBERS, Check, compiling, complete
 from .clashes import without_clashes
+from .diagram import NOTE
 from .shape import Json
 from .variables import printable
 
@@ -36,6 +38,29 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
         raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
     except (RecursionError, MemoryError) as error:
         raise DiagramError("too deep or too large for a script", path=path) from error
+    return _finished(code, content, path)
+
+
+def _finished(code: str, content: Json, path: Path) -> str:
+    """PathView's script with the note of a script's docstring, its ``log=``, and plots by unit."""
+    notes = content["graph"].get("annotations") or []
+    note = next((str(n.get("content")) for n in notes if n.get("id") == NOTE), "")
+    if note:
+        docstring = ast.parse(code).body[0]
+        rest = code.splitlines()[docstring.end_lineno or 0 :]
+        text = note.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+        head = [f'"""{text}"""', "", f"# converted from {printable(path.name)}"]
+        code = "\n".join([*head, *rest, ""])
+    if content["simulationSettings"].get("log") is False:
+        code = re.sub(r"(\nsim = Simulation\((?:\n    .*)*)", r"\1\n    log=False,", code, count=1)
+    kinds = {node["type"] for node in content["graph"]["nodes"]}
+    if "Scope" in kinds and "Spectrum" not in kinds:
+        code = code.replace("import matplotlib.pyplot as plt\n", "", 1).replace(
+            "\n    sim.plot()\n    plt.show()\n",
+            "\n    from pathsim_jsbsim_blocks.plots import show, time_histories\n\n"
+            "    scopes = [block for block in blocks if isinstance(block, Scope)]\n"
+            f"    show(time_histories(*scopes), {path.stem!r})\n",
+        )
     return code
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from .._core.files import write_whole
 from ..errors import DiagramError
-from .diagram import Diagram, Event, Graph, Node
+from .diagram import NOTE, Diagram, Event, Graph, Node
 from .layout import GRID, arrange, size, touch
 from .shape import check_shape
 from .variables import plain
@@ -46,6 +46,7 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
             "adaptive": True,
             "ghostTraces": 0,
             "plotResults": True,
+            **({} if diagram.log else {"log": False}),
         },
         **(
             {"requiredToolboxes": [t.requirement() for t in diagram.toolboxes]}
@@ -260,11 +261,11 @@ def _events(
 
 def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
     """The script's docstring, above the diagram, and the notes of an existing model."""
-    mine, others = "docstring", [dict(a) for a in old if a.get("id") != "docstring"]
+    others = [dict(a) for a in old if a.get("id") != NOTE]
     content = _markdown(docstring)
     if not content:
         return others
-    kept = next((a for a in old if a.get("id") == mine), {})
+    kept = next((a for a in old if a.get("id") == NOTE), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
     height = GRID * math.ceil(
@@ -278,7 +279,7 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
         / GRID
     )
     note = {
-        "id": mine,
+        "id": NOTE,
         "position": {
             "x": GRID * round(box.left / GRID),
             "y": GRID * round((box.top - height) / GRID) - 3 * GRID,

@@ -121,6 +121,7 @@ class _Reader:
             context="\n\n".join([*filter(None, [code.text(renamed, imports)]), *functions]),
             settings=values,
             toolboxes=self._toolboxes(),
+            log=bool(sim.log),
             code_names=code_names,
             places=self.code.places,
             parts={
