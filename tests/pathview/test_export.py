@@ -142,6 +142,7 @@ def test_settings_are_as_written_and_pathsims_defaults_otherwise(export):
         "adaptive": True,
         "ghostTraces": 0,
         "plotResults": True,
+        "log": False,
     }
 
 

@@ -1,10 +1,10 @@
-"""Which names source uses, binds and changes: Python's scoping rules, case by case."""
+"""Which names source uses and binds: Python's scoping rules, case by case."""
 
 import ast
 
 import pytest
 
-from pathsim_jsbsim_blocks.pathview.names import bound, changes, passed, used
+from pathsim_jsbsim_blocks.pathview.names import bound, used
 
 
 def statement(text):
@@ -65,26 +65,3 @@ def test_used(text, names):
 )
 def test_bound(text, names):
     assert bound([statement(text)]) == set(names)
-
-
-@pytest.mark.parametrize(
-    ("text", "names", "arguments"),
-    [
-        ("a.append(b)", "a", "b"),
-        ("a.b.c(d.e, k=f)", "a", "df"),
-        ("a[0] = b", "a", ""),
-        ("a.b = 1", "a", ""),
-        ("a.b += 1", "a", ""),
-        ("a += 1", "a", ""),
-        ("del a[0]", "a", ""),
-        ("f(a)", "", "a"),
-        ("print(a)", "", ""),
-        ("x = a.pop()", "", ""),
-        ("def f(): a.b()", "", ""),
-        ("for i in r: a.append(i)", "a", "i"),
-        ("a.b(1) if c else d.e(2)", "ad", ""),
-    ],
-)
-def test_changes_and_arguments(text, names, arguments):
-    assert {n for n, _ in changes(statement(text))} == set(names)
-    assert passed(statement(text)) == set(arguments)

@@ -15,7 +15,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
 
-from .names import bound, references, root, used
+from .names import bound, own, references, root, used
 from .script import Script
 
 PARTS = (Block, Event, Connection, Simulation)
@@ -106,7 +106,7 @@ class Code:
         if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
             module = vars(sys.modules.get(statement.module or "", ast))
             return {n for n in module if not n.startswith("_")} - {"np"}
-        for node in ast.walk(statement):
+        for node in own(statement):
             if isinstance(node, ast.Expr):
                 for call in (n for n in ast.walk(node) if isinstance(n, ast.Call)):
                     names |= self._changed_by(call)

@@ -59,7 +59,7 @@ def _finished(code: str, content: Json, path: Path) -> str:
             "\n    sim.plot()\n    plt.show()\n",
             "\n    from pathsim_jsbsim_blocks.plots import show, time_histories\n\n"
             "    scopes = [block for block in blocks if isinstance(block, Scope)]\n"
-            f"    show(time_histories(*scopes), {path.stem!r})\n",
+            "    show(time_histories(*scopes), 'scopes')\n",
         )
     return code
 

@@ -1,4 +1,4 @@
-"""Which names a piece of Python source uses, binds and changes, by Python's scoping rules."""
+"""Which names a piece of Python source uses and binds, by Python's scoping rules."""
 
 from __future__ import annotations
 
@@ -86,39 +86,6 @@ def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
     return frozenset(names - elsewhere)
 
 
-def changes(statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
-    """Names of the module whose values ``statement`` changes in place, and where.
-
-    That is ``x`` in ``x[0] = 1``, ``x.y = 1``, ``x += 1``, ``del x[0]`` and ``x.append(1)``.
-    """
-    for node in _own(statement):
-        found: list[ast.AST] = []
-        if isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(node.ctx, ast.Load):
-            found = [node]
-        elif isinstance(node, ast.AugAssign):
-            found = [node.target]
-        elif isinstance(node, ast.Expr):
-            found = [c.func for c in _calls(node) if isinstance(c.func, ast.Attribute)]
-        for place in found:
-            name = root(place)
-            if name is not None:
-                yield name, place
-
-
-def passed(statement: ast.stmt) -> set[str]:
-    """Arguments of calls that stand alone and so may change them: ``x`` in ``shuffle(x)``."""
-    names: set[str | None] = set()
-    for node in _own(statement):
-        for call in _calls(node) if isinstance(node, ast.Expr) else ():
-            if root(call.func) != "print":
-                names.update(root(a) for a in (*call.args, *(k.value for k in call.keywords)))
-    return {n for n in names if n is not None}
-
-
-def _calls(node: ast.AST) -> list[ast.Call]:
-    return [n for n in _own(node) if isinstance(n, ast.Call)]
-
-
 def root(node: ast.AST) -> str | None:
     """``x`` of ``x``, ``x.y[0]`` and the like; None of anything else."""
     while isinstance(node, (ast.Attribute, ast.Subscript, ast.Starred)):
@@ -126,9 +93,9 @@ def root(node: ast.AST) -> str | None:
     return node.id if isinstance(node, ast.Name) else None
 
 
-def _own(node: ast.AST) -> Iterator[ast.AST]:
+def own(node: ast.AST) -> Iterator[ast.AST]:
     """``node`` and what is in it, without the bodies of functions and classes."""
     yield node
     if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
         for child in ast.iter_child_nodes(node):
-            yield from _own(child)
+            yield from own(child)

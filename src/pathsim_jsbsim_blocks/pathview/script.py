@@ -24,7 +24,7 @@ from pathsim.events._event import Event
 
 from ..errors import DiagramError
 from .libraries import Libraries
-from .names import bound, changes, root
+from .names import bound, root
 
 # scripts import `fly` from here; an import would tie the bridge to all blocks
 _PACKAGE = sys.modules[__name__.partition(".")[0]]
@@ -34,22 +34,6 @@ _RUNS = ("run", "run_streaming", "run_realtime")
 _FLY = "fly"
 _STEPS = ("timestep", "step")
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
-# methods that build or only inspect the diagram
-HARMLESS = {
-    "add_block",
-    "add_connection",
-    "add_event",
-    "register_port_map",
-    "plot",
-    "plot2D",
-    "plot3D",
-    "read",
-    "save",
-    "to_dict",
-    "to_frame",
-    "to_track",
-    "linear_model",
-}
 
 
 @dataclass
@@ -193,26 +177,6 @@ class Script:
     def construction(self, value: Any) -> Construction | None:
         """Where an object was built; None if no expression of the script did."""
         return self._built.get(id(value))
-
-    def changes(self, statement: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
-        """What a statement changes in place, directly or by calling one of the script's functions.
-
-        Yields names of the module and the place, as ``names.changes`` does.
-        """
-        yield from changes(statement)
-        call = statement.value if isinstance(statement, ast.Expr) else None
-        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name)):
-            return
-        for function in ast.walk(self.tree):
-            if isinstance(function, ast.FunctionDef) and function.name == call.func.id:
-                local = bound(function.body) | {
-                    a.arg for a in ast.walk(function.args) if isinstance(a, ast.arg)
-                }
-                for inner in function.body:
-                    yield from ((n, place) for n, place in changes(inner) if n not in local)
-                for node in ast.walk(function):
-                    if isinstance(node, ast.Global):
-                        yield from ((name, node) for name in node.names)
 
     def _execute(self) -> None:
         """Run the script, as the main program, until its first run."""
@@ -445,63 +409,28 @@ class Script:
         """What the script does after its first run, by line; none of it is in the model."""
         if self.run is None:
             return []
-        found: dict[int, str] = {}
-        call = self.run_call
-        parts = (Block, Event, Simulation)
-        for node in ast.walk(self.tree):
-            if not isinstance(node, (ast.stmt, ast.Call)):
-                continue
-            if isinstance(node, ast.Call) and node is not call:
-                name = _called(node)
-                owner = (
-                    self._evaluated(node.func.value)
-                    if isinstance(node.func, ast.Attribute)
-                    else None
-                )
-                made = self.construction(self.simulation)
-                if name == _FLY or (
-                    name in (*_RUNS, *_STATES)
-                    and isinstance(node.func, ast.Attribute)
-                    and (owner is None or isinstance(owner, Simulation))
-                    and (node.lineno, name) not in {(n, s) for s, n in self.states}
-                ):
-                    found.setdefault(node.lineno, f"{ast.unparse(node.func)}()")
-                elif (
-                    isinstance(self._evaluated(node.func), type)
-                    and issubclass(self._evaluated(node.func), Simulation)
-                    and (made is None or made.node is not node)
-                ):
-                    found.setdefault(node.lineno, "another simulation")
-            elif (
-                isinstance(node, ast.stmt)
-                and node.lineno > self.run.lines[0]
-                and not any(isinstance(a, (ast.FunctionDef, ast.Lambda)) for a in self.around(node))
-            ):
-                if isinstance(node, ast.FunctionDef):
-                    continue
-                for name, place in self.changes(node):
-                    if ast.unparse(place).startswith((f"{name}.ax.", f"{name}.fig.")):
-                        continue  # of a figure
-                    if isinstance(self.namespace.get(name), parts) and not (
-                        isinstance(place, ast.Attribute)
-                        and isinstance(place.ctx, ast.Load)
-                        and place.attr
-                        in {*HARMLESS, *_RUNS, *_STATES}
-                        - {"add_block", "add_connection", "add_event"}
-                    ):
-                        found.setdefault(
-                            getattr(place, "lineno", node.lineno), f"{name!r} is changed"
-                        )
-        if self.run.method in (*_RUNS, _FLY):
-            for node in ast.walk(self.tree):
-                if isinstance(node, (ast.For, ast.While)) and any(
-                    n.lineno <= line <= (n.end_lineno or 0)
-                    for n in node.body
-                    for line in self.run.lines
-                ):
-                    found.setdefault(node.lineno, "the loop runs the simulation again")
+        first, last, found = self.run.lines[0], self.run.lines[-1], dict[int, str]()
         if self.run.method in _STEPS:
-            found[self.run.lines[-1]] = f"how long {self.run.method}() goes on"
+            found[last] = f"how long {self.run.method}() goes on"
+        parts = {n for n, v in self.namespace.items() if isinstance(v, (Block, Event, Simulation))}
+        for node in ast.walk(self.tree):
+            lines = range(getattr(node, "lineno", 0), (getattr(node, "end_lineno", 0) or 0) + 1)
+            if isinstance(node, (ast.For, ast.While)) and last in lines:
+                if self.run.method not in _STEPS:
+                    found[node.lineno] = "the loop runs the simulation again"
+            elif isinstance(node, ast.Call) and node.lineno > first and node is not self.run_call:
+                name = _called(node)
+                if name in (*_RUNS, *_STATES, _FLY):
+                    found[node.lineno] = f"{ast.unparse(node.func)}()"
+                elif name == "Simulation":
+                    found[node.lineno] = "another simulation"
+            elif (
+                isinstance(node, ast.Attribute)
+                and isinstance(node.ctx, ast.Store)
+                and node.lineno > first
+                and root(node) in parts
+            ):
+                found[node.lineno] = f"{root(node)!r} is changed"
         return sorted(found.items())
 
 
