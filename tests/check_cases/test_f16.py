@@ -2,6 +2,7 @@
 
 import csv
 import functools
+import importlib
 import math
 import os
 import random
@@ -461,3 +462,14 @@ def test_the_roll_loop_needs_100_samples_per_second(rate, swings):
     aileron = recorded([diagram.surfaces])["aileron [deg]"]
     # at 80 Hz from stop to stop, long after the turn
     assert np.ptp(aileron[-5 * rate :]) == pytest.approx(swings, abs=0.01)
+
+
+@pytest.mark.long
+def test_the_f16_tables_of_the_documentation_are_current(monkeypatch):
+    # after a change: python docs/generate.py
+    docs = Path(__file__).parents[2] / "docs"
+    monkeypatch.syspath_prepend(docs)
+    generate = importlib.import_module("generate")
+    found = {case: {d.quantity: d for d in compare(case, *flown(case))} for case in F16}
+    assert generate.f16_table(found) in (docs.parent / "README.md").read_text(encoding="utf-8")
+    assert generate.cases_table(found) in (docs / "accuracy.md").read_text(encoding="utf-8")

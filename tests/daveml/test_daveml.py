@@ -3,6 +3,7 @@
 import math
 import os
 import random
+import re
 import sys
 
 import numpy as np
@@ -350,15 +351,25 @@ def _watch(event, arguments):
 sys.addaudithook(_watch)
 
 
+def restructured(text, draw):
+    """A copy with one element lost, doubled, or in the place of another."""
+    elements = [m.span() for m in re.finditer(r"(?s)<(\w+)[^>/]*>(?:(?!<\1).)*?</\1>|<\w+/>", text)]
+    (a, b), (c, d) = draw.choice(elements), draw.choice(elements)
+    return draw.choice([text[:a] + text[b:], text[:b] + text[a:], text[:a] + text[c:d] + text[b:]])
+
+
 @pytest.mark.parametrize("count", first([300, 2000]))
 def test_malformed_files_end_in_typed_errors_and_nothing_else_is_read(tmp_path, count):
     global _watching
+    _opened.clear()
     draw = random.Random(32)
     tokens = [b"<isInput/>", b"</function>", b"1e400", b"&x;", b"<!ENTITY x SYSTEM 'a'>", b"varID"]
     file, refused = tmp_path / "model.dml", 0
     DaveModel(written(tmp_path, WING))  # imports are done
     for _ in range(count):
         damaged = corrupted(WING.encode(), draw)
+        if draw.random() < 0.3:
+            damaged = restructured(WING, draw).encode()
         if draw.random() < 0.3:
             place = draw.randrange(len(damaged) + 1)
             damaged = damaged[:place] + draw.choice(tokens) + damaged[place:]

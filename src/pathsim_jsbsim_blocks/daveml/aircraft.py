@@ -6,11 +6,12 @@ import itertools
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
-from .._core.checks import as_path, mapping, refuse
+from .._core.checks import as_path, did_you_mean, mapping, nearest, refuse
 from .._core.files import write_whole
 from ..errors import DaveMLError, FileError
 from .mathml import BOOLEAN, LOGIC, OPERATORS, Expression
@@ -19,7 +20,9 @@ from .tables import Grid
 
 _NAME = re.compile(r"[A-Za-z_][\w.-]*", re.ASCII)
 
-# inputs by name (in small letters) and unit
+_PROPERTY = re.compile(r"[A-Za-z_][\w.-]*(/[A-Za-z_][\w.-]*(\[\d+\])?)+", re.ASCII)
+
+# JSBSim's properties of inputs by name (in small letters) and unit
 _INPUTS = {
     ("trueairspeed", "ft_s"): "velocities/vt-fps",
     ("angleofattack", "deg"): "aero/alpha-deg",
@@ -33,33 +36,45 @@ _INPUTS = {
     ("altitudemsl", "ft"): "position/h-sl-ft",
 }
 
-_ROTATIONS = ("Roll", "Pitch", "Yaw")
-_LENGTHS = {"Roll": "metrics/bw-ft", "Pitch": "metrics/cbarw-ft", "Yaw": "metrics/bw-ft"}
-_COEFFICIENTS = {
-    **{f"aeroBodyForceCoefficient_{axis}": "nd" for axis in "XYZ"},
-    **{f"aeroBodyMomentCoefficient_{axis}": "nd" for axis in _ROTATIONS},
-}
-_THRUST = {
-    **{f"thrustBodyForce_{axis}": "lbf" for axis in "XYZ"},
-    **{f"thrustBodyMoment_{axis}": "ftlbf" for axis in _ROTATIONS},
-}
-_METRICS = {
-    "referenceWingArea": ("ft2", "wingarea"),
-    "referenceWingSpan": ("ft", "wingspan"),
-    "referenceWingChord": ("ft", "chord"),
-}
-_INERTIA = {
-    "bodyMomentOfInertia_Roll": ("slugft2", "ixx"),
-    "bodyMomentOfInertia_Pitch": ("slugft2", "iyy"),
-    "bodyMomentOfInertia_Yaw": ("slugft2", "izz"),
-    "bodyProductOfInertia_XY": ("slugft2", "ixy"),
-    "bodyProductOfInertia_ZX": ("slugft2", "ixz"),
-    "bodyProductOfInertia_YZ": ("slugft2", "iyz"),
-}
-_CENTRE = {f"bodyPositionOfCmWrtMrc_{axis}": "ft" for axis in "XYZ"}
+# outputs by name, and their units
+_ROTATIONS = {"Roll": "metrics/bw-ft", "Pitch": "metrics/cbarw-ft", "Yaw": "metrics/bw-ft"}
+_COEFFICIENTS = {f"aeroBodyForceCoefficient_{x}": "nd" for x in "XYZ"}
+_COEFFICIENTS |= {f"aeroBodyMomentCoefficient_{x}": "nd" for x in _ROTATIONS}
+_THRUST = {f"thrustBodyForce_{x}": "lbf" for x in "XYZ"}
+_THRUST |= {f"thrustBodyMoment_{x}": "ftlbf" for x in _ROTATIONS}
+_SIZES = {"referenceWingArea": "ft2", "referenceWingSpan": "ft", "referenceWingChord": "ft"}
+_MASS = {"totalMass": "slug"} | {f"bodyPositionOfCmWrtMrc_{x}": "ft" for x in "XYZ"}
+_MASS |= {f"bodyMomentOfInertia_{x}": "slugft2" for x in _ROTATIONS}
+_MASS |= {f"bodyProductOfInertia_{x}": "slugft2" for x in ("XY", "ZX", "YZ")}
 
 # lb; by this JSBSim divides weights
 _SLUG = 32.174049
+
+_AIRCRAFT = """\
+<fdm_config name="{name}" version="2.0" release="BETA">
+<fileheader>
+<description>Made by write_aircraft of pathsim-jsbsim-blocks from {files}</description>
+</fileheader>
+<metrics>
+<wingarea unit="FT2">{referenceWingArea!r}</wingarea>
+<wingspan unit="FT">{referenceWingSpan!r}</wingspan>
+<chord unit="FT">{referenceWingChord!r}</chord>
+<location name="AERORP" unit="IN"><x>0</x><y>0</y><z>0</z></location>
+</metrics>
+<mass_balance>
+<ixx unit="SLUG*FT2">{bodyMomentOfInertia_Roll!r}</ixx>
+<iyy unit="SLUG*FT2">{bodyMomentOfInertia_Pitch!r}</iyy>
+<izz unit="SLUG*FT2">{bodyMomentOfInertia_Yaw!r}</izz>
+<ixy unit="SLUG*FT2">{bodyProductOfInertia_XY!r}</ixy>
+<ixz unit="SLUG*FT2">{bodyProductOfInertia_ZX!r}</ixz>
+<iyz unit="SLUG*FT2">{bodyProductOfInertia_YZ!r}</iyz>
+<emptywt unit="LBS">{weight!r}</emptywt>
+<location name="CG" unit="IN">{centre}</location>
+</mass_balance>
+<ground_reactions/>
+<external_reactions>{thrust}</external_reactions>
+<aerodynamics>{aero}</aerodynamics>
+</fdm_config>"""
 
 
 def write_aircraft(
@@ -107,29 +122,21 @@ def write_aircraft(
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name):
         refuse("name", name, f"name must be letters, digits, _, . and -, not {name!r}")
-    given = mapping("properties", properties)
-    air, mass = DaveModel(aero), DaveModel(inertia)
-    parts = ["<external_reactions/>"]
-    if propulsion is not None:
-        part = _Part(name, "propulsion", DaveModel(propulsion), given)
-        parts = ["<external_reactions>", *part.text, *_forces(part, mass), "</external_reactions>"]
+    air, mass, thrust = DaveModel(aero), DaveModel(inertia), ""
+    engine = None if propulsion is None else DaveModel(propulsion)
+    given = _given(properties, [air, *filter(None, [engine])])
+    values = _constants(air, _SIZES) | _constants(mass, _MASS)
+    forward, right, down = (values[f"bodyPositionOfCmWrtMrc_{x}"] for x in "XYZ")
+    # in inches aft, to the right and up
+    centre = f"<x>{-12 * forward!r}</x><y>{12 * right!r}</y><z>{-12 * down!r}</z>"
+    if engine is not None:
+        part = _Part(name, "propulsion", engine, given)
+        thrust = "".join([*part.text, *_forces(part, centre)])
     part = _Part(name, "aero", air, given)
-    xml = "".join(
-        [
-            f'<fdm_config name="{name}" version="2.0" release="BETA"><fileheader><description>',
-            "Made from DAVE-ML by write_aircraft of pathsim-jsbsim-blocks",
-            "</description></fileheader>",
-            *_metrics(air),
-            *_mass(mass),
-            "<ground_reactions/>",
-            *parts,
-            "<aerodynamics>",
-            *part.text,
-            *_axes(part),
-            "</aerodynamics></fdm_config>",
-        ]
-    )
-    root = ET.fromstring(xml)
+    weight = values["totalMass"] * _SLUG
+    text = {"aero": "".join([*part.text, *_axes(part)]), "thrust": thrust, "centre": centre}
+    text["files"] = escape(", ".join(Path(x).name for x in (aero, propulsion, inertia) if x))
+    root = ET.fromstring(_AIRCRAFT.format(name=name, weight=weight, **text, **values))
     ET.indent(root)
     file = as_path("folder", folder) / "aircraft" / name / f"{name}.xml"
     try:
@@ -140,94 +147,71 @@ def write_aircraft(
     return file
 
 
-def _metrics(air: DaveModel) -> Iterable[str]:
-    sizes = _constants(air, {name: unit for name, (unit, _) in _METRICS.items()})
-    yield "<metrics>"
-    for name, (unit, tag) in _METRICS.items():
-        yield f'<{tag} unit="{unit.upper()}">{sizes[name]!r}</{tag}>'
-    for point in ("AERORP", "EYEPOINT", "VRP"):
-        yield f'<location name="{point}" unit="IN"><x>0</x><y>0</y><z>0</z></location>'
-    yield "</metrics>"
+def _given(properties: Any, models: Iterable[DaveModel]) -> dict[str, str]:
+    """Properties of inputs, checked: JSBSim ends the process for a malformed name."""
+    known, given = (
+        {v.id for model in models for v in model.inputs},
+        mapping("properties", properties),
+    )
+    for id, name in given.items():
+        if id not in known:
+            close = did_you_mean(nearest(id, known))
+            refuse("properties", id, f"properties: none of the models has an input {id!r}{close}")
+        if not isinstance(name, str) or not _PROPERTY.fullmatch(name):
+            reason = f"properties[{id!r}] must be the name of a property, not {name!r}"
+            refuse("properties", name, reason)
+    return given
 
 
-def _mass(mass: DaveModel) -> Iterable[str]:
-    units = {name: unit for name, (unit, _) in _INERTIA.items()}
-    values = _constants(mass, {**units, "totalMass": "slug"})
-    yield "<mass_balance>"
-    for name, (_, tag) in _INERTIA.items():
-        yield f'<{tag} unit="SLUG*FT2">{values[name]!r}</{tag}>'
-    yield f'<emptywt unit="LBS">{values["totalMass"] * _SLUG!r}</emptywt>'
-    yield f'<location name="CG" unit="IN">{_centre(mass)}</location></mass_balance>'
-
-
-def _centre(mass: DaveModel) -> str:
-    """The centre of mass from the reference centre, x aft and z up."""
-    forward, right, down = _constants(mass, _CENTRE).values()
-    return f"<x>{-12 * forward!r}</x><y>{12 * right!r}</y><z>{-12 * down!r}</z>"
-
-
-def _axes(part: _Part) -> Iterable[str]:
+def _axes(part: _Part) -> Iterator[str]:
     for name, v in _outputs(part.model, _COEFFICIENTS).items():
         axis = name.rpartition("_")[2]
-        factors = ["aero/qbar-psf", "metrics/Sw-sqft", *filter(None, [_LENGTHS.get(axis)])]
+        factors = ["aero/qbar-psf", "metrics/Sw-sqft", *filter(None, [_ROTATIONS.get(axis)])]
         product = "".join(f"<p>{factor}</p>" for factor in factors)
-        yield f'<axis name="{axis.upper()}"><function><product>{product}{part.leaf(v)}</product>'
-        yield "</function></axis>"
+        yield f'<axis name="{axis.upper()}"><function><product>{product}{part.leaves[v.id]}'
+        yield "</product></function></axis>"
 
 
-def _forces(part: _Part, mass: DaveModel) -> Iterable[str]:
+def _forces(part: _Part, centre: str) -> Iterator[str]:
     for name, v in _outputs(part.model, _THRUST).items():
-        if v.kind == "constant" and not v.initial:
-            continue
-        axis = name.rpartition("_")[2]
-        kind, unit = ("moment", "LBSFT") if axis in _ROTATIONS else ("force", "LBS")
-        along = axis if kind == "force" else "XYZ"[_ROTATIONS.index(axis)]
-        direction = "".join(f"<{x}>{int(x.upper() == along)}</{x}>" for x in "xyz")
-        yield f'<{kind} name="thrust-{axis.lower()}" frame="BODY" unit="{unit}">'
-        yield f"<function><sum>{part.leaf(v)}<value>0.0</value></sum></function>"
-        yield f'<location unit="IN">{_centre(mass)}</location>'
-        yield f"<direction>{direction}</direction></{kind}>"
+        kind, unit = ("moment", "LBSFT") if v.units == "ftlbf" else ("force", "LBS")
+        axis = {"Roll": "X", "Pitch": "Y", "Yaw": "Z"}.get(name.rpartition("_")[2], name[-1])
+        direction = "".join(f"<{x.lower()}>{int(x == axis)}</{x.lower()}>" for x in "XYZ")
+        yield f'<{kind} name="thrust-{kind}-{axis.lower()}" frame="BODY" unit="{unit}">'
+        yield f"<function><sum>{part.leaves[v.id]}<value>0.0</value></sum></function>"
+        yield f'<location unit="IN">{centre}</location><direction>{direction}</direction></{kind}>'
 
 
 class _Part:
-    """A model as functions of JSBSim: the properties it declares, and the XML of its variables."""
+    """A model as functions of JSBSim: their XML, and what stands for each variable in others."""
 
     def __init__(self, aircraft: str, part: str, model: DaveModel, given: Mapping[str, str]):
         self.model = model
+        self.leaves: dict[str, str] = {}
         self.text: list[str] = []
-        self._leaves: dict[str, str] = {}
-        functions: list[str] = []
         for v in model.variables.values():
-            own = f"{aircraft}/{part}/{v.id}"
             if not _NAME.fullmatch(v.id):
                 raise v.element.error("JSBSim has no properties of this name", v.id)
-            limited = (v.low, v.high) != (-math.inf, math.inf)
-            if v.kind == "constant":
-                self._leaves[v.id] = f"<value>{self.model.constants[v.id]!r}</value>"
-                continue
+            content = self._content(v)
             if v.kind == "input":
-                standard = _INPUTS.get((v.name.lower(), v.units))
-                name = given.get(v.id) or standard or f"{aircraft}/{v.id}"
+                own = f"{aircraft}/{v.id}"
+                name = given.get(v.id) or _INPUTS.get((v.name.lower(), v.units)) or own
                 content = f"<p>{name}</p>"
-                if name not in _INPUTS.values() and v.id not in given:
-                    self.text.append(f'<property value="{v.initial or 0.0!r}">{name}</property>')
-            else:
-                content = self._content(v)
-            if v.kind == "input" and not limited:
-                self._leaves[v.id] = content
-                continue
-            if limited:
-                content = _limited(content, v.low, v.high)
-            functions.append(f'<function name="{own}">{content}</function>')
-            self._leaves[v.id] = f"<p>{own}</p>"
-        self.text += functions
-
-    def leaf(self, v: Variable) -> str:
-        return self._leaves[v.id]
+                if name == own:
+                    self.text.append(f'<property value="{v.initial or 0.0!r}">{own}</property>')
+            if v.low > -math.inf:
+                content = f"<max>{content}<value>{v.low!r}</value></max>"
+            if v.high < math.inf:
+                content = f"<min>{content}<value>{v.high!r}</value></min>"
+            if not content.startswith(("<p>", "<value>")):
+                function = f"{aircraft}/{part}/{v.id}"
+                self.text.append(f'<function name="{function}">{content}</function>')
+                content = f"<p>{function}</p>"
+            self.leaves[v.id] = content
 
     def _content(self, v: Variable) -> str:
         try:
-            return self._table(v) if v.kind == "table" else _xml(v.expression, self._leaves.get)
+            return self._table(v) if v.kind == "table" else _xml(v.expression, self.leaves)
         except ValueError as error:
             raise v.element.error(f"{error}", v.id) from None
 
@@ -237,7 +221,7 @@ class _Part:
             raise ValueError("JSBSim's tables are gridded, linear and held at their ends")
         used = [i for i, axis in enumerate(table.axes) if len(axis.points) > 1]
         points = [table.axes[i].points for i in used]
-        leaves = [self._leaves[v.arguments[i]] for i in used]
+        leaves = [self.leaves[v.arguments[i]] for i in used]
         if not used:
             return f"<value>{table.values[0]!r}</value>"
         if len(used) > 3 or any(not leaf.startswith("<p>") for leaf in leaves):
@@ -263,57 +247,50 @@ def _row(numbers: Iterable[float]) -> str:
     return " ".join(map(repr, numbers))
 
 
-def _limited(content: str, low: float, high: float) -> str:
-    if low > -math.inf:
-        content = f"<max>{content}<value>{low!r}</value></max>"
-    return f"<min>{content}<value>{high!r}</value></min>" if high < math.inf else content
-
-
-def _xml(expression: Expression, leaf: Callable[[str], Any]) -> str:
+def _xml(expression: Expression, leaves: Mapping[str, str]) -> str:
     """An expression as a function of JSBSim."""
     kind, *arguments = expression
     if kind == "number":
         return f"<value>{arguments[0]!r}</value>"
     if kind == "variable":
-        return leaf(arguments[0])
+        return leaves[arguments[0]]
     if kind == "piecewise":
         *parts, last = arguments
         if len(parts) % 2:
             raise ValueError("JSBSim's functions need an otherwise")
-        xml = _xml(last, leaf)
+        xml = _xml(last, leaves)
         for value, when in zip(parts[-2::-2], parts[::-2], strict=True):
-            xml = f"<ifthen>{_condition(when, leaf)}{_xml(value, leaf)}{xml}</ifthen>"
+            xml = f"<ifthen>{_condition(when, leaves)}{_xml(value, leaves)}{xml}</ifthen>"
         return xml
     tag = OPERATORS[kind][3]
     if not tag:
         raise ValueError(f"JSBSim's functions lack {kind}")
     inner = _condition if kind in LOGIC else _xml
-    return f"<{tag}>{''.join(inner(x, leaf) for x in arguments)}</{tag}>"
+    return f"<{tag}>{''.join(inner(x, leaves) for x in arguments)}</{tag}>"
 
 
-def _condition(expression: Expression, leaf: Callable[[str], Any]) -> str:
+def _condition(expression: Expression, leaves: Mapping[str, str]) -> str:
     """An expression that is 0 or 1, as JSBSim demands of conditions."""
     if expression[0] not in BOOLEAN:
         expression = ("neq", expression, ("number", 0.0))
-    return _xml(expression, leaf)
+    return _xml(expression, leaves)
 
 
 def _outputs(model: DaveModel, units: Mapping[str, str]) -> dict[str, Variable]:
     """The outputs by their standard names, in the units that JSBSim expects."""
     found = {v.name: v for v in model.variables.values() if v.name in units}
     for name, v in found.items():
-        if v.units not in units[name].split():
+        if v.units != units[name]:
             raise v.element.error(f"{name} is in {v.units!r}, not {units[name]}", v.id)
     return found
 
 
 def _constants(model: DaveModel, units: Mapping[str, str]) -> dict[str, float]:
-    """Outputs that do not depend on inputs, or only on those that have an initial value."""
-    found = _outputs(model, units)
-    values = model.constants
+    """Outputs that are constants, or depend on inputs that have an initial value."""
+    found, values = _outputs(model, units), model.constants
     if all(v.initial is not None for v in model.inputs):
         values = model.evaluate()
     for name in units:
         if name not in found or found[name].id not in values:
             raise DaveMLError(f"needs {name}, as a constant", path=model.path)
-    return {name: values[found[name].id] for name in units}
+    return {name: values[v.id] for name, v in found.items()}

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple
@@ -13,14 +12,12 @@ from .._core.checks import did_you_mean, nearest, number, refuse
 from ..errors import DaveMLError
 from .elements import Element, read_elements
 from .mathml import NAMES, Expression, python_of, read_expression, variables_of
-from .tables import METHODS, Axis, Grid
+from .tables import Table, read_tables
 
 # relative, of internal values in check data: files state no tolerance for them
 _ROUNDING = 1e-6
 
 _INPUTS = ("isInput", "isControl", "isDisturbance")
-
-Table = Callable[..., float]
 
 
 @dataclass(frozen=True)
@@ -100,7 +97,7 @@ class DaveModel:
             raise root.error(f"no DAVE-ML: the root is {root.tag!r}, not 'DAVEfunc'")
         tables = ("breakpointDef", "griddedTableDef", "ungriddedTableDef")
         root.only("fileHeader", "variableDef", *tables, "function", "checkData")
-        found = _variables(root, _tables(root))
+        found = _variables(root, read_tables(root))
         self.variables = {name: found[name] for name in _order(found)}
         self.inputs = [v for v in found.values() if v.kind == "input"]
         self.outputs = [v for v in found.values() if v.is_output]
@@ -144,14 +141,11 @@ class DaveModel:
         given: dict[str, Any] = {v.id: v.initial for v in self.inputs}
         for name, value in inputs.items():
             if name not in ids:
-                reason = f"{self.path.name} has no input {name!r}"
-                reason += did_you_mean(nearest(name, ids))
-                refuse(name, value, reason)
-            given[ids[name]] = number(name, value)
-        for name, value in given.items():
-            number(f"{self.path.name}: the input {name!r}", value)
-        values = self._evaluated([*given.values()])
-        return dict(zip(self.variables, map(float, values), strict=True))
+                close = did_you_mean(nearest(name, ids))
+                refuse(name, value, f"{self.path.name} has no input {name!r}{close}")
+            given[ids[name]] = value
+        values = [number(f"{self.path.name}: the input {n!r}", x) for n, x in given.items()]
+        return dict(zip(self.variables, map(float, self._evaluated(values)), strict=True))
 
     def verify(self) -> list[Check]:
         """The values of the file's check shots, beside what the model gives.
@@ -228,8 +222,10 @@ def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:
         if table is not None:
             kind = "table"
         elif calculations:
-            (content,) = calculations[0].one("math").children or [calculations[0]]
-            kind, expression = "calculation", read_expression(content)
+            content = calculations[0].one("math").children
+            if len(content) != 1:
+                raise element.error(f"its calculation has {len(content)} expressions", name)
+            kind, expression = "calculation", read_expression(content[0])
         elif element.has(*_INPUTS) or initial is None:
             kind = "input"
         low = element.number("minValue", -math.inf)
@@ -259,102 +255,6 @@ def _order(found: Mapping[str, Variable]) -> Iterable[str]:
         raise found[loop[0]].element.error(f"needs itself: {needs}", loop[0]) from None
 
 
-def _tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...]]]:
-    """The function of each variable that is looked up in a table, the table and its arguments."""
-    definitions: dict[tuple[str, str], Element] = {}
-    inside = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
-    for element in [*root.children, *inside]:
-        for key in ("bpID", "gtID", "utID"):
-            if key in element.attributes and not element.tag.endswith("Ref"):
-                definitions[key, element.attributes[key]] = element
-
-    def defined(key: str, reference: Element) -> Element:
-        name = reference.get(key)
-        if (key, name) not in definitions:
-            names = [n for k, n in definitions if k == key]
-            raise reference.error(f"no {key} {name!r}", name=name, of=names)
-        return definitions[key, name]
-
-    found: dict[str, tuple] = {}
-    for function in root.all("function"):
-        variables = [*function.all("independentVarPts", "independentVarRef")]
-        output = function.one("dependentVarPts", "dependentVarRef")
-        name = output.get("varID")
-        if name in found or not variables:
-            raise function.error("is the second function, or has no variable", name)
-        if output.tag == "dependentVarPts":
-            table: Table = _grid(output, variables, variables)
-        else:
-            kinds = ("griddedTable", "griddedTableDef", "ungriddedTable", "ungriddedTableDef")
-            refs = ("griddedTableRef", "ungriddedTableRef")
-            data = function.one("functionDefn").one(*kinds, *refs)
-            if data.tag in refs:
-                data = defined(data.tag[0] + "tID", data)
-            if data.tag[0] == "u":
-                table = _scattered(data, variables)
-            else:
-                places = data.one("breakpointRefs").all("bpRef")
-                points = [defined("bpID", x).one("bpVals") for x in places]
-                table = _grid(data.one("dataTable"), variables, points)
-        found[name] = function, table, tuple(v.get("varID") for v in variables)
-    return found
-
-
-def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]) -> Grid:
-    if len(points) != len(variables):
-        raise data.error(f"{len(variables)} variables, but {len(points)} sets of breakpoints")
-    axes = [_axis(v, p, p.numbers()) for v, p in zip(variables, points, strict=True)]
-    values, shape = data.numbers(), [len(axis.points) for axis in axes]
-    if math.prod(shape) != len(values):
-        needed = " x ".join(map(str, shape))
-        raise data.error(f"{needed} breakpoints need {math.prod(shape)} values, not {len(values)}")
-    return Grid(axes, values)
-
-
-def _scattered(data: Element, variables: Sequence[Element]) -> Table:
-    """Values at scattered points: linear on Delaunay's triangles, beyond them the nearest one's."""
-    rows = []
-    for point in data.all("dataPoint"):
-        rows.append(point.numbers())
-        if len(rows[-1]) != len(variables) + 1:
-            raise point.error(f"needs {len(variables)} coordinates and a value, not {rows[-1]}")
-    if not rows:
-        raise data.error("has no dataPoint")
-    if len(variables) == 1:
-        xs, ys = map(list, zip(*sorted(rows), strict=True))
-        return Grid([_axis(variables[0], data, xs)], ys)
-    for v in variables:
-        if not _axis(v, data, [0.0]).plain:
-            raise v.error("a table of scattered points is linear, and held beyond them")
-    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-    from scipy.spatial import QhullError
-
-    points, values = [row[:-1] for row in rows], [row[-1] for row in rows]
-    try:
-        # rescaled, so that variables of different size count alike
-        inside = LinearNDInterpolator(points, values, rescale=True)
-    except QhullError:
-        raise data.error("its points span no volume") from None
-    outside = NearestNDInterpolator(points, values, rescale=True)
-
-    def table(*x: float) -> float:
-        y = float(inside([x])[0])
-        return float(outside([x])[0]) if math.isnan(y) else y
-
-    return table
-
-
-def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
-    beyond = variable.get("extrapolate", "neither", "min", "max", "both")
-    method = variable.get("interpolate", *METHODS)
-    if not points or any(a >= b for a, b in itertools.pairwise(points)):
-        raise at.error(f"breakpoints must increase, not {points}"[:200])
-    low, high = variable.number("min", -math.inf), variable.number("max", math.inf)
-    if low > high:
-        raise variable.error(f"min {low:g} is above max {high:g}")
-    return Axis(points, method, beyond in ("min", "both"), beyond in ("max", "both"), low, high)
-
-
 def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, float], list]]:
     """Name, inputs, and expected values with tolerances of each check shot."""
     outputs = {v.name: v.id for v in [*model.variables.values(), *model.outputs]}
@@ -375,6 +275,6 @@ def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, flo
             for signal in part.all("signal"):
                 name, value = read(signal, outputs)
                 tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
-                expected.append((name, value, *(tolerances or [_ROUNDING * abs(value)])))
+                expected.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
         given = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
         yield shot.attributes.get("name", f"line {shot.line}"), given, expected

@@ -1,16 +1,20 @@
-"""Tables of several variables: each axis gives the weights of its breakpoints."""
+"""Functions that are tables: on a grid, where each axis gives weights, or of scattered points."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from .elements import Element
+
+Table = Callable[..., float]
+
 _ORDERS = {"quadraticSpline": 2, "cubicSpline": 3}
-METHODS = ("linear", "discrete", "floor", "ceiling", *_ORDERS)
+_METHODS = ("linear", "discrete", "floor", "ceiling", *_ORDERS)
 
 
 @dataclass
@@ -85,3 +89,99 @@ class Grid:
             terms = [(i * n + j, w * v) for i, w in terms for j, v in near]
         values = self.values
         return sum([w * values[i] for i, w in terms])
+
+
+def read_tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...]]]:
+    """The function of each variable that is looked up in a table, the table and its arguments."""
+    definitions: dict[tuple[str, str], Element] = {}
+    inside = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
+    for element in [*root.children, *inside]:
+        for key in ("bpID", "gtID", "utID"):
+            if key in element.attributes and not element.tag.endswith("Ref"):
+                definitions[key, element.attributes[key]] = element
+
+    def defined(key: str, reference: Element) -> Element:
+        name = reference.get(key)
+        if (key, name) not in definitions:
+            names = [n for k, n in definitions if k == key]
+            raise reference.error(f"no {key} {name!r}", name=name, of=names)
+        return definitions[key, name]
+
+    found: dict[str, tuple] = {}
+    for function in root.all("function"):
+        variables = [*function.all("independentVarPts", "independentVarRef")]
+        output = function.one("dependentVarPts", "dependentVarRef")
+        name = output.get("varID")
+        if name in found or not variables:
+            raise function.error("is the second function, or has no variable", name)
+        if output.tag == "dependentVarPts":
+            table: Table = _grid(output, variables, variables)
+        else:
+            kinds = ("griddedTable", "griddedTableDef", "ungriddedTable", "ungriddedTableDef")
+            refs = ("griddedTableRef", "ungriddedTableRef")
+            data = function.one("functionDefn").one(*kinds, *refs)
+            if data.tag in refs:
+                data = defined(data.tag[0] + "tID", data)
+            if data.tag[0] == "u":
+                table = _scattered(data, variables)
+            else:
+                places = data.one("breakpointRefs").all("bpRef")
+                points = [defined("bpID", x).one("bpVals") for x in places]
+                table = _grid(data.one("dataTable"), variables, points)
+        found[name] = function, table, tuple(v.get("varID") for v in variables)
+    return found
+
+
+def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]) -> Grid:
+    if len(points) != len(variables):
+        raise data.error(f"{len(variables)} variables, but {len(points)} sets of breakpoints")
+    axes = [_axis(v, p, p.numbers()) for v, p in zip(variables, points, strict=True)]
+    values, shape = data.numbers(), [len(axis.points) for axis in axes]
+    if math.prod(shape) != len(values):
+        needed = " x ".join(map(str, shape))
+        raise data.error(f"{needed} breakpoints need {math.prod(shape)} values, not {len(values)}")
+    return Grid(axes, values)
+
+
+def _scattered(data: Element, variables: Sequence[Element]) -> Table:
+    """Values at scattered points: linear on Delaunay's triangles, beyond them the nearest one's."""
+    rows = []
+    for point in data.all("dataPoint"):
+        rows.append(point.numbers())
+        if len(rows[-1]) != len(variables) + 1:
+            raise point.error(f"needs {len(variables)} coordinates and a value")
+    if not rows:
+        raise data.error("has no dataPoint")
+    if len(variables) == 1:
+        xs, ys = map(list, zip(*sorted(rows), strict=True))
+        return Grid([_axis(variables[0], data, xs)], ys)
+    for v in variables:
+        if not _axis(v, data, [0.0]).plain:
+            raise v.error("a table of scattered points is linear, and held beyond them")
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+    from scipy.spatial import QhullError
+
+    points, values = [row[:-1] for row in rows], [row[-1] for row in rows]
+    try:
+        # rescaled, so that variables of different size count alike
+        inside = LinearNDInterpolator(points, values, rescale=True)
+    except QhullError:
+        raise data.error("its points span no volume") from None
+    outside = NearestNDInterpolator(points, values, rescale=True)
+
+    def table(*x: float) -> float:
+        y = float(inside([x])[0])
+        return float(outside([x])[0]) if math.isnan(y) else y
+
+    return table
+
+
+def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
+    beyond = variable.get("extrapolate", "neither", "min", "max", "both")
+    method = variable.get("interpolate", *_METHODS)
+    if not points or any(a >= b for a, b in itertools.pairwise(points)):
+        raise at.error(f"breakpoints must increase, not {points}"[:200])
+    low, high = variable.number("min", -math.inf), variable.number("max", math.inf)
+    if low > high:
+        raise variable.error(f"min {low:g} is above max {high:g}")
+    return Axis(points, method, beyond in ("min", "both"), beyond in ("max", "both"), low, high)
