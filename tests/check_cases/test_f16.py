@@ -107,11 +107,8 @@ def clip(x, low, high):
     return min(max(x, low), high)
 
 
-GAINS = {
-    name: value
-    for name, value in DaveModel("f16_control.dml").constants.items()
-    if len(name) == 3 and name[1:].isdigit()
-}
+LAWS = DaveModel("f16_control.dml").variables
+GAINS = {v.id: v.initial for v in LAWS.values() if v.name.startswith("gain_")}
 
 
 # deg, the angle of attack and pitch angle for which the laws are made

@@ -287,10 +287,10 @@ def _outputs(model: DaveModel, units: Mapping[str, str]) -> dict[str, Variable]:
 
 def _constants(model: DaveModel, units: Mapping[str, str]) -> dict[str, float]:
     """Outputs that are constants, or depend on inputs that have an initial value."""
-    found, values = _outputs(model, units), model.constants
-    if all(v.initial is not None for v in model.inputs):
-        values = model.evaluate()
+    found = _outputs(model, units)
+    evaluates = all(v.initial is not None for v in model.inputs)
     for name in units:
-        if name not in found or found[name].id not in values:
+        if name not in found or not (evaluates or found[name].kind == "constant"):
             raise DaveMLError(f"needs {name}, as a constant", path=model.path)
-    return {name: values[v.id] for name, v in found.items()}
+    values = model.evaluate() if evaluates else {v.id: v.initial for v in found.values()}
+    return {name: float(values[v.id]) for name, v in found.items()}  # type: ignore[arg-type]

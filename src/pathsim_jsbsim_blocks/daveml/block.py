@@ -57,9 +57,9 @@ class DaveML(TunableLaw):
         self.T = T
         if not T:
             self.events = []
-        model = DaveModel(file)
-        self.inputs = WiredRegister.of(_ports(model.inputs))
-        self.outputs = NamedRegister.of(_ports(model.outputs))
+        self.model, self._file = DaveModel(file), file
+        self.inputs = WiredRegister.of(_ports(self.model.inputs))
+        self.outputs = NamedRegister.of(_ports(self.model.outputs))
         self.configure()
 
     def configure(self) -> None:
@@ -69,11 +69,12 @@ class DaveML(TunableLaw):
     def build(self) -> None:
         if (number("T", self.T, low=0.0) > 0) != bool(self.events):
             refuse("T", self.T, "T cannot become 0 or positive: build another block")
-        self.model = model = DaveModel(self.file)
+        model = self.model if self.file == self._file else DaveModel(self.file)
         sides = (model.inputs, self.inputs), (model.outputs, self.outputs)
         if any(_ports(side) != [*port_names(register)] for side, register in sides):
             reason = f"{model.path} has other inputs or outputs than the block's ports"
             refuse("file", self.file, reason)
+        self.model, self._file = model, self.file
         # PathView shows eight characters: varIDs are shorter than names
         self.drawn_ports = {
             side: [v.id for v in variables]

@@ -124,16 +124,14 @@ def _parsed(content: bytes, path: Path) -> Element:
 
     parser.StartElementHandler, parser.CharacterDataHandler = start, text
     parser.EndElementHandler = lambda tag: open_elements.pop()
+    # of the file's own DOCTYPE, and of a DTD that was not fetched
     parser.EntityDeclHandler = lambda *_: refuse("entities are refused: write their text instead")
-    # of a DTD that was not fetched
     parser.SkippedEntityHandler = lambda name, _: refuse(f"the entity {name!r} is not known")
     try:
         parser.Parse(content, True)
-    except expat.ExpatError as error:
-        reason = expat.ErrorString(error.code)
-        raise DaveMLError(f"no XML: {reason}", path=path, line=error.lineno) from None
     except DaveMLError:
         raise
-    except (LookupError, ValueError) as error:  # an encoding that Python lacks
-        raise DaveMLError(f"no XML: {error}", path=path, line=1) from None
+    except (expat.ExpatError, LookupError, ValueError) as error:  # LookupError: the encoding
+        line = getattr(error, "lineno", 1)
+        raise DaveMLError(f"no XML: {error}", path=path, line=line) from None
     return document.children[0]

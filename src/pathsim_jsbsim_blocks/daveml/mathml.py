@@ -14,39 +14,28 @@ Expression = tuple
 _ANY = 256
 
 # fewest and most arguments, Python (what joins two arguments, or a function), JSBSim's element
+# fmt: off
 OPERATORS: dict[str, tuple[int, int, str, str]] = {
-    "plus": (1, _ANY, " + ", "sum"),
-    "times": (1, _ANY, " * ", "product"),
-    "minus": (1, 2, " - ", "difference"),
-    "divide": (2, 2, " / ", "quotient"),
-    "power": (2, 2, "pow", "pow"),
-    "root": (1, 2, "pow", "pow"),
-    "rem": (2, 2, "fmod", "fmod"),
-    "quotient": (2, 2, "whole", ""),
-    "abs": (1, 1, "abs", "abs"),
-    "min": (1, _ANY, "min", "min"),
-    "max": (1, _ANY, "max", "max"),
-    "floor": (1, 1, "floor", "floor"),
-    "ceiling": (1, 1, "ceil", "ceil"),
-    "exp": (1, 1, "exp", "exp"),
-    "ln": (1, 1, "log", "ln"),
-    "log": (1, 2, "log10", "log10"),
-    "atan2": (2, 2, "atan2", "atan2"),
+    "plus": (1, _ANY, " + ", "sum"), "times": (1, _ANY, " * ", "product"),
+    "minus": (1, 2, " - ", "difference"), "divide": (2, 2, " / ", "quotient"),
+    "power": (2, 2, "pow", "pow"), "root": (1, 2, "pow", "pow"),
+    "rem": (2, 2, "fmod", "fmod"), "quotient": (2, 2, "whole", ""),
+    "min": (1, _ANY, "min", "min"), "max": (1, _ANY, "max", "max"),
+    "floor": (1, 1, "floor", "floor"), "ceiling": (1, 1, "ceil", "ceil"),
+    "abs": (1, 1, "abs", "abs"), "exp": (1, 1, "exp", "exp"),
+    "ln": (1, 1, "log", "ln"), "log": (1, 2, "log10", "log10"),
     **{x: (1, 1, x, x) for x in ("sin", "cos", "tan")},
     **{f"arc{x}": (1, 1, f"a{x}", f"a{x}") for x in ("sin", "cos", "tan")},
     **{x: (1, 1, x, "") for x in ("sinh", "cosh", "tanh")},
     **{f"arc{x}": (1, 1, f"a{x}", "") for x in ("sinh", "cosh", "tanh")},
-    "lt": (2, 2, " < ", "lt"),
-    "gt": (2, 2, " > ", "gt"),
-    "leq": (2, 2, " <= ", "le"),
-    "geq": (2, 2, " >= ", "ge"),
-    "eq": (2, 2, " == ", "eq"),
-    "neq": (2, 2, " != ", "nq"),
-    "and": (1, _ANY, "every", "and"),
-    "or": (1, _ANY, "some", "or"),
-    "xor": (2, 2, "either", ""),
-    "not": (1, 1, "negate", "not"),
+    "atan2": (2, 2, "atan2", "atan2"),
+    "lt": (2, 2, " < ", "lt"), "leq": (2, 2, " <= ", "le"),
+    "gt": (2, 2, " > ", "gt"), "geq": (2, 2, " >= ", "ge"),
+    "eq": (2, 2, " == ", "eq"), "neq": (2, 2, " != ", "nq"),
+    "and": (1, _ANY, "every", "and"), "or": (1, _ANY, "some", "or"),
+    "xor": (2, 2, "either", ""), "not": (1, 1, "negate", "not"),
 }
+# fmt: on
 _RECIPROCALS = {"sec": "cos", "csc": "sin", "cot": "tan"}
 LOGIC = ("and", "or", "not")
 BOOLEAN = ("lt", "gt", "leq", "geq", "eq", "neq", *LOGIC)

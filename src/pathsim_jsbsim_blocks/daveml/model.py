@@ -101,11 +101,6 @@ class DaveModel:
         self.variables = {name: found[name] for name in _order(found)}
         self.inputs = [v for v in found.values() if v.kind == "input"]
         self.outputs = [v for v in found.values() if v.is_output]
-        self.constants = {
-            v.id: _limited(v.initial, v.low, v.high)
-            for v in found.values()
-            if v.kind == "constant" and v.initial is not None
-        }
         self._shots = [*_shots(root, self)]
         self._function = self._compiled()
         numbers = {name: i for i, name in enumerate(self.variables)}
@@ -188,17 +183,16 @@ class DaveModel:
 
 
 def _code(v: Variable, local: Mapping[str, str], names: dict[str, Any]) -> str:
-    """The Python of a variable; its table and limits are put among the names."""
-    name = local[v.id]
+    """The Python of a variable; its table is put among the names."""
     if v.kind == "table":
-        names[f"table_{name}"] = v.table
-        code = f"table_{name}({', '.join(local[x] for x in v.arguments)})"
+        names[f"table_{local[v.id]}"] = v.table
+        code = f"table_{local[v.id]}({', '.join(local[x] for x in v.arguments)})"
+    elif v.kind == "input":
+        code = local[v.id]
     else:
-        code = name if v.kind == "input" else python_of(v.expression, local.__getitem__)
-    if v.low == -math.inf and v.high == math.inf:
-        return code
-    names[f"limits_{name}"] = v.low, v.high
-    return f"limited({code}, *limits_{name})"
+        code = python_of(v.expression, local.__getitem__)
+    free = v.low == -math.inf and v.high == math.inf
+    return code if free else f"limited({code}, {v.low!r}, {v.high!r})"
 
 
 def _limited(x: float, low: float, high: float) -> float:
@@ -259,22 +253,21 @@ def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, flo
     """Name, inputs, and expected values with tolerances of each check shot."""
     outputs = {v.name: v.id for v in [*model.variables.values(), *model.outputs]}
     inputs = outputs | {v.name: v.id for v in model.inputs}
+    ids = dict(zip(model.variables, model.variables, strict=True))
 
     def read(signal: Element, names: Mapping[str, str]) -> tuple[str, float]:
-        named = signal.one("signalName", "signalID", "varID")
-        name, value = named.text.strip(), signal.one("signalValue")
-        if named.tag != "signalName":
-            names = {id: id for id in model.variables}
+        named, value = signal.one("signalName", "signalID", "varID"), signal.one("signalValue")
+        name, names = named.text.strip(), names if named.tag == "signalName" else ids
         if name not in names:
             raise named.error(f"no variable {name!r}", name=name, of=names)
         return names[name], value.parse(value.text)
 
     for shot in (shot for data in root.all("checkData") for shot in data.all("staticShot")):
-        expected = []
-        for part in shot.all("internalValues", "checkOutputs"):
-            for signal in part.all("signal"):
-                name, value = read(signal, outputs)
-                tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
-                expected.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
         given = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
+        expected = []
+        parts = shot.all("internalValues", "checkOutputs")
+        for signal in (signal for part in parts for signal in part.all("signal")):
+            name, value = read(signal, outputs)
+            tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
+            expected.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
         yield shot.attributes.get("name", f"line {shot.line}"), given, expected

@@ -35,7 +35,8 @@ class Axis:
 
     def __post_init__(self) -> None:
         points, n = self.points, len(self.points)
-        self._least, self._most = self._held(self.low), self._held(self.high)
+        held = [x if self.below else max(x, points[0]) for x in (self.low, self.high)]
+        self._least, self._most = (x if self.above else min(x, points[-1]) for x in held)
         self._middles = [(a + b) / 2 for a, b in itertools.pairwise(points)]
         self._spline: Any = None
         if n > 1 and self.method in _ORDERS:
@@ -44,10 +45,6 @@ class Axis:
 
             # linear in the values: a spline through the unit values gives the weights
             self._spline = make_interp_spline(points, np.eye(n), k=min(_ORDERS[self.method], n - 1))
-
-    def _held(self, x: float) -> float:
-        x = x if self.below else max(x, self.points[0])
-        return x if self.above else min(x, self.points[-1])
 
     @property
     def plain(self) -> bool:
