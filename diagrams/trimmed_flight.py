@@ -2,8 +2,8 @@
 
 A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg, with the controls fixed at trim for 60 s.
 
-Expected: altitude within 1 ft, airspeed within 0.05 kt, a bank of 0.05 deg against the propeller's
-torque, a straight track to the east.
+Expected: altitude within 1 ft, airspeed within 0.05 kt, a straight track to the east. The ailerons
+balance the propeller's torque, and a bank of 0.05 deg the side force that comes with the rudder.
 
 Source: the published JSBSim/PathSim notebook; the numbers are those of a plain JSBSim loop.
 """

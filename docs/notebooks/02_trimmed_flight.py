@@ -17,7 +17,8 @@ straight.figure()
 straight.figure_track()
 
 # %% [markdown]
-# The bank of 0.05 deg balances the torque of the propeller. [Trimmed flight](../concepts/trimmed-flight.md) lists which
+# The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force that comes with
+# the rudder (1.5 lbf). [Trimmed flight](../concepts/trimmed-flight.md) lists which
 # quantities are zero.
 #
 # ## The turn

@@ -100,20 +100,48 @@ def test_an_aircraft_in_a_function_runs_ahead_of_the_clock():
     assert round(diagram.aircraft.fdm.get_sim_time() * 120) == 4800
 
 
-@pytest.mark.parametrize(
-    ("name", "labels", "signals"),
-    [
-        ("damped_oscillator", ["velocity v [1/s]", "position x [-]"], ("position x", 1.0)),
-        ("step_response", ["response y [-]", "step u [-]"], ("response y", 0.0)),
-    ],
-)
-def test_swapped_labels_show_a_wrong_start(name, labels, signals):
-    label, start = signals
-    diagram = load_diagram(name)
+def test_the_published_scope_of_the_oscillator_names_the_velocity_position():
+    velocity, position, force = Integrator(), Integrator(1.0), Amplifier(-1.0)
+    scope = Scope(labels=["position x", "velocity v"])
+    wires = [
+        Connection(velocity, position, scope[0]),
+        Connection(position, force, scope[1]),
+        Connection(force, velocity),
+    ]
+    Simulation([velocity, position, force, scope], wires, dt=0.01, log=False).run(3.0)
+    time, _ = scope.read()
+    # x'' = -x from x = 1: x is cos t, v is -sin t
+    np.testing.assert_allclose(signal(scope, "position x")[1], -np.sin(time), atol=1e-4)
+    diagram = load_diagram("damped_oscillator")
     diagram.sim.run(0.1)
-    assert signal(diagram.scope, label)[1][0] == start
-    diagram.scope.labels[:2] = labels
-    assert signal(diagram.scope, label)[1][0] != start
+    assert signal(diagram.scope, "position x")[1][0] == 1.0
+    assert signal(diagram.scope, "velocity v")[1][0] == 0.0
+
+
+def test_the_published_scope_of_the_pitch_hold_names_the_error_a_command():
+    plane, reference, error = (
+        Aircraft("c172p", altitude=5000, speed=90),
+        Constant(3.0),
+        Adder("+--"),
+    )
+    controller, theta = Amplifier(1.0 / 90.0), Scope()
+    control = Scope(labels=["elevator_cmd", "pitch_error"])
+    sim = Simulation(
+        [plane, reference, error, controller, control, theta],
+        [
+            Connection(reference, error[0], control[1]),
+            Connection(plane["theta"], error[1], theta),
+            Connection(error, controller, control[0]),
+            Connection(controller, plane["elevator"]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    sim.run(2.0)
+    assert (signal(control, "pitch_error")[1] == 3.0).all()
+    command = signal(control, "elevator_cmd")[1]
+    assert (command == 3.0 - theta.read()[1][0]).all()
+    assert command[0] > 1.7  # deg; a command of the elevator is at most 1
 
 
 def test_the_table_of_true_airspeeds_needs_the_formula_of_cas():
