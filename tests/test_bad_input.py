@@ -370,7 +370,7 @@ def test_an_input_that_is_not_finite_ends_the_flight(make, value):
 @pytest.mark.parametrize("aircraft", ["f16", "A4"])
 def test_ground_impact_ends_the_flight(aircraft):
     # JSBSim's own run() goes on with a state that is not a number
-    plane = Aircraft(aircraft, altitude=3000, speed=400, gamma=-80, mode="none")
+    plane = Aircraft(aircraft, altitude=3000, speed=400, gamma=-80, gear=1, mode="none")
     scope = Scope(labels=["h"])
     sim = Simulation([plane, scope], [Connection(plane["h"], scope)], dt=plane.T, log=False)
     with pytest.raises(FlightError, match=f"aircraft '{aircraft}': crashed") as error:
@@ -392,7 +392,7 @@ def test_ground_impact_ends_the_flight(aircraft):
 @pytest.mark.parametrize("shown", [[], ["simulation/sim-time-sec", "inertia/weight-lbs"]])
 def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
     block = JSBSimFDM(
-        aircraft_model="A4", trim_altitude=3000, trim_airspeed=400, output_properties=shown
+        aircraft_model="A4", trim_altitude=3000, trim_airspeed=400, gear=0, output_properties=shown
     )
     sim = Simulation([block], dt=block.T, log=False)
     sim.run(0.5)

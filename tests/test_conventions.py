@@ -18,6 +18,11 @@ from pathsim_jsbsim_blocks import BlocksError, ParameterError, PitchHold, TrimCo
 from pathsim_jsbsim_blocks.control import gains
 from pathsim_jsbsim_blocks.errors import KeywordError
 
+# LinearAircraft() is the c172p, whose elevator is asymmetric
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:c172p. the response of vt to elevator is not linear"
+)
+
 ROOT = Path(__file__).parents[1]
 PUBLIC = {n: getattr(package, n) for n in package.__all__ if n != "fly"}
 BLOCKS = {n: o for n, o in PUBLIC.items() if issubclass(o, Block)}

@@ -341,6 +341,7 @@ def test_a_checkpoint_goes_on(hold, tmp_path):
     def diagram():
         block, scope = hold(), Scope()
         flown = {"lat": lambda t: t / 3600, "h": lambda t: 900.0 + t, "alpha": lambda t: 4.0}
+        flown = {**dict.fromkeys(block.measured, lambda t: 0.0), **flown}
         sources = {name: Source(f) for name, f in flown.items() if name in block.input_port_labels}
         wires = [Connection(source, block[name]) for name, source in sources.items()]
         wires += [Connection(block[n], scope[i]) for n, i in block.output_port_labels.items()]

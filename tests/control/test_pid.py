@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, StepSource
+from pathsim.blocks import Constant, Scope, StepSource
 from scipy.signal import lfilter
 
 from pathsim_jsbsim_blocks import DiscretePID, ParameterError
@@ -337,8 +337,9 @@ def test_bad_parameters_are_refused_at_once_and_leave_the_block_as_it_was(name, 
 def test_both_limits_move_at_once():
     for limits in ({"low": 2.0, "high": 3.0}, {"high": -2.0, "low": -3.0}):
         pid = DiscretePID(Kp=100.0)
-        scope = Scope()
-        sim = Simulation([pid, scope], [Connection(pid, scope)], dt=T, log=False)
+        rest, scope = Constant(0.0), Scope()
+        wires = [Connection(rest, pid["y"]), Connection(pid, scope)]
+        sim = Simulation([rest, pid, scope], wires, dt=T, log=False)
         pid.set(**limits)
         assert (pid.low, pid.high) == (limits["low"], limits["high"])
         sim.run(T)

@@ -262,7 +262,10 @@ def test_a_wire_added_later_is_seen_at_the_next_run():
     sim.add_connection(Connection(stranger, scope[1]))
     assert len(said(sim)) == 1
     sim.add_connection(Connection(stranger, scope[0]))
-    with pytest.raises(ParameterError, match=r"into scope\[0\]"):
+    with (
+        pytest.warns(RuntimeWarning, match=r"two wires lead into scope\[0\]"),
+        pytest.raises(ParameterError, match=r"into scope\[0\]"),
+    ):
         sim.run(0.1)
 
 

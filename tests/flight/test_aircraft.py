@@ -4,6 +4,7 @@ What is compared with: other properties of the same flight in a plain JSBSim loo
 velocity components, forces), from which each port is recomputed.
 """
 
+import contextlib
 import re
 
 import numpy as np
@@ -240,7 +241,10 @@ def test_the_aircraft_limits_its_commands_and_says_by_how_much(
     gear = 0 if aircraft == "737" else None
     plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=gear)
     constant = Constant(increment)
-    Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False).run(2 * T)
+    sim = Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False)
+    beyond = pytest.warns(RuntimeWarning, match=f"{port}' is more than the whole travel")
+    with beyond if abs(increment) > 2 else contextlib.nullcontext():
+        sim.run(2 * T)
     # six figures of a trim whose tolerance is 1e-4 rad/s2
     assert plane.fdm[f"fcs/{port}-cmd-norm"] == pytest.approx(command, abs=1e-5)
     saturations = {"elevator": "elev_sat", "aileron": "ail_sat", "rudder": "rud_sat"}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from corruptions import flight, loaded_from_corruptions
 from pathsim import Connection, Simulation
-from pathsim.blocks import Integrator, Scope, Source
+from pathsim.blocks import Constant, Integrator, Scope, Source
 from pathsim.solvers import RK4
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, PitchHold
@@ -196,6 +196,7 @@ def test_any_property_block_too(tmp_path):
             aircraft_model="737",
             trim_airspeed=280,
             trim_altitude=10000,
+            gear=1,
             record_inputs=True,
             properties={
                 "atmosphere/turb-type": 3,
@@ -227,7 +228,9 @@ def test_any_property_block_too(tmp_path):
 
 def test_a_hold_of_another_period_is_refused(tmp_path):
     def simulation(T):
-        return Simulation([hold := PitchHold(T=T)], dt=1 / 120, log=False), hold
+        hold, rest, scope = PitchHold(T=T), Constant(0.0), Scope()
+        wires = [Connection(rest, hold["theta"], hold["q"]), Connection(hold[0], scope)]
+        return Simulation([hold, rest, scope], wires, dt=1 / 120, log=False), hold
 
     sim, _ = simulation(1 / 120)
     sim.run(1.0)

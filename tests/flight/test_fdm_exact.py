@@ -58,6 +58,7 @@ def block(aircraft="c172p", **more):
             "aircraft_model": aircraft,
             "trim_airspeed": speed,
             "trim_altitude": altitude,
+            "gear": 1,
             **more,
         }
     )

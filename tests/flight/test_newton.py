@@ -40,7 +40,7 @@ def flown(airframe, state, duration=10.0):
 
 def found(aircraft, **condition):
     airframe = Airframe(aircraft)
-    state = trim(airframe, TrimCondition(**condition))
+    state = trim(airframe, TrimCondition(**{"gear": 1, **condition}))
     for name, tolerance in TOLERANCES.items():
         assert abs(getattr(state, name)) <= tolerance
     return airframe, state
@@ -69,7 +69,7 @@ def test_what_jsbsim_trims_the_newton_search_trims_too(aircraft):
 @pytest.mark.parametrize("aircraft", ["737", "c172p", "c182", "f16"])
 def test_the_search_does_not_depend_on_what_came_before(aircraft):
     altitude, speed, _, _ = FLYING[aircraft]
-    condition = TrimCondition(altitude=altitude, speed=speed, solver="newton")
+    condition = TrimCondition(altitude=altitude, speed=speed, gear=1, solver="newton")
     airframe, fresh = found(aircraft, altitude=altitude, speed=speed, solver="newton")
     trim(airframe, dataclasses.replace(condition, speed=1.3 * speed, gamma=-3.0))
     with pytest.raises(TrimError):
@@ -196,7 +196,7 @@ def test_with_one_engine_out_the_rudder_holds_the_nose():
 )
 def test_engines_that_do_not_run_stay_off(aircraft, condition):
     airframe = Airframe(aircraft)
-    state = trim(airframe, TrimCondition(**condition, engines_off="all"))
+    state = trim(airframe, TrimCondition(**condition, gear=1, engines_off="all"))
     fdm = airframe.fdm
     thrusts = [f"propulsion/engine[{i}]/thrust-lbs" for i in range(airframe.engines)]
     assert state.thrust == pytest.approx(0.0, abs=1e-9)
@@ -204,7 +204,8 @@ def test_engines_that_do_not_run_stay_off(aircraft, condition):
         fdm.run()
         assert all(fdm[name] == pytest.approx(0.0, abs=1e-9) for name in thrusts)
     # and run again in the next trim
-    assert trim(airframe, TrimCondition(altitude=5000, speed=90 if aircraft == "c172p" else 250))
+    speed = 90 if aircraft == "c172p" else 250
+    assert trim(airframe, TrimCondition(altitude=5000, speed=speed, gear=1))
     assert all(fdm[name] > 10.0 for name in thrusts)
 
 
@@ -213,7 +214,7 @@ def test_engines_that_do_not_run_stay_off(aircraft, condition):
 def test_set_running_is_respected(aircraft, how):
     stopped = {"propulsion/engine[0]/set-running": 0.0}
     condition = {"altitude": 5000, "speed": 90 if aircraft == "c172p" else 250, "mode": "none"}
-    plane = Aircraft(aircraft, **condition, **{how: stopped})
+    plane = Aircraft(aircraft, **condition, gear=1, **{how: stopped})
     Simulation([plane], dt=plane.T, log=False).run(3.0)
     assert plane.fdm["propulsion/engine[0]/set-running"] == 0.0
     assert abs(plane.fdm["propulsion/engine[0]/thrust-lbs"]) < 20.0
@@ -278,7 +279,7 @@ def test_an_aircraft_starts_where_it_is_asked_to():
     ("aircraft", "condition"),
     [
         ("A320", {"altitude": 5000, "speed": 144, "gear": 0.0}),
-        ("737", {"altitude": 30000, "speed": 420}),
+        ("737", {"altitude": 30000, "speed": 420, "gear": 1.0}),
         ("c172p", {"altitude": 5000, "speed": 30}),
     ],
 )
@@ -550,6 +551,7 @@ def test_the_published_envelope_is_met_point_by_point(start):
             altitude=15000,
             speed=point["vc_request_kts"],
             gamma=point["gamma_deg"],
+            gear=1,
             alpha_min=-4,
             alpha_max=12,
             solver="newton",

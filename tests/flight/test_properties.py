@@ -164,6 +164,7 @@ def build(plan):
         aircraft_model=plan.aircraft,
         trim_altitude=altitude,
         trim_airspeed=speed,
+        gear=1,
     )
     (system, inputs), scope = around(fdm, plan), Scope()
     blocks, wires = [system, scope], []

@@ -203,7 +203,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Source
 from pathsim_jsbsim_blocks import Aircraft
 
-one, two = Aircraft("c172p", speed=90), Aircraft("A4", 1e4, 300)
+one, two = Aircraft("c172p", speed=90), Aircraft("A4", 1e4, 300, gear=0)
 fault = Source(lambda t: float("nan") if t > 0.3 else 0.0)
 wires = [Connection(fault, one["elevator"])]
 Simulation([one, two, fault], wires, dt=1 / 120, log=False).run(60)

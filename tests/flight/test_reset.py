@@ -84,7 +84,7 @@ def test_fuel_burnt_is_back_after_a_reset():
 @pytest.mark.parametrize("aircraft", FLIGHTS)
 def test_the_aircraft_block(aircraft):
     altitude, speed = FLIGHTS[aircraft]
-    plane = Aircraft(aircraft, altitude=altitude, speed=speed)
+    plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=1)
     scope, sim = wire(plane, Aircraft.output_port_labels)
     sim.run(5.0)
     first = flown(scope)

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.matrix
 
 
 def found(aircraft, setup=None, **condition):
-    return trim(Airframe(aircraft), TrimCondition(**condition), setup)
+    return trim(Airframe(aircraft), TrimCondition(**{"gear": 1, **condition}), setup)
 
 
 def test_the_published_trim_of_the_global5000():
@@ -227,7 +227,7 @@ def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
 
 def test_a_crosswind_does_not_turn_the_next_trim():
     airframe = Airframe("737")
-    condition = TrimCondition(altitude=10000, speed=280, heading=90, wind_north=40)
+    condition = TrimCondition(altitude=10000, speed=280, heading=90, wind_north=40, gear=1)
     first, second = trim(airframe, condition), trim(airframe, condition)
     assert first.psi == pytest.approx(90, abs=1e-6)
     assert second.psi == pytest.approx(90, abs=1e-6)
@@ -244,7 +244,7 @@ def test_payload_and_fuel_move_the_weight():
 
 def test_the_cg_really_moves_and_the_installed_model_stays():
     x = empty_weight_cg("global5000")[0]
-    condition = {"altitude": 15000, "speed": 250}
+    condition = {"altitude": 15000, "speed": 250, "gear": 1}
     here = trim(Airframe("global5000"), TrimCondition(**condition))
     ahead = trim(Airframe("global5000", empty_cg_x=0.95 * x), TrimCondition(**condition))
     assert here.cg_x - ahead.cg_x == pytest.approx(0.05 * x * 50300 / here.weight, rel=0.05)
@@ -316,10 +316,10 @@ def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, re
 )
 def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):
     airframe = Airframe(aircraft)
-    fresh = trim(airframe, TrimCondition(altitude=altitude, speed=good))
+    fresh = trim(airframe, TrimCondition(altitude=altitude, speed=good, gear=1))
     with pytest.raises(TrimError):
-        trim(airframe, TrimCondition(altitude=altitude, speed=bad))
-    again = trim(airframe, TrimCondition(altitude=altitude, speed=good))
+        trim(airframe, TrimCondition(altitude=altitude, speed=bad, gear=1))
+    again = trim(airframe, TrimCondition(altitude=altitude, speed=good, gear=1))
     for name in set(UNITS) & {f.name for f in dataclasses.fields(TrimState)}:
         assert getattr(again, name) == pytest.approx(getattr(fresh, name), rel=1e-9, abs=1e-9)
 
@@ -563,7 +563,7 @@ def test_every_quantity_has_a_unit():
 
 
 def test_a_state_as_a_dict_and_as_a_table():
-    found = trim(Airframe("737"), TrimCondition(altitude=15000, speed=280))
+    found = trim(Airframe("737"), TrimCondition(altitude=15000, speed=280, gear=1))
     numbers = found.to_dict()
     assert numbers["alpha"] == found.alpha
     assert [numbers["throttle[0]"], numbers["throttle[1]"]] == list(found.throttle)

@@ -56,7 +56,7 @@ def test_wind_is_bit_for_bit_that_of_a_plain_loop_and_of_the_properties(name):
     altitude, speed = FLIGHTS[name]
     values, sources = winds(3)
     expected = fly(trimmed(name, altitude, speed), GUSTS, values, list(SHOWN.values()))
-    plane = Aircraft(name, altitude=altitude, speed=speed)
+    plane = Aircraft(name, altitude=altitude, speed=speed, gear=1)
     _, data = recorded(plane, SHOWN, *sources, duration=2.0)
     assert np.array_equal(data.T, expected)
     fdm = JSBSimFDM(
@@ -65,6 +65,7 @@ def test_wind_is_bit_for_bit_that_of_a_plain_loop_and_of_the_properties(name):
         aircraft_model=name,
         trim_altitude=altitude,
         trim_airspeed=speed,
+        gear=1,
     )
     _, data = recorded(fdm, SHOWN.values(), *winds(3)[1], duration=2.0, ports=GUSTS)
     assert np.array_equal(data.T, expected)
@@ -98,7 +99,7 @@ def test_a_gust_among_the_properties_stays_where_no_wire_comes_in():
 
 
 def test_a_reset_is_without_wind_again_and_flies_the_same():
-    plane = Aircraft("737", altitude=10000.0, speed=280.0)
+    plane = Aircraft("737", altitude=10000.0, speed=280.0, gear=1)
     sim, first = recorded(plane, ["h", "vt"], StepSource(30.0, 0.2), duration=1.0)
     sim.reset()
     assert plane.fdm[GUSTS[0]] == 0.0
