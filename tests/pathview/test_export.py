@@ -928,6 +928,13 @@ sim = Simulation([src, a, b, d, s], [Connection(src, a), Connection(a, b), Conne
                                      Connection(d, s)], dt=0.01, log=False)
 sim.run(1)
 """,
+    "wires of a subsystem, one by one": """
+port, x, gain = Interface(), Integrator(1.0), Amplifier(-2.0)
+inside = Subsystem([port, x, gain], [Connection(x, gain), Connection(x, port), Connection(gain, x)])
+s = Scope()
+sim = Simulation([inside, s], [Connection(inside, s)], dt=0.01, log=False)
+sim.run(1)
+""",
     "numpy values": """
 A = -np.eye(2)
 ss = StateSpace(A, np.ones((2, 1)), np.array([[1.0, 0.0]]), np.zeros((1, 1)), np.array([1.0, 2.0]))

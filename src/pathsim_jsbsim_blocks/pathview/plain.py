@@ -61,11 +61,12 @@ def attributes(part: Any) -> dict[str, str]:
     return {
         name: text_of(value)
         for name, value in vars(part).items()
-        if name == "_active" or not (name.startswith("_") or name in _LABELS)
+        if name == "_active" or not (name.startswith("_") or name in _ELSEWHERE)
     }
 
 
-_LABELS = {"input_port_labels", "output_port_labels"}  # wires are compared by their numbers
+# wires are compared by their numbers, and what a subsystem consists of by `structure`
+_ELSEWHERE = {"input_port_labels", "output_port_labels", "blocks", "connections"}
 
 
 def _items(value: Any, around: tuple[int, ...]) -> str:
