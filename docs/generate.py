@@ -171,7 +171,8 @@ def fleet_page():
         "`pathsim_jsbsim_blocks.flight` finds it a condition\n"
         "(gear up where it retracts, fuel frozen), or else by the Newton search, and flown for "
         "30 s with its\ncontrols fixed; the drift is its height above the path then. A glide ends "
-        "in denser air, so it drifts too.\n`pathsim-jsbsim aircraft --table` reprints the table."
+        "in denser air, so it drifts too.\nThe verdict names engines that run out of fuel in a "
+        "flight of 60 s, fuel not frozen.\n`pathsim-jsbsim aircraft --table` reprints the table."
         f"\n\n{HEADER}" + "".join(f"{format_row(row)}\n" for row in rows)
     )
 

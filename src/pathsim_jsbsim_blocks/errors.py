@@ -104,12 +104,13 @@ class TrimError(BlocksError, RuntimeError):
     reason : str
         what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
         "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle" or
-        "bank"; "ground" in flight that touches it; or "no convergence"
+        "bank"; "ground" in flight that touches it; "no equilibrium" if it does not stay; or "no
+        convergence"
     residuals : dict[str, float]
         accelerations in ft/s2 and rad/s2: without trim, or the best that the Newton search reached
     nearest : TrimCondition or None
         the nearest that trims, if one was looked for and found: the same with ``solver="newton"``,
-        or at another speed
+        or at another speed, the fastest for a condition that is too fast
     limit : float or None
         the value at which it ran out (command, deg, ft/s), if a Newton search has ended there;
         with ``trim(..., hint=True)`` one follows a failure of JSBSim's search

@@ -6,6 +6,7 @@ velocity components, forces), from which each port is recomputed.
 
 import contextlib
 import re
+import warnings
 
 import numpy as np
 import pymap3d
@@ -264,6 +265,53 @@ def test_the_aircraft_limits_its_throttles(increment, command):
     assert plane.outputs["thr_sat"] == pytest.approx(
         plane.trim.throttle[0] + increment - command, abs=1e-12
     )
+
+
+@pytest.mark.parametrize(("engines_off", "share"), [([], 0.5), ([1], 1.0)])
+def test_the_excess_of_the_throttle_is_the_mean_over_the_engines_that_run(engines_off, share):
+    condition = TrimCondition(altitude=10000, speed=250, gear=0, engines_off=engines_off)
+    plane = Aircraft("737", condition=condition, input_properties=["throttle[0]"])
+    constant = Constant(1.0)
+    wire = Connection(constant, plane["throttle[0]"])
+    Simulation([constant, plane], [wire], dt=T, log=False).run(2 * T)
+    # engine 0 is asked for its trimmed throttle and 1 more, engine 1 for nothing more
+    expected = share * plane.trim.throttle[0]
+    assert plane.outputs["thr_sat"] == pytest.approx(expected, abs=1e-12)
+
+
+DRY = {f"propulsion/tank[{i}]/contents-lbs": 0.02 for i in (0, 1)}
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "parameters", "said"),
+    [
+        # 46 lb in each collector tank, 3.3 lb/s: a plain loop of JSBSim stops them at 14.07 s
+        (
+            "Concorde",
+            {"altitude": 5000, "speed": 280, "gear": 0},
+            ["Concorde: engines 0, 1, 2, 3 stopped for want of fuel by t = 15 s"],
+        ),
+        (
+            "Concorde",
+            {"altitude": 5000, "speed": 280, "gear": 0, "setup": {"propulsion/fuel_freeze": 1.0}},
+            [],
+        ),
+        ("c172p", {"speed": 90, "setup": DRY}, ["c172p: engine 0 stopped for want of fuel"]),
+        # for want of ignition, tanks full
+        ("c172p", {"speed": 90, "properties": {"propulsion/engine/set-running": 0.0}}, []),
+    ],
+)
+def test_engines_that_run_out_of_fuel_are_told_once(aircraft, parameters, said):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        plane = Aircraft(aircraft, T=1 / 30, **parameters)
+        Simulation([plane], dt=plane.T, log=False).run(60.0)
+    assert len(caught) == len(said)
+    for warning, text in zip(caught, said, strict=True):
+        assert issubclass(warning.category, RuntimeWarning)
+        assert text in str(warning.message)
+    runs = plane.fdm["propulsion/engine[0]/set-running"]
+    assert runs == (0.0 if said or "properties" in parameters else 1.0)
 
 
 def test_a_subclass_with_parameters_of_its_own_takes_a_condition():

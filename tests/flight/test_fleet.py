@@ -127,12 +127,14 @@ def test_an_aircraft_that_does_not_stay_level_is_no_success():
 
 
 def test_rows_of_the_table():
-    flies, created, glides, refused, broken = fleet_table(
-        ["c172p", "L17", "SGS", "ball", "blank"], duration=2.0
+    flies, created, glides, dry, refused, broken = fleet_table(
+        ["c172p", "L17", "SGS", "Concorde", "ball", "blank"], duration=2.0
     )
     assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")
     assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
     assert glides.verdict == "glides at -2.2 deg"
+    # 46 lb in each collector tank, 4.03 lb/s
+    assert dry.verdict == "trims, engines out of fuel within 60 s"
     assert refused.verdict == "no trim: thrust"
     assert math.isnan(refused.drift)
     assert broken.verdict == "does not load"

@@ -312,6 +312,34 @@ def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, re
 
 
 @pytest.mark.parametrize(
+    ("aircraft", "condition", "reason"),
+    [
+        ("c172p", {"speed": 90}, "no convergence"),
+        ("SGS", {"speed": 55}, "thrust"),
+        ("Shuttle", {"altitude": 0, "mode": "ground"}, "no convergence"),
+    ],
+)
+def test_without_an_axis_it_is_the_thrust_that_lacks_where_no_engine_is(
+    monkeypatch, aircraft, condition, reason
+):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages", lambda *a, **b: (False, []))
+    with pytest.raises(TrimError) as error:
+        trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
+    assert error.value.reason == reason
+
+
+@pytest.mark.parametrize(
+    ("condition", "nearest"), [({"speed": 55}, None), ({"speed": 25, "mode": "glide"}, 35.0)]
+)
+def test_without_power_another_speed_helps_a_glide_only(condition, nearest):
+    airframe = Airframe("SGS")
+    with pytest.raises(TrimError) as error:
+        trim(airframe, TrimCondition(**condition))
+    assert (airframe.effort == 0) is (nearest is None)
+    assert (error.value.nearest and error.value.nearest.speed) == nearest
+
+
+@pytest.mark.parametrize(
     ("aircraft", "altitude", "good", "bad"), [("737", 15000, 300, 120), ("A4", 10000, 250, 80)]
 )
 def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):

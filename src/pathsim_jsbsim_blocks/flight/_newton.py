@@ -89,11 +89,18 @@ EFFORT = 100_000
 _READING = 4
 _STEADY_STATE = 150
 
+# s, in which nothing moves, and the steps that JSBSim's integrators remember at most
+_INSTANT = 1e-12
+_HISTORY = 5
+
 # rows of steps in which an engine with propeller settles, and how often
 _ROW = 40
 _ROWS = 60
 
-# the same with blades that no governor moves: engines that settle then need 3
+# how often propellers may settle anew to hold a state found elsewhere
+_SPINS = 5
+
+# rows with blades that no governor moves: engines that settle then need 3
 _ROWS_AT_FIXED_PITCH = 10
 
 
@@ -108,6 +115,8 @@ class Seed(NamedTuple):
         of the residuals by these, in tolerances
     has_memory : bool
         whether the flight control system takes more than one reading to settle
+    in_time : bool
+        as of `Search`
     near : bool
         whether the last search found its trim; otherwise the next one starts from its own
         guesses
@@ -116,6 +125,7 @@ class Seed(NamedTuple):
     free: Mapping[str, float]
     slopes: np.ndarray
     has_memory: bool
+    in_time: bool
     near: bool = True
 
 
@@ -163,10 +173,15 @@ class Search:
         initialised at the condition; the search leaves it in the state found
     condition : TrimCondition
         not of mode "ground" or "none"
+    in_time : bool
+        whether each reading ends with a step of no length: only in steps of time have turboprops
+        power, and only there do actuators move at their own rates (those of the f16's rudder start
+        anew in each step). It takes longer
     """
 
-    def __init__(self, airframe: Airframe, condition: TrimCondition):
+    def __init__(self, airframe: Airframe, condition: TrimCondition, in_time: bool = False):
         self._airframe = airframe
+        self.in_time = in_time
         self._condition = condition
         fdm = self._fdm = airframe.fdm
         engines = range(airframe.engines)
@@ -213,12 +228,22 @@ class Search:
         self._pitches = [airframe.reader(name) for name in pitches]
         self._propellers = [airframe.reader(name) for name in speeds] + self._pitches
         self._governors = [name for name in governors if fdm[name]]
+        spools = airframe.of_engines("n1")
+        self._read_spools = [airframe.reader(name) for name in spools]
+        self._write_spools = [airframe.writer(name) for name in spools]
         self._gravity = fdm["accelerations/gravity-ft_sec2"]
         wind = condition.wind_north, condition.wind_east, 0.0
         self._wind = np.array(wind) if any(wind) else None
         self._settled_at: float | None = None
+        # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
+        self._leaps = True
         self._has_memory = True
         self._start = airframe.effort
+
+    @property
+    def leaves_traces(self) -> bool:
+        """Whether a search that fails leaves engines or systems in another state than it found."""
+        return bool(self._propellers) or self._has_memory
 
     @property
     def _spent(self) -> bool:
@@ -257,16 +282,37 @@ class Search:
         has_memory, self._has_memory = self._has_memory, True
         # the last state written need not be the best
         r = self._settled(x)
+        residuals = {name: self._readers[name]() - self._targets[name] for name in RESIDUALS}
+        self._has_memory = has_memory
         converged = self._size(r) <= 1.0
+        self._forget()
         self._fdm.set_sim_time(time)
         free = dict(zip(self._ranges, x.tolist(), strict=True))
         return Found(
             converged=converged,
             free=free,
             binding="" if converged else self._binding(x, r),
-            residuals={name: self._readers[name]() - self._targets[name] for name in RESIDUALS},
-            seed=Seed(free, slopes, has_memory) if converged and slopes is not None else None,
+            residuals=residuals,
+            seed=Seed(free, slopes, has_memory, self.in_time)
+            if converged and slopes is not None
+            else None,
         )
+
+    def hold(self, found: Found) -> None:
+        """Put the aircraft into the state that a search has found, engines and systems settled."""
+        if "elevator" in found.free:
+            self._without_pitch_trim()
+        self._has_memory = found.seed is None or found.seed.has_memory
+        x = np.array(list(found.free.values()))
+        for _ in range(_SPINS):
+            if self._size(self._settled(x)) <= 1.0:
+                break
+        self._forget()
+
+    def _forget(self) -> None:
+        """Let the integrators forget the accelerations before the step of no length."""
+        for _ in range(_HISTORY if self.in_time else 0):
+            self._run_no_time()
 
     def _from(self, seed: Seed) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Where the search from a seed ends; None if it does not find a trim to full precision."""
@@ -478,10 +524,27 @@ class Search:
         fdm.set_trim_status(True)
         try:
             fdm.run_ic()
+            if self.in_time:
+                self._start_turbines()
         finally:
             fdm.set_trim_status(False)
+        if self.in_time:
+            self._run_no_time()
         self._airframe.effort += _READING
         return (np.array([read() for read in self._read]) - self._target) / self._tolerances
+
+    def _start_turbines(self) -> None:
+        """Take the step with which JSBSim starts turbines at idle, and keep their speeds."""
+        speeds = [read() for read in self._read_spools]
+        self._run_no_time()
+        for write, speed in zip(self._write_spools, speeds, strict=True):
+            write(speed)
+
+    def _run_no_time(self) -> None:
+        """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
+        self._fdm.set_dt(_INSTANT)
+        self._fdm.run()
+        self._fdm.set_dt(self._airframe.dt)
 
     def _spin(self, size: float) -> None:
         """Let the propellers settle in a wind tunnel: held in place, in the wind of the flight."""
@@ -496,8 +559,9 @@ class Search:
         try:
             self._spin_at_fixed_pitch()
             before = [read() for read in self._propellers]
-            for _ in range(_ROWS if self._governors else _ROWS_AT_FIXED_PITCH):
-                if self._spent:
+            for row in range(_ROWS):
+                at_once = self._leaps and not self._governors
+                if self._spent or (at_once and row >= _ROWS_AT_FIXED_PITCH):
                     break
                 pitch = [read() for read in self._pitches]
                 for _ in range(_ROW):
@@ -509,9 +573,11 @@ class Search:
                     for a, b in zip(now, before, strict=True)
                 ):
                     break
-                if pitch == [read() for read in self._pitches]:
+                if self._leaps and pitch == [read() for read in self._pitches]:
                     self._spin_at_fixed_pitch()
-                    now = [read() for read in self._propellers]
+                    again = [read() for read in self._propellers]
+                    self._leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
+                    now = again
                 before = now
         finally:
             fdm["forces/hold-down"] = 0.0
@@ -519,6 +585,8 @@ class Search:
 
     def _spin_at_fixed_pitch(self) -> None:
         """Settle the speeds at the present blade angles, many times faster than real time."""
+        if not self._leaps:
+            return
         # in its steps of 0.5 s a governor would overshoot
         for governor in self._governors:
             self._fdm[governor] = 0.0

@@ -19,7 +19,7 @@ from .._core.callers import warn_user
 from .._core.checks import flag, mapping, number, one_of
 from .._core.extras import required
 from ..errors import AircraftError, ParameterError, TrimError
-from ._newton import EFFORT, Search, Seed, alpha_range
+from ._newton import EFFORT, Found, Search, Seed, alpha_range
 from .airframe import ENGINE_RUNS, Airframe, has_retractable_gear
 from .channels import ALMOST_NORTH
 from .condition import MODES, TrimCondition, check_condition
@@ -71,6 +71,13 @@ _ROUNDING = 1e-12
 
 # how far an aircraft in steady flight may be from its trim, controls fixed
 _STEADY = {"height": 20.0, "speed": 6.0, "bank": 10.0}  # ft, kt, deg
+
+# what a short flight may show of an equilibrium: s; ft/s2 and rad/s2
+_SHORT_FLIGHT = 0.25
+_STAYS = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
+
+# of a surface's travel or of the weight in thrust: what is named as the cause moves by more
+_SMALL_MOTION = 0.01
 
 # KCAS, above which hardly any landing gear may be down
 _FAST_FOR_GEAR = 200.0
@@ -345,9 +352,10 @@ def trim(
     JSBSim's own search takes one control after the other, to residuals of up to 0.01 ft/s2 and
     0.001 rad/s2. The Newton search (``solver="newton"``) moves all together within their limits
     until udot, vdot, wdot are below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually
-    1e-9), with propellers and flight control system settled. It also trims glides, steady sideslips
-    and flights at a given throttle or thrust; its turns are steady in wind, its pull-ups in all
-    accelerations.
+    1e-9), with propellers and flight control system settled: in a flight of 0.25 s, which a twin
+    makes, vdot stays below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2 (pull-ups are not
+    flown). It also trims glides, steady sideslips and flights at a given throttle or thrust; its
+    turns are steady in wind, its pull-ups in all accelerations.
 
     Parameters
     ----------
@@ -368,7 +376,8 @@ def trim(
         none
     warm : bool
         let the Newton search start where the last one on this airframe found its trim. The result
-        is the same, sooner: if it does not get there to full precision, it starts again cold
+        is the same, sooner: if it does not get there to full precision, it starts again cold. An
+        airframe that can be put back to the precision of the search makes the flight itself
 
     Returns
     -------
@@ -379,8 +388,8 @@ def trim(
     ------
     TrimError
         if no trim is found, or with JSBSim's search and constant-speed propellers not within
-        10 s of computing (no limit on Windows). The airframe stays usable: after a failure of
-        JSBSim's search that has changed engines, systems or accelerations, the next trim starts
+        10 s of computing (no limit on Windows). The airframe stays usable: after a failure
+        that has changed engines, systems or accelerations, the next trim starts
         from a fresh executive (`Airframe.renew`), as does a trim on the ground after any other.
         This discards fuel burnt in between and direct writes to ``airframe.fdm``
     AircraftError
@@ -473,6 +482,7 @@ def here(
     fdm, now = airframe.fdm, state(airframe, condition)
     mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
     before = {**condition.setup, **mapping("setup", setup)}
+    masses = map("inertia/pointmass-weight-lbs[{}]".format, itertools.count())
     present: dict[str, Any] = {
         "altitude": now.altitude,
         "speed": now.speed,
@@ -488,8 +498,8 @@ def here(
         # rounding errors of still air are none
         "wind_north": round(fdm["atmosphere/total-wind-north-fps"], 9) + 0.0,
         "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
-        "payload": _each(airframe, "inertia/pointmass-weight-lbs[{}]"),
-        "fuel": _each(airframe, "propulsion/tank[{}]/contents-lbs"),
+        "payload": [fdm[name] for name in itertools.takewhile(airframe.has, masses)],
+        "fuel": [fdm[name] for name in airframe.tanks],
         "latitude": fdm["position/lat-geod-deg"],
         "longitude": fdm["position/long-gc-deg"],
         "engines_off": [
@@ -500,15 +510,25 @@ def here(
     return dataclasses.replace(condition, **{**present, **changes})
 
 
-def _each(airframe: Airframe, name: str) -> list[float]:
-    """A quantity of each tank or point mass."""
-    names = itertools.takewhile(airframe.has, map(name.format, itertools.count()))
-    return [airframe.fdm[name] for name in names]
+# lift coefficient of a speed at which most aircraft fly, and factors of this speed
+_USUAL_LIFT = 0.4
+_USUAL_SPEEDS = (1.0, 1.3, 0.8, 1.7)
+
+# KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
+_LEVEL_SPEEDS = (20.0, 350.0)
+
+_RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
+_KNOT = 1.6878099  # ft/s
 
 
-# factors of the speed at which a condition that fails is tried
-_FASTER = (1.03, 1.07, 1.12, 1.2, 1.3, 1.45, 1.65, 1.9, 2.3)
-_SLOWER = (0.97, 0.93, 0.87, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
+    """The speed in KCAS at which an initialised airframe's wing lifts its weight."""
+    low, high = _LEVEL_SPEEDS
+    weight, area = (airframe.fdm[name] for name in ("inertia/weight-lbs", "metrics/Sw-sqft"))
+    if area <= 0.0:
+        return low
+    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / _KNOT
+    return float(round(min(max(speed, low), high)))
 
 
 def _explained(
@@ -531,7 +551,7 @@ def _explained(
             speed = airframe.fdm[_STATE["speed"]]
             if condition.searched_by == "jsbsim":
                 try:
-                    _by_newton(airframe, condition, None)
+                    _by_newton(airframe, condition)
                     nearest = dataclasses.replace(condition, solver="newton")
                 except TrimError as ours:
                     error = _with_limit(airframe, error, ours)
@@ -565,35 +585,43 @@ def _with_limit(airframe: Airframe, error: TrimError, newton: TrimError) -> Trim
 def _nearest_speed(
     airframe: Airframe, condition: TrimCondition, speed: float
 ) -> TrimCondition | None:
-    """The condition at the speed nearest to ``speed`` in KCAS that trims; None without one."""
+    """The condition at the speed nearest to ``speed`` in KCAS that trims; None without one.
+
+    It lies between ``speed`` and a usual one that trims: too fast, it is the fastest that trims,
+    too slow, the slowest.
+    """
+    seed: Seed | None = None
 
     def trims(knots: float) -> TrimCondition | None:
-        if knots <= 0.0:
-            return None
+        nonlocal seed
         other = dataclasses.replace(condition, speed=knots, mach=None, solver=None)
         _initialise(airframe, other, other.heading)
         if not math.isfinite(airframe.fdm[_STATE["tas"]]):
             return None
-        found = Search(airframe, other).find()
-        touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
-        return other if found.converged and not touches else None
+        try:
+            _, seed = _searched(airframe, other, seed, warm=True)
+        except TrimError:
+            return None
+        return other
 
-    for faster, slower in zip(_FASTER, _SLOWER, strict=True):
-        for factor in (faster, slower):
-            if airframe.effort > EFFORT:
-                return None
-            if nearest := trims(float(round(speed * factor))):
-                low, high = speed, nearest.speed
-                while abs(high - low) > 1.0 and airframe.effort < EFFORT:
-                    middle = float(round(0.5 * (low + high)))
-                    if middle in (low, high):
-                        break
-                    if closer := trims(middle):
-                        nearest, high = closer, middle
-                    else:
-                        low = middle
-                return dataclasses.replace(nearest, solver=condition.solver)
-    return None
+    usual, bad = level_speed(airframe, _USUAL_LIFT), speed
+    for factor in _USUAL_SPEEDS:
+        if airframe.effort > EFFORT:
+            return None
+        good = float(round(usual * factor))
+        if nearest := trims(good):
+            break
+    else:
+        return None
+    while abs(good - bad) > 1.0 and airframe.effort < EFFORT:
+        middle = float(round(0.5 * (bad + good)))
+        if middle in (bad, good):
+            break
+        if closer := trims(middle):
+            nearest, good = closer, middle
+        else:
+            bad = middle
+    return dataclasses.replace(nearest, solver=condition.solver)
 
 
 # initial conditions that a trim overwrites -> the field of a condition that sets them
@@ -662,13 +690,14 @@ def _trim(
         _initialise(airframe, condition, condition.heading, initial)
         if not (used and _not_finite(state(airframe, condition))):
             try:
-                return _search(airframe, condition, seed)
+                return _search(airframe, condition, seed, warm)
             except TrimError as error:
                 by_newton = condition.searched_by == "newton"
-                if error.reason != "no convergence" or not (used and by_newton):
+                again = error.reason in ("no convergence", "no equilibrium")
+                if not (again and used and by_newton):
                     raise
     # the previous flight left NaN or inf in the executive, or engines from which a search with
-    # constant-speed propellers does not converge: this call renews it
+    # constant-speed propellers does not converge or stay: this call renews it
     airframe.spent = True
     return _trim(airframe, condition, setup, effort=airframe.effort)
 
@@ -696,14 +725,16 @@ def _stopped(
     return frozenset(stopped)  # type: ignore[arg-type]
 
 
-def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> TrimState:
+def _search(
+    airframe: Airframe, condition: TrimCondition, seed: Seed | None, warm: bool
+) -> TrimState:
     """Trim an initialised airframe."""
     if condition.mode != "none":
         _refuse_hopeless(airframe, condition)
     dead = airframe.stopped and condition.solver is None
     flies = condition.mode not in ("ground", "none")
     if condition.searched_by == "newton" or (dead and flies):
-        return _by_newton(airframe, condition, seed)
+        return _by_newton(airframe, condition, seed, warm)
     if condition.mode in ("full", "longitudinal"):
         before = airframe.internal()
         try:
@@ -730,27 +761,63 @@ def _search(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> 
     return found
 
 
-def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) -> TrimState:
-    """Trim an initialised airframe with the Newton search."""
+def _by_newton(
+    airframe: Airframe, condition: TrimCondition, seed: Seed | None = None, warm: bool = False
+) -> TrimState:
+    """Trim an initialised airframe with the Newton search; a failure leaves its commands alone."""
     if len(airframe.stopped) == airframe.engines and condition.balance == "throttle":
         airframe.spent = False
         raise _failure(airframe, condition, "thrust")
-    found = Search(airframe, condition).find(seed)
+    commands = [f"fcs/{name}-cmd-norm" for name in ("pitch-trim", "elevator", "aileron", "rudder")]
+    commands += [f"fcs/throttle-cmd-norm[{i}]" for i in range(airframe.engines)]
+    before = {name: airframe.fdm[name] for name in commands}
+    try:
+        reached, airframe.seed = _searched(airframe, condition, seed, warm)
+    except TrimError:
+        airframe.seed = seed and seed._replace(near=False)
+        for name, value in before.items():
+            airframe.fdm[name] = value
+        raise
+    airframe.spent = False
+    return reached
+
+
+def _searched(
+    airframe: Airframe,
+    condition: TrimCondition,
+    seed: Seed | None,
+    warm: bool,
+    in_time: bool = False,
+) -> tuple[TrimState, Seed | None]:
+    """The trim that the Newton search finds, and the seed of the next one."""
+    turboprops = bool(airframe.of_engines("itt-c"))
+    in_time = in_time or turboprops or (seed is not None and seed.in_time)
+    search = Search(airframe, condition, in_time)
+    found = search.find(seed)
+    airframe.spent = search.leaves_traces
+    try:
+        return _reached(airframe, condition, search, found, warm), found.seed
+    except TrimError as error:
+        if in_time or error.reason != "no equilibrium":
+            raise
+    return _searched(airframe, condition, seed, warm, in_time=True)
+
+
+def _reached(
+    airframe: Airframe, condition: TrimCondition, search: Search, found: Found, warm: bool
+) -> TrimState:
+    """The state in which a Newton search has left an airframe, if it is a trim."""
     touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
     if found.converged and not touches:
         changes: dict[str, Any] = {"free": tuple(found.free), **found.residuals}
         reached = dataclasses.replace(state(airframe, condition), **changes)
         if not _not_finite(reached):
-            airframe.spent = False
-            airframe.seed = found.seed
+            moving = condition.mode != "pull-up" and _moving(
+                airframe, condition, search, found, warm
+            )
+            if moving:
+                raise _failure(airframe, condition, "no equilibrium", moving, found.residuals)
             return reached
-    airframe.seed = seed and seed._replace(near=False)
-    for name in ("pitch-trim", "elevator", "aileron", "rudder"):
-        airframe.fdm[f"fcs/{name}-cmd-norm"] = 0.0
-    for i in range(airframe.engines):
-        airframe.fdm[f"fcs/throttle-cmd-norm[{i}]"] = 0.0
-    # if NaN or inf are left, the next trim finds them
-    airframe.spent = False
     if touches:
         raise _failure(
             airframe, condition, "ground", "a wheel or another contact point touches the ground"
@@ -760,6 +827,58 @@ def _by_newton(airframe: Airframe, condition: TrimCondition, seed: Seed | None) 
     if limit is not None and found.binding in _ANGLES:
         limit = math.degrees(limit)
     raise _failure(airframe, condition, reason, residuals=found.residuals, limit=limit)
+
+
+def _moving(
+    airframe: Airframe, condition: TrimCondition, search: Search, found: Found, warm: bool
+) -> str:
+    """What moves in a short flight from a trim; empty if nothing does."""
+    other = airframe
+    if not warm or search.leaves_traces:
+        # the airframe could be put back to the precision of the search only
+        other = airframe.stand_in()
+        with other.engines_stopped():
+            _initialise(other, condition, condition.heading)
+            other.fdm[_STATE["elevator"]] = airframe.fdm[_STATE["elevator"]]
+            Search(other, condition, search.in_time).hold(found)
+    parts = [f"fcs/{name}-pos-norm" for name in ("elevator", "left-aileron", "right-aileron")]
+    parts += ["fcs/rudder-pos-norm", *other.of_engines("thrust-lbs")]
+    watched, kept = ([other.reader(n) for n in names] for names in (parts, other.tanks))
+    before, fuel, time = [r() for r in watched], [r() for r in kept], other.fdm.get_sim_time()
+    largest = _flown(other)
+    after = [r() for r in watched]
+    if other is airframe:
+        for tank, contents in zip(airframe.tanks, fuel, strict=True):
+            airframe.writer(tank)(contents)
+        search.hold(found)
+        airframe.fdm.set_sim_time(time)
+    axes = ["qdot"] if condition.mode == "longitudinal" else [*_STAYS]
+    if all(largest[name] < _STAYS[name] for name in axes):
+        return ""
+    worst = max(axes, key=lambda name: largest[name] / _STAYS[name])
+    weight = other.fdm["inertia/weight-lbs"]
+    why = f"it does not stay: within {_SHORT_FLIGHT} s of flight {worst} reaches "
+    why += f"{largest[worst]:.3g} {UNITS[worst]}"
+    sizes = [weight if name.endswith("-lbs") else 1.0 for name in parts]
+    moved = [abs(b - a) / size for a, b, size in zip(before, after, sizes, strict=True)]
+    i = int(np.argmax(moved))
+    if moved[i] > _SMALL_MOTION:
+        why += f" ({parts[i]} goes from {before[i]:.3g} to {after[i]:.3g})"
+    return why
+
+
+def _flown(airframe: Airframe) -> dict[str, float]:
+    """Largest accelerations in a short flight."""
+    # relative to the air: in a turn with wind the ground velocity turns in body axes
+    names = "velocities/v-aero-fps", *(_STATE[name] for name in ("pdot", "qdot", "rdot"))
+    readers = [airframe.reader(name) for name in names]
+    rows = [[read() for read in readers]]
+    for _ in range(max(round(_SHORT_FLIGHT / airframe.dt), 1)):
+        airframe.fdm.run()
+        rows.append([read() for read in readers])
+    flight = np.array(rows)
+    flight[1:, 0] = np.diff(flight[:, 0]) / airframe.dt
+    return dict(zip(_STAYS, abs(flight[1:]).max(axis=0).tolist(), strict=True))
 
 
 def _same(before: list[float], now: list[float]) -> bool:

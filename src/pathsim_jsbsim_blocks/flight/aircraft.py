@@ -120,7 +120,8 @@ class Aircraft(FlightBlock):
     %(motion)s
     elev_sat, ail_sat, rud_sat, thr_sat
         increment demanded minus increment applied in the last
-        period: not 0 while a command is at the end of its range (feedback against wind-up)
+        period: not 0 while a command is at the end of its range (feedback against wind-up). That of
+        the throttle is the mean over the engines that run, or over all if none does
 
     %(raises)s
 
@@ -306,6 +307,13 @@ class Aircraft(FlightBlock):
         scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
         # of elevator, aileron, rudder and throttle over their limits
         excess = [0.0] * ports.count(_EXCESS)
+        # the same of each engine
+        beyond = [0.0] * len(throttles)
+        running = [self.airframe.reader(name) for name in self.airframe.of_engines("set-running")]
+
+        def mean_of_running() -> float:
+            values = [x for x, runs in zip(beyond, running, strict=True) if runs()] or beyond
+            return math.fsum(values) / len(values)
 
         def write(u: list[float]) -> None:
             nonlocal north, east, down
@@ -319,15 +327,16 @@ class Aircraft(FlightBlock):
                 excess[i] = command - limited
                 if limited != command:
                     self._doubt(i, u[i])
-            for put, trimmed, port in throttles:
+            for i, (put, trimmed, port) in enumerate(throttles):
                 command = trimmed + u[3]
                 if port:
                     command += u[port]
                 limited = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
                 put(limited)
-                excess[3] = command - limited
+                beyond[i] = command - limited
                 if limited != command:
                     self._doubt(3, u[3])
+            excess[3] = mean_of_running() if any(beyond) else 0.0
             # a gust among the block's properties stays where no wire comes in
             if u[4] != north or u[5] != east or u[6] != down:
                 for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):

@@ -262,6 +262,7 @@ class Airframe:
         self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
         self.effort = 0
+        self._stand_in: Airframe | None = None
         self._open()
 
     def renew(self) -> None:
@@ -277,10 +278,26 @@ class Airframe:
         self.write(written)
 
     def twin(self) -> Airframe:
-        """Another airframe of the same model, with what `create` and `write` have set."""
+        """Another airframe of the same model, sealed, with what `create` and `write` have set."""
         other = copy.copy(self)
         other._written = dict(self._written)
+        other._network = other._files = False
+        other._flightgear = other._stand_in = None
         other.renew()
+        return other
+
+    def stand_in(self) -> Airframe:
+        """A twin for short flights, kept for the next one, with this airframe's fuel and engines.
+
+        It knows nothing of direct writes to ``fdm``.
+        """
+        if self._stand_in is None:
+            self._stand_in = self.twin()
+        other = self._stand_in
+        other.write(self._written)
+        for tank in self.tanks:
+            other.writer(tank)(self.reader(tank)())
+        other.stopped, other.effort = self.stopped, 0
         return other
 
     def _open(self) -> None:
@@ -316,6 +333,8 @@ class Airframe:
         self._writers: dict[str, tuple[Callable[[float], Any], Check | None]] = {}
         self._internal: list[jsbsim.FGPropertyNode] | None = None
         self._of_engines: dict[str, list[str]] = {}
+        self._tanks: list[str] | None = None
+        self._feeds: list[list[str]] | None = None
         self._created: set[str] = set()
         self._ground_before: float | None = None
         self._create()
@@ -415,6 +434,39 @@ class Airframe:
             names = (f"propulsion/engine[{i}]/{quantity}" for i in range(self.engines))
             self._of_engines[quantity] = [name for name in names if self.has(name)]
         return self._of_engines[quantity]
+
+    @property
+    def tanks(self) -> list[str]:
+        """Names of the contents of each tank."""
+        if self._tanks is None:
+            names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
+            self._tanks = list(itertools.takewhile(self.has, names))
+        return self._tanks
+
+    def starved(self) -> list[int]:
+        """Engines that have stopped while all the tanks that feed them are empty."""
+        stopped = [
+            i
+            for i, name in enumerate(self.of_engines("set-running"))
+            if i not in self.stopped and not self.reader(name)()
+        ]
+        if not stopped:
+            return []
+        if self._feeds is None:
+            model = _parsed(self._model_file, self.aircraft)
+            self._feeds = [
+                [self.tanks[int(feed.text or 0)] for feed in engine.iterfind("feed")]
+                for engine in model.iterfind("propulsion/engine")
+            ]
+        feeds = dict(enumerate(self._feeds))
+        return [i for i in stopped if feeds.get(i) and all(map(self._is_empty, feeds[i]))]
+
+    def _is_empty(self, tank: str) -> bool:
+        unusable, density = (
+            self.fdm[tank.replace("contents-lbs", name)]
+            for name in ("unusable-volume-gal", "density-lbs_per_gal")
+        )
+        return self.fdm[tank] <= unusable * density
 
     def start_engines(self) -> None:
         """Start the engines, but stop those in `stopped`."""

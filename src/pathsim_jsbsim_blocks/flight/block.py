@@ -7,7 +7,7 @@ import inspect
 import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from threading import get_ident
 from typing import Any
 
@@ -47,6 +47,9 @@ _LONGEST_STEP = 0.1
 
 # any NaN or inf in the state shows up here within one step
 _WATCHED = ("velocities/vt-fps", "position/h-agl-ft", "accelerations/Nz")
+
+# s between looks for engines without fuel
+_FUEL_CHECK = 1.0
 
 # g; beyond any flyable load factor; ground springs of a crashed model give hundreds
 _CRASH = 50.0
@@ -436,6 +439,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._bound = fdm.run, fdm.get_sim_time, write, read, speed, height, nz, numbers
         self._flown = array("d")
         self._flying = self._flight()
+        self._starved = self.airframe.starved()
+        self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
         self._check(y, 0.0)
         self.start_from(y)
@@ -555,11 +560,26 @@ class FlightBlock(NamedPorts, SampledPlant):
             isfinite(sum(y) + speed()) and height() >= _UNDERGROUND and -_CRASH < nz() < _CRASH
         ):
             self._check(y, self.clock.start + index * self.clock.period)
+        if index >= self._fuel_at:
+            self._check_fuel(index)
         if self.record_inputs is True:
             before = (index - 1) * self._n_inputs
             if len(self._flown) >= before:
                 self._flown[before:] = array("d", u)
         return y
+
+    def _check_fuel(self, index: int) -> None:
+        """Warn of engines that have stopped for want of fuel since the last look."""
+        clock, before = self.clock, self._starved
+        self._fuel_at = index + _FUEL_CHECK / clock.period
+        self._starved = self.airframe.starved()
+        engines = [str(i) for i in self._starved if i not in before]
+        if engines:
+            warn_user(
+                f"{self.airframe.aircraft}: engine{'s' * (len(engines) > 1)} {', '.join(engines)} "
+                f"stopped for want of fuel by t = {clock.start + index * clock.period:.4g} s: the "
+                "tanks that feed them are empty"
+            )
 
     def _steps_since(self, index: int) -> int:
         """JSBSim's own count of its steps since an instant."""

@@ -12,7 +12,7 @@ from pathsim import Simulation
 
 from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
-from ._trim import TrimState, trim
+from ._trim import TrimState, level_speed, trim
 from .airframe import Airframe, aircraft_names, has_retractable_gear
 from .condition import TrimCondition
 from .fdm import JSBSimFDM
@@ -24,14 +24,11 @@ TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 # the same for a glide: the last for bodies with little lift (Shuttle)
 GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2))
 
-# KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
-_SPEEDS = (20.0, 350.0)
+# s of flight that every aircraft should have fuel for
+_FUEL_FOR = 60.0
 
 # ft; a larger drift means an unstable aircraft, or thrust that had not settled at the trim
 _STEADY = 20.0
-
-_RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
-_KNOT = 1.6878099  # ft/s
 
 
 @dataclass(frozen=True)
@@ -93,10 +90,9 @@ def _first(
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
     airframe, create, clean = prepared(aircraft, root)
-    weight, area = airframe.fdm["inertia/weight-lbs"], airframe.fdm["metrics/Sw-sqft"]
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
-        speed = _speed(weight, area, lift_coefficient)
+        speed = level_speed(airframe, lift_coefficient)
         condition = replace(clean, altitude=altitude, speed=speed, **said)
         try:
             # a failed search affects the next one, so each has its own airframe
@@ -137,14 +133,6 @@ def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, f
             return airframe, create
 
 
-def _speed(weight: float, area: float, lift_coefficient: float) -> float:
-    low, high = _SPEEDS
-    if area <= 0.0:
-        return low
-    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / _KNOT
-    return float(round(min(max(speed, low), high)))
-
-
 @dataclass(frozen=True)
 class FleetRow:
     """Result of trimming and flying one aircraft model.
@@ -162,6 +150,8 @@ class FleetRow:
         not fly
     error : BlocksError or None
         why it does not load, trim or fly
+    starved : tuple of int
+        engines that stop for want of fuel within 60 s of flight, fuel not frozen
     """
 
     aircraft: str
@@ -169,6 +159,7 @@ class FleetRow:
     flight: LevelFlight | None
     drift: float
     error: BlocksError | None
+    starved: tuple[int, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -185,6 +176,8 @@ class FleetRow:
             steady = f"glides at {self.flight.trim.gamma:.1f} deg"
         if not abs(self.drift) < _STEADY:
             steady += ", not steady"
+        if self.starved:
+            steady += f", engines out of fuel within {_FUEL_FOR:.0f} s"
         return steady + (f" with {created} created" if created else "")
 
 
@@ -214,7 +207,7 @@ def _row(name: str, duration: float, tries: int) -> FleetRow:
     try:
         engines = Airframe(name).engines
         flight = _level_or_glide(name, tries)
-        return FleetRow(name, engines, flight, _drift(flight, duration), None)
+        return FleetRow(name, engines, flight, _drift(flight, duration), None, _starved(flight))
     except BlocksError as error:
         return FleetRow(name, engines, flight, math.nan, error)
 
@@ -242,6 +235,18 @@ def _drift(flight: LevelFlight, duration: float) -> float:
     expected = climb * duration if flight.condition.mode == "glide" else 0.0
     Simulation([fdm], dt=fdm.T, log=False).run(duration)
     return float(fdm.outputs[0]) - start - expected
+
+
+def _starved(flight: LevelFlight) -> tuple[int, ...]:
+    """Engines that stop for want of fuel in a flight from the trim, controls fixed."""
+    airframe = Airframe(flight.aircraft, create=flight.create)
+    trim(airframe, flight.condition, hint=False)
+    fdm = airframe.fdm
+    if airframe.engines:
+        fdm["propulsion/fuel_freeze"] = 0.0
+    while airframe.engines and fdm.get_sim_time() < _FUEL_FOR and fdm["position/h-agl-ft"] > 0.0:
+        fdm.run()
+    return tuple(airframe.starved())
 
 
 HEADER = """\
