@@ -55,9 +55,11 @@ def test_what_jsbsim_trims_the_newton_search_trims_too(aircraft):
     airframe = Airframe(aircraft, create=dict.fromkeys(create, 0.0))
     theirs = trim(airframe, condition)
     ours = trim(airframe, dataclasses.replace(condition, solver="newton"))
+    # JSBSim trims this turboprop without the torque of its propellers
+    near = 3e-3 if aircraft == "DHC6" else 1e-3
     for angle in ("alpha", "theta", "phi", "gamma", "psi", "beta"):
         off = math.remainder(getattr(ours, angle) - getattr(theirs, angle), 360.0)
-        assert off == pytest.approx(0.0, abs=1e-3), angle
+        assert off == pytest.approx(0.0, abs=near), angle
     # JSBSim stops before this aircraft's engines have settled: it climbs 4 ft in 30 s
     throttle = 5e-3 if aircraft == "Short_S23" else 1e-3
     assert ours.throttle == pytest.approx(theirs.throttle, abs=throttle)
