@@ -173,6 +173,13 @@ def test_a_block_alone_in_place_of_the_list():
         Simulation(plane, [])
 
 
+@pytest.mark.parametrize("end", [5, None, PitchHold])
+def test_a_wire_to_what_is_no_block(end):
+    for ends in ((Constant(0.0), end), (end, Scope())):
+        with pytest.raises(ParameterError, match="is no Block: a connection joins"):
+            Connection(*ends)
+
+
 def test_a_wire_between_different_numbers_of_ports():
     plane, scope, hold = Aircraft(), Scope(), PitchHold()
     for source, targets, said in (

@@ -282,6 +282,42 @@ def test_a_batch_is_resumed_for_the_same_function_and_versions_only(tmp_path, mo
         quiet(build_with(2.0), {"x": [1.0]}, resume=path)
 
 
+def test_a_batch_is_not_resumed_after_a_change_of_an_imported_module(tmp_path, monkeypatch):
+    """A module of a package, which a module imports that a script or a function imports."""
+    package = tmp_path / "other_package"
+    package.mkdir()
+    inner = package / "inner.py"
+    inner.write_text("K = 2.0")
+    (package / "__init__.py").write_text("from . import inner")
+    (tmp_path / "other_module.py").write_text("import other_package")
+    script = tmp_path / "imports.py"
+    script.write_text(
+        "from pathsim import Simulation\nimport other_module\nX = 1.0\nDURATION = 0.1\n"
+        "sim = Simulation([], [], dt=0.1, log=False)\nY = X\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def build(a):
+        import other_module
+
+        return {"y": a * other_module.other_package.inner.K}
+
+    def resume(kind):
+        kept = tmp_path / f"{kind}.db"
+        if kind == "script":
+            return quiet(script, {"X": [1.0]}, measure=lambda m: {"y": m.Y}, resume=kept)
+        return quiet(build, {"a": [1]}, resume=kept)
+
+    for kind in ("script", "build"):
+        resume(kind)
+        resume(kind)
+    inner.write_text("K = 30.0")
+    with pytest.raises(ParameterError, match=r"What differs: what the script imports;"):
+        resume("script")
+    with pytest.raises(ParameterError, match=r"What differs: build;"):
+        resume("build")
+
+
 def test_an_exit_in_a_row_is_its_error():
     def build(x):
         import sys

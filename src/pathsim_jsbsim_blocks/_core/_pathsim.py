@@ -298,6 +298,7 @@ _announce_runs()
 
 def check_diagrams(
     part: Callable[[Any, type], None],
+    ends: Callable[..., None],
     wire: Callable[[Connection], None],
     wires: Callable[[Sequence[Connection]], None],
 ) -> None:
@@ -307,6 +308,8 @@ def check_diagrams(
     ----------
     part : callable
         called with each part of a diagram, and what it must be: a Block or a Connection
+    ends : callable
+        called with a connection that is to be made, and with what it is to join
     wire, wires : callable
         called with a connection that is made, and with all those of a diagram
     """
@@ -319,6 +322,7 @@ def check_diagrams(
     _before(Simulation, "add_block", lambda sim, block: part(block, Block))
     _before(Simulation, "add_connection", lambda sim, connection: part(connection, Connection))
     _before(Subsystem, "_assemble_graph", inside)
+    _before(Connection, "__init__", ends)
     _before(Connection, "_validate_dimensions", wire)
     _before(Graph, "_validate_connections", lambda graph: wires(graph.connections))
 

@@ -94,6 +94,17 @@ def _check_wires(connections: Sequence[Connection]) -> None:
                 ends[id(target), port] = source, i
 
 
+def _check_ends(_: Connection, *ends: Any, **named: Any) -> None:
+    """Refuse a wire to or from what is no block."""
+    for end in (*ends, *named.values()):
+        if not isinstance(end, (Block, PortReference)):
+            refuse(
+                "connections",
+                end,
+                f"{_called(end)} is no Block: a connection joins ports of blocks",
+            )
+
+
 def _check_wire(connection: Connection) -> None:
     """Refuse a wire whose ends have different numbers of ports."""
     for target in connection.targets:
@@ -136,7 +147,7 @@ def _called(part: Any) -> str:
     return name_of(part) if isinstance(part, Block) else reprlib.repr(part)
 
 
-check_diagrams(_check_part, _check_wire, _check_wires)
+check_diagrams(_check_part, _check_ends, _check_wire, _check_wires)
 
 
 def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:

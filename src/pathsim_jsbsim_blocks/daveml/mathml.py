@@ -87,7 +87,8 @@ def _applied(element: Element, name: str, arguments: list[Expression]) -> Expres
         raise element.error(f"unknown operator {name!r}", name=name, of=[*OPERATORS, "sec", "cot"])
     fewest, most, *_ = OPERATORS[name]
     if not fewest <= len(arguments) <= most:
-        raise element.error(f"{name!r} takes {fewest} to {most} arguments, not {len(arguments)}")
+        number = fewest if fewest == most else f"{fewest} to {most}"
+        raise element.error(f"{name!r} takes {number} arguments, not {len(arguments)}")
     if name == "root":
         *degree, x = arguments
         return ("power", x, ("divide", ("number", 1.0), *(degree or [("number", 2.0)])))

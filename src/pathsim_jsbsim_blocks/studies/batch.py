@@ -20,7 +20,7 @@ from .._core.extras import required
 from ..catalogue import find_diagram
 from ..errors import ParameterError
 from .grid import cell, expand, plain
-from .identity import code
+from .identity import code, imported
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -77,8 +77,9 @@ def run_batch(
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
         refused for other cases, another script, ``duration``, ``build`` or ``measure`` (compared by
-        their code and the values that they use), and for another version of this package, PathSim,
-        JSBSim or Python
+        their code and the values that they use), for changes in modules of yours that these import,
+        and for another version of this package, PathSim, JSBSim or Python. Data files that they
+        read are not compared
     progress : bool
         show a progress bar on stderr
 
@@ -122,7 +123,8 @@ def run_batch(
         if measure is None:
             return {**parts, "build": code(build)}
         script_text = hashlib.sha256(script.read_bytes()).hexdigest()
-        return {**parts, "script": script_text, "duration": duration, "measure": code(measure)}
+        parts |= {"script": script_text, "what the script imports": imported(script)}
+        return {**parts, "duration": duration, "measure": code(measure)}
 
     found = run_parts(
         partial(_run_cases, run),

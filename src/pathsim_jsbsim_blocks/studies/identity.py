@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import dis
 import functools
 import hashlib
 import json
 import sys
 import types
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from importlib.machinery import PathFinder
 from importlib.metadata import version
+from importlib.util import resolve_name
+from pathlib import Path
 from typing import Any
 
 from .. import __version__
@@ -56,10 +60,63 @@ def code(function: Any) -> str:
     """Checksum of what a function does.
 
     That is its byte code and constants, the values of its defaults, its closure and the global
-    variables it uses, and the same of the functions and classes among them. Installed modules count
-    by their names.
+    variables it uses, and the same of the functions and classes among them. The user's modules
+    count by their files, installed ones by their names.
     """
     return _checksum(_Walk().form(function))
+
+
+def imported(file: Path) -> dict[str, str]:
+    """Checksums of the user's modules that a script imports, and of those that they import."""
+    return _modules(_imports(file, ""), [str(file.parent), *sys.path])
+
+
+def _modules(names: Iterable[str], path: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    todo = list(names)
+    for name in todo:
+        parent = name.rpartition(".")[0]
+        if parent and parent not in todo:
+            todo.append(parent)
+        file = _find(name, path)
+        if file and name not in found:
+            found[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            package = name if file.stem == "__init__" else parent
+            todo += _imports(file, package)
+    return found
+
+
+def _imports(file: Path, package: str) -> list[str]:
+    """Names that a file may import as modules: of ``from a import b``, a and a.b."""
+    if file.suffix != ".py":
+        return []
+    try:
+        nodes = list(ast.walk(ast.parse(file.read_bytes())))
+    except (SyntaxError, ValueError):
+        return []
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom) and (package or not node.level):
+            try:
+                module = resolve_name("." * node.level + (node.module or ""), package)
+            except ImportError:  # above the package
+                continue
+            names += [module, *(f"{module}.{alias.name}" for alias in node.names)]
+    return names
+
+
+def _find(name: str, path: Sequence[str] | None) -> Path | None:
+    """The file of a module of the user's."""
+    top, *rest = name.split(".")
+    if _is_known(top):
+        return None
+    spec = PathFinder.find_spec(top, path)
+    for part in rest:
+        if spec is None or spec.submodule_search_locations is None:
+            return None
+        spec = PathFinder.find_spec(f"{spec.name}.{part}", list(spec.submodule_search_locations))
+    origin = spec.origin if spec else None
+    return Path(origin) if origin and not _is_installed(origin) else None
 
 
 def _checksum(text: str) -> str:
@@ -103,10 +160,12 @@ class _Walk:
             yield from map(self.form, (value.fget, value.fset))
         elif isinstance(value, types.ModuleType):
             yield value.__name__
+            yield repr(_modules([value.__name__], sys.path))
         elif isinstance(value, types.FunctionType) and _is_users(value):
             yield from map(self.form, (value.__code__, value.__defaults__, value.__kwdefaults__))
             yield from map(self.form, _closure(value))
             yield from map(self.form, _globals(value))
+            yield repr(_modules(_reads(value.__code__, "IMPORT_NAME"), sys.path))
         elif isinstance(value, type) and _is_users(value):
             yield from map(self.form, value.__bases__)
             own = set(vars(value)) - set(vars(_Empty))
@@ -126,10 +185,16 @@ class _Empty:
 def _is_users(value: Any) -> bool:
     """Whether a function or class is the user's, whose code no version stands for."""
     name = value.__module__ or "__main__"
-    if name.partition(".")[0] in {*sys.stdlib_module_names, __package__.partition(".")[0]}:
-        return False
     file = getattr(sys.modules.get(name), "__file__", None) or ""
-    return "site-packages" not in file and "dist-packages" not in file
+    return not _is_known(name.partition(".")[0]) and not _is_installed(file)
+
+
+def _is_known(top: str) -> bool:
+    return top in sys.stdlib_module_names or top == __package__.partition(".")[0]
+
+
+def _is_installed(file: str) -> bool:
+    return "site-packages" in file or "dist-packages" in file
 
 
 def _closure(function: types.FunctionType) -> Iterator[Any]:
@@ -142,13 +207,19 @@ def _closure(function: types.FunctionType) -> Iterator[Any]:
 
 def _globals(function: types.FunctionType) -> Iterator[Any]:
     """Values of the global variables that a function reads, those of functions inside it too."""
+    names = _reads(function.__code__, "LOAD_GLOBAL", "LOAD_NAME")
+    return (function.__globals__[name] for name in names if name in function.__globals__)
+
+
+def _reads(code: types.CodeType, *operations: str) -> list[str]:
+    """Names that operations of a function take, those of functions inside it too."""
     names: dict[str, None] = {}
-    codes = [function.__code__]
+    codes = [code]
     for code in codes:
         codes += [x for x in code.co_consts if isinstance(x, types.CodeType)]
-        reads = (i for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME"))
-        names |= dict.fromkeys(i.argval for i in reads)
-    return (function.__globals__[name] for name in names if name in function.__globals__)
+        instructions = (i for i in dis.get_instructions(code) if i.opname in operations)
+        names |= dict.fromkeys(i.argval for i in instructions)
+    return list(names)
 
 
 def _content(value: Any) -> str:
