@@ -121,9 +121,7 @@ def write_aircraft(
         for a name that JSBSim would not accept
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        said = (
-            f"name must begin with a letter and have letters, digits, _, . and - only, not {name!r}"
-        )
+        said = f"name must be letters, digits, _, . and -, the first a letter or _, not {name!r}"
         refuse("name", name, said)
     air, mass, thrust = DaveModel(aero), DaveModel(inertia), ""
     engine = None if propulsion is None else DaveModel(propulsion)

@@ -119,7 +119,7 @@ def run_batch(
         name, run = _name(build), partial(_call, build, _check(build, rows))
 
     def job() -> dict[str, Any]:
-        parts = {"cases": rows, "python": ".".join(map(str, sys.version_info[:2]))}
+        parts: dict[str, Any] = {"cases": rows, "python": ".".join(map(str, sys.version_info[:2]))}
         if measure is None:
             return {**parts, "build": code(build)}
         script_text = hashlib.sha256(script.read_bytes()).hexdigest()
