@@ -327,6 +327,7 @@ class Aircraft(FlightBlock):
                 excess[i] = command - limited
                 if limited != command:
                     self._doubt(i, u[i])
+            over = False
             for i, (put, trimmed, port) in enumerate(throttles):
                 command = trimmed + u[3]
                 if port:
@@ -335,8 +336,9 @@ class Aircraft(FlightBlock):
                 put(limited)
                 beyond[i] = command - limited
                 if limited != command:
+                    over = True
                     self._doubt(3, u[3])
-            excess[3] = mean_of_running() if any(beyond) else 0.0
+            excess[3] = mean_of_running() if over else 0.0
             # a gust among the block's properties stays where no wire comes in
             if u[4] != north or u[5] != east or u[6] != down:
                 for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):
