@@ -11,9 +11,10 @@ import pytest
 from corruptions import flight, loaded_from_corruptions
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Integrator, Scope, Source
+from pathsim.events import Schedule
 from pathsim.solvers import RK4
 
-from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, PitchHold
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, PitchHold, fly
 from pathsim_jsbsim_blocks.errors import FileError
 
 pytestmark = pytest.mark.matrix
@@ -64,6 +65,24 @@ def test_a_loaded_checkpoint_goes_on_bit_for_bit(states, parts, tmp_path):
     again.run(301 * dt, reset=True)
     first = other_scope.read()[1]
     assert np.array_equal(first, scope.read()[1][:, : first.shape[1]])
+
+
+@pytest.mark.parametrize("run", [Simulation.run, fly])
+def test_no_checkpoint_is_loaded_inside_a_step(run, tmp_path):
+    """The aircraft would be at the checkpoint's time, and the run at its own."""
+    sim, plane, _ = diagram()
+    stop = tmp_path / "stop"
+    load = Schedule(t_start=0.2, t_period=10, func_act=lambda t: sim.load_checkpoint(stop))
+    sim.add_event(load)
+    sim.run(0.1)
+    sim.save_checkpoint(stop)
+    with pytest.raises(ParameterError, match="cannot be loaded inside a step"):
+        run(sim, 0.4)
+    sim.load_checkpoint(stop)
+    load.off()
+    run(sim, 0.4)
+    assert plane.fdm.get_sim_time() == pytest.approx(sim.time)
+    assert sim.time == pytest.approx(0.5)
 
 
 def test_a_checkpoint_of_a_checkpoint(tmp_path):

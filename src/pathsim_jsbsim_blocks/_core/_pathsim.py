@@ -526,6 +526,12 @@ def _transfers(connection: Connection) -> list[tuple[Any, Any, Any, Any]]:
     ]
 
 
+def in_step(sim: Simulation) -> bool:
+    """Whether a run is making a step just now."""
+    steps = _latest.get(sim, lambda: None)()
+    return steps is not None and steps._inside
+
+
 def is_running(sim: Simulation) -> bool:
     """Whether the run is still active: `Simulation.stop` has not been called."""
     return sim._active

@@ -18,7 +18,7 @@ from typing import Any
 from pathsim import Simulation
 
 from ..errors import BlocksError, FileError, ParameterError
-from ._pathsim import ClockEvent
+from ._pathsim import ClockEvent, in_step
 from .checks import refuse
 
 _save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
@@ -87,13 +87,19 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     Raises
     ------
     ParameterError
-        if the files are damaged or belong to another diagram or flight
+        if the files are damaged or belong to another diagram or flight, and inside an event or
+        callback of a run
     FileError
         if the files cannot be read
     """
     if not _samples(simulation):
         return _load(simulation, path)
     base = _base(path)
+    if in_step(simulation):
+        # the step would go on with the time of the run and the state of the checkpoint
+        refuse(
+            "checkpoint", base, "a checkpoint cannot be loaded inside a step: stop the run first"
+        )
     try:
         data = json.loads(Path(f"{base}.json").read_text(encoding="utf-8"))
         intact = data["digest"] == _digest(data, Path(f"{base}.npz").read_bytes())
