@@ -23,8 +23,8 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control import holds
-from pathsim_jsbsim_blocks.control.loops import wrap
 from pathsim_jsbsim_blocks.control.protection import Unprotected
+from pathsim_jsbsim_blocks.control.signals import wrap
 
 T = 1 / 20
 N = 900

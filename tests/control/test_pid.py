@@ -13,7 +13,7 @@ from pathsim.blocks import Constant, Scope, StepSource
 from scipy.signal import lfilter
 
 from pathsim_jsbsim_blocks import DiscretePID, ParameterError
-from pathsim_jsbsim_blocks.control.pid import PID
+from pathsim_jsbsim_blocks.control.pid import PID, PIDState
 
 pytestmark = pytest.mark.matrix
 
@@ -73,18 +73,23 @@ def test_gains_are_given_by_name():
 
 
 @pytest.mark.parametrize("b", [0.0, 0.4, 1.0])
-@pytest.mark.parametrize("rescheduled", [False, True])
-def test_a_reference_that_is_moved_acts_at_full_weight(b, rescheduled):
+@pytest.mark.parametrize("carry", [False, True])
+def test_a_pushed_reference_acts_at_full_weight(b, carry):
     # r moves from 3 to 1: by Kp b (1 - 3) by itself, and by Kp (1 - b) (1 - 3) in the integral
     pid = PID(T, Kp=0.5, Ki=0.3, b=b)
-    _, state = run(pid, np.full(9, 3.0), np.zeros(9))
-    expected, _ = pid.sample(state, 3.0, 0.0)
-    if rescheduled:  # the proportional part stands in the integral, and is taken out at the new r
-        moved = pid.taken(pid.moved(pid.released(state, 3.0), -2.0), 1.0)
-    else:
-        moved = pid.moved(state, -2.0)
-    u, _ = pid.sample(moved, 1.0, 0.0)
+    _, state = run(pid, np.full(9, 3.0), np.zeros(9), carry=[False] * 8 + [carry])
+    expected, _ = pid.sample(state, 3.0, 0.0, r_last=3.0)
+    u, _ = pid.sample(state, 1.0, 0.0, r_last=3.0, push=-2.0)
     assert u == pytest.approx(expected - 0.5 * 2.0, abs=1e-15)
+
+
+def test_other_gains_take_over_where_the_proportional_part_is_carried():
+    pid, other = PID(T, Kp=0.5, Ki=0.3, b=0.4), PID(T, Kp=0.9, Ki=0.1, b=0.7)
+    for carry, jump in ((True, 0.0), (False, 0.9 * (0.7 * 3.0 - 1.0) - 0.5 * (0.4 * 3.0 - 1.0))):
+        _, state = run(pid, np.full(9, 3.0), np.ones(9), carry=[False] * 8 + [carry])
+        expected, _ = pid.sample(state, 3.0, 1.0, r_last=3.0)
+        u, _ = other.sample(state, 3.0, 1.0, r_last=3.0)
+        assert u - expected == pytest.approx(jump, abs=1e-15)
 
 
 def test_feed_forward_adds_to_the_output():
@@ -164,7 +169,7 @@ def test_output_and_state_stay_bounded_in_100_000_random_samples():
         for (r, y, rate), off in zip(signals.tolist(), rng.random(100) < 0.1, strict=True):
             u, state = pid.sample(state, r, y, rate, 0.0, bool(off), 0.1 * r)
             assert low <= u <= high
-            assert abs(state[1]) <= bound
+            assert abs(state.integral) <= bound
 
 
 @pytest.mark.parametrize("size", [1e-2, 1.0, 1e2, 1e4, 1e8])
@@ -415,7 +420,7 @@ def test_gains_not_given_are_0():
 def test_at_rest_the_output_stays_where_it_begins(gains, state):
     # nothing is known of y before the first sample, so its rate is 0 there
     u, _ = run(PID(T, Kp=0.4, Te=1e9, **gains), np.full(200, 3.0), np.full(200, 3.0), state=state)
-    assert u == pytest.approx(state[2], abs=1e-9)
+    assert u == pytest.approx(state.u, abs=1e-9)
 
 
 def test_without_integral_action_the_rate_makes_no_jump_either():
@@ -428,5 +433,5 @@ def test_without_integral_action_the_rate_makes_no_jump_either():
 def test_the_integral_is_led_back_in_two_samples_at_the_quickest():
     # a proportional part of almost nothing: Kp / Ki would be shorter than a sample
     pid = PID(T, Kp=1e-9, Ki=1.0, high=1.0)
-    _, (_, integral, *_) = pid.sample((1.0, 3.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
-    assert integral == pytest.approx(2.0, abs=1e-6)  # half of the 2 above the limit
+    _, state = pid.sample(PIDState(True, True, integral=3.0), 0.0, 0.0)
+    assert state.integral == pytest.approx(2.0, abs=1e-6)  # half of the 2 above the limit

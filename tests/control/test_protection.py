@@ -154,7 +154,8 @@ def test_the_bank_gives_way_before_the_pitch():
         (-1.0, 0.0, 90.0),
     ):
         *_, state = guard.sample(guard.START, 5.0, alpha, 0.0, 0.0, 90.0, False)
-        assert guard.bank(state, 0.0, phi) == pytest.approx(most)
+        assert guard.bank(state, 90.0, phi, 0.0) == pytest.approx(most)
+        assert guard.bank(state, -90.0, phi, 0.0) == pytest.approx(-most)
 
 
 def test_altitude_hold_does_not_climb_into_the_stall():
@@ -260,7 +261,7 @@ def test_throttle_added_does_not_unwind_the_integral():
     loop, state, u = SpeedLoop(T, GAINS["c172p"].speed, (-1.0, 1.0)), SpeedLoop.START, 0.0
     for k in range(25 * 60):
         boost = 1.0 if k < 20 * 60 else 0.0
-        u, _, state = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - 0.3, 0.0), False, boost)
+        u, _, state = loop.sample(state, 90.0, 0.0, 90.0, True, max(u - 0.3, 0.0), False, boost)
     assert u == pytest.approx(0.0, abs=1e-3)
 
 
@@ -271,8 +272,8 @@ def test_throttle_added_and_applied_is_taken_up_by_the_integral(left, learnt):
     loop, state = SpeedLoop(T, gains, (-1.0, 1.0)), SpeedLoop.START
     u = 0.0
     for _ in range(round(gains.Kp / gains.Ki / T)):
-        u, _, state = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - left, 0.0), False, 0.01)
-    u, _, _ = loop.sample(state, 90.0, 0.0, None, 0.0, max(u - left, 0.0), False)
+        u, _, state = loop.sample(state, 90.0, 0.0, 90.0, True, max(u - left, 0.0), False, 0.01)
+    u, _, _ = loop.sample(state, 90.0, 0.0, 90.0, True, max(u - left, 0.0), False)
     assert u == pytest.approx(learnt, abs=1e-3)
 
 
@@ -399,8 +400,8 @@ def test_a_limit_of_ones_own_and_none():
     record = fly(start("c172p"), 60.0, mild, alpha_max=6.0)
     assert np.max(record["alpha"]) < 7.0
     numbers = {name: getattr(GAINS["c172p"], name) for name in ("altitude", "pitch")}
-    assert AltitudeHold(numbers)._protection is None
-    assert AltitudeHold(numbers, alpha_max=10.0)._protection.alpha_max == 10.0
+    assert AltitudeHold(numbers).loops["envelope"] is None
+    assert AltitudeHold(numbers, alpha_max=10.0).loops["envelope"].alpha_max == 10.0
     with pytest.raises(ParameterError, match="alpha_max"):
         Autopilot(alpha_max="high")
 

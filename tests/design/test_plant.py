@@ -9,10 +9,10 @@ from pathsim_jsbsim_blocks import Aircraft
 from pathsim_jsbsim_blocks.control.gains import AltitudeGains, AttitudeGains, SpeedGains, YawGains
 from pathsim_jsbsim_blocks.control.loops import (
     AltitudeLoop,
+    Reference,
     SpeedLoop,
     YawLoop,
-    pitch_loop,
-    roll_loop,
+    attitude_loop,
 )
 from pathsim_jsbsim_blocks.design import outer, search
 from pathsim_jsbsim_blocks.design.plant import Plant
@@ -80,14 +80,14 @@ FOUND = search.Found(0.2, 0.15, 0.05, 0.4, {}, 0.0, 0.0, 0.0, "")
 
 
 @pytest.mark.parametrize(
-    ("loop", "make", "angle", "rate", "actuator"),
+    ("loop", "sign", "angle", "rate", "actuator"),
     [
-        (search.PITCH, pitch_loop, "theta", "q", "elevator"),
-        (search.ROLL, roll_loop, "phi", "p", "aileron"),
+        (search.PITCH, -1.0, "theta", "q", "elevator"),
+        (search.ROLL, 1.0, "phi", "p", "aileron"),
     ],
 )
-def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, make, angle, rate, actuator):
-    law, state, commands = make(T, GAINS, FAR), None, []
+def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angle, rate, actuator):
+    law, state, commands = attitude_loop(T, GAINS, FAR, sign), None, []
 
     def fly_law(k, y):
         nonlocal state
@@ -154,7 +154,7 @@ def test_a_closed_altitude_loop_is_the_law_that_is_flown(plant):
 
     def fly_law(k, y):
         nonlocal state
-        command, _, state = law.sample(state, y["h"], y["hdot"], 0.0, 0.0, 0.0)
+        command, _, state = law.sample(state, y["h"], y["hdot"], Reference(0.0), 0.0)
         return command + nudge[k]
 
     expected = law_flown(held, "theta_cmd", fly_law, 1200)

@@ -100,6 +100,7 @@ OWN_TESTS = {
     ],
     "control/protection": ["test_laws.py", "test_protection.py"],
     "control/response": ["test_response.py"],
+    "control/signals": ["test_signals.py", "test_laws.py"],
     "control/": ["test_laws.py", "test_promises.py", "test_gains.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],
     "design/": [
@@ -113,6 +114,7 @@ OWN_TESTS = {
     "design/margins": ["test_margins.py"],
     "design/plant": ["test_plant.py", "test_gusts.py"],
     "design/turbulence": ["test_gusts.py"],
+    "_core/parameters": ["test_parameters.py", "test_promises.py"],
     "_core/tunable": ["test_gains.py", "test_pid.py", "test_autopilot.py"],
     "pathview/": ["test_names.py", "test_export.py", "test_convert.py"],
     "pathview/check": ["test_unreadable.py", "test_convert.py"],

@@ -45,6 +45,11 @@ def label(port: str) -> str:
     return _LABELS.get(port, port)
 
 
+def numbered(names: str) -> dict[str, int]:
+    """Port labels from names with spaces between them, in their order."""
+    return {name: i for i, name in enumerate(names.split())}
+
+
 class NamedPorts(Block):
     """Base of all blocks here: parameters, ``block["name"]`` and outputs are checked by name."""
 

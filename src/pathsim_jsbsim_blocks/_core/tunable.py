@@ -46,5 +46,7 @@ class TunableLaw(Parametric, SampledLaw):
             )
 
     def reset(self) -> None:
+        period = self.clock.period
         super().reset()
-        self.configure()
+        if self.clock.period != period:
+            self.configure()

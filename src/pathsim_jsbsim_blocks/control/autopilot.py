@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+from typing import Any, NamedTuple
+
 from .._core.checks import number, optional, positive
 from .._core.parameters import parameter
-from .controller import (
-    LOW,
-    SLOW,
-    Authority,
-    Hold,
-    authority_limits,
-    fill,
-    protection_from,
-    reference_kind,
-)
+from .._core.ports import numbered
+from .channels import Lateral, LateralState, Vertical, VerticalState
+from .controller import Authority, Hold, authority_limits, fill, reference_kind
 from .gains import Gains
 from .loops import (
-    AltitudeLoop,
     HeadingLoop,
     ReferenceLoop,
+    ReferenceState,
     SpeedLoop,
-    State,
     YawLoop,
-    pitch_loop,
-    roll_loop,
+    YawState,
+    attitude_loop,
 )
-from .protection import Protection
+from .signals import select
+
+
+class AutopilotState(NamedTuple):
+    """State of an `Autopilot`."""
+
+    vertical: VerticalState = Vertical.START
+    lateral: LateralState = Lateral.START
+    speed: ReferenceState = SpeedLoop.START
+    yaw: YawState = YawLoop.START
 
 
 @fill
@@ -137,188 +141,69 @@ class Autopilot(Hold):
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     # an aircraft may have a yaw damper of its own
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
-    input_port_labels = {
-        name: i
-        for i, name in enumerate(
-            (
-                "theta",
-                "phi",
-                "psi",
-                "p",
-                "q",
-                "r",
-                "h",
-                "hdot",
-                "vc",
-                "theta_ref",
-                "h_ref",
-                "phi_ref",
-                "psi_ref",
-                "vc_ref",
-                "pitch_mode",
-                "roll_mode",
-                "pitch_off",
-                "roll_off",
-                "speed_off",
-                "yaw_off",
-                "elev_sat",
-                "ail_sat",
-                "thr_sat",
-                "alpha",
-                "beta",
-            )
-        )
-    }
-    output_port_labels = {
-        name: i
-        for i, name in enumerate(
-            (
-                "elevator",
-                "aileron",
-                "rudder",
-                "throttle",
-                "theta_cmd",
-                "phi_cmd",
-                "vc_cmd",
-                "hdot_cmd",
-            )
-        )
-    }
+    input_port_labels = numbered(
+        "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "
+        "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta"
+    )
+    output_port_labels = numbered(
+        "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd"
+    )
+
+    REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
+    START = AutopilotState()
 
     def build(self) -> None:
-        T = self.clock.period
         pitch, roll, heading, altitude, speed, yaw, envelope = self.gains_of(
             "pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"
         )
-        c = self.checked
-        self._targets = [c.theta_ref, c.h_ref, c.phi_ref, c.psi_ref, c.vc_ref]
-        self._pitch = pitch_loop(T, pitch, c.elevator_authority, self._loop)
-        self._roll = roll_loop(T, roll, c.aileron_authority, self._loop)
-        self._speed = SpeedLoop(T, speed, c.throttle_authority, self._loop)
-        self._yaw = YawLoop(T, yaw, c.rudder_authority)
-        self._heading = HeadingLoop(T, heading, c.bank_max)
-        self._altitude = self.altitude_loop(altitude, c.hdot_max, c.theta_min, c.theta_max)
-        self._protection = protection_from(T, c.alpha_max, envelope)
+        T, c, carry = self.clock.period, self.checked, self.scheduled
+        self.loops = {
+            "pitch": attitude_loop(T, pitch, c.elevator_authority, -1.0, carry),
+            "roll": attitude_loop(T, roll, c.aileron_authority, carry=carry),
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "altitude": self.altitude_loop(altitude),
+            "speed": SpeedLoop(T, speed, c.throttle_authority, carry),
+            "yaw": YawLoop(T, yaw, c.rudder_authority),
+            "envelope": self.protection_within(envelope),
+        }
 
-    def initial_state(self) -> State:
-        return (
-            AltitudeLoop.START,
-            ReferenceLoop.START,
-            HeadingLoop.START,
-            ReferenceLoop.START,
-            SpeedLoop.START,
-            YawLoop.START,
-            (Protection.START, 0.0),
-        )
+    def form(self, u: list[float]) -> Hashable:
+        return super().form(u), u[23] != 0.0
 
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        (
-            theta,
-            phi,
-            psi,
-            p,
-            q,
-            r,
-            h,
-            hdot,
-            vc,
-            theta_ref,
-            h_ref,
-            phi_ref,
-            psi_ref,
-            vc_ref,
-            pitch_mode,
-            roll_mode,
-            pitch_off,
-            roll_off,
-            speed_off,
-            yaw_off,
-            elev_sat,
-            ail_sat,
-            thr_sat,
-            alpha,
-            beta,
-        ) = u[:25]
-        altitude, pitch, heading, roll, speed, yaw, (guard, cut) = state
-        theta_target, h_target, phi_target, psi_target, vc_target = self._targets
-        if self._absolute:
-            theta_target, theta_ref = self.target("theta_ref", theta_ref, theta_target)
-            h_target, h_ref = self.target("h_ref", h_ref, h_target)
-            phi_target, phi_ref = self.target("phi_ref", phi_ref, phi_target)
-            psi_target, psi_ref = self.target("psi_ref", psi_ref, psi_target)
-            vc_target, vc_ref = self.target("vc_ref", vc_ref, vc_target)
-        elif h_ref > h or vc_ref > vc:
-            if h_ref > h >= LOW:
-                self.doubt("h_ref", h_ref, h, "ft")
-            elif vc_ref > vc >= SLOW:
-                self.doubt("vc_ref", vc_ref, vc, "kt")
-        if self._schedule is not None:
-            self.follow(
-                vc,
-                h,
-                pitch=self._pitch,
-                roll=self._roll,
-                heading=self._heading,
-                altitude=self._altitude,
-                speed=self._speed,
-                yaw=self._yaw,
-                envelope=self._protection,
-            )
-        protection = self.protection(alpha)
-        theta_max, climb, boost, guard = protection.sample(
-            guard,
-            theta,
-            alpha,
-            h,
-            hdot,
-            vc,
-            thr_sat > 0.0,
-            ReferenceLoop.reference(speed, vc),
-            pitch_mode != 0.0,
-        )
-        wanted = ReferenceLoop.destination(speed, vc, vc_target, vc_ref)
-        vc_ref += max(protection.vc_min - wanted, 0.0)
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        theta, phi, psi, p, q, r, h, hdot, vc = u[:9]
+        references = zip(self.REFERENCES, u[9:14], strict=True)
+        theta_ref, h_ref, phi_ref, psi_ref, vc_ref = (self.wanted(*x) for x in references)
+        pitching, rolling, *offs = (x != 0.0 for x in u[14:20])
+        pitch_off, roll_off, speed_off, yaw_off = offs
+        elev_sat, ail_sat, thr_sat, alpha, beta = u[20:]
 
-        throttle, vc_cmd, speed = self._speed.sample(
-            speed, vc, hdot, vc_target, vc_ref, thr_sat, speed_off != 0.0, boost
+        vertical = Vertical(
+            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, pitch_off, elev_sat
         )
-        hdot_cmd = 0.0
-        if pitch_mode or pitch_off:
-            altitude = AltitudeLoop.START
-        else:
-            theta_ref = 0.0
-            theta_target, hdot_cmd, altitude = self._altitude.sample(
-                altitude,
-                h,
-                hdot,
-                h_target,
-                h_ref,
-                ReferenceLoop.reference(pitch, theta),
-                protection.share_of_climb(vc, vc_cmd),
-                climb,
-                cut,
-            )
-        pitch, theta_ref, cut = protection.limit(
-            self._pitch, pitch, theta, theta_target, theta_ref, theta_max, h, vc
-        )
-        elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, theta_target, theta_ref, elev_sat, pitch_off != 0.0
+        protection = vertical.protection
+        vc_cmd = ReferenceLoop.reference(state.speed, vc)
+        boost = vertical.guard(vc, thr_sat > 0.0, vc_cmd, pitching)
+        wanted, keeps = ReferenceLoop.towards(state.speed, vc, vc_ref)
+        throttle, vc_cmd, speed = self.loops["speed"].sample(
+            state.speed, vc, hdot, protection.airspeed(wanted), keeps, thr_sat, speed_off, boost
         )
 
-        if roll_mode or roll_off:
-            heading = HeadingLoop.START
-        else:
-            phi_ref = 0.0
-            phi_target, heading = self._heading.sample(heading, psi, psi_target, psi_ref)
-        wanted = ReferenceLoop.destination(roll, phi, phi_target, phi_ref)
-        most = protection.bank(guard, h, phi)
-        phi_ref += min(max(wanted, -most), most) - wanted
-        aileron, phi_cmd, roll = self._roll.sample(
-            roll, phi, p, phi_target, phi_ref, ail_sat, roll_off != 0.0
+        share = protection.share_of_climb(vc, vc_cmd)
+        wanted, hdot_cmd = vertical.for_altitude(h_ref, pitch_off | pitching, share)
+        direct, keeps = vertical.pitch.towards(state.vertical.pitch, theta, theta_ref)
+        elevator, theta_cmd, after = vertical.fly(
+            select(pitching, direct, wanted), select(pitching, keeps, False)
         )
 
-        rudder, yaw = self._yaw.sample(yaw, r, yaw_off != 0.0, beta, p, phi)
+        lateral = Lateral(self.loops, state.lateral, psi, phi, p, roll_off, ail_sat)
+        wanted = lateral.for_heading(psi_ref, roll_off | rolling)
+        direct, keeps = lateral.roll.towards(state.lateral.roll, phi, phi_ref)
+        bank = protection.bank(after.guard, select(rolling, direct, wanted), phi, h)
+        aileron, phi_cmd, turned = lateral.fly(bank, select(rolling, keeps, False))
+
+        rudder, yaw = self.loops["yaw"].sample(state.yaw, r, yaw_off, beta, p, phi)
         return (
             [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
-            (altitude, pitch, heading, roll, speed, yaw, (guard, cut)),
+            AutopilotState(after, turned, speed, yaw),
         )

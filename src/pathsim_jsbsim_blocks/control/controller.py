@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Hashable
 from typing import Any
 
 from .._core._pathsim import port_names
 from .._core.callers import warn_user
 from .._core.checks import number, one_of
 from .._core.docs import filler
-from .._core.tunable import TunableLaw
 from ..errors import ParameterError
+from .described import DescribedLaw
 from .gains import AltitudeGains, EnvelopeLimits, loop_gains, schedule_of
-from .loops import AltitudeLoop, ReferenceLoop, ScheduledLoop
-from .protection import UNPROTECTED, Protection, Unprotected
+from .loops import AltitudeLoop, Reference
+from .protection import Protection
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -70,71 +72,107 @@ def reference_kind(parameter: str, value: Any) -> str:
     return one_of(parameter, value, ("increment", "absolute"))
 
 
-class Hold(TunableLaw):
+class Hold(DescribedLaw):
     """Base of the holds: references by increment or absolute, and gains over the airspeed.
 
     A port that asks by increment for more than the measured value, as 5500 on ``h_ref`` at 5000 ft
     does, is warned of once: it is meant to be absolute.
+
+    `build` fills ``loops``, by the names of a gain table: loops with a method ``retune``, which
+    takes the gains of a schedule as signals.
     """
 
     reference = "increment"
     _doubted = False
-    _protection: Protection | None = None
 
-    def gains_of(self, *loops: str) -> tuple[Any, ...]:
+    def configure(self) -> None:
+        self.loops: dict[str, Any] = {}
+        super().configure()
+        ports = self.input_port_labels or {}
+        self._formed = "alpha" in ports or self.reference == "absolute"
+        # where the airspeed and the altitude that choose the gains come in
+        self._vc, self._h = ports.get("vc", 0), ports.get("h")
+        doubts = ("h_ref", "h", LOW, "ft"), ("vc_ref", "vc", SLOW, "kt")
+        self._doubts = [
+            (ports[port], ports[measured], least, port, unit)
+            for port, measured, least, unit in doubts
+            if port in ports and self.reference == "increment" and not self._doubted
+        ]
+
+    def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops, at the nominal point of a schedule."""
         self._schedule = schedule_of(self.gains)
-        self._loop = ReferenceLoop if self._schedule is None else ScheduledLoop
-        self._absolute = self.reference == "absolute"
-        return loop_gains(self.gains, *loops)
+        return loop_gains(self.gains, *names)
 
-    def altitude_loop(
-        self,
-        gains: AltitudeGains,
-        hdot_max: float | None,
-        theta_min: float,
-        theta_max: float | None,
-    ) -> AltitudeLoop:
+    @property
+    def scheduled(self) -> bool:
+        """Whether gains follow the airspeed."""
+        return self._schedule is not None
+
+    def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
         """The altitude loop; its limits are checked at every point of a schedule."""
-        T, points = self.clock.period, self._schedule.points if self._schedule else ()
+        T, c = self.clock.period, self.checked
+        points = self._schedule.points if self._schedule else ()
         for point in points:
-            AltitudeLoop(T, point.gains.altitude, hdot_max, theta_min, theta_max)
-        return AltitudeLoop(T, gains, hdot_max, theta_min, theta_max)
+            AltitudeLoop(T, point.gains.altitude, c.hdot_max, c.theta_min, c.theta_max)
+        return AltitudeLoop(T, gains, c.hdot_max, c.theta_min, c.theta_max)
 
-    def target(self, port: str, value: float, parameter: float | None) -> tuple[Any, float]:
-        """Reference and increment from the value at a port, which may be absolute."""
-        if self._absolute and port_names(self.inputs)[port] in self.inputs.wired:
-            return value, 0.0
-        return parameter, value
+    def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
+        """The protection from the stall; None without an angle of attack to keep."""
+        own = self.checked.alpha_max
+        if own is None and envelope is None:
+            return None
+        return Protection(self.clock.period, own, envelope)
 
-    def protection(self, alpha: float) -> Protection | Unprotected:
-        """The protection, or one that limits nothing: without limits, or with ``alpha`` unwired."""
-        return self._protection if alpha and self._protection is not None else UNPROTECTED
+    def wanted(self, port: str, value: float) -> Reference:
+        """Reference from the value at a port, which may be absolute."""
+        if self.reference == "absolute" and port_names(self.inputs)[port] in self.inputs.wired:
+            return Reference(value)
+        return Reference(getattr(self.checked, port), value)
 
-    def doubt(self, port: str, value: float, measured: float, unit: str) -> None:
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+        for port, measured, least, name, unit in self._doubts:
+            if u[port] > u[measured] >= least:
+                self._doubt(name, u[port], u[measured], unit)
+        form = self.form(u) if self._formed else None
+        if self._schedule is None:
+            return self.flown(u, state, form, self._inputs)
+        h = None if self._h is None else u[self._h]
+        u = [*u[: self._inputs], *self.gains_at(u[self._vc], h)]
+        return self.flown(u, state, form, len(u))
+
+    def form(self, u: list[float]) -> Hashable:
+        """What decides on the law beside parameters: which absolute references are wired."""
+        return len(self.inputs.wired) if self.reference == "absolute" else None
+
+    def gains_at(self, vc: float, h: float | None = None) -> list[float]:
+        """The gains of a schedule at an airspeed and altitude, loop by loop; none without one."""
+        return self._schedule.row(vc, h) if self._schedule else []
+
+    def follow(self, gains: list[Any]) -> None:
+        """Let the loops have the gains of `gains_at`."""
+        for name, start, end in self._schedule.columns if self._schedule else ():
+            if self.loops.get(name) is not None:
+                self.loops[name].retune(*gains[start:end])
+
+    def describe(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        size = self._schedule.columns[-1][2] if self._schedule else 0
+        loops, self.loops = self.loops, copy.deepcopy(self.loops)
+        try:
+            self.follow(u[len(u) - size :])
+            return self.channels(u[: len(u) - size], state, form)
+        finally:
+            self.loops = loops
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        """The law as of `describe`, with the loops as they are."""
+        raise NotImplementedError
+
+    def _doubt(self, port: str, value: float, measured: float, unit: str) -> None:
         """Warn once of an increment that is larger than the measured value."""
-        if self._absolute or self._doubted:
-            return
-        self._doubted = True
+        self._doubted, self._doubts = True, []
         warn_user(
             f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
             f"{measured + value:.0f} {unit}; reference='absolute' makes the port the reference "
             "itself"
         )
-
-    def follow(self, vc: float, h: float | None = None, **loops: Any) -> None:
-        """Let loops have the gains of the schedule at an airspeed and altitude."""
-        assert self._schedule is not None
-        row = self._schedule.row(vc, h)
-        for loop, start, end in self._schedule.columns:
-            if loops.get(loop) is not None:
-                loops[loop].retune(*row[start:end])
-
-
-def protection_from(
-    T: float, alpha_max: float | None, envelope: EnvelopeLimits | None
-) -> Protection | None:
-    """The protection from the stall; None without an angle of attack to keep."""
-    if alpha_max is None and envelope is None:
-        return None
-    return Protection(T, alpha_max, envelope)

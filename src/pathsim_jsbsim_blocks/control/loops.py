@@ -1,29 +1,42 @@
 """The loops of the holds and the autopilot, as plain classes made of the sampled PI-D law.
 
-Every loop is a pure function of its state, a tuple of floats and tuples, and returns the next one.
+Every loop is a pure function of its state, and is written in the operations of `signals`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
-from .._core.checks import number, positive
 from ..errors import ParameterError
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
-from .pid import PID
-
-State = tuple
+from .pid import PID, PIDState
+from .signals import exp, larger, limit, select, sin, smaller, wrap
 
 # of an airspeed error beyond its band, the share that does not count
 BEYOND = 0.8
+
+
+class Reference(NamedTuple):
+    """A target, None for the value found at engagement, and what is added to it."""
+
+    target: float | None = None
+    increment: float = 0.0
+
+
+class ReferenceState(NamedTuple):
+    """State of a `ReferenceLoop`."""
+
+    found: float = 0.0  # measured value at engagement
+    reference: float = 0.0
+    law: PIDState = PID.START
 
 
 class ReferenceLoop:
     """Holds a measured value at a reference that moves no faster than a ramp.
 
     At engagement the reference starts at the measured value and the output at its present value,
-    so neither jumps. Then the reference moves to its target.
+    so neither jumps. Then the reference moves to where it is wanted.
 
     Parameters
     ----------
@@ -33,92 +46,103 @@ class ReferenceLoop:
         largest rate of the reference, unit per s
     sign : float
         -1 where a positive actuator command lowers the measured value
+    carry : bool
+        whether other gains, at any sample, leave the output where it is
     """
 
-    START: State = (0.0, 0.0, PID.START)  # value found at engagement, reference, law
+    START = ReferenceState()
 
-    def __init__(self, pid: PID, ramp: float, sign: float = 1.0):
+    def __init__(self, pid: PID, ramp: float, sign: float = 1.0, carry: bool = False):
         self.pid = pid
-        self.sign = sign
-        self.limit_rate(ramp)
-
-    def limit_rate(self, ramp: float) -> None:
         self.ramp = ramp
-        self._step = ramp * self.pid.T
+        self.sign = sign
+        self.carry = carry
+
+    def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
+        self.pid.retune(Kp, Ki, Kr=Kr, b=b)
+        self.ramp = ramp
 
     @staticmethod
-    def reference(state: State, y: float) -> float:
+    def reference(state: ReferenceState, y: float) -> float:
         """Where the reference is: on its ramp, or at the measured value while off."""
-        return state[1] if state[2][0] > 0.0 else y
+        return select(state.law.engaged, state.reference, y)
 
     @staticmethod
-    def destination(state: State, y: float, target: float | None, increment: float) -> float:
-        """Where the reference is to move: the target, or the value found at engagement."""
+    def towards(state: ReferenceState, y: float, reference: Reference) -> tuple[float, bool]:
+        """Where the reference is to move, and whether that is the value found at engagement."""
+        target, increment = reference
         if target is None:
-            target = state[0] if state[2][0] > 0.0 else y
-        return target + increment
+            return select(state.law.engaged, state.found, y) + increment, True
+        return target + increment, False
 
     def sample(
         self,
-        state: State,
+        state: ReferenceState,
         y: float,
         rate: float,
-        target: float | None,
-        increment: float,
+        wanted: float,
+        keeps: bool,
         sat: float,
         off: bool,
         feed: float = 0.0,
-    ) -> tuple[float, float, State]:
+        highest: float | None = None,
+        fastest: float | None = None,
+    ) -> tuple[float, float, ReferenceState]:
         """Actuator increment, reference and next state.
 
         Parameters
         ----------
         y, rate : float
             measured value and its rate
-        target : float, optional
-            reference; None for the value found at engagement
-        increment : float
-            added to the reference
+        wanted : float
+            where the reference is to move
+        keeps : bool
+            the value found at engagement is kept, because the reference is there
         sat : float
             actuator increment of the last period less what was applied
         off : bool
             hold the output
+        feed : float
+            feed-forward
+        highest : float, optional
+            limit of the reference, which gives way to it at once
+        fastest : float, optional
+            largest rate of the reference beside the ramp, unit per s
         """
-        found, reference, law = state
-        if law[0] <= 0.0 or off:
-            found = reference = y
-        else:
-            if target is not None:
-                found = y
-            step, most = (found if target is None else target) + increment - reference, self._step
-            if step < -most:
-                step = -most
-            if step > most:
-                step = most
-            reference += step
-        u, law = self.pid.sample(law, reference, y, rate, self.sign * sat, off, 0.0, feed)
-        return self.sign * u, reference, (found, reference, law)
-
-
-class ScheduledLoop(ReferenceLoop):
-    """A `ReferenceLoop` whose gains may change at every sample without moving the output."""
-
-    def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
-        self.pid.retune(Kp, Ki, Kr=Kr, b=b)
-        self.limit_rate(ramp)
-
-    def retune_speed(
-        self, Kp: float, Ki: float, Kd: float, Tf: float, b: float, ramp: float
-    ) -> None:
-        self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
-        self.limit_rate(ramp)
-
-    def sample(self, state: State, *signals: Any) -> tuple[float, float, State]:
-        found, reference, law = state
-        u, reference, (found, _, law) = super().sample(
-            (found, reference, self.pid.taken(law, reference)), *signals
+        found, before, law = state
+        engaged = select(off, False, law.engaged)
+        reference, step, push = before, self.ramp * self.pid.T, 0.0
+        if highest is not None:
+            # at full weight: with a b below 1 the output would lag behind a limit that falls
+            reference = smaller(before, highest)
+            push = select(engaged, reference - before, 0.0)
+        if fastest is not None:
+            step = smaller(step, fastest * self.pid.T)
+        reference += limit(wanted - reference, -step, step)
+        if highest is not None:
+            reference = smaller(reference, highest)
+        reference = select(engaged, reference, y)
+        u, law = self.pid.sample(
+            law,
+            reference,
+            y,
+            rate,
+            self.sign * sat,
+            off,
+            feed=feed,
+            r_last=before,
+            carry=self.carry,
+            push=push,
         )
-        return u, reference, (found, reference, self.pid.released(law, reference))
+        found = select(engaged, select(keeps, found, y), y)
+        return self.sign * u, reference, ReferenceState(found, reference, law)
+
+
+class HeadingState(NamedTuple):
+    """State of a `HeadingLoop`."""
+
+    found: float = 0.0  # heading at engagement
+    law: PIDState = PID.START
 
 
 class HeadingLoop:
@@ -132,10 +156,9 @@ class HeadingLoop:
     Integration starts once the proportional part alone demands less than the largest bank.
     """
 
-    START: State = (0.0, PID.START)  # heading found at engagement, law
+    START = HeadingState()
 
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
-        bank_max = positive("bank_max", bank_max)
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
         self.bank = gains.bank
 
@@ -144,19 +167,26 @@ class HeadingLoop:
         self.bank = bank
 
     def sample(
-        self, state: State, psi: float, target: float | None, increment: float
-    ) -> tuple[float, State]:
-        """Bank reference in deg and next state; ``target`` None is the heading found."""
+        self, state: HeadingState, psi: float, reference: Reference
+    ) -> tuple[float, HeadingState]:
+        """Bank reference in deg and next state."""
         found, law = state
-        engaged = law[0] > 0.0
-        if target is not None or not engaged:
-            found = psi
+        target, increment = reference
+        found = psi if target is not None else select(law.engaged, found, psi)
         error = wrap((found if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
-        if not engaged or abs(proportional) >= self.pid.high:
-            law = PID.holding(proportional + self.bank)  # an integral of 0
+        # an integral of 0
+        anew = PID.holding(proportional + self.bank)
+        law = select(law.engaged & (abs(proportional) < self.pid.high), law, anew)
         phi, law = self.pid.sample(law, error, 0.0, feed=self.bank)
-        return phi, (found, law)
+        return phi, HeadingState(found, law)
+
+
+class AltitudeState(NamedTuple):
+    """State of an `AltitudeLoop`."""
+
+    found: float = 0.0  # altitude at engagement
+    law: PIDState = PID.START
 
 
 class AltitudeLoop:
@@ -170,7 +200,7 @@ class AltitudeLoop:
         \\theta_\\mathrm{min} \\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
     """
 
-    START: State = (0.0, PID.START)  # altitude found at engagement, law
+    START = AltitudeState()
 
     def __init__(
         self,
@@ -182,9 +212,8 @@ class AltitudeLoop:
     ):
         self.Kh = gains.Kh
         self._own_hdot_max, self._own_theta_max = hdot_max is not None, theta_max is not None
-        self.hdot_max = gains.hdot_max if hdot_max is None else positive("hdot_max", hdot_max)
-        theta_min = number("theta_min", theta_min)
-        theta_max = gains.theta_max if theta_max is None else number("theta_max", theta_max)
+        self.hdot_max = gains.hdot_max if hdot_max is None else hdot_max
+        theta_max = gains.theta_max if theta_max is None else theta_max
         if theta_min > theta_max:
             whose = "" if self._own_theta_max else " of the gains"
             raise ParameterError(
@@ -203,41 +232,43 @@ class AltitudeLoop:
         if not self._own_theta_max:
             self.pid.high = theta_max
 
-    def climb_rate(self, error: float, climb: float = 1.0) -> float:
-        """Rate of climb demanded in ft/s for an altitude error in ft; ``climb`` as in `sample`."""
-        return min(max(self.Kh * error, -self.hdot_max), climb * self.hdot_max)
+    def climb_rate(self, error: float, share: float = 1.0) -> float:
+        """Rate of climb demanded in ft/s for an altitude error in ft; ``share`` as in `sample`."""
+        return smaller(larger(self.Kh * error, -self.hdot_max), share * self.hdot_max)
+
+    def climb(
+        self, law: PIDState, hdot_cmd: float, hdot: float, theta: float, cut: float = 0.0
+    ) -> tuple[float, PIDState]:
+        """Pitch reference for a rate of climb, and the next state of the law."""
+        law = select(law.engaged, law, PID.holding(theta))
+        return self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
 
     def sample(
         self,
-        state: State,
+        state: AltitudeState,
         h: float,
         hdot: float,
-        target: float | None,
-        increment: float,
+        reference: Reference,
         theta: float,
-        climb: float = 1.0,
-        most: float = math.inf,
+        share: float = 1.0,
+        most: float | None = None,
         cut: float = 0.0,
-    ) -> tuple[float, float, State]:
+    ) -> tuple[float, float, AltitudeState]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
-        ``target`` None is the altitude found at engagement; ``theta`` is the pitch reference from
-        which the loop continues at engagement; ``climb`` is the share of ``hdot_max`` that is
-        allowed upwards, negative to demand a descent; ``most`` is the highest rate of climb, ft/s;
-        ``cut`` is what was cut off the last pitch reference.
+        ``theta`` is the pitch reference from which the loop continues at engagement; ``share`` is
+        that of ``hdot_max`` which is allowed upwards, negative to demand a descent; ``most`` is the
+        highest rate of climb, ft/s; ``cut`` is what was cut off the last pitch reference.
         """
         found, law = state
-        engaged = law[0] > 0.0
-        if target is not None or not engaged:
-            found = h
-        if not engaged:
-            law = PID.holding(theta)
+        target, increment = reference
+        found = h if target is not None else select(law.engaged, found, h)
         error = (found if target is None else target) + increment - h
-        hdot_cmd = self.climb_rate(error, climb)
-        if hdot_cmd > most:
-            hdot_cmd = most
-        theta_cmd, law = self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
-        return theta_cmd, hdot_cmd, (found, law)
+        hdot_cmd = self.climb_rate(error, share)
+        if most is not None:
+            hdot_cmd = smaller(hdot_cmd, most)
+        theta_cmd, law = self.climb(law, hdot_cmd, hdot, theta, cut)
+        return theta_cmd, hdot_cmd, AltitudeState(found, law)
 
 
 class _AirspeedPID(PID):
@@ -245,13 +276,10 @@ class _AirspeedPID(PID):
 
     band: float
 
-    def sample(self, state: Any, r: float, y: float, *signals: Any) -> tuple[float, Any]:
-        error, band = r - y, self.band
-        if error < -band:
-            y += BEYOND * (error + band)
-        if error > band:
-            y += BEYOND * (error - band)
-        return super().sample(state, r, y, *signals)
+    def sample(self, state: PIDState, r: float, y: float, *signals: Any, **more: Any) -> Any:
+        error = r - y
+        y += BEYOND * (error - limit(error, -self.band, self.band))
+        return super().sample(state, r, y, *signals, **more)
 
 
 class SpeedLoop:
@@ -265,14 +293,10 @@ class SpeedLoop:
     counts as 0.2 kt, so that gusts do not move the throttle from stop to stop.
     """
 
-    START: State = ReferenceLoop.START
+    START = ReferenceLoop.START
 
     def __init__(
-        self,
-        T: float,
-        gains: SpeedGains,
-        authority: tuple[float, float],
-        kind: type[ReferenceLoop] = ReferenceLoop,
+        self, T: float, gains: SpeedGains, authority: tuple[float, float], carry: bool = False
     ):
         low, high = authority
         self.Kc = gains.Kc
@@ -280,39 +304,57 @@ class SpeedLoop:
             T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
         )
         self.pid.band = gains.band
-        self.loop = kind(self.pid, gains.ramp)
+        self.loop = ReferenceLoop(self.pid, gains.ramp, carry=carry)
 
-    def retune(self, *gains: float) -> None:
-        *others, self.Kc, self.pid.band = gains
-        self.loop.retune_speed(*others)  # type: ignore[attr-defined]
+    def retune(
+        self,
+        Kp: float,
+        Ki: float,
+        Kd: float,
+        Tf: float,
+        b: float,
+        ramp: float,
+        Kc: float,
+        band: float,
+    ) -> None:
+        self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
+        self.loop.ramp, self.Kc, self.pid.band = ramp, Kc, band
 
     def sample(
         self,
-        state: State,
+        state: ReferenceState,
         vc: float,
         hdot: float,
-        target: float | None,
-        increment: float,
+        wanted: float,
+        keeps: bool,
         sat: float,
         off: bool,
-        boost: float = 0.0,
-    ) -> tuple[float, float, State]:
+        boost: float | None = None,
+    ) -> tuple[float, float, ReferenceState]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
         ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
         boost would leave it no error to correct; at the aircraft's limit it stays.
         """
-        rest = sat - min(max(sat, 0.0), boost)
+        rest = sat if boost is None else sat - limit(sat, 0.0, boost)
         u, reference, state = self.loop.sample(
-            state, vc, 0.0, target, increment, rest, off, self.Kc * hdot
+            state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot
         )
-        if boost and not off:
-            found, reference, (phase, integral, before, *others) = state
-            u = min(u + boost, self.pid.high)
-            if not sat:
-                integral += self.pid.unwind * (u - before)
-            state = (found, reference, (phase, integral, u, *others))
+        if boost is not None:
+            raised = smaller(u + select(off, 0.0, boost), self.pid.high)
+            taken = state.law.integral + select(sat == 0.0, self.pid.unwind * (raised - u), 0.0)
+            state = state._replace(law=state.law._replace(integral=taken, u=raised))
+            u = raised
         return u, reference, state
+
+
+class YawState(NamedTuple):
+    """State of a `YawLoop`."""
+
+    engaged: bool = False
+    slow: float = 0.0  # low-passed yaw rate
+    u: float = 0.0
+    integral: float = 0.0
 
 
 class YawLoop:
@@ -326,7 +368,7 @@ class YawLoop:
     At engagement the output continues from its present value; while off it decays with tau.
     """
 
-    START: State = (0.0, 0.0, 0.0, 0.0)  # engaged, low-passed yaw rate, output, integral
+    START = YawState()
 
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
         self.T = T
@@ -337,64 +379,44 @@ class YawLoop:
         self, K: float, tau: float, Kp: float, Ki: float, Kroll: float, Kbank: float
     ) -> None:
         self.K, self.Kp, self.Ki, self.Kroll, self.Kbank = K, Kp, Ki, Kroll, Kbank
-        self._fade = math.exp(-self.T / tau)
+        self._fade = exp(-self.T / tau)
 
     def sample(
         self,
-        state: State,
+        state: YawState,
         r: float,
         off: bool,
         beta: float = 0.0,
         p: float = 0.0,
         phi: float = 0.0,
-    ) -> tuple[float, State]:
+    ) -> tuple[float, YawState]:
         """Rudder increment and next state, from rates in deg/s and angles in deg."""
         engaged, slow, u, integral = state
-        if off:
-            u *= self._fade
-            return u, (0.0, 0.0, u, 0.0)
-        turn = 0.0
-        if self.Kroll or self.Kbank:
-            turn = self.Kroll * p + self.Kbank * math.degrees(math.sin(math.radians(phi)))
-        if not engaged:
-            slow = r - u / self.K if self.K else r
-            integral = self.Kp * beta - turn
+        faded = u * self._fade
+        turn = self.Kroll * p + self.Kbank * math.degrees(1.0) * sin(math.radians(1.0) * phi)
+        before = select(self.K == 0.0, 0.0, u / select(self.K == 0.0, 1.0, self.K))
+        slow = select(engaged, slow, r - before)
+        integral = select(engaged, integral, self.Kp * beta - turn)
         v = self.K * (r - slow) - (self.Kp * beta - integral) + turn
-        u = min(max(v, self.low), self.high)
-        if self.Ki:
-            # where the rudder is at its limit the integral may only come back from it
-            change = -self.Ki * self.T * beta
-            if change * (v - u) <= 0.0:
-                integral += change
-        else:
-            integral *= self._fade
-        return u, (1.0, slow + (1.0 - self._fade) * (r - slow), u, integral)
+        u = limit(v, self.low, self.high)
+        # where the rudder is at its limit the integral may only come back from it
+        change = -self.Ki * self.T * beta
+        learnt = integral + select(change * (v - u) <= 0.0, change, 0.0)
+        integral = select(self.Ki == 0.0, integral * self._fade, learnt)
+        slow += (1.0 - self._fade) * (r - slow)
+        on = YawState(True, slow, u, integral)
+        state = select(off, YawState(u=faded), on)
+        return state.u, state
 
 
-def wrap(angle: float) -> float:
-    """The same angle in [-180, 180) deg."""
-    return (angle + 180.0) % 360.0 - 180.0
-
-
-def pitch_loop(
+def attitude_loop(
     T: float,
     gains: AttitudeGains,
     authority: tuple[float, float],
-    kind: type[ReferenceLoop] = ReferenceLoop,
+    sign: float = 1.0,
+    carry: bool = False,
 ) -> ReferenceLoop:
-    """Elevator from pitch angle; positive elevator is nose down, so the law's sign is reversed."""
-    low, high = authority
-    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=-high, high=-low)
-    return kind(pid, gains.ramp, sign=-1.0)
-
-
-def roll_loop(
-    T: float,
-    gains: AttitudeGains,
-    authority: tuple[float, float],
-    kind: type[ReferenceLoop] = ReferenceLoop,
-) -> ReferenceLoop:
-    """Aileron from roll angle."""
-    low, high = authority
+    """Aileron from roll angle; elevator from pitch, with a sign of -1: positive is nose down."""
+    low, high = sorted(sign * x for x in authority)
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high)
-    return kind(pid, gains.ramp)
+    return ReferenceLoop(pid, gains.ramp, sign, carry)

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from .._core.checks import limits, number, positive
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .described import DescribedLaw
+from .signals import expm1, larger, limit, select
 
-State = tuple[float, float, float, float, float, float]
+
+class PIDState(NamedTuple):
+    """State of a `PID`; while it is off only the output and what it is held by count."""
+
+    sampled: bool = False  # the last measured value and its slope are known
+    engaged: bool = False
+    carried: bool = False  # the integral has the proportional part in it
+    integral: float = 0.0
+    u: float = 0.0
+    held: float = 0.0  # while off what is added to track, while engaged F
+    y: float = 0.0
+    slope: float = 0.0
 
 
 class PID:
@@ -23,7 +36,7 @@ class PID:
 
     with the reference r, the measured value y, its measured rate omega, a feed-forward f, and s,
     the last output less what the actuator applied of it. The law itself is stateless: `sample`
-    takes the state, a tuple of floats, and returns the next.
+    takes the state and returns the next.
 
     While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
     move it. At engagement the output continues from its present value: the integral is set to the
@@ -62,10 +75,8 @@ class PID:
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
-    # phase (-2 from rest, -1 never sampled, 0 off, 1 engaged, 2 engaged with the proportional part
-    # in the integral), integral, output, what is added to track while off and F while engaged, y, d
-    START: State = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    FROM_REST: State = (-2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    START = PIDState()
+    FROM_REST = PIDState(engaged=True)
 
     def __init__(
         self,
@@ -83,22 +94,19 @@ class PID:
         high: float = math.inf,
     ):
         self.T = positive("T", T)
-        self.Kp = number("Kp", Kp)
-        self.Ki = number("Ki", Ki)
-        self.Kd = number("Kd", Kd)
-        self.Kr = number("Kr", Kr)
-        self.b = number("b", b)
-        Tf = number("Tf", Tf, low=0.0)
+        self.low, self.high = limits(low, high)
+        self._fade = math.exp(-self.T / positive("Te", Te))
+        self.retune(
+            number("Kp", Kp),
+            number("Ki", Ki),
+            number("Kd", Kd),
+            number("Kr", Kr),
+            number("b", b),
+            number("Tf", Tf, low=0.0),
+        )
         if Tt is not None:
             Tt = number("Tt", Tt, low=self.T)
-        elif self.Ki:
-            Tt = max(self.Kp / self.Ki, 2 * self.T)
-        self.low, self.high = limits(low, high)
-        self._KiT = self.Ki * self.T
-        self._filter = _share(self.T, Tf)
-        self._fade = math.exp(-self.T / positive("Te", Te))
-        # without integral action, back-calculation would leave a permanent offset
-        self.unwind = self.T / Tt if Tt and self.Ki else 0.0
+            self.unwind = self.T / Tt if self.Ki else 0.0
 
     def retune(
         self,
@@ -111,39 +119,20 @@ class PID:
     ) -> None:
         """Other gains, which are not checked, and the default of Tt for them."""
         self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
-        self._KiT = Ki * self.T
-        self._filter = _share(self.T, Tf)
-        self.unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
-
-    def released(self, state: State, r: float) -> State:
-        """The state with the proportional part in the integral, so that other gains take over."""
-        phase, integral, u, offset, y, slope = state
-        if phase != 1.0:
-            return state
-        return (2.0, integral + self.Kp * (self.b * r - y), u, offset, y, slope)
-
-    def taken(self, state: State, r: float) -> State:
-        """The inverse of `released`, with these gains."""
-        phase, integral, u, offset, y, slope = state
-        if phase != 2.0:
-            return state
-        return (1.0, integral - self.Kp * (self.b * r - y), u, offset, y, slope)
-
-    def moved(self, state: State, change: float) -> State:
-        """The state for a reference that has moved by ``change``, as if its weight b were 1."""
-        phase, integral, u, offset, y, slope = state
-        if phase == 1.0:
-            change *= 1.0 - self.b
-        return (phase, integral + self.Kp * change, u, offset, y, slope)
+        # share of the way that the derivative's low-pass goes in T
+        self._filter = select(Tf == 0.0, 1.0, -expm1(-self.T / select(Tf == 0.0, 1.0, Tf)))
+        # without integral action, back-calculation would leave a permanent offset
+        Tt = larger(Kp / select(Ki == 0.0, 1.0, Ki), 2 * self.T)
+        self.unwind = select(Ki == 0.0, 0.0, self.T / Tt)
 
     @staticmethod
-    def holding(u: float) -> State:
+    def holding(u: float) -> PIDState:
         """State of a law that is off and whose output is ``u``."""
-        return (-1.0, 0.0, u, u, 0.0, 0.0)
+        return PIDState(u=u, held=u)
 
     def sample(
         self,
-        state: State,
+        state: PIDState,
         r: float,
         y: float,
         rate: float = 0.0,
@@ -151,12 +140,15 @@ class PID:
         off: bool = False,
         track: float = 0.0,
         feed: float = 0.0,
-    ) -> tuple[float, State]:
+        r_last: float = 0.0,
+        carry: bool = False,
+        push: float = 0.0,
+    ) -> tuple[float, PIDState]:
         """Output at one instant and the state after it.
 
         Parameters
         ----------
-        state : tuple of float
+        state : PIDState
             `START` (bumpless engagement from 0), `FROM_REST` (the textbook law from the first
             sample on, with an integral of 0), or the state that the last sample returned
         r, y, rate : float
@@ -169,42 +161,46 @@ class PID:
             added to the output held
         feed : float
             feed-forward, added to the output while engaged
+        r_last : float
+            reference of the last sample, for a state that carries the proportional part
+        carry : bool
+            leave the proportional part in the integral, so that other gains take over without a
+            jump
+        push : float
+            of the change of r, what acts as if b were 1
         """
-        phase, integral, u, offset, y_last, slope = state
-        if phase >= 0.0:
-            slope += self._filter * ((y - y_last) / self.T - slope)
-        if off:
-            if phase > 0.0:
-                offset = u - track
-            u = min(max(offset + track, self.low), self.high)
-            return u, (0.0, 0.0, u, offset, y, slope)
+        sampled, engaged, carried, integral, u, held, y_last, slope = state
+        slope += select(sampled, self._filter * ((y - y_last) / self.T - slope), 0.0)
+        # while off
+        offset = select(sampled & engaged, u - track, held)
+        frozen = limit(offset + track, self.low, self.high)
+        # while engaged
         direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
-        if phase != 1.0:
-            if phase == -2.0:
-                integral, offset = 0.0, 0.0
-            elif phase == 2.0:
-                integral -= direct - feed
-            elif self.Ki:
-                integral, offset = u - direct, damping
-            else:
-                # without integral action, let the held offset decay
-                integral, offset = 0.0, u - direct + damping
-        u = v = direct + integral + (offset - damping)
-        if u < self.low:
-            u = self.low
-        if u > self.high:
-            u = self.high
-        integral += self._KiT * (r - y) + self.unwind * (u - v - sat)
-        return u, (1.0, integral, u, self._fade * offset, y, slope)
+        integral -= select(carried, self.Kp * (self.b * r_last - y_last), 0.0)
+        integral += self.Kp * (1.0 - self.b) * push
+        # at engagement; without integral action, the held offset decays
+        found = select(self.Ki == 0.0, 0.0, u - direct)
+        faded = select(self.Ki == 0.0, u - direct + damping, damping)
+        integral, faded = select(engaged, integral, found), select(engaged, held, faded)
+        v = direct + integral + (faded - damping)
+        u = limit(v, self.low, self.high)
+        integral += self.Ki * self.T * (r - y) + self.unwind * (u - v - sat)
+        if carry:
+            integral += direct - feed
+        return select(off, frozen, u), PIDState(
+            True,
+            select(off, False, True),
+            carry,
+            select(off, 0.0, integral),
+            select(off, frozen, u),
+            select(off, offset, self._fade * faded),
+            y,
+            slope,
+        )
 
 
-def _share(T: float, Tf: float) -> float:
-    """Share of the way that a low-pass with the time constant Tf goes in T; 1 without one."""
-    return -math.expm1(-T / Tf) if Tf else 1.0
-
-
-class DiscretePID(TunableLaw):
+class DiscretePID(DescribedLaw):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
     .. math::
@@ -294,10 +290,9 @@ class DiscretePID(TunableLaw):
         gains = {name: getattr(self, name) for name in self._fields if name != "T"}
         self._pid = PID(self.clock.period, **gains)
 
-    def initial_state(self) -> State:
-        return PID.FROM_REST
+    START = PID.FROM_REST
 
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        r, y, rate, sat, off, track, feed = u[:7]
+    def describe(self, u: list[Any], state: PIDState, form: Any) -> tuple[list[Any], PIDState]:
+        r, y, rate, sat, off, track, feed = u
         output, state = self._pid.sample(state, r, y, rate, sat, off != 0.0, track, feed)
         return [output], state

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..._core.checks import optional, positive
 from ..._core.parameters import parameter
+from ..channels import Lateral
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import (
-    HeadingLoop,
-    ReferenceLoop,
-    State,
-    YawLoop,
-    roll_loop,
-)
+from ..loops import HeadingLoop, ReferenceLoop, YawLoop, attitude_loop
 
 # the package and PathView export these names
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
@@ -74,25 +71,20 @@ class RollHold(Hold):
     input_port_labels = {"phi": 0, "p": 1, "phi_ref": 2, "off": 3, "ail_sat": 4, "vc": 5}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
+    START = ReferenceLoop.START
+
     def build(self) -> None:
         (gains,) = self.gains_of("roll")
-        self._phi_ref = self.checked.phi_ref
-        self._roll = roll_loop(self.clock.period, gains, self.checked.authority, self._loop)
+        c, T = self.checked, self.clock.period
+        self.loops = {"roll": attitude_loop(T, gains, c.authority, carry=self.scheduled)}
 
-    def initial_state(self) -> State:
-        return ReferenceLoop.START
-
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        phi, p, phi_ref, off, ail_sat, vc = u[:6]
-        target = self._phi_ref
-        if self._absolute:
-            target, phi_ref = self.target("phi_ref", phi_ref, target)
-        if self._schedule is not None:
-            self.follow(vc, roll=self._roll)
-        aileron, phi_cmd, state = self._roll.sample(
-            state, phi, p, target, phi_ref, ail_sat, off != 0.0
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        phi, p, phi_ref, off, ail_sat, _ = u
+        loop, reference = self.loops["roll"], self.wanted("phi_ref", phi_ref)
+        *outputs, state = loop.sample(
+            state, phi, p, *loop.towards(state, phi, reference), ail_sat, off != 0.0
         )
-        return [aileron, phi_cmd], state
+        return outputs, state
 
 
 @fill
@@ -156,30 +148,23 @@ class HeadingHold(Hold):
     input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5, "vc": 6}
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
+    START = Lateral.START
+
     def build(self) -> None:
         heading, roll = self.gains_of("heading", "roll")
-        self._psi_ref = self.checked.psi_ref
-        self._heading = HeadingLoop(self.clock.period, heading, self.checked.bank_max)
-        self._roll = roll_loop(self.clock.period, roll, self.checked.authority, self._loop)
+        c, T = self.checked, self.clock.period
+        self.loops = {
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
+        }
 
-    def initial_state(self) -> State:
-        return HeadingLoop.START, ReferenceLoop.START
-
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        psi, phi, p, psi_ref, off, ail_sat, vc = u[:7]
-        heading, roll = state
-        wanted = self._psi_ref
-        if self._absolute:
-            wanted, psi_ref = self.target("psi_ref", psi_ref, wanted)
-        if self._schedule is not None:
-            self.follow(vc, heading=self._heading, roll=self._roll)
-        target = None
-        if off:
-            heading = HeadingLoop.START
-        else:
-            target, heading = self._heading.sample(heading, psi, wanted, psi_ref)
-        aileron, phi_cmd, roll = self._roll.sample(roll, phi, p, target, 0.0, ail_sat, off != 0.0)
-        return [aileron, phi_cmd], (heading, roll)
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        psi, phi, p, psi_ref, off, ail_sat, _ = u
+        off = off != 0.0
+        lateral = Lateral(self.loops, state, psi, phi, p, off, ail_sat)
+        wanted = lateral.for_heading(self.wanted("psi_ref", psi_ref), idle=off)
+        *outputs, state = lateral.fly(wanted)
+        return outputs, state
 
 
 @fill
@@ -234,16 +219,13 @@ class YawDamper(Hold):
     input_port_labels = {"r": 0, "off": 1, "beta": 2, "vc": 3, "p": 4, "phi": 5}
     output_port_labels = {"rudder": 0}
 
+    START = YawLoop.START
+
     def build(self) -> None:
         (gains,) = self.gains_of("yaw")
-        self._yaw = YawLoop(self.clock.period, gains, self.checked.authority)
+        self.loops = {"yaw": YawLoop(self.clock.period, gains, self.checked.authority)}
 
-    def initial_state(self) -> State:
-        return YawLoop.START
-
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        r, off, beta, vc, p, phi = u[:6]
-        if self._schedule is not None:
-            self.follow(vc, yaw=self._yaw)
-        rudder, state = self._yaw.sample(state, r, off != 0.0, beta, p, phi)
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        r, off, beta, _, p, phi = u
+        rudder, state = self.loops["yaw"].sample(state, r, off != 0.0, beta, p, phi)
         return [rudder], state

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+from typing import Any
+
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
-from ..controller import (
-    LOW,
-    SLOW,
-    Authority,
-    Hold,
-    authority_limits,
-    fill,
-    protection_from,
-    reference_kind,
-)
+from ..._core.ports import numbered
+from ..channels import Vertical
+from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import (
-    AltitudeLoop,
-    ReferenceLoop,
-    SpeedLoop,
-    State,
-    pitch_loop,
-)
-from ..protection import Protection
+from ..loops import ReferenceLoop, SpeedLoop, attitude_loop
 
 # the package and PathView export these names
 __all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
@@ -85,25 +74,20 @@ class PitchHold(Hold):
     input_port_labels = {"theta": 0, "q": 1, "theta_ref": 2, "off": 3, "elev_sat": 4, "vc": 5}
     output_port_labels = {"elevator": 0, "theta_cmd": 1}
 
+    START = ReferenceLoop.START
+
     def build(self) -> None:
         (gains,) = self.gains_of("pitch")
-        self._theta_ref = self.checked.theta_ref
-        self._pitch = pitch_loop(self.clock.period, gains, self.checked.authority, self._loop)
+        c, T = self.checked, self.clock.period
+        self.loops = {"pitch": attitude_loop(T, gains, c.authority, -1.0, self.scheduled)}
 
-    def initial_state(self) -> State:
-        return ReferenceLoop.START
-
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        theta, q, theta_ref, off, elev_sat, vc = u[:6]
-        target = self._theta_ref
-        if self._absolute:
-            target, theta_ref = self.target("theta_ref", theta_ref, target)
-        if self._schedule is not None:
-            self.follow(vc, pitch=self._pitch)
-        elevator, theta_cmd, state = self._pitch.sample(
-            state, theta, q, target, theta_ref, elev_sat, off != 0.0
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        theta, q, theta_ref, off, elev_sat, _ = u
+        loop, reference = self.loops["pitch"], self.wanted("theta_ref", theta_ref)
+        *outputs, state = loop.sample(
+            state, theta, q, *loop.towards(state, theta, reference), elev_sat, off != 0.0
         )
-        return [elevator, theta_cmd], state
+        return outputs, state
 
 
 @fill
@@ -185,66 +169,31 @@ class AltitudeHold(Hold):
 
     measured = ("h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
-    input_port_labels = {
-        "h": 0,
-        "hdot": 1,
-        "theta": 2,
-        "q": 3,
-        "h_ref": 4,
-        "off": 5,
-        "elev_sat": 6,
-        "vc": 7,
-        "alpha": 8,
-    }
+    input_port_labels = numbered("h hdot theta q h_ref off elev_sat vc alpha")
     output_port_labels = {"elevator": 0, "theta_cmd": 1, "hdot_cmd": 2}
+
+    START = Vertical.START
 
     def build(self) -> None:
         altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
-        self._h_ref = self.checked.h_ref
-        self._altitude = self.altitude_loop(
-            altitude, self.checked.hdot_max, self.checked.theta_min, self.checked.theta_max
-        )
-        self._pitch = pitch_loop(self.clock.period, pitch, self.checked.authority, self._loop)
-        self._protection = protection_from(self.clock.period, self.checked.alpha_max, envelope)
+        c, T = self.checked, self.clock.period
+        self.loops = {
+            "altitude": self.altitude_loop(altitude),
+            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
+            "envelope": self.protection_within(envelope),
+        }
 
-    def initial_state(self) -> State:
-        return AltitudeLoop.START, ReferenceLoop.START, (Protection.START, 0.0)
+    def form(self, u: list[float]) -> Hashable:
+        return super().form(u), u[8] != 0.0
 
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
-        altitude, pitch, (guard, cut) = state
-        h_target, target, hdot_cmd = self._h_ref, None, 0.0
-        if self._absolute:
-            h_target, h_ref = self.target("h_ref", h_ref, h_target)
-        elif h_ref > h >= LOW:
-            self.doubt("h_ref", h_ref, h, "ft")
-        if self._schedule is not None:
-            self.follow(
-                vc, h, altitude=self._altitude, pitch=self._pitch, envelope=self._protection
-            )
-        protection = self.protection(alpha)
-        theta_max, climb, _, guard = protection.sample(guard, theta, alpha, h, hdot, vc, True)
-        if off:
-            altitude = AltitudeLoop.START
-        else:
-            target, hdot_cmd, altitude = self._altitude.sample(
-                altitude,
-                h,
-                hdot,
-                h_target,
-                h_ref,
-                ReferenceLoop.reference(pitch, theta),
-                1.0,
-                climb,
-                cut,
-            )
-        pitch, theta_ref, cut = protection.limit(
-            self._pitch, pitch, theta, target, 0.0, theta_max, h, vc
-        )
-        elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
-        )
-        return [elevator, theta_cmd, hdot_cmd], (altitude, pitch, (guard, cut))
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u
+        off = off != 0.0
+        vertical = Vertical(self.loops, form[1], state, theta, q, h, hdot, vc, alpha, off, elev_sat)
+        vertical.guard(vc, True)
+        wanted, hdot_cmd = vertical.for_altitude(self.wanted("h_ref", h_ref), idle=off)
+        elevator, theta_cmd, state = vertical.fly(wanted)
+        return [elevator, theta_cmd, hdot_cmd], state
 
 
 @fill
@@ -307,24 +256,15 @@ class AirspeedHold(Hold):
     input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 
+    START = SpeedLoop.START
+
     def build(self) -> None:
         (gains,) = self.gains_of("speed")
-        self._vc_ref = self.checked.vc_ref
-        self._speed = SpeedLoop(self.clock.period, gains, self.checked.authority, self._loop)
+        T, authority = self.clock.period, self.checked.authority
+        self.loops = {"speed": SpeedLoop(T, gains, authority, self.scheduled)}
 
-    def initial_state(self) -> State:
-        return SpeedLoop.START
-
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
-        vc, hdot, vc_ref, off, thr_sat = u[:5]
-        target = self._vc_ref
-        if self._absolute:
-            target, vc_ref = self.target("vc_ref", vc_ref, target)
-        elif vc_ref > vc >= SLOW:
-            self.doubt("vc_ref", vc_ref, vc, "kt")
-        if self._schedule is not None:
-            self.follow(vc, speed=self._speed)
-        throttle, vc_cmd, state = self._speed.sample(
-            state, vc, hdot, target, vc_ref, thr_sat, off != 0.0
-        )
-        return [throttle, vc_cmd], state
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        vc, hdot, vc_ref, off, thr_sat = u
+        towards = ReferenceLoop.towards(state, vc, self.wanted("vc_ref", vc_ref))
+        *outputs, state = self.loops["speed"].sample(state, vc, hdot, *towards, thr_sat, off != 0.0)
+        return outputs, state

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from ..._core.checks import number, optional, positive, whole
 from ..._core.parameters import parameter
+from ..._core.ports import numbered
 from ..._core.units import GRAVITY
 from ...axes.navigation import (
     GreatCircle,
@@ -21,18 +22,11 @@ from ...axes.navigation import (
     point,
 )
 from ...errors import ParameterError
-from ..controller import Authority, Hold, authority_limits, fill, protection_from
+from ..channels import Lateral, Vertical
+from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import (
-    HeadingLoop,
-    ReferenceLoop,
-    State,
-    pitch_loop,
-    roll_loop,
-    wrap,
-)
-from ..pid import PID
-from ..protection import Protection
+from ..loops import AltitudeLoop, AltitudeState, HeadingLoop, Reference, attitude_loop
+from ..signals import flat, select, wrap
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
@@ -158,26 +152,8 @@ class CourseHold(Hold):
 
     measured = ("lat", "lon", "psi", "phi", "p")
     commands = {"aileron": "off"}
-    input_port_labels = {
-        "lat": 0,
-        "lon": 1,
-        "psi": 2,
-        "phi": 3,
-        "p": 4,
-        "chi_ref": 5,
-        "off": 6,
-        "ail_sat": 7,
-        "vc": 8,
-    }
-    output_port_labels = {
-        "aileron": 0,
-        "phi_cmd": 1,
-        "chi": 2,
-        "chi_cmd": 3,
-        "across": 4,
-        "to_go": 5,
-        "leg": 6,
-    }
+    input_port_labels = numbered("lat lon psi phi p chi_ref off ail_sat vc")
+    output_port_labels = numbered("aileron phi_cmd chi chi_cmd across to_go leg")
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
@@ -191,28 +167,32 @@ class CourseHold(Hold):
                 parameter="chi_ref",
                 value=self.chi_ref,
             )
-        self._heading = HeadingLoop(T, heading, c.bank_max)
-        self._roll = roll_loop(T, roll, self.checked.authority, self._loop)
+        self.loops = {
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
+        }
         self._share = -math.expm1(-T / _SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
-    def initial_state(self) -> State:
-        return _Ground(), None, None, None, HeadingLoop.START, ReferenceLoop.START
+    START = Lateral.START
 
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+    def initial_state(self) -> tuple[Any, ...]:
+        return _Ground(), None, None, None, flat(self.START)
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc = u[:9]
-        ground, found, leg, direct, heading, roll = state
-        if self._schedule is not None:
-            self.follow(vc, heading=self._heading, roll=self._roll)
+        ground, found, leg, direct, lateral = state
         leg = self._route.start if leg is None else leg
         here = place_unchecked(lat, lon)
         ground = ground.next(here, psi, self._share, self.clock.period)
+        gains = self.gains_at(vc)
+        if gains:
+            self.follow(gains)
         chi = (psi + ground.drift) % 360.0
         # the course is known from the second sample on
         engaged = not off and ground.known
 
         across = to_go = 0.0
-        chi_cmd, bank = chi, None
         if self._route.waypoints:
             leg, direct, track = self._along(here, chi, ground.speed, leg, direct, engaged)
             across, to_go = track.across, track.to_go
@@ -223,16 +203,23 @@ class CourseHold(Hold):
         else:
             found = found if engaged and found is not None else chi
             target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
-        if engaged:
-            bank, heading = self._heading.sample(heading, chi, target, 0.0)
-            chi_cmd = target % 360.0
-        else:
-            found, heading = None, HeadingLoop.START
-        aileron, phi_cmd, roll = self._roll.sample(roll, phi, p, bank, 0.0, ail_sat, off != 0.0)
+        if not engaged:
+            found = None
+        flown = [chi, phi, p, target, float(not ground.known), off, ail_sat, *gains]
+        (aileron, phi_cmd), lateral = self.flown(flown, lateral, None, len(flown))
         return (
-            [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
-            (ground, found, leg, direct, heading, roll),
+            [aileron, phi_cmd, chi, target % 360.0 if engaged else chi, across, to_go, float(leg)],
+            (ground, found, leg, direct, lateral),
         )
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        chi, phi, p, target, unknown, off, ail_sat = u
+        off, unknown = off != 0.0, unknown != 0.0
+        lateral = Lateral(self.loops, state, chi, phi, p, off, ail_sat)
+        wanted = lateral.for_heading(Reference(target), idle=off | unknown)
+        found, keeps = lateral.roll.towards(state.roll, phi, Reference())
+        *outputs, state = lateral.fly(select(unknown, found, wanted), select(unknown, keeps, False))
+        return outputs, state
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
@@ -245,7 +232,7 @@ class CourseHold(Hold):
 
     def _lag(self, speed: float) -> float:
         """Time constant of the heading loop, s."""
-        gain = abs(self._heading.pid.Kp)
+        gain = abs(self.loops["heading"].pid.Kp)
         return speed / (GRAVITY * gain) if gain else math.inf
 
     def _along(
@@ -283,7 +270,7 @@ class CourseHold(Hold):
         """
         turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
         radius = speed * speed / self._centripetal
-        roll_in = self.checked.bank_max / self._roll.ramp
+        roll_in = self.checked.bank_max / self.loops["roll"].ramp
         lead = min(turn / self.checked.bank_max, 1.0) * (roll_in + self._lag(speed)) / 2
         return radius * math.tan(math.radians(turn / 2)) + lead * speed
 
@@ -414,27 +401,8 @@ class GlideslopeHold(Hold):
 
     measured = ("h", "hdot", "lat", "lon", "theta", "q")
     commands = {"elevator": "off"}
-    input_port_labels = {
-        "h": 0,
-        "hdot": 1,
-        "lat": 2,
-        "lon": 3,
-        "theta": 4,
-        "q": 5,
-        "off": 6,
-        "elev_sat": 7,
-        "vc": 8,
-        "alpha": 9,
-    }
-    output_port_labels = {
-        "elevator": 0,
-        "theta_cmd": 1,
-        "hdot_cmd": 2,
-        "gs_deg": 3,
-        "gs_ft": 4,
-        "dist": 5,
-        "captured": 6,
-    }
+    input_port_labels = numbered("h hdot lat lon theta q off elev_sat vc alpha")
+    output_port_labels = numbered("elevator theta_cmd hdot_cmd gs_deg gs_ft dist captured")
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
@@ -442,25 +410,22 @@ class GlideslopeHold(Hold):
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
-        self._altitude = self.altitude_loop(
-            altitude, self.checked.hdot_max, self.checked.theta_min, self.checked.theta_max
-        )
-        self._pitch = pitch_loop(T, pitch, self.checked.authority, self._loop)
-        self._protection = protection_from(T, self.checked.alpha_max, envelope)
+        self.loops = {
+            "altitude": self.altitude_loop(altitude),
+            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
+            "envelope": self.protection_within(envelope),
+        }
         self._share = -math.expm1(-T / _SMOOTHING)
 
-    def initial_state(self) -> State:
-        # distance and speed of closing, None while unknown; altitude to hold; captured; the law of
-        # the rate of climb, the pitch loop, the protection
-        return None, None, 0.0, False, PID.START, ReferenceLoop.START, (Protection.START, 0.0)
+    START = Vertical.START
 
-    def law(self, u: list[float], state: State) -> tuple[list[float], State]:
+    def initial_state(self) -> tuple[Any, ...]:
+        # distance and speed of closing, None while unknown; captured; the vertical channel
+        return None, None, 0.0, flat(self.START)
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
-        before, speed, found, captured, climb, pitch, (guard, cut) = state
-        if self._schedule is not None:
-            self.follow(
-                vc, h, altitude=self._altitude, pitch=self._pitch, envelope=self._protection
-            )
+        before, speed, captured, vertical = state
         away = distance(place_unchecked(lat, lon), self._threshold)
         rate = 0.0 if before is None else (before - away) / self.clock.period
         if before is not None:
@@ -472,29 +437,34 @@ class GlideslopeHold(Hold):
         above = height - along * self._slope
         degrees = math.degrees(math.atan2(height, along)) - self.checked.angle
 
-        protection = self.protection(alpha)
-        # without the airspeed: its lowest is that of the clean aircraft
-        theta_max, _, _, guard = protection.sample(guard, theta, alpha, h, hdot, 0.0, True)
-        target, hdot_cmd = None, 0.0
-        if off:
-            captured, climb = False, PID.START
-        else:
-            if climb[0] <= 0.0:
-                found, climb = h, PID.holding(ReferenceLoop.reference(pitch, theta))
-            hdot_cmd = self._altitude.climb_rate(found - h)
-            if speed is not None:
-                descent = self._altitude.climb_rate(-above) - speed * self._slope
-                lower = rate > 0.0 and descent <= hdot_cmd and degrees <= _CAPTURE
-                captured = captured or lower
-                hdot_cmd = descent if captured else hdot_cmd
-            target, climb = self._altitude.pid.sample(climb, hdot_cmd, hdot, 0.0, cut)
-        pitch, theta_ref, cut = protection.limit(
-            self._pitch, pitch, theta, target, 0.0, theta_max, h, vc
-        )
-        elevator, theta_cmd, pitch = self._pitch.sample(
-            pitch, theta, q, target, theta_ref, elev_sat, off != 0.0
+        flown = [h, hdot, theta, q, off, elev_sat, vc, alpha]
+        flown += [above, speed or 0.0, rate, degrees, captured, *self.gains_at(vc, h)]
+        (elevator, theta_cmd, hdot_cmd, captured), vertical = self.flown(
+            flown, vertical, alpha != 0.0, len(flown)
         )
         return (
-            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
-            (away, speed, found, captured, climb, pitch, (guard, cut)),
+            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, captured],
+            (away, speed, captured, vertical),
         )
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
+        off = off != 0.0
+        vertical = Vertical(self.loops, form, state, theta, q, h, hdot, vc, alpha, off, elev_sat)
+        # without the airspeed: its lowest is that of the clean aircraft
+        vertical.guard(0.0, True)
+        altitude, (found, climb) = vertical.altitude, state.altitude
+        found = select(climb.engaged, found, h)
+        level = altitude.climb_rate(found - h)
+        descent = altitude.climb_rate(-above) - speed * self._slope
+        # the speed is known once the distance has changed
+        lower = (rate > 0.0) & (descent <= level) & (degrees <= _CAPTURE)
+        captured = select(off, False, (captured != 0.0) | lower)
+        hdot_cmd = select(captured, descent, level)
+        reference = vertical.pitch.reference(state.pitch, theta)
+        wanted, climb = altitude.climb(climb, hdot_cmd, hdot, reference, state.cut)
+        vertical.state = vertical.state._replace(
+            altitude=select(off, AltitudeLoop.START, AltitudeState(found, climb))
+        )
+        *outputs, state = vertical.fly(wanted)
+        return [*outputs, select(off, 0.0, hdot_cmd), select(captured, 1.0, 0.0)], state

@@ -1,0 +1,154 @@
+"""Elevator and ailerons at one sample: loops in loops, common to single holds and the autopilot.
+
+Throttle and rudder have one loop each, `SpeedLoop` and `YawLoop`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from .loops import (
+    AltitudeLoop,
+    AltitudeState,
+    HeadingLoop,
+    HeadingState,
+    Reference,
+    ReferenceLoop,
+    ReferenceState,
+)
+from .protection import UNPROTECTED, Protection, ProtectionState, Unprotected
+from .signals import larger, select
+
+
+class VerticalState(NamedTuple):
+    """State of a `Vertical`."""
+
+    altitude: AltitudeState = AltitudeLoop.START
+    pitch: ReferenceState = ReferenceLoop.START
+    guard: ProtectionState = Protection.START
+    cut: float = 0.0  # deg, what the protection cut off the last pitch reference
+
+
+class Vertical:
+    """Elevator for a pitch angle, or for a rate of climb or altitude, within the protection.
+
+    Parameters
+    ----------
+    loops : dict
+        loops by their names in a gain table
+    protection : bool
+        whether there is an angle of attack to protect
+    state : VerticalState
+        that before the sample
+    theta, q, h, hdot, vc, alpha : float
+        measured
+    off, sat
+        as of `ReferenceLoop`, for the elevator
+    """
+
+    START = VerticalState()
+
+    def __init__(
+        self,
+        loops: Mapping[str, Any],
+        protection: bool,
+        state: VerticalState,
+        theta: float,
+        q: float,
+        h: float,
+        hdot: float,
+        vc: float,
+        alpha: float,
+        off: bool,
+        sat: float,
+    ):
+        self.altitude: AltitudeLoop = loops["altitude"]
+        self.pitch: ReferenceLoop = loops["pitch"]
+        self.protection: Protection | Unprotected = UNPROTECTED
+        if protection and loops["envelope"]:
+            self.protection = loops["envelope"]
+        self.state = state
+        self.theta, self.q, self.h, self.hdot = theta, q, h, hdot
+        self.vc, self.alpha, self.off, self.sat = vc, alpha, off, sat
+
+    def guard(self, vc: float, *signals: Any) -> Any:
+        """Let the protection find its limits; throttle to add, if it adds any."""
+        sample: Callable[..., Any] = self.protection.sample
+        self.theta_max, self.climb_max, boost, guard = sample(
+            self.state.guard, self.theta, self.alpha, self.h, self.hdot, vc, *signals
+        )
+        self.state = self.state._replace(guard=guard)
+        return boost
+
+    def for_altitude(
+        self, reference: Reference, idle: bool, share: float = 1.0
+    ) -> tuple[float, float]:
+        """Pitch angle and rate of climb for an altitude; while ``idle`` the loop waits to begin."""
+        state, theta = self.state, self.pitch.reference(self.state.pitch, self.theta)
+        wanted, hdot_cmd, altitude = self.altitude.sample(
+            state.altitude, self.h, self.hdot, reference, theta, share, self.climb_max, state.cut
+        )
+        self.state = state._replace(altitude=select(idle, AltitudeLoop.START, altitude))
+        return wanted, select(idle, 0.0, hdot_cmd)
+
+    def fly(self, wanted: float, keeps: bool = False) -> tuple[float, float, VerticalState]:
+        """Elevator, pitch reference and next state for a pitch angle."""
+        most, fastest = self.theta_max, self.protection.fastest(self.vc, self.h)
+        state, signals = self.state, (wanted, keeps, self.sat, self.off, 0.0, most, fastest)
+        elevator, theta_cmd, pitch = self.pitch.sample(state.pitch, self.theta, self.q, *signals)
+        cut = 0.0 if most is None else larger(wanted - most, 0.0)
+        return elevator, theta_cmd, state._replace(pitch=pitch, cut=cut)
+
+
+class LateralState(NamedTuple):
+    """State of a `Lateral`."""
+
+    heading: HeadingState = HeadingLoop.START
+    roll: ReferenceState = ReferenceLoop.START
+
+
+class Lateral:
+    """Ailerons for a roll angle, or for a heading.
+
+    Parameters
+    ----------
+    loops : dict
+        loops by their names in a gain table
+    state : LateralState
+        that before the sample
+    psi, phi, p : float
+        measured
+    off, sat
+        as of `ReferenceLoop`, for the ailerons
+    """
+
+    START = LateralState()
+
+    def __init__(
+        self,
+        loops: Mapping[str, Any],
+        state: LateralState,
+        psi: float,
+        phi: float,
+        p: float,
+        off: bool,
+        sat: float,
+    ):
+        self.heading: HeadingLoop = loops["heading"]
+        self.roll: ReferenceLoop = loops["roll"]
+        self.state = state
+        self.psi, self.phi, self.p, self.off, self.sat = psi, phi, p, off, sat
+
+    def for_heading(self, reference: Reference, idle: bool) -> float:
+        """Bank for a heading; while ``idle`` the loop waits to begin."""
+        wanted, heading = self.heading.sample(self.state.heading, self.psi, reference)
+        self.state = self.state._replace(heading=select(idle, HeadingLoop.START, heading))
+        return wanted
+
+    def fly(self, wanted: float, keeps: bool = False) -> tuple[float, float, LateralState]:
+        """Ailerons, bank reference and next state for a bank."""
+        aileron, phi_cmd, roll = self.roll.sample(
+            self.state.roll, self.phi, self.p, wanted, keeps, self.sat, self.off
+        )
+        return aileron, phi_cmd, self.state._replace(roll=roll)
