@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Adder, Amplifier, Block, Integrator, Scope, Source
+from pathsim.blocks import Adder, Amplifier, Block, Constant, Integrator, Scope, Source
 from pathsim.events import Event, ZeroCrossing
 from pathsim.solvers import EUB, EUF, RK4, SSPRK22
 from pathsim.utils.logger import LoggerManager
@@ -297,3 +297,10 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
             ):
                 found.add(f"{path.name}: {node.attr}")
     assert found <= {"_pathsim.py"}
+
+
+def test_the_blocks_of_a_level_come_as_the_diagram_lists_them():
+    blocks = [Constant(float(i)) for i in range(20)][::-1]  # not by address
+    with seam.in_listed_order():
+        sim = Simulation(blocks, log=False)
+    assert [b for _, level, _ in sim.graph.dag() for b in level] == blocks

@@ -594,24 +594,6 @@ Model(3.0).sim.run(1)
         11,
         "'func' of this Source: .*Model object.* is not a plain value",
     ),
-    "state shared by functions of a function": (
-        HEAD
-        + """
-def build():
-    hits = [0]
-    def wave(t):
-        hits[0] += 1
-        return t * hits[0]
-    e = Condition(lambda t: hits[0] > 5, lambda t: sim.stop())
-    src = Source(wave)
-    sim = Simulation([src], [], [e], log=False)
-    return sim
-
-build().run(1)
-""",
-        None,
-        "the script .*, and the model|flies otherwise",
-    ),
     "variables of a function that functions in it change": (
         HEAD
         + """

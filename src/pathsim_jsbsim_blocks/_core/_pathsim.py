@@ -396,6 +396,35 @@ def each_sample(sim: Simulation, take: Callable[[float], None]) -> Iterator[None
         Simulation._sample = usual
 
 
+@contextlib.contextmanager
+def in_listed_order() -> Iterator[None]:
+    """Context in which a graph orders the blocks of a level as its diagram lists them.
+
+    PathSim orders them by address, which matters to functions that share state.
+    """
+    assemble, process_loops = Graph._assemble, Graph._process_loops
+
+    def ordered(graph: Graph) -> None:
+        place = {block: i for i, block in enumerate(graph.blocks)}
+
+        def listed(blocks: Iterable[Block]) -> dict[Block, None]:
+            return dict.fromkeys(sorted(blocks, key=lambda b: place.get(b, len(place))))
+
+        graph._alg_blocks, graph._dyn_blocks = listed(graph._alg_blocks), listed(graph._dyn_blocks)
+        for neighbours in (graph._upst_blk_blk_map, graph._dnst_blk_blk_map):
+            neighbours.update({block: listed(others) for block, others in neighbours.items()})
+        assemble(graph)
+
+    def process(graph: Graph, blocks: set[Block]) -> None:
+        process_loops(graph, [block for block in graph.blocks if block in blocks])
+
+    Graph._assemble, Graph._process_loops = ordered, process
+    try:
+        yield
+    finally:
+        Graph._assemble, Graph._process_loops = assemble, process_loops
+
+
 def run_in_real_time(
     sim: Simulation, duration: float, adaptive: bool, tick: Callable[[], None]
 ) -> dict[str, Any]:

@@ -16,9 +16,12 @@ from pathsim.blocks import Block
 from pathsim.events._event import Event
 
 from .names import bound, own, references, root, used
+from .plain import text_of
 from .script import Script
 
 PARTS = (Block, Event, Connection, Simulation)
+# what sees the names of the script, of which the code has only those that it needs
+_MEANINGLESS = {"__file__", "__name__", "globals", "eval", "exec"}
 _RANDOM = ("np.random.", "numpy.random.", "random.")
 
 
@@ -40,7 +43,7 @@ class Code:
     parts : set of str
         blocks, events and the simulation to which functions refer
     made : dict
-        functions to add, by their name
+        functions and values to add, by their name
     places : dict
         lines of the script by lines of the text
     """
@@ -48,10 +51,10 @@ class Code:
     def __init__(self, script: Script, without: Collection[int] = ()):
         self.script = script
         self.parts: set[str] = set()
-        self.made: dict[str, ast.FunctionDef] = {}
-        self._statements = [
-            s for s in script.statements if s.lineno not in without and not self._has_parts(s)
-        ]
+        self.made: dict[str, ast.stmt] = {}
+        usable = [s for s in script.statements if not self._has_parts(s)]
+        self._of_parts = bound(s for s in script.statements if s not in usable)
+        self._statements = [s for s in usable if s.lineno not in without]
         self._touched = {s: self._touches(s) for s in self._statements}
         self._needed: set[str] = {"np"}  # which PathView provides; a seed belongs to the diagram
         self._kept: set[ast.stmt] = set()
@@ -76,7 +79,20 @@ class Code:
     @property
     def names(self) -> set[str]:
         """The names that the code binds."""
-        return {n for s in self._kept for n in bound([s])} & self._needed | self.made.keys()
+        inner = (n for s in self._kept for n in ast.walk(s))
+        declared = {n for g in inner if isinstance(g, ast.Global) for n in g.names}
+        return self._needed & (declared | bound(self._kept)) | self.made.keys()
+
+    def values(self) -> dict[str, str]:
+        """What the script has under the names that the code needs, as texts."""
+        found = {}
+        for name in sorted(self._needed & self.script.namespace.keys()):
+            value = self.script.namespace[name]
+            if not isinstance(value, PARTS):
+                # the text of a function does not tell one from another
+                unlike = name in self._of_parts and callable(value)
+                found[name] = "made from blocks" if unlike else text_of(value)
+        return found
 
     def nodes(self) -> list[ast.AST]:
         """All of the code."""
@@ -88,8 +104,8 @@ class Code:
             self.parts.add(name)
         elif _holds_parts(value):
             self.script.refuse(f"{name!r} holds blocks; PathView's code has no such name", where)
-        elif name == "__file__":
-            self.script.refuse("__file__ has no meaning in PathView", where)
+        elif name in _MEANINGLESS:
+            self.script.refuse(f"{name} has no meaning in PathView", where)
 
     def _has_parts(self, statement: ast.stmt) -> bool:
         """Whether a statement builds or changes parts of the diagram."""
@@ -125,12 +141,15 @@ class Code:
         module = getattr(owner, "__name__", "") or type(owner).__module__
         if name == "print" or module.partition(".")[0] == "matplotlib":
             return set()
-        inside = (
-            s
-            for s in self.script.statements
-            if isinstance(s, ast.FunctionDef) and s.name == function
-        )
-        return {n for node in (call, *inside) for n in used(node)} - {"np"}
+        functions = {s.name: s for s in self.script.statements if isinstance(s, ast.FunctionDef)}
+        names, todo = used(call), [function]
+        while todo:
+            inside = functions.pop(todo.pop(), None)
+            if inside is not None:
+                declared = (n.names for n in ast.walk(inside) if isinstance(n, ast.Global))
+                names |= used(inside).union(*declared)
+                todo += used(inside)
+        return names - {"np"}
 
     def text(self, renamed: Mapping[str, str], extra: Iterable[str] = ()) -> str:
         """Source of the context, as written, with parts of the diagram under their new names."""
@@ -148,10 +167,8 @@ class Code:
             for line in range(len(text.split("\n"))):
                 self.places["\n".join(pieces).count("\n") - line + 1] = statement.lineno
             end = statement.end_lineno or 0
-        for function in self.made.values():
-            pieces.append(
-                "\n" + ast.unparse(ast.fix_missing_locations(_renamed(function, renamed)))
-            )
+        for made in self.made.values():
+            pieces.append("\n" + ast.unparse(ast.fix_missing_locations(_renamed(made, renamed))))
         return "\n".join(pieces).lstrip("\n")
 
     def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:

@@ -59,7 +59,8 @@ class Graph:
 class Diagram:
     """All of a diagram script that PathView can represent.
 
-    ``log`` tells whether the simulation logs; ``code_names`` are the names that its code binds.
+    ``log`` tells whether the simulation logs; ``code_values`` has, as texts, what the
+    script has under the names that its code needs.
     ``parts`` has, by the variable in PathView's script, each block and event of the script, and of
     each of its parameters whether an expression of the source gives it. ``places`` has lines of
     the script by lines of ``context``.
@@ -72,6 +73,6 @@ class Diagram:
     settings: dict[str, str]
     toolboxes: list[Toolbox]
     log: bool = True
-    code_names: frozenset[str] = frozenset()
+    code_values: dict[str, str] = field(default_factory=dict)
     places: dict[int, int] = field(default_factory=dict)
     parts: dict[str, tuple[Any, dict[str, bool]]] = field(default_factory=dict)

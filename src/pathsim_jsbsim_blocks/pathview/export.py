@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 import warnings
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from ..errors import DiagramError
 from . import pvm
 from .diagram import Diagram, Graph, Node
 from .frozen import Frozen
-from .plain import attributes, text_of
+from .plain import attributes
 from .proof import Proof, Rehearsal
 from .reader import Live, read_diagram
 from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
@@ -25,6 +26,7 @@ from .shape import Json
 from .toolboxes import required_toolboxes
 
 _CHECKED = 60.0  # s of processing
+_ONE_AT_A_TIME = threading.RLock()  # an export replaces functions of the whole process
 
 
 def export_script(
@@ -89,7 +91,7 @@ def script_model(
         names what the script does after its first run, which is not in the model
     """
     frozen = Frozen(time.time())
-    with Rehearsal() as rehearsal, frozen.applied():
+    with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal, frozen.applied():
         live = Script(script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check))
     if rest := live.left_out():
         assert live.run is not None
@@ -122,6 +124,12 @@ class _Export:
                 "PathView has PathSim's Simulation only",
                 made.node if made else None,
             )
+        for name, value in vars(script.simulation).items():
+            if callable(value) and hasattr(Simulation, name):
+                script.refuse(
+                    f"{name} of the simulation is replaced; PathView has PathSim's own",
+                    script.storing(name),
+                )
         self._refuse_changed_libraries()
         settings = setting_values(script)
         run = {
@@ -186,10 +194,7 @@ class _Export:
                 SETTINGS: given,
             },
             settings=settings,
-            names={
-                name: text_of(script.namespace[name])
-                for name in sorted(diagram.code_names & script.namespace.keys())
-            },
+            names=diagram.code_values,
             structure=structure(script.simulation, parts),
             run=run,
         )
@@ -212,7 +217,7 @@ class _Export:
             self.script.refuse(
                 f"{name} is changed, and PathView has its own: a class or function of a library "
                 "cannot be replaced",
-                self.script.mention(name.rpartition(".")[2]),
+                self.script.storing(name.rpartition(".")[2]),
             )
 
     def _refuse_failed(self) -> None:
@@ -226,13 +231,20 @@ class _Export:
         script, name = self.script, difference.name
         part, _ = diagram.parts.get(difference.variable, (None, None))
         what = self._called(part) if part is not None else repr(name)
-        values = f"{_short(difference.here)}, and {_short(difference.there)} in the model"
+        here, there = _short(difference.here, difference.there)
+        values = f"{here}, and {there} in the model"
         self._refuse_failed()
         if difference.error:
             owner = f"parameter {name!r} of {what}" if part is not None else name
             script.refuse(
                 f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}",
                 self._built_at(part),
+            )
+        if name in diagram.code_values:
+            script.refuse(
+                f"{what} is changed by a statement that the model does not have: it is {values}; "
+                "give it its value where it is made, or change it by a call on a line of its own",
+                script.mention(name) or script.run_call,
             )
         if part is None:
             wires = [n for n, v in script.namespace.items() if isinstance(v, Connection)]
@@ -294,8 +306,12 @@ class _Export:
         return names | ({made.target} if made and made.target else set())
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= 60 else f"{text[:57]}..."
+def _short(here: str, there: str) -> list[str]:
+    """Texts of at most 60 characters, around the place where they differ."""
+    pairs = enumerate(zip(here, there, strict=False))
+    start = max(0, next((i for i, (a, b) in pairs if a != b), 0) - 20)
+    cut = [f"...{text[start:]}" if start else text for text in (here, there)]
+    return [text if len(text) <= 60 else f"{text[:57]}..." for text in cut]
 
 
 def _nodes(graph: Graph) -> Iterator[Node]:

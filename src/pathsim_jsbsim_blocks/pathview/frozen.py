@@ -1,4 +1,4 @@
-"""Make two processes draw the same random numbers and read the same clock."""
+"""Make two processes draw the same random numbers, read the same clock and take the same order."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from unittest.mock import patch
 import numpy as np
 import numpy.random.bit_generator as bit_generator
 
+from .._core._pathsim import in_listed_order
+
 _ENTROPY = 20260101
 _TICK = 1e-3  # s; the clock moves at each look, so that a loop that waits for it ends
 
 
 class Frozen:
-    """Randomness and time that do not depend on the process, within `applied`.
+    """Randomness, time and order that do not depend on the process, within `applied`.
 
     Generators that are not given a seed all start from the same entropy. `time.time` starts at
     ``now`` and advances by a millisecond at each call.
@@ -44,6 +46,7 @@ class Frozen:
             seed(generator, _ENTROPY if a is None else a, version)
 
         with ExitStack() as stack:
+            stack.enter_context(in_listed_order())
             # where numpy takes the entropy of every generator without a seed
             stack.enter_context(patch.object(bit_generator, "randbits", lambda bits: _ENTROPY))
             stack.enter_context(patch.object(random.Random, "seed", same))

@@ -9,7 +9,16 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-_OF_DIAGRAMS = {"pathsim", "numpy", "math", "random", "jsbsim", __name__.partition(".")[0]}
+_OF_DIAGRAMS = {
+    "builtins",
+    "jsbsim",
+    "math",
+    "numpy",
+    "pathsim",
+    "random",
+    "scipy",
+    __name__.partition(".")[0],
+}
 
 
 class Libraries:
@@ -32,8 +41,16 @@ class Libraries:
 
     def changed(self) -> list[str]:
         """Names of functions, classes and values that are others now, ``module.name``."""
+        return [f"{where}.{name}" for where, name, _ in self._changes()]
+
+    def restore(self) -> None:
+        """Undo the changes: the process may go on to other scripts."""
+        for where, name, value in self._changes():
+            setattr(self._before[where][0], name, value)
+
+    def _changes(self) -> list[tuple[str, str, Any]]:
         return [
-            f"{where}.{name}"
+            (where, name, value)
             for where, (holder, before) in self._before.items()
             for name, value in before.items()
             if vars(holder).get(name, ...) is not value

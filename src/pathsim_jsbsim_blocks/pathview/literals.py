@@ -6,7 +6,7 @@ import ast
 import builtins
 import copy
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 from .names import bound, references
 
 _FUNCTIONS = (ast.FunctionDef, ast.Lambda)
+# arithmetic with these rounds and divides by zero in ways of its own
+_SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
 
 
 class Unwritable(Exception):
@@ -28,8 +30,8 @@ def literal(value: Any) -> str:
     Unwritable
         for anything else
     """
-    if isinstance(value, np.generic) and value.shape == () and not value.dtype.names:
-        value = value.item()
+    if type(value) in _SCALARS:
+        return f"np.{type(value).__name__}({literal(value.item())})"
     if value is None or value is ... or type(value) in (bool, int, str, bytes):
         return repr(value)
     if type(value) in (float, complex):
@@ -60,6 +62,19 @@ def literal(value: Any) -> str:
     raise Unwritable(f"{text if len(text) <= 60 else text[:57] + '...'} is not a plain value")
 
 
+def memories(value: Any) -> Iterator[int]:
+    """What a collection or an array can change, as addresses."""
+    if isinstance(value, np.ndarray):
+        while isinstance(value.base, np.ndarray):
+            value = value.base
+        yield id(value)
+    elif isinstance(value, (list, dict, set, tuple)):
+        if not isinstance(value, tuple):
+            yield id(value)
+        for inner in [*value, *(value.values() if isinstance(value, dict) else ())]:
+            yield from memories(inner)
+
+
 class Functions:
     """The functions in a script, found by their code objects."""
 
@@ -81,7 +96,11 @@ class Functions:
         return found[0] if len({ast.dump(n) for n in found}) == 1 else None
 
     def written(
-        self, function: types.FunctionType, source: Any, part_name: Callable[[Any], str | None]
+        self,
+        function: types.FunctionType,
+        source: Any,
+        part_name: Callable[[Any], str | None],
+        value_of: Callable[[str, Any], ast.expr],
     ) -> ast.FunctionDef | ast.Lambda:
         """A function of the script as one of the top level.
 
@@ -95,6 +114,8 @@ class Functions:
             the argument that it was; a lambda is its own definition
         part_name : callable
             gives the name of a part of the diagram to which it refers
+        value_of : callable
+            gives an expression for the value of a variable
 
         Raises
         ------
@@ -115,12 +136,19 @@ class Functions:
                 renamed[name] = part
                 continue
             new.args.kwonlyargs.append(ast.arg(name))
-            new.args.kw_defaults.append(_parsed(literal(cell.cell_contents)))
-        new.args.defaults = [_parsed(literal(v)) for v in function.__defaults__ or ()]
+            new.args.kw_defaults.append(value_of(name, cell.cell_contents))
+        defaults, names = (
+            function.__defaults__ or (),
+            _arguments(new)[: len(node.args.posonlyargs) + len(node.args.args)],
+        )
+        new.args.defaults = [
+            value_of(*pair)
+            for pair in zip(names[len(names) - len(defaults) :], defaults, strict=True)
+        ]
         given = function.__kwdefaults__ or {}
         for i, argument in enumerate(node.args.kwonlyargs):
             if argument.arg in given:
-                new.args.kw_defaults[i] = _parsed(literal(given[argument.arg]))
+                new.args.kw_defaults[i] = value_of(argument.arg, given[argument.arg])
         body = new.body if isinstance(new.body, list) else [new.body]
         local = bound(body) | set(_arguments(new))
         for part_of_body in body:
@@ -133,7 +161,3 @@ def _arguments(node: Any) -> tuple[str, ...]:
     a = node.args
     every = [*a.posonlyargs, *a.args, *a.kwonlyargs, *filter(None, (a.vararg, a.kwarg))]
     return tuple(argument.arg for argument in every)
-
-
-def _parsed(text: str) -> ast.expr:
-    return ast.parse(text, mode="eval").body

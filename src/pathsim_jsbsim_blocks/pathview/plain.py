@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copyreg
 import functools
+import random
+import sys
 import types
 from collections import deque
 from collections.abc import Mapping
@@ -17,13 +20,17 @@ _NUMBERS = (bool, int, float, complex)
 _DEEP = 20
 MODEL = "rehearsed"  # the module that a model's code is in
 _OWN = ("__main__", MODEL)
+# the flight sets the state of these
+_GLOBAL_GENERATORS = (random._inst, np.random.mtrand._rand)  # type: ignore[attr-defined]
+# generators, counters, files: what they give next depends on what was read before
+_STATEFUL = {*sys.stdlib_module_names, "numpy"}
 
 
 def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     """A text that is equal for equal plain values, of any depth.
 
-    Plain are numbers, texts, arrays, collections, and objects of classes that a script defines,
-    with their attributes. Of anything else it is the type only.
+    Plain are numbers, texts, arrays, collections, objects of Python and numpy, and of classes that
+    a script defines, with their state. Of anything else it is the type only.
     """
     if value is None or isinstance(value, (*_NUMBERS, str, bytes, range, slice)):
         return repr(value) if type(value) in _NUMBERS else f"{_kind(value)}({value!r})"
@@ -40,7 +47,12 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, (set, frozenset)):
         return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
     if isinstance(value, types.FunctionType):
-        return f"function{text_of(_own_values(value), inside)}"
+        return f"function{text_of({**_own_values(value), **vars(value)}, inside)}"
+    if isinstance(value, types.ModuleType) or any(value is g for g in _GLOBAL_GENERATORS):
+        return _kind(value)
+    if isinstance(value, types.GeneratorType):
+        begun = value.gi_frame and (value.gi_frame.f_lasti >= 0, value.gi_frame.f_locals)
+        return f"generator{text_of(begun, inside)}"
     if isinstance(value, types.MethodType):
         return f"{value.__name__} of {text_of(value.__self__, inside)}"
     if isinstance(value, functools.partial):
@@ -51,9 +63,23 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
         own = {k: v for k, v in vars(value).items() if not k.startswith("__")}
         return f"class {value.__qualname__} {text_of(own, inside)}"
     if type(value).__module__ in _OWN:
-        own = getattr(value, "__dict__", {})
-        return f"{_kind(value)}({text_of(own, inside)}) {text_of(type(value), inside)}"
+        return f"{_kind(value)}({_state(value, inside)}) {text_of(type(value), inside)}"
+    if type(value).__module__.partition(".")[0] in _STATEFUL:
+        return f"{_kind(value)}({_state(value, inside)})"
     return _kind(value)
+
+
+def _state(value: Any, around: tuple[int, ...]) -> str:
+    """What would be pickled; of a file where it stands, of anything else its attributes."""
+    try:
+        if hasattr(value, "tell"):
+            return text_of(value.tell())
+        make, given, *state = value.__reduce_ex__(2)
+        if make is copyreg.__newobj__:  # type: ignore[attr-defined]
+            given = given[1:]
+        return text_of([s for s in (given, *state) if s is not None and s != ()], around)
+    except Exception:  # classes refuse in ways of their own
+        return text_of(getattr(value, "__dict__", {}), around)
 
 
 def attributes(part: Any) -> dict[str, str]:

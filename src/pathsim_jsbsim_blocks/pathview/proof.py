@@ -5,20 +5,24 @@ from __future__ import annotations
 import atexit
 import contextlib
 import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 from pathsim import Simulation
 from pathsim.blocks import Block
 
 from .._core._pathsim import each_sample
+from ..errors import DiagramError
 from .rehearsal import Difference, Ended, Job, Parting, Row, receive, row, send, serve
 
 _AT_ONCE = 200  # rows
+_FORKS = hasattr(os, "fork")
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,14 @@ class Rehearsal:
     """A process that builds the model of a script and flies it beside the script.
 
     It is started before the script, of which it knows nothing but the model. As a context: where
-    it is left by an error, the process ends; otherwise it waits for the next model.
+    it is left by another error than a refusal, the process ends; otherwise it waits for the next
+    model.
     """
 
     _idle: ClassVar[subprocess.Popen[bytes] | None] = None
 
-    def __init__(self) -> None:
+    def __init__(self, script: str | Path) -> None:
+        self.script = script
         # where the script begins
         self.surroundings = {
             "environment": dict(os.environ),
@@ -70,10 +76,13 @@ class Rehearsal:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *details: Any) -> None:
-        if kind is None and hasattr(os, "fork"):
+        # a refusal comes before the flight or after its end
+        if _FORKS and (kind is None or issubclass(kind, DiagramError)):
             Rehearsal._idle = self._process
         else:
-            self._process.kill()
+            # the model flies in a copy of the process, which is in its group
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL) if _FORKS else self._process.kill()
             self._process.communicate()
 
     def _started(self) -> subprocess.Popen[bytes]:
@@ -81,7 +90,10 @@ class Rehearsal:
             f"import sys; sys.path[:] = {sys.path!r}; from {serve.__module__} import serve; serve()"
         )
         process = subprocess.Popen(
-            [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            [sys.executable, "-c", program],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C is for this process, which ends the other
         )
         # it ends where its input does
         atexit.register(process.communicate)
@@ -131,6 +143,7 @@ class Rehearsal:
         try:
             return receive(self._process.stdout)  # type: ignore[arg-type]
         except EOFError:
-            raise RuntimeError(
-                f"the process that flies the model has ended with {self._process.wait()}"
+            self._process.wait()
+            raise DiagramError(
+                "the model ends the process in which it flies: its code must not", path=self.script
             ) from None

@@ -23,7 +23,7 @@ from pathsim.blocks import Block
 from .._core._pathsim import own_events, port_names, port_number
 from .code import Code
 from .diagram import Diagram, Event, Graph, Node, Wire
-from .literals import Functions, Unwritable, literal
+from .literals import Functions, Unwritable, literal, memories
 from .names import used
 from .script import Construction, Script, named_arguments
 from .settings import setting_expressions, setting_values
@@ -84,6 +84,8 @@ class _Reader:
         self.live = live
         self.code = Code(script, without)
         self.stand_ins: dict[str, Any] = {}
+        self.values: dict[int, str] = {}  # of functions' variables: what can change, by id
+        self.memories: dict[int, Any] = {}
         self.functions = Functions(script.tree, str(script.path))
         self.registry = core_registry()
         self.parts: dict[int, _Part] = {}
@@ -108,7 +110,6 @@ class _Reader:
         renamed = self._name_parts(code)
         for name in sorted(code.parts - renamed.keys()):
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
-        code_names = frozenset(code.names)
         renamed = {old: new for old, new in renamed.items() if old != new}
         functions = self._write_parameters(code, renamed)
         imports = self._event_imports(graph)
@@ -122,7 +123,7 @@ class _Reader:
             settings=values,
             toolboxes=self._toolboxes(),
             log=bool(sim.log),
-            code_names=code_names,
+            code_values=code.values(),
             places=self.code.places,
             parts={
                 p.variable: (
@@ -285,12 +286,16 @@ class _Reader:
                 part.arguments = named_arguments(made.node, names)
             else:
                 made = None
-            for name in part.arguments:
+            for name in list(part.arguments):
                 if name not in known or name.startswith("_"):
                     self.refuse(
                         f"PathView cannot represent parameter {name!r} of {part.kind.__name__}",
                         self._node(part.value),
                     )
+                now = getattr(part.value, name, None)
+                if made and self._is_own(now) and made.given.get(name, now) is not now:
+                    self.live.add((id(part.value), name))  # replaced
+                    del part.arguments[name]
         else:
             made = None
         if part.kind is Subsystem:  # its contents are read from the live subsystem
@@ -300,6 +305,10 @@ class _Reader:
                 default = parameters[name].default if name in parameters else ...
                 if not _is_default(getattr(part.value, name, default), default):
                     self.live.add((id(part.value), name))
+
+    def _is_own(self, value: Any) -> bool:
+        """Whether a value is a function of the script."""
+        return inspect.isfunction(value) and value.__code__.co_filename == str(self.script.path)
 
     def _settle(self, part: _Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
@@ -334,19 +343,49 @@ class _Reader:
         try:
             if not inspect.isfunction(value):
                 return _without_places(ast.parse(literal(value), mode="eval").body)
-            function = _without_places(self.functions.written(value, node, self._stand_in))
+            function = _without_places(
+                self.functions.written(value, node, self._stand_in, self._value)
+            )
         except Unwritable as unwritable:
             self.refuse(f"{what}: {unwritable}; write it at the top level, under a name", where)
         if isinstance(function, ast.Lambda):
             return function
-        name = function.name
-        taken = {*self.script.namespace, *self.code.made}
-        while name in taken and self.code.made.get(name) != function:
+        function.name, function.decorator_list, function.returns = (
+            self._free(function.name),
+            [],
+            None,
+        )
+        return self._made(function.name, function)
+
+    def _free(self, name: str) -> str:
+        while name in self.script.namespace or name in self.code.made:
             name += "_"
-        function.name, function.decorator_list, function.returns = name, [], None
-        self.code.made[name] = function
-        self.code.need(function)
+        return name
+
+    def _made(self, name: str, statement: ast.stmt) -> ast.Name:
+        self.code.made[name] = statement
+        self.code.need(statement)
         return ast.Name(name, ast.Load())
+
+    def _value(self, variable: str, value: Any) -> ast.expr:
+        """An expression for the value of a function's variable.
+
+        What can change gets a name, because another function may have it too.
+        """
+        if value is None or isinstance(value, (bool, int, float, complex, str, tuple)):
+            return ast.parse(literal(value), mode="eval").body
+        held = [n for n, v in self.script.namespace.items() if v is value]
+        if held:
+            return ast.Name(held[0], ast.Load())
+        if id(value) not in self.values:
+            for memory in memories(value):
+                if self.memories.setdefault(memory, value) is not value:
+                    raise Unwritable(
+                        f"{variable!r} shares memory with a variable of another function"
+                    )
+            name = self.values[id(value)] = self._free(variable)
+            self._made(name, _without_places(ast.parse(f"{name} = {literal(value)}").body[0]))
+        return ast.Name(self.values[id(value)], ast.Load())
 
     def _stand_in(self, value: Any) -> str | None:
         """A name for a part to which a function refers, until the parts are named."""

@@ -58,7 +58,7 @@ class Job:
     parameters : dict
         expressions by part, or SETTINGS, and name
     settings, names : dict
-        settings of the solver, and what the model's code binds, as texts
+        settings of the solver, and what the model's code needs, as texts
     structure : dict
         see `structure`
     run : dict
@@ -236,11 +236,7 @@ def _evaluated(content: Json, job: Job) -> list[Difference]:
             if frame.f_code.co_filename == "code" and frame.f_code.co_name == "<module>"
         ]
         return [Difference("", "the code", error=said(error), line=lines[0] if lines else 0)]
-    found = [
-        Difference("", name, text, there)
-        for name, text in job.names.items()
-        if (there := text_of(namespace.get(name, ...))) != text
-    ]
+    found = []
     for variable, parameters in job.parameters.items():
         for name, expression in parameters.items():
             try:
@@ -271,6 +267,8 @@ def _compared(namespace: dict[str, Any], job: Job) -> list[Difference]:
         (name, mine, attributes(parts[name])) for name, mine in job.parts.items()
     ]
     both.append(("", job.structure, structure(namespace["sim"], parts)))
+    names = job.names.keys() & namespace.keys()
+    both.append(("", job.names, {name: text_of(namespace[name]) for name in names}))
     return [
         Difference(variable, name, mine.get(name, "absent"), theirs.get(name, "absent"))
         for variable, mine, theirs in both
@@ -301,7 +299,7 @@ def _flown(
         return None
     except Parting as parting:
         return parting
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         return Parting("", "", simulation.time, "goes on", f"fails: {said(error)}")
     return rest and Parting("", "", rest[0], "goes on", "has ended")
 

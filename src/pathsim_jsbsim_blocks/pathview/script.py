@@ -9,6 +9,7 @@ import inspect
 import itertools
 import logging
 import math
+import os
 import sys
 import types
 from collections.abc import Callable, Iterator, Sequence
@@ -174,6 +175,17 @@ class Script:
         ]
         return max(found, key=lambda n: n.lineno, default=None)
 
+    def storing(self, attribute: str) -> ast.AST | None:
+        """Where an attribute of this name is assigned, or named in a text."""
+        for node in ast.walk(self.tree):
+            if getattr(node, "value", None) == attribute or (
+                isinstance(node, ast.Attribute)
+                and node.attr == attribute
+                and isinstance(node.ctx, ast.Store)
+            ):
+                return node
+        return None
+
     def construction(self, value: Any) -> Construction | None:
         """Where an object was built; None if no expression of the script did."""
         return self._built.get(id(value))
@@ -190,8 +202,13 @@ class Script:
         setattr(module, _CALL, lambda i, *a, **k: self._call(recorder.calls[i], *a, **k))
         self.namespace = vars(module)
         try:
-            with _as_main_program(module, self.path), self._runs_held_back():
+            with (
+                _as_main_program(module, self.path),
+                self._runs_held_back(),
+                ExitStack() as stack,
+            ):
                 self._libraries = Libraries(self.tree)
+                stack.callback(self._libraries.restore)
                 exec(code, self.namespace)
                 self._stand()
         except _RunReached:
@@ -482,8 +499,13 @@ def _span(node: ast.Call) -> tuple[int, int, int | None, int | None]:
 
 @contextmanager
 def _as_main_program(module: types.ModuleType, path: Path) -> Iterator[None]:
-    """The environment of a main program: its folder first in ``sys.path``, no arguments."""
+    """The environment of a main program: its folder first in ``sys.path``, no arguments.
+
+    What the script changes of it, and its current folder, is put back.
+    """
     with ExitStack() as stack:
+        stack.callback(os.chdir, os.getcwd())
+        stack.enter_context(patch.dict(os.environ))
         stack.enter_context(patch.object(sys, "path", [str(path.resolve().parent), *sys.path]))
         stack.enter_context(patch.object(sys, "argv", [str(path)]))
         # classes that the script defines look up their module by name
