@@ -174,7 +174,7 @@ class Drawing:
         return self.page.locator(".svelte-flow__node").filter(has=name)
 
     def port(self, kind, direction, name):
-        """A port by its name, which the canvas cuts to 8 characters."""
+        """A port by its name, for which the canvas may show a shorter label."""
         labels = getattr(OURS.blocks().get(kind), f"{direction}_port_labels", None)
         index = labels[name] if labels else int(name)
         return self.block(kind).locator(f".handle-{direction}").nth(index)

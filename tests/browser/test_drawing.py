@@ -71,7 +71,6 @@ def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
     drawing.place("PitchHold", 420, 620)
     picture("blocks")
     drawing.panel("Blocks")
-    page.keyboard.press("l")  # the names of the ports
 
     drawing.add_input("Scope")
     drawing.close(drawing.set("Aircraft", altitude="5000.0", speed="90.0"))

@@ -5,8 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from pathsim_jsbsim_blocks.pathview import export_script
+from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.pathview import export_script, pvm
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
+
+from .editor import Drawing
 
 LOOP = """
 from pathsim import Connection, Simulation
@@ -88,3 +91,52 @@ def test_the_properties_dialog_explains_a_block(editor, loop):
     dialog.locator(".docs-toggle").click()
     page = dialog.locator(".docs-content")
     page.get_by_text("Sampled PI-D controller").wait_for()
+
+
+@pytest.mark.parametrize("kind", ["Aircraft", "Autopilot"])
+def test_a_fresh_block_shows_its_ports_and_does_not_cover_the_note(kind, editor, models):
+    models["isa.pvm"] = pvm.read(diagram_folder() / "isa_profile.pvm")
+    editor.open("isa.pvm")
+    editor.page.wait_for_timeout(1500)  # the diagram flies in
+    drawing = Drawing(editor.page)
+    note = editor.page.locator(".annotation").bounding_box()
+    drawing.panel("Blocks")
+    drawing.place(kind, 1000, note["y"] + note["height"] / 2)
+    block = drawing.block(kind)
+    ports = OURS.blocks()[kind]
+    names = [*ports.input_port_labels, *ports.output_port_labels]
+    assert block.locator(".port-label").count() == len(names)
+    editor.page.wait_for_timeout(500)
+    top, left = block.bounding_box(), editor.page.locator(".annotation").bounding_box()
+    assert top["y"] >= left["y"] + left["height"]
+    frame = block.locator(".node").bounding_box()
+    for label in block.locator(".port-label").all():
+        box = label.bounding_box()
+        assert frame["x"] < box["x"]
+        assert box["x"] + box["width"] < frame["x"] + frame["width"]
+
+
+FORMULAS = [name for name, block in OURS.blocks().items() if ".. math::" in block.__doc__]
+
+
+@pytest.mark.parametrize(
+    "names", [("CourseHold", "ISAtmosphere"), pytest.param(FORMULAS, marks=pytest.mark.long)]
+)
+def test_the_library_shows_whole_formulas(names, editor, models):
+    models["isa.pvm"] = pvm.read(diagram_folder() / "isa_profile.pvm")
+    editor.open("isa.pvm")
+    page = editor.page
+    page.click("button[aria-label='Blocks']")
+    for name in names:
+        page.mouse.move(1500, 900)
+        page.fill(".node-library .search-input", name)
+        tile = page.locator(".node-library .node-tile")
+        tile.filter(has=page.get_by_text(name, exact=True)).hover()
+        panel = page.locator(".panel-right")
+        panel.get_by_text(name.upper(), exact=False).first.wait_for()
+        page.wait_for_timeout(800)  # formulas are set after the text
+        right = panel.bounding_box()
+        for part in panel.locator(".katex-html .base").all():
+            box = part.bounding_box()
+            assert box["x"] + box["width"] <= right["x"] + right["width"], name
+        assert panel.locator(".katex-html .base").count()

@@ -38,9 +38,8 @@ def test_further_ports_are_drawn_wired_and_flown(tmp_path, models, editor):
     editor.open("further.pvm")
     (_, shown, ports) = next(b for b in editor.blocks() if b[0] == "plane")
     assert ports == 9 + 24
-    # PathView cuts names to 8 characters
     names = shown.splitlines()[-33:]
-    assert (names[7:9], names[-2:]) == (["flaps", "throttle"], ["flaps", "thrust-l"])
+    assert (names[7:9], names[-2:]) == (["flaps", "throttle[1]"], ["flaps", "thrust-lbs"])
     assert editor.run() == "Simulation completed successfully"
     assert editor.complaints() == []
     ((_, signals),) = editor.runs[-1].values()

@@ -141,16 +141,59 @@ def test_a_block_is_as_large_as_pathview_draws_it(name, kind, inputs, outputs, p
     assert size(node, pinned) == expected
 
 
-def test_columns_stand_90_apart_and_10_more_for_each_signal_that_turns_between():
+def test_columns_stand_50_apart_and_10_more_for_each_signal_that_turns_between():
     x, y, _ = placed(graph("a>b"))
-    assert x == {"a": 40, "b": 40 + 80 + 90 + 10}
+    assert x == {"a": 40, "b": 40 + 80 + 50 + 10}
     x, y, _ = placed(graph("a>sum b>sum.1 sum>scope"))
-    assert x == {"a": 40, "b": 40, "sum": 40 + 80 + 90 + 20, "scope": 230 + 80 + 90 + 10}
+    assert x == {"a": 40, "b": 40, "sum": 40 + 80 + 50 + 20, "scope": 190 + 80 + 50 + 10}
     assert y["b"] - y["a"] == 40 + 60
     assert y["sum"] - y["a"] == 10  # straight into its first port
     assert y["scope"] == y["sum"]
     x, _, _ = placed(graph(" ".join(f"s{i}>mux.{i}" for i in range(12))))
-    assert x["mux"] == 40 + 80 + 90 + 100  # no more than for ten
+    assert x["mux"] == 40 + 80 + 50 + 100  # no more than for ten
+
+
+def test_names_of_ports_have_room_inside_a_block():
+    """20 px steps for 8 px and 4 for each letter; numbers and recorders show no names."""
+    inputs, outputs = ["theta", "elev_sat"], ["aileron-cmd-norm"]
+    assert size(Node("a", "Block", {}, inputs, [])) == (80 + 40, 40)
+    assert size(Node("a", "Block", {}, inputs, outputs)) == (80 + 40 + 80, 40)
+    assert size(Node("a", "Block", {}, ["in 0", "in 1"], ["out 0"])) == (80, 40)
+    assert size(Node("a", "Scope", {}, inputs, [])) == (80, 40)
+
+
+def test_wires_that_run_back_have_room_above_and_below():
+    holds = ("one", "two", "three")
+    back = " ".join(f"plane>{hold}.{i}" for hold in holds for i in range(4))
+    on = " ".join(f"{hold}>plane.{i}" for i, hold in enumerate(holds))
+    _, y, _ = placed(graph(f"{back} {on} plane>scope", ports={"plane": 8}))
+    # blocks 80 high, 60 between, and 10 more: the four wires are of one port
+    assert [y["one"], y["two"], y["three"]] == [-150, 0, 150]
+
+
+def test_a_scope_does_not_move_its_sources():
+    """Each source is level with the block that it feeds, however far the scope of all is."""
+    lanes = " ".join(f"s{i}>plane{i} s{i}>scope.{i}" for i in range(3))
+    _, y, _ = placed(graph(lanes, ports={f"plane{i}": 22 for i in range(3)}))
+    assert [y[f"s{i}"] for i in range(3)] == [y[f"plane{i}"] for i in range(3)]
+    assert y["plane2"] - y["plane1"] == 440 + 60
+
+
+def test_a_chain_too_long_for_a_page_goes_on_in_a_second_row():
+    names = "abcdefghijkl"
+    x, y, _ = placed(graph(" ".join(f"{m}>{n}" for m, n in itertools.pairwise(names))))
+    rows = {n: [m for m in names if y[m] == y[n]] for n in names}
+    assert [*rows.values()] == [list("abcdef")] * 6 + [list("ghijkl")] * 6
+    assert x["a"] == x["g"] == 40
+    assert max(x.values()) == 40 + 5 * (80 + 50 + 10)
+    assert y["g"] - y["a"] == 40 + 60 + 10  # px: and 10 for the wire between
+
+
+def test_a_way_back_from_the_second_row_stands_below_the_first():
+    chain = "r>a a>b b>c c>d d>e e>f f>g g>h h>i i>scope i>back back>b.1"
+    _, y, turned = placed(graph(chain))
+    assert turned == {"back"}
+    assert y["b"] < y["back"] < y["i"]
 
 
 def test_the_way_back_runs_below_from_right_to_left_at_equal_distances():
@@ -159,16 +202,16 @@ def test_the_way_back_runs_below_from_right_to_left_at_equal_distances():
     # 60 below the lowest, which is 20 high from its centre
     assert y["back"] == max(y[n] for n in ("step", "sum", "a", "b", "c", "d")) + 20 + 60 + 20
     assert x["back"] == pytest.approx((x["sum"] + x["d"]) / 2, abs=5)
-    x, y, _ = placed(graph("step>sum sum>a a>b b>c c>d d>e e>scope e>back back>way way>sum.1"))
+    x, y, _ = placed(graph("step>sum sum>a a>b b>c c>d d>scope d>back back>way way>sum.1"))
     assert y["back"] == y["way"]
     assert [x["back"], x["way"]] == pytest.approx(
-        [x["e"] + (x["sum"] - x["e"]) * part for part in (1 / 3, 2 / 3)], abs=5
+        [x["d"] + (x["sum"] - x["d"]) * part for part in (1 / 3, 2 / 3)], abs=5
     )
-    # too short a way is widened about its middle: 80 and 90 for each block on it
+    # too short a way is widened about its middle: 80 and 50 for each block on it
     x, _, _ = placed(graph("step>sum sum>plant plant>scope plant>back back>way way>sum.1"))
     middle = (x["sum"] + x["plant"]) / 2
     assert [x["back"], x["way"]] == pytest.approx(
-        [middle + 170 * side / 3 for side in (1, -1)], abs=5
+        [middle + 130 * side / 3 for side in (1, -1)], abs=5
     )
 
 

@@ -28,9 +28,9 @@ def positions(items):
 
 
 def test_events_stand_in_a_row_below_the_blocks():
-    # the blocks are 80 by 40: from 0 to 260 and from -20 to 20; an event is 80 wide
+    # the blocks are 80 by 40: from 0 to 220 and from -20 to 20; an event is 80 wide
     new = written([A, B], [A_TO_B], EVENTS)
-    assert positions(new["graph"]["nodes"]) == {"a": (40, 0), "b": (220, 0)}
+    assert positions(new["graph"]["nodes"]) == {"a": (40, 0), "b": (180, 0)}
     assert positions(new["events"]) == {"first": (40, 140), "second": (160, 140)}
     old = {"events": [{"name": "second", "position": {"x": 7, "y": 8}}]}
     assert positions(written([A, B], [A_TO_B], EVENTS, existing=old)["events"]) == {
@@ -52,7 +52,7 @@ def test_the_note_stands_above_the_blocks():
     assert note["position"]["y"] == -100 - 10  # a wire that runs back takes 10 above
     chain = [Node(f"n{i}", "Block", {}, ["in"], ["out"]) for i in range(9)]
     wires = [Wire(i, 0, i + 1, 0) for i in range(8)]
-    for n, width in ((3, 440), (9, 760)):  # as wide as the blocks, at most 760
+    for n, width in ((4, 500), (6, 760)):  # as wide as the blocks, at most 760
         (note,) = written(chain[:n], wires[: n - 1], docstring="Title.")["graph"]["annotations"]
         assert note["width"] == width
 
@@ -71,7 +71,7 @@ def test_new_blocks_stand_beside_those_that_were_there():
     assert positions(new["graph"]["nodes"]) == {
         "a": (1040, 503),
         "b": (1220, 497),
-        "c": (1400, 500),
+        "c": (1340, 500),
     }
     assert [n["params"] for n in new["graph"]["nodes"]] == [{"_rotation": 1}, {}, {}]
     (note,) = written([A, B], [A_TO_B], docstring="Title.", existing=old)["graph"]["annotations"]
@@ -80,7 +80,7 @@ def test_new_blocks_stand_beside_those_that_were_there():
     old["graph"]["nodes"][1]["position"]["x"] = 1400
     old["graph"]["nodes"][0]["position"]["x"] = 860
     new = written([A, B, c], [A_TO_B, Wire(1, 0, 2, 0)], existing=old)
-    assert positions(new["graph"]["nodes"])["c"] == (1400, 570)
+    assert positions(new["graph"]["nodes"])["c"] == (1340, 570)
 
 
 @pytest.mark.parametrize(

@@ -111,9 +111,9 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
 
     .. math::
 
-        T = T_b + L (H - H_b), \qquad
-        p = p_b \left(\frac{T}{T_b}\right)^{-g_0 / (R L)}, \qquad
-        \rho = \frac{p}{R (T + \Delta T)}, \qquad
+        T &= T_b + L (H - H_b), \qquad
+        p = p_b \left(\frac{T}{T_b}\right)^{-g_0 / (R L)} \\
+        \rho &= \frac{p}{R (T + \Delta T)}, \qquad
         a = \sqrt{\gamma R (T + \Delta T)}
 
     in each layer of the geopotential altitude ``H``. The temperature deviation shifts the

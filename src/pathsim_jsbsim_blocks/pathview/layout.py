@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
@@ -11,10 +12,12 @@ from statistics import mean, median_low
 from .diagram import Graph, Node
 
 GRID = 10  # PathView's grid, px
+PAGE = 1000  # width in which a diagram can be read on a page; a longer chain goes on below
 _PORT = 20  # between ports
 _ROW = 60  # free height between blocks
-_GAP = 90  # free width between columns, and more for each wire that turns there
+_GAP = 50  # free width between columns, and more for each wire that turns there
 _SWEEPS = 12
+RECORDERS = {"Scope", "Spectrum"}
 _BIG = 4  # outputs: a plant, from which the loops of a diagram go back
 
 Edge = tuple[int, int]
@@ -28,9 +31,19 @@ class Layout:
     turned: set[int] = field(default_factory=set)
 
 
+def labelled(node: Node, ports: list[str]) -> bool:
+    """Whether to show the names of ports: they are no numbers, and no names of a recorder."""
+    return node.type not in RECORDERS and any(
+        not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p) for p in ports
+    )
+
+
 def size(node: Node, pinned: int = 0) -> tuple[int, int]:
-    """Width and height in px at which PathView draws a node."""
+    """Width and height in px at which PathView draws a node, with the names of its ports."""
     width = max(80, 6 * len(node.name) + 20, 5 * len(node.type) + 20, 160 if pinned else 0)
+    for ports in (node.inputs, node.outputs):
+        if labelled(node, ports):  # beside the ports in PathView, inside the block in our page
+            width += _up(8 + 4 * max(map(len, ports)))
     height = max(
         40 + (7 + 24 * pinned if pinned else 0), _PORT * max(len(node.inputs), len(node.outputs), 1)
     )
@@ -64,11 +77,69 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
         # align a block that only feeds a scope with the other blocks that feed scopes
         if i not in turned and i in observed and not any(i in e for e in edges):
             layer[i] = max(last, 0)
-    y = _rows(graph, sizes, layer, cut)
-    x = _columns(graph, sizes, layer)
-    centres = {i: (_snap(x[layer[i]]), _snap(y[i])) for i in layer}
-    _place_turned(graph, sizes, turned, cut, centres)
+    bands = _bands(graph, sizes, layer, cut, sinks)
+    x = {i: at for band in bands for i, at in _columns(graph, sizes, band, cut).items()}
+    chains = _chains(graph, turned)
+    centres: dict[int, tuple[int, int]] = {}
+    for band in bands:
+        y = _rows(graph, sizes, band, cut, sinks)
+        if centres:
+            between = {
+                (w.source, w.output) for w in graph.wires if (w.source in y) != (w.target in y)
+            }
+            top = _floor(centres, sizes) + _ROW + GRID * len(between)
+            shift = top - min(y[i] - sizes[i][1] / 2 for i in y)
+            y = {i: at + shift for i, at in y.items()}
+        centres.update({i: (x[i], _snap(at)) for i, at in y.items()})
+        floor = _floor({i: at for i, at in centres.items() if nodes[i].outputs}, sizes)
+        for chain in [c for c in chains if band is bands[-1] or _goals(graph, c) & centres.keys()]:
+            _place_turned(graph, sizes, chain, floor, x, centres)
+            chains.remove(chain)
     return Layout([centres[i] for i in range(len(nodes))], turned)
+
+
+def _floor(centres: dict[int, tuple[int, int]], sizes: list[tuple[int, int]]) -> float:
+    """Height of the lowest edge of blocks."""
+    return max((y + sizes[i][1] / 2 for i, (_, y) in centres.items()), default=0.0)
+
+
+def _bands(
+    graph: Graph,
+    sizes: list[tuple[int, int]],
+    layer: dict[int, int],
+    cut: Collection[Edge],
+    sinks: set[int],
+) -> list[dict[int, int]]:
+    """The columns, in as few rows one below the other as fit on a page, with few wires between."""
+    column = {i: n for i, n in layer.items() if i not in sinks}
+    last = max(column.values(), default=0)
+    for i in sinks:  # a scope stands at the end of its last source's row
+        column[i] = max(
+            (column[w.source] for w in graph.wires if w.target == i and w.source in column),
+            default=last,
+        )
+    # by the columns that are placed: rows, wires between them, how unequal they are, the rows
+    best: dict[int, tuple[int, int, float, list[dict[int, int]]]] = {0: (0, 0, 0.0, [])}
+    for end in range(1, last + 2):
+        ways = []
+        for start in range(end - 1, -1, -1):
+            band = {i: n for i, n in layer.items() if start <= column[i] < end}
+            at = _columns(graph, sizes, band, cut)
+            width = max((x + sizes[i][0] / 2 for i, x in at.items()), default=0.0)
+            if width > PAGE and start < end - 1:
+                break
+            count, wires, unequal, bands = best[start]
+            crossing = {
+                (w.source, w.output)
+                for w in graph.wires
+                if w.source in column
+                and w.target in column
+                and start
+                and (column[w.source] < start) != (column[w.target] < start)
+            }
+            ways.append((count + 1, wires + len(crossing), unequal + width**2, [*bands, band]))
+        best[end] = min(ways, key=lambda way: way[:3])
+    return best[last + 1][3]
 
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
@@ -164,28 +235,40 @@ def _layers(nodes: list[int], edges: Collection[Edge]) -> dict[int, int]:
 
 
 def _rows(
-    graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int], cut: Collection[Edge]
+    graph: Graph,
+    sizes: list[tuple[int, int]],
+    layer: dict[int, int],
+    cut: Collection[Edge],
+    sinks: set[int],
 ) -> dict[int, float]:
     """Heights at which the wires between columns are as straight as they can be."""
+    back = {(w.source, w.output, w.target) for w in graph.wires if (w.source, w.target) in cut}
+    # wires that run back pass above and below their blocks
+    heights = [
+        size[1] + GRID * len({b[:2] for b in back if i in (b[0], b[2])})
+        for i, size in enumerate(sizes)
+    ]
     columns: dict[int, list[int]] = defaultdict(list)
     for i in sorted(layer):
         columns[layer[i]].append(i)
     y: dict[int, float] = {}
     for column in columns.values():
-        y.update(_spread([(0.0, i) for i in column], sizes))
+        y.update(_spread([(0.0, i) for i in column], heights))
     wires = [
         w
         for w in graph.wires
         if w.source in layer and w.target in layer and (w.source, w.target) not in cut
     ]
     pulls: dict[int, list[tuple[int, float]]] = defaultdict(list)
+    chained = {i for w in wires if w.target not in sinks for i in (w.source, w.target)}
     for w in wires:
         # where the target's centre is to be above the source's for a straight wire
         shift = _offset(w.output, len(graph.nodes[w.source].outputs)) - _offset(
             w.input, len(graph.nodes[w.target].inputs)
         )
         pulls[w.target].append((w.source, shift))
-        pulls[w.source].append((w.target, -shift))
+        if w.target not in sinks or w.source not in chained:  # a scope follows its sources
+            pulls[w.source].append((w.target, -shift))
     for sweep in range(_SWEEPS + 1):
         forward = sweep % 2 == 0
         for number in sorted(columns, reverse=not forward):
@@ -196,11 +279,11 @@ def _rows(
                 middle = mean if sweep < _SWEEPS else median_low
                 wished.append((middle(sides) if sides else y[i], i))
             wished.sort(key=None if sweep < _SWEEPS else lambda w: y[w[1]])
-            y.update(_spread(wished, sizes))
+            y.update(_spread(wished, heights))
     return y
 
 
-def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> dict[int, float]:
+def _spread(wished: list[tuple[float, int]], heights: list[int]) -> dict[int, float]:
     """Heights close to the wished ones that keep the blocks of a column in this order."""
     # groups of touching blocks, each at the mean of its blocks' wishes
     groups: list[tuple[list[int], list[float], float]] = []  # blocks, offsets, sum of wishes
@@ -208,7 +291,7 @@ def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> di
         group = ([i], [0.0], wish)
         while groups:
             blocks, offsets, total = groups[-1]
-            gap = (sizes[blocks[-1]][1] + sizes[group[0][0]][1]) / 2 + _ROW
+            gap = (heights[blocks[-1]] + heights[group[0][0]]) / 2 + _ROW
             start = total / len(blocks)
             shift = offsets[-1] + gap
             if start + shift <= group[2] / len(group[0]):
@@ -227,56 +310,68 @@ def _spread(wished: list[tuple[float, int]], sizes: list[tuple[int, int]]) -> di
     }
 
 
-def _columns(graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int]) -> dict[int, float]:
-    """Centre of each column, with room for the wires that turn before it."""
-    x: dict[int, float] = {}
+def _columns(
+    graph: Graph, sizes: list[tuple[int, int]], layer: dict[int, int], cut: Collection[Edge]
+) -> dict[int, int]:
+    """Horizontal centre of each node, with room for the wires that turn between columns."""
+    x: dict[int, int] = {}
     right = 0.0
+    before = None
     for number in sorted(set(layer.values())):
         half = max(sizes[i][0] for i in layer if layer[i] == number) / 2
         turning = {
             (w.source, w.output)
             for w in graph.wires
-            if layer.get(w.target) == number and w.source in layer
+            if (layer.get(w.target) == number and w.source in layer)
+            or ((w.source, w.target) in cut and layer.get(w.source) == before)
         }
-        x[number] = right + half if not x else right + _GAP + GRID * min(len(turning), 10) + half
-        right = x[number] + half
+        if before is not None:
+            right += _GAP + GRID * min(len(turning), 10)
+        x.update({i: _snap(right + half) for i in layer if layer[i] == number})
+        right += 2 * half
+        before = number
     return x
+
+
+def _chains(graph: Graph, turned: set[int]) -> list[list[int]]:
+    """The blocks on each way back, in the order of the signal."""
+    left = set(turned)
+    chains = []
+    for start in sorted(turned):
+        if start in left:
+            chains.append(_chain(graph, start, left))
+            left -= set(chains[-1])
+    return chains
+
+
+def _goals(graph: Graph, chain: list[int]) -> set[int]:
+    """The blocks to which a way back leads."""
+    return {
+        w.target for w in graph.wires if w.source == chain[-1] and graph.nodes[w.target].outputs
+    }
 
 
 def _place_turned(
     graph: Graph,
     sizes: list[tuple[int, int]],
-    turned: set[int],
-    cut: Collection[Edge],
+    chain: list[int],
+    floor: float,
+    x: dict[int, int],
     centres: dict[int, tuple[int, int]],
 ) -> None:
-    """Put the blocks on the way back below the others, from right to left."""
-    floor = max(
-        (y + sizes[i][1] / 2 for i, (_, y) in centres.items() if graph.nodes[i].outputs),
-        default=0.0,
-    )
-    for start in sorted(turned):
-        if start in centres:
-            continue
-        chain = _chain(graph, start, turned - centres.keys())
-        source = next(w.source for w in graph.wires if w.target == chain[0])
-        goals = [
-            centres[w.target][0]
-            for w in graph.wires
-            if w.source == chain[-1] and w.target in centres and graph.nodes[w.target].outputs
-        ]
-        from_x = centres[source][0]
-        to_x = min(goals, default=from_x)
-        needed = sum(sizes[i][0] + _GAP for i in chain)
-        if from_x - to_x < needed:
-            middle = (from_x + to_x) / 2
-            from_x, to_x = round(middle + needed / 2), round(middle - needed / 2)
-        for k, i in enumerate(chain, 1):
-            x = _snap(from_x + (to_x - from_x) * k / (len(chain) + 1))
-            y = _snap(floor + _ROW + sizes[i][1] / 2)
-            while any(touch((x, y), sizes[i], at, sizes[j]) for j, at in centres.items()):
-                y += GRID
-            centres[i] = (x, y)
+    """Put the blocks on a way back below the others, from right to left."""
+    from_x = x[next(w.source for w in graph.wires if w.target == chain[0])]
+    to_x = min((x[i] for i in _goals(graph, chain) & centres.keys()), default=from_x)
+    needed = sum(sizes[i][0] + _GAP for i in chain)
+    if from_x - to_x < needed:
+        middle = (from_x + to_x) / 2
+        from_x, to_x = round(middle + needed / 2), round(middle - needed / 2)
+    for k, i in enumerate(chain, 1):
+        x[i] = _snap(from_x + (to_x - from_x) * k / (len(chain) + 1))
+        y = _snap(floor + _ROW + sizes[i][1] / 2)
+        while any(touch((x[i], y), sizes[i], at, sizes[j]) for j, at in centres.items()):
+            y += GRID
+        centres[i] = (x[i], y)
 
 
 def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:

@@ -36,6 +36,10 @@ const findParts = async () => {
     const parts = modules.flatMap(module => Object.values(module));
     blocks = parts.find(part => part?.unregisterSource && part.has("Constant"));
     graph = parts.find(part => part?.nodesArray && part.toJSON);
+    graph.nodesArray.subscribe(makeRoom);
+    graph.annotations.subscribe(all => { notes = [...all.values()]; });
+    const add = graph.addNode;
+    graph.addNode = (...given) => settle(add(...given));
 };
 const unknown = nodes => nodes.flatMap(node => [
     ...(["Subsystem", "Interface"].includes(node.type) || blocks.has(node.type)
@@ -63,6 +67,39 @@ guard(window, "showSaveFilePicker", () => true, alert);
 guard(URL, "createObjectURL", blob => blob.type === "application/json", alert);
 guard(window.FileSystemFileHandle?.prototype, "createWritable", () => true, () => {});
 guard(IDBObjectStore.prototype, "put", (value, key) => key === "autosave", () => {});
+
+// room for the names of ports inside a block (page.css), as in layout.py
+const rooms = document.head.appendChild(document.createElement("style"));
+const room = ports => 20 * Math.ceil((8 + 4 * Math.max(...ports.map(p => p.name.length), 0)) / 20);
+const makeRoom = nodes => {
+    const text = nodes.map(node => {
+        const sides = [room(node.inputs), room(node.outputs)];
+        if (node.params._rotation == 2) sides.reverse();
+        const [left, right] = sides;
+        return `[data-id="${CSS.escape(node.id)}"] { --left: ${left}px; --right: ${right}px }`;
+    }).join("");
+    if (rooms.textContent !== text) rooms.textContent = text;
+};
+
+// a fresh block shows what its ports are, and stands below a note that it would cover
+let notes = [];
+const named = ports => ports.some(port => !/^((in|out) \d+|in|out|y|\W)$/.test(port.name));
+const settle = node => {
+    if (!node) return node;
+    const sides = [["Input", node.inputs], ["Output", node.outputs]].filter(side => named(side[1]));
+    const width = sides.reduce((sum, side) => sum + room(side[1]), Math.max(80, 6 * node.name.length + 20));
+    const height = 20 * Math.max(2, node.inputs.length, node.outputs.length);
+    let {x, y} = node.position;
+    for (const note of notes.toSorted((a, b) => a.position.y - b.position.y)) {
+        const {x: left, y: top} = note.position;
+        if (Math.abs(x - left - note.width / 2) < (width + note.width) / 2
+            && Math.abs(y - top - note.height / 2) < (height + note.height) / 2)
+            y = 10 * Math.ceil((top + note.height + height / 2) / 10) + 20;
+    }
+    graph.updateNodePosition(node.id, {x, y});
+    graph.updateNodeParams(node.id, Object.fromEntries(sides.map(s => [`_show${s[0]}Labels`, true])));
+    return node;
+};
 
 // PathView fits the blocks into the window, not the wires around them: zoom out until these are seen
 const showWhole = async () => {

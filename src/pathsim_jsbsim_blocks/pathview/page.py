@@ -13,7 +13,10 @@ from typing import Any
 from .toolboxes import OURS, Toolbox
 
 KATEX = Path(__file__).parent / "katex"
+_STYLE = Path(__file__).with_name("page.css")
 _SCRIPT = Path(__file__).with_name("page.js")
+# PathView cuts the names of ports at 8 characters
+_CUT = re.compile(r"(?<==)8(?=\)\{return (\w+)\.length>(\w+)\?\1\.slice\(0,\2\):\1\})")
 _CDN = re.compile(r"https://cdn\.jsdelivr\.net/npm/katex@[^/\"'`]+/dist")
 
 # PathView installs this toolbox with pip when it first starts in a browser
@@ -29,9 +32,6 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
     "tracks": ("Recording", "rect"),
     "units": ("Units", "rect"),
 }
-
-# wires pass behind the names of ports
-_STYLE = "<style>.port-label { background: var(--surface); }</style>"
 
 
 def policy(nonce: str = "") -> str:
@@ -59,15 +59,17 @@ def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
     nonce = secrets.token_urlsafe(16)
     page = re.sub(r"<script(?=[\s>])", f'<script nonce="{nonce}"', page)
     script = f'<script nonce="{nonce}">{registration(required)}</script>'
-    return page.replace("<head>", f"<head>{_STYLE}{script}", 1), nonce
+    style = f"<style>{_STYLE.read_text(encoding='utf-8')}</style>"
+    return page.replace("<head>", f"<head>{style}{script}", 1), nonce
 
 
 def local_scripts(static: Path) -> dict[str, str]:
-    """PathView's scripts that load KaTeX's style sheet and fonts, redirected here, by path."""
+    """PathView's scripts with changes, by path: KaTeX comes from here, names of ports are whole."""
     found = {}
     for file in (static / "app").rglob("*.js"):
-        text, count = _CDN.subn("/katex", file.read_text(encoding="utf-8"))
-        if count:
+        original = file.read_text(encoding="utf-8")
+        text = _CUT.sub("99", _CDN.sub("/katex", original))
+        if text != original:
             found[f"/{file.relative_to(static).as_posix()}"] = text
     return found
 

@@ -12,7 +12,7 @@ from typing import Any
 from .._core.files import write_whole
 from ..errors import DiagramError
 from .diagram import NOTE, Diagram, Event, Graph, Node
-from .layout import GRID, arrange, size, touch
+from .layout import GRID, RECORDERS, arrange, labelled, size, touch
 from .shape import check_shape
 from .variables import plain
 
@@ -21,7 +21,6 @@ VERSION = "1.0.0"
 _TIME = "1970-01-01T00:00:00.000Z"
 _PINNED, _PINNED_LENGTH = 3, 18  # fields shown on a block, characters that fit into one
 _EVENT = 80  # px
-_RECORDERS = {"Scope", "Spectrum"}
 _NOTE_WIDTH = (420, 760)  # px
 # px at PathView's default font size: character, line, space after a paragraph, title and margins
 _NOTE_CHARACTER, _NOTE_LINE, _NOTE_SPACE, _NOTE_TITLE = 6.2, 16, 10, 50
@@ -143,8 +142,14 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
     # PathView routes feedback wires around the blocks, mostly above them
+    first = min((centres[i][1] + sizes[i][1] / 2 for i in range(len(centres))), default=0.0)
     box.top -= GRID * len(
-        {(w.source, w.output) for w in graph.wires if centres[w.source][0] >= centres[w.target][0]}
+        {
+            (w.source, w.output)
+            for w in graph.wires
+            if centres[w.source][0] >= centres[w.target][0]
+            and centres[w.target][1] - sizes[w.target][1] / 2 < first
+        }
     )
     connections = [
         {
@@ -191,9 +196,7 @@ def _node(
     if rotation:
         params["_rotation"] = rotation
     for side, ports in (("Input", node.inputs), ("Output", node.outputs)):
-        if node.type not in _RECORDERS and any(
-            not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p) for p in ports
-        ):
+        if labelled(node, ports):
             params[f"_show{side}Labels"] = True
     out: dict[str, Any] = {
         "id": name,
@@ -233,7 +236,7 @@ def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, An
 
 def _pinned(node: Node) -> list[str]:
     """The parameters shown on the block: those that the script gives, if short."""
-    if node.type in _RECORDERS:
+    if node.type in RECORDERS:
         return []
     short = [k for k, v in node.params.items() if len(v) <= _PINNED_LENGTH]
     return short[:_PINNED]

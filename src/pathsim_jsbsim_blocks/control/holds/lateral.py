@@ -92,8 +92,8 @@ class HeadingHold(Hold):
     """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
     .. math::
-        \\phi_\\mathrm{cmd} = \\phi_0 + K_p e + K_i \\int e \\, dt, \\quad
-        e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
+        e &= \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi) \\\\
+        \\phi_\\mathrm{cmd} &= \\phi_0 + K_p e + K_i \\int e \\, dt, \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
     with the roll loop of ``RollHold`` inside, sampled at T. Engaged in a turn, it levels the wings
@@ -172,9 +172,9 @@ class YawDamper(Hold):
     """Damps the Dutch roll with the rudder and keeps the sideslip at 0.
 
     .. math::
-        \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
-        - K_p \\beta - K_i \\int \\beta \\, dt
-        + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
+        \\delta_r &= K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
+        - K_p \\beta - K_i \\int \\beta \\, dt \\\\
+        &\\quad + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
 
     sampled at T. The wash-out leaves steady turns unopposed. With the ports ``beta``, ``p`` and
     ``phi`` wired, turns are coordinated: the last two act before any sideslip has built up.

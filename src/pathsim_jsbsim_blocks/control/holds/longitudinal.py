@@ -95,9 +95,9 @@ class AltitudeHold(Hold):
     """Holds the altitude with the elevator, through rate-of-climb and pitch loops.
 
     .. math::
-        \\dot h_\\mathrm{cmd} = K_h (h_\\mathrm{ref} - h), \\quad
+        \\dot h_\\mathrm{cmd} &= K_h (h_\\mathrm{ref} - h), \\quad
         |\\dot h_\\mathrm{cmd}| \\le \\dot h_\\mathrm{max} \\\\
-        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        \\theta_\\mathrm{cmd} &= K_p (\\dot h_\\mathrm{cmd} - \\dot h)
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
     with the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the

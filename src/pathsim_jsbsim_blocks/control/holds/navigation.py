@@ -70,9 +70,9 @@ class CourseHold(Hold):
     """Holds the course over the ground, or flies along waypoints, with the ailerons.
 
     .. math::
-        \\chi_\\mathrm{cmd} = \\chi_\\mathrm{leg} - \\arctan\\frac{d}{\\tau V_g}, \\quad
-        \\phi_\\mathrm{cmd} = K_p e + K_i \\int e \\, dt, \\quad
-        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi), \\quad
+        \\chi_\\mathrm{cmd} &= \\chi_\\mathrm{leg} - \\arctan\\frac{d}{\\tau V_g}, \\quad
+        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi) \\\\
+        \\phi_\\mathrm{cmd} &= K_p e + K_i \\int e \\, dt, \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
     with the cross-track error d, the ground speed V_g, the course over the ground chi, and the roll
@@ -313,10 +313,10 @@ class GlideslopeHold(Hold):
     """Follows a glide path down to a runway with the elevator; captures it from below.
 
     .. math::
-        \\dot h_\\mathrm{cmd} = -V_c \\tan\\gamma - K_h \\, \\Delta h, \\quad
-        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
-        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt, \\quad
-        \\theta_\\mathrm{min} \\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
+        \\dot h_\\mathrm{cmd} &= -V_c \\tan\\gamma - K_h \\, \\Delta h \\\\
+        \\theta_\\mathrm{cmd} &= K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt \\\\
+        \\theta_\\mathrm{min} &\\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
 
     with the height Delta h above the path, the speed V_c of closing on the threshold, and the pitch
     loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
