@@ -87,6 +87,7 @@ def test_engines_that_a_model_has_may_be_started(aircraft, running):
     ("name", "value", "said"),
     [
         ("simulation/gravity-model", 7, r"0 \(point mass\), 1 \(J2\), not 7"),
+        ("atmosphere/turb-type", 5, r"3 \(milspec\), 4 \(tustin\), not 5"),
         (AXIS, 99, r"1 \(euler\), .*not 99"),
         # of a quaternion only: JSBSim throws at the first step
         (AXIS, 7, "not 7"),

@@ -43,8 +43,13 @@ _RANGES = {  # property: lowest and highest value
     r"atmosphere/updownburst/number-of-cells": (0.0, 1000.0),
 }
 
-# property -> its values by their names as the aircraft blocks take them
-_NUMBERED = {"simulation/gravity-model": GRAVITY, **INTEGRATORS}
+# property -> its values by their names
+_NUMBERED = {
+    "simulation/gravity-model": GRAVITY,
+    # with any other number the air is calm
+    "atmosphere/turb-type": {"none": 0, "standard": 1, "culp": 2, "milspec": 3, "tustin": 4},
+    **INTEGRATORS,
+}
 
 
 def why_not(name: str, has: Callable[[str], bool]) -> str:
