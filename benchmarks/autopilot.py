@@ -31,7 +31,7 @@ from report import HEADER, row
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, PitchHold, fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
-from pathsim_jsbsim_blocks.control.gains import GAINS
+from pathsim_jsbsim_blocks.control.gain_tables import table
 
 T = 1 / 120
 DEG = 180.0 / math.pi
@@ -65,7 +65,7 @@ def one_block():
 
 
 def core_blocks():
-    plane, scope, gains = cruise(), Scope(), GAINS["c172p"]
+    plane, scope, gains = cruise(), Scope(), table("c172p").points[0].gains
     blocks, connections = [plane, scope], [Connection(plane["h", "psi", "vc"], scope[:3])]
 
     def add(block, *sources):
@@ -165,7 +165,7 @@ def time_pitch_hold():
 
 def time_hand_written_loop():
     """Seconds per step of the same flight without PathSim and without our blocks."""
-    trimmed, gains, count = cruise(), GAINS["c172p"].pitch, round(SECONDS / T)
+    trimmed, gains, count = cruise(), table("c172p").points[0].gains.pitch, round(SECONDS / T)
     fdm = trimmed.fdm
     nodes = fdm.get_property_manager()
 

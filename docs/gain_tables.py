@@ -19,7 +19,7 @@ import numpy as np
 from generate import put
 
 from pathsim_jsbsim_blocks import Aircraft, TrimCondition
-from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains
+from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
 from pathsim_jsbsim_blocks.design import (
     DesignedGains,
     DesignedSchedule,
@@ -91,7 +91,7 @@ def designed(name):
 
 def table_of(name):
     """File of the designed table of an aircraft."""
-    return TABLES / f"{name}{'-designed' if name in GAINS else ''}.json"
+    return TABLES / f"{name}{'-designed' if name in TUNED_AT else ''}.json"
 
 
 # where the hand-tuned tables were tuned
@@ -322,7 +322,7 @@ def compared():
         designed = design_gains(name, condition, check=False)
         predicted = {row.loop: row.settling for row in designed.report}
         for kind, row in (
-            ("hand-tuned", flights(name, GAINS[name], condition, {})),
+            ("hand-tuned", flights(name, table(name).points[0].gains, condition, {})),
             ("designed", flights(name, designed, condition, {}, predicted)),
         ):
             yield row.replace(name, f"{name}, {kind}", 1)

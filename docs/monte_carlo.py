@@ -82,7 +82,7 @@ def draw(table, cases):
 def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
     """Fly one case: five steps without turbulence, and a turn in it."""
     from pathsim_jsbsim_blocks import Aircraft, TrimCondition
-    from pathsim_jsbsim_blocks.control.gains import table as gains_called
+    from pathsim_jsbsim_blocks.control.gain_tables import table as gains_called
     from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 
     aircraft = aircraft_of(table)

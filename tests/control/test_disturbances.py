@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from flights import POINTS, STATES, TURBULENCE, T, fly, on, start, step, wrap
+from hand_tuned import GAINS
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 from pathsim.events import Schedule
 
 from pathsim_jsbsim_blocks._core.sampling import SampledLaw
-from pathsim_jsbsim_blocks.control.gains import GAINS
 from pathsim_jsbsim_blocks.control.pid import PID
 
 AIRCRAFT = list(POINTS)

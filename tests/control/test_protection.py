@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from flights import POINTS, STATES, on, start, step, wrap
 from flights import fly as fly_unprotected
+from hand_tuned import GAINS
 from how_many import bounded, first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
@@ -26,7 +27,8 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     TrimError,
 )
-from pathsim_jsbsim_blocks.control.gains import GAINS, EnvelopeLimits, loop_gains
+from pathsim_jsbsim_blocks.control.gain_tables import loop_gains
+from pathsim_jsbsim_blocks.control.gains import EnvelopeLimits
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
 

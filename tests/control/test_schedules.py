@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from flights import STATES, fly, start, step
+from hand_tuned import GAINS
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
@@ -24,7 +25,7 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control import holds
-from pathsim_jsbsim_blocks.control.gains import GAINS, DesignPoint, GainSchedule
+from pathsim_jsbsim_blocks.control.gains import DesignPoint, GainSchedule
 from pathsim_jsbsim_blocks.flight import level_flight
 
 HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]

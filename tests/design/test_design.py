@@ -10,7 +10,8 @@ from fleet_conditions import FLYING
 from how_many import first
 
 from pathsim_jsbsim_blocks import Aircraft, PitchHold, TrimCondition
-from pathsim_jsbsim_blocks.control.gains import TABLES, AircraftGains, read_gains
+from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains
+from pathsim_jsbsim_blocks.control.gains import AircraftGains
 from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
 from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.search import REQUIREMENTS

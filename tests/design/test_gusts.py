@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hand_tuned import GAINS
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
-from pathsim_jsbsim_blocks.control.gains import GAINS
 from pathsim_jsbsim_blocks.design import outer, search
 from pathsim_jsbsim_blocks.design.plant import Plant
 from pathsim_jsbsim_blocks.design.search import OMEGA

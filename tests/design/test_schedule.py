@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fleet_conditions import BY_NEWTON, FLYING
+from hand_tuned import DESIGNED, GAINS
 
 from pathsim_jsbsim_blocks import Autopilot, ParameterError, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks import design as design_package
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.control.gains import GAINS, TABLES, read_gains, tables
+from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, tables
 from pathsim_jsbsim_blocks.design import design_gains, design_schedule, schedule
 from pathsim_jsbsim_blocks.errors import DesignError, FileError, KeywordError, TrimError
 
-SHIPPED = sorted(path.stem for path in TABLES.glob("*.json"))
+SHIPPED = [path.stem for path in DESIGNED]
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,8 @@ from .._core.checks import number, one_of
 from .._core.docs import filler
 from ..errors import ParameterError
 from .described import DescribedLaw
-from .gains import AltitudeGains, EnvelopeLimits, loop_gains, schedule_of
+from .gain_tables import loop_gains, schedule_of
+from .gains import AltitudeGains, EnvelopeLimits
 from .loops import AltitudeLoop, Reference
 from .protection import Protection
 

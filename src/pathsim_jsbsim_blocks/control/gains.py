@@ -5,23 +5,16 @@ from __future__ import annotations
 import bisect
 import dataclasses
 import functools
-import json
 import math
-import os
-import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, get_type_hints
 
 import numpy as np
 
-from .._core.checks import did_you_mean, known_keywords, nearest, number, one_of, positive, whole
-from ..errors import FileError, ParameterError
-
-FORMAT = "pathsim-jsbsim-blocks gains 1"
-TABLES = Path(__file__).parent / "tables"
+from .._core.checks import known_keywords, number, positive, whole
+from ..errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -231,7 +224,7 @@ class AircraftGains:
     envelope: EnvelopeLimits | None = None
 
 
-_LOOPS = {**get_type_hints(AircraftGains), "envelope": EnvelopeLimits}
+LOOPS = {**get_type_hints(AircraftGains), "envelope": EnvelopeLimits}
 
 
 @known_keywords
@@ -331,7 +324,7 @@ class GainSchedule:
             return self.points[weights[0][0]].gains
         row = self.row(vc, h)
         return AircraftGains(
-            **{loop: _LOOPS[loop](*row[start:end]) for loop, start, end in self.columns}
+            **{loop: LOOPS[loop](*row[start:end]) for loop, start, end in self.columns}
         )
 
     def row(self, vc: float, h: float | None = None) -> list[float]:
@@ -369,7 +362,7 @@ class GainSchedule:
     def columns(self) -> list[tuple[str, int, int]]:
         """Where the numbers of each loop stand in a row."""
         columns, end = [], 0
-        for loop, kind in _LOOPS.items():
+        for loop, kind in LOOPS.items():
             if getattr(self.points[0].gains, loop) is not None:
                 start, end = end, end + len(dataclasses.fields(kind))
                 columns.append((loop, start, end))
@@ -398,239 +391,3 @@ def _around(places: list[float], x: float) -> list[tuple[int, float]]:
     low, high = places[above - 1 : above + 1]
     share = (x - low) / (high - low)
     return [(above - 1, 1.0 - share), (above, share)]
-
-
-# tuned on each nonlinear aircraft model in still air, at the condition given
-GAINS = {
-    "c172p": AircraftGains(  # 5000 ft, 90 KCAS
-        pitch=AttitudeGains(Kp=0.10, Ki=0.12, Kr=0.004, b=0.45, ramp=4.0),
-        roll=AttitudeGains(Kp=0.060, Ki=0.021, Kr=0.004, b=0.85, ramp=10.0),
-        heading=HeadingGains(Kp=1.5, Ki=0.001),
-        altitude=AltitudeGains(Kh=0.25, Kp=0.083, Ki=0.20, hdot_max=10.0),
-        speed=SpeedGains(Kp=0.0235, Ki=0.00026, Kd=-0.0047, Tf=0.2, b=1.097, ramp=2.7, Kc=0.0035),
-        yaw=YawGains(K=0.020, Kp=0.12, Ki=0.08),
-        envelope=EnvelopeLimits(alpha_max=13.0, vc_min=54.0, climb_max=19.0, descent_max=17.0),
-    ),
-    "737": AircraftGains(  # 10,000 ft, 280 KCAS, gear up; the model has its own yaw damper
-        pitch=AttitudeGains(Kp=0.24, Ki=0.20, Kr=0.060, b=0.50, ramp=4.0),
-        roll=AttitudeGains(Kp=0.065, Ki=0.010, Kr=0.0175, b=0.92, ramp=7.0),
-        heading=HeadingGains(Kp=3.0, Ki=0.001),
-        altitude=AltitudeGains(Kh=0.14, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=0.97, ramp=1.5, Kc=0.007),
-        yaw=YawGains(K=0.0, Kp=0.01, Ki=0.003),
-        envelope=EnvelopeLimits(alpha_max=11.5, vc_min=178.0, climb_max=90.0, descent_max=48.0),
-    ),
-    "global5000": AircraftGains(  # 15,000 ft, 250 KCAS, gear up; the model has its own yaw damper
-        pitch=AttitudeGains(Kp=0.12, Ki=0.09, Kr=0.027, b=0.60, ramp=4.0),
-        roll=AttitudeGains(Kp=0.054, Ki=0.011, Kr=0.005, b=0.94, ramp=7.0),
-        heading=HeadingGains(Kp=3.0, Ki=0.001),
-        altitude=AltitudeGains(Kh=0.15, Kp=0.027, Ki=0.049, hdot_max=25.0),
-        speed=SpeedGains(Kp=0.050, Ki=0.00062, Kd=-0.050, Tf=1.0, b=1.0, ramp=1.5, Kc=0.007),
-        yaw=YawGains(K=0.0, Kp=0.01, Ki=0.005),
-        envelope=EnvelopeLimits(alpha_max=11.5, vc_min=180.0, climb_max=61.0, descent_max=49.0),
-    ),
-}
-
-
-def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
-    """The gains of some loops, from a table, a file or numbers; of a schedule its nominal point's.
-
-    Parameters
-    ----------
-    gains : str, AircraftGains, GainSchedule, dict, or the gains of the loop
-        a name among `tables`, or the path of a file that ends in ".json"; or, for one loop, its
-        gains or a dict of their values; or, for several, a dict from the loop's name to any of
-        these
-    *loops : str
-        "pitch", "roll", "heading", "altitude", "speed", "yaw", or "envelope", which may be absent
-        and is None then
-
-    Raises
-    ------
-    ParameterError
-        for an unknown table, loop or gain, naming the nearest, and for a missing one
-    FileError
-        for a file that cannot be read
-    """
-    if isinstance(gains, str):
-        gains = table(gains)
-    if isinstance(gains, GainSchedule):
-        gains = gains.points[gains.nominal].gains
-    if isinstance(gains, AircraftGains):
-        return tuple(getattr(gains, loop) for loop in loops)
-    if len(loops) == 1:
-        return (_one_loop(gains, loops[0]),)
-    if not isinstance(gains, Mapping):
-        raise ParameterError(
-            f"gains must be the name of a table or a dict of the gains of {', '.join(loops)}, "
-            f"not {reprlib.repr(gains)}{_instead(gains)}",
-            parameter="gains",
-            value=gains,
-        )
-    _check_keys(gains, loops, [loop for loop in loops if loop != "envelope"], "loop")
-    return tuple(loop_gains(gains[loop], loop)[0] if loop in gains else None for loop in loops)
-
-
-def schedule_of(gains: Any) -> GainSchedule | None:
-    """The schedule that ``gains`` is or names; None for gains that do not depend on the speed."""
-    if isinstance(gains, str):
-        gains = table(gains)
-    return gains if isinstance(gains, GainSchedule) and len(gains.points) > 1 else None
-
-
-def tables() -> list[str]:
-    """Names of the gain tables that come with this package."""
-    return [*GAINS, *sorted(path.stem for path in TABLES.glob("*.json") if path.stem not in GAINS)]
-
-
-def table(name: str) -> AircraftGains | GainSchedule:
-    """The gains with a name: a table of this package, or a file that ends in ".json".
-
-    Raises
-    ------
-    ParameterError
-        for an unknown name, naming the nearest, and for a file that is no gain table
-    FileError
-        for a file that cannot be read
-    """
-    if name in GAINS:
-        return GAINS[name]
-    if name.lower().endswith(".json"):
-        return read_gains(name)
-    return read_gains(TABLES / f"{one_of('gains', name, tables())}.json")
-
-
-def read_gains(path: str | Path) -> GainSchedule:
-    """The gain schedule in a file written by ``pathsim-jsbsim gains``.
-
-    Raises
-    ------
-    ParameterError
-        if the file is no gain table, or a gain is missing, unknown (naming the nearest) or invalid
-    FileError
-        if the file cannot be read
-    """
-    path = Path(path)
-    try:
-        written = path.stat().st_mtime_ns
-    except OSError as cause:
-        beside = [other.name for other in path.parent.glob("*.json")]
-        close = nearest(path.name, [*beside, *tables()], 1)
-        raise FileError("read", path, cause, did_you_mean(close)) from cause
-    except ValueError as cause:  # a null character
-        raise ParameterError(
-            f"{str(path)!r} is no path: {cause}", parameter="gains", value=str(path)
-        ) from cause
-    return _read(path.absolute(), written)
-
-
-@functools.lru_cache(maxsize=64)
-def _read(path: Path, written: int) -> GainSchedule:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as cause:
-        raise FileError("read", path, cause) from cause
-    except (ValueError, RecursionError) as cause:
-        raise ParameterError(
-            f"{path} is no JSON file: {cause}", parameter="gains", value=str(path)
-        ) from cause
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise ParameterError(
-            f"{path} is no gain table: its format must be {FORMAT!r}",
-            parameter="gains",
-            value=str(path),
-        )
-    try:
-        return schedule_from(document)
-    except ParameterError as error:
-        raise ParameterError(
-            f"{path}: {error}", parameter=error.parameter, value=error.value
-        ) from error
-    except (KeyError, TypeError) as cause:
-        raise ParameterError(
-            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
-        ) from cause
-
-
-def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
-    """The gain schedule in a document as `document_of` makes it."""
-    loops = list(_LOOPS)
-    return GainSchedule(
-        aircraft=document["aircraft"],
-        points=tuple(
-            DesignPoint(
-                altitude=point["altitude"],
-                speed=point["speed"],
-                gains=AircraftGains(*loop_gains({**point["gains"]}, *loops)),
-            )
-            for point in document["points"]
-        ),
-        nominal=document["nominal"],
-    )
-
-
-def document_of(schedule: GainSchedule) -> dict[str, Any]:
-    """A gain schedule as JSON can hold it, in the format of gain table files.
-
-    Further keys, of the document (such as "versions" and "condition") and of each of its "points"
-    (such as "report"), are not read.
-    """
-    return {
-        "format": FORMAT,
-        "aircraft": schedule.aircraft,
-        "nominal": schedule.nominal,
-        "points": [
-            {
-                "altitude": point.altitude,
-                "speed": point.speed,
-                "gains": {
-                    loop: dict(vars(gains))
-                    for loop, gains in vars(point.gains).items()
-                    if gains is not None
-                },
-            }
-            for point in schedule.points
-        ],
-    }
-
-
-def _one_loop(gains: Any, loop: str) -> Any:
-    kind = _LOOPS[loop]
-    if isinstance(gains, kind):
-        return gains
-    if not isinstance(gains, Mapping):
-        raise ParameterError(
-            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, "
-            f"not {reprlib.repr(gains)}{_instead(gains)}",
-            parameter="gains",
-            value=gains,
-        )
-    fields = dataclasses.fields(kind)
-    needed = [f.name for f in fields if f.default is dataclasses.MISSING]
-    _check_keys(gains, [f.name for f in fields], needed, f"{loop} gain")
-    return kind(**gains)
-
-
-def _instead(gains: Any) -> str:
-    """What to pass instead of a path, or of what `design_schedule` returns."""
-    if isinstance(gains, os.PathLike):
-        return did_you_mean([os.fspath(gains)])
-    if isinstance(getattr(gains, "schedule", None), GainSchedule):
-        return "; did you mean its attribute 'schedule'?"
-    return ""
-
-
-def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
-    for name in gains:
-        if name not in names:
-            raise ParameterError(
-                f"{name!r} is no {what}; there are {', '.join(names)}"
-                + did_you_mean(nearest(str(name), names, 1)),
-                parameter="gains",
-                value=gains,
-            )
-    missing = [name for name in needed if name not in gains]
-    if missing:
-        raise ParameterError(
-            f"{what} missing: {', '.join(missing)}", parameter="gains", value=gains
-        )

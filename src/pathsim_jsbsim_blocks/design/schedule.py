@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Callable, Sequence
@@ -10,10 +9,10 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from .._core.checks import as_path, ending, number, positive, refuse
-from .._core.files import write_whole
-from ..control.gains import DesignPoint, GainSchedule, document_of
-from ..errors import DesignError, FileError, TrimError
+from .._core.checks import number, positive, refuse
+from ..control.gain_tables import write_gains
+from ..control.gains import DesignPoint, GainSchedule
+from ..errors import DesignError, TrimError
 from ..flight import TrimCondition
 from ..flight.condition import check_condition
 from .designed import DesignedGains, check_options, design_gains
@@ -63,26 +62,14 @@ class DesignedSchedule:
         FileError
             if the file cannot be written; an existing one is left unchanged
         """
-        file = ending("path", as_path("path", path), ".json")
-        document = document_of(self.schedule)
-        points = document.pop("points")
-        for point, design in zip(points, self.designs, strict=True):
-            point["report"] = {row.loop: _plain(row) for row in design.report}
-        head = {
-            **document,
-            "versions": {"jsbsim": version("jsbsim")},
-            "condition": str(replace(self.designs[self.nominal].condition, speed=1.0, altitude=0))
-            .replace("altitude=0.0, ", "")
-            .replace("speed=1.0, ", ""),
-        }
-        # a line for each point
-        lines = [json.dumps(_rounded(head))[:-1] + ', "points": [']
-        lines += [json.dumps(_rounded(p), allow_nan=False) + "," for p in points]
-        lines[-1] = lines[-1][:-1]
-        try:
-            write_whole(file, "\n".join([*lines, "]}"]) + "\n")
-        except OSError as error:
-            raise FileError("write", file, error) from None
+        condition = replace(self.designs[self.nominal].condition, speed=1.0, altitude=0)
+        told = str(condition).replace("altitude=0.0, ", "").replace("speed=1.0, ", "")
+        write_gains(
+            path,
+            self.schedule,
+            {"versions": {"jsbsim": version("jsbsim")}, "condition": told},
+            [{row.loop: _plain(row) for row in d.report} for d in self.designs],
+        )
 
 
 def _plain(row: Any) -> dict[str, Any]:
@@ -94,14 +81,6 @@ def _plain(row: Any) -> dict[str, Any]:
         and value != ""
         and not (isinstance(value, float) and not math.isfinite(value))
     }
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, float):
-        return float(f"{value:.{_DIGITS}g}")
-    if isinstance(value, dict):
-        return {name: _rounded(x) for name, x in value.items()}
-    return [_rounded(x) for x in value] if isinstance(value, list) else value
 
 
 def _sorted(name: str, values: Any, check: Callable[[str, Any], float]) -> list[float]:

@@ -1,0 +1,271 @@
+"""Gain tables: JSON files, and what ``gains=`` of the holds takes beside their names."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import os
+import reprlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from .._core.checks import as_path, did_you_mean, ending, nearest, one_of
+from .._core.files import write_whole
+from ..errors import FileError, ParameterError
+from .gains import LOOPS, AircraftGains, DesignPoint, GainSchedule
+
+FORMAT = "pathsim-jsbsim-blocks gains 1"
+# designed, and three that were tuned by hand on the nonlinear aircraft in still air
+TABLES = Path(__file__).parent / "tables"
+_DIGITS = 6
+
+
+def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
+    """The gains of some loops, from a table, a file or numbers; of a schedule its nominal point's.
+
+    Parameters
+    ----------
+    gains : str, AircraftGains, GainSchedule, dict, or the gains of the loop
+        a name among `tables`, or the path of a file that ends in ".json"; or, for one loop, its
+        gains or a dict of their values; or, for several, a dict from the loop's name to any of
+        these
+    *loops : str
+        "pitch", "roll", "heading", "altitude", "speed", "yaw", or "envelope", which may be absent
+        and is None then
+
+    Raises
+    ------
+    ParameterError
+        for an unknown table, loop or gain, naming the nearest, and for a missing one
+    FileError
+        for a file that cannot be read
+    """
+    if isinstance(gains, str):
+        gains = table(gains)
+    if isinstance(gains, GainSchedule):
+        gains = gains.points[gains.nominal].gains
+    if isinstance(gains, AircraftGains):
+        return tuple(getattr(gains, loop) for loop in loops)
+    if len(loops) == 1:
+        return (_one_loop(gains, loops[0]),)
+    if not isinstance(gains, Mapping):
+        raise ParameterError(
+            f"gains must be the name of a table or a dict of the gains of {', '.join(loops)}, "
+            f"not {reprlib.repr(gains)}{_instead(gains)}",
+            parameter="gains",
+            value=gains,
+        )
+    _check_keys(gains, loops, [loop for loop in loops if loop != "envelope"], "loop")
+    return tuple(loop_gains(gains[loop], loop)[0] if loop in gains else None for loop in loops)
+
+
+def schedule_of(gains: Any) -> GainSchedule | None:
+    """The schedule that ``gains`` is or names; None for gains that do not depend on the speed."""
+    if isinstance(gains, str):
+        gains = table(gains)
+    return gains if isinstance(gains, GainSchedule) and len(gains.points) > 1 else None
+
+
+def tables() -> list[str]:
+    """Names of the gain tables that come with this package."""
+    return sorted(path.stem for path in TABLES.glob("*.json"))
+
+
+def table(name: str) -> GainSchedule:
+    """The gains with a name: a table of this package, or a file that ends in ".json".
+
+    Raises
+    ------
+    ParameterError
+        for an unknown name, naming the nearest, and for a file that is no gain table
+    FileError
+        for a file that cannot be read
+    """
+    if name.lower().endswith(".json"):
+        return read_gains(name)
+    return read_gains(TABLES / f"{one_of('gains', name, tables())}.json")
+
+
+def read_gains(path: str | Path) -> GainSchedule:
+    """The gain schedule in a file written by ``pathsim-jsbsim gains``.
+
+    Raises
+    ------
+    ParameterError
+        if the file is no gain table, or a gain is missing, unknown (naming the nearest) or invalid
+    FileError
+        if the file cannot be read
+    """
+    path = Path(path)
+    try:
+        written = path.stat().st_mtime_ns
+    except OSError as cause:
+        beside = [other.name for other in path.parent.glob("*.json")]
+        close = nearest(path.name, [*beside, *tables()], 1)
+        raise FileError("read", path, cause, did_you_mean(close)) from cause
+    except ValueError as cause:  # a null character
+        raise ParameterError(
+            f"{str(path)!r} is no path: {cause}", parameter="gains", value=str(path)
+        ) from cause
+    return _read(path.absolute(), written)
+
+
+@functools.lru_cache(maxsize=64)
+def _read(path: Path, written: int) -> GainSchedule:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as cause:
+        raise FileError("read", path, cause) from cause
+    except (ValueError, RecursionError) as cause:
+        raise ParameterError(
+            f"{path} is no JSON file: {cause}", parameter="gains", value=str(path)
+        ) from cause
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise ParameterError(
+            f"{path} is no gain table: its format must be {FORMAT!r}",
+            parameter="gains",
+            value=str(path),
+        )
+    try:
+        return schedule_from(document)
+    except ParameterError as error:
+        raise ParameterError(
+            f"{path}: {error}", parameter=error.parameter, value=error.value
+        ) from error
+    except (KeyError, TypeError) as cause:
+        raise ParameterError(
+            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
+        ) from cause
+
+
+def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
+    """The gain schedule in a document as `document_of` makes it."""
+    loops = list(LOOPS)
+    return GainSchedule(
+        aircraft=document["aircraft"],
+        points=tuple(
+            DesignPoint(
+                altitude=point["altitude"],
+                speed=point["speed"],
+                gains=AircraftGains(*loop_gains({**point["gains"]}, *loops)),
+            )
+            for point in document["points"]
+        ),
+        nominal=document["nominal"],
+    )
+
+
+def document_of(schedule: GainSchedule) -> dict[str, Any]:
+    """A gain schedule as JSON can hold it, in the format of gain table files.
+
+    Further keys, of the document (such as "versions" and "condition") and of each of its "points"
+    (such as "report"), are not read.
+    """
+    return {
+        "format": FORMAT,
+        "aircraft": schedule.aircraft,
+        "nominal": schedule.nominal,
+        "points": [
+            {
+                "altitude": point.altitude,
+                "speed": point.speed,
+                "gains": {
+                    loop: dict(vars(gains))
+                    for loop, gains in vars(point.gains).items()
+                    if gains is not None
+                },
+            }
+            for point in schedule.points
+        ],
+    }
+
+
+def write_gains(
+    path: str | os.PathLike[str],
+    schedule: GainSchedule,
+    about: Mapping[str, Any],
+    reports: Sequence[Any],
+) -> None:
+    """Write a gain table, with 6 significant digits.
+
+    Parameters
+    ----------
+    path : str or Path
+        ends in .json
+    schedule : GainSchedule
+    about : dict
+        further keys, which are not read
+    reports : list
+        a report of each point, for JSON; not read either
+
+    Raises
+    ------
+    ParameterError
+        for another ending
+    FileError
+        if the file cannot be written; an existing one is left unchanged
+    """
+    file = ending("path", as_path("path", path), ".json")
+    document = document_of(schedule)
+    points = document.pop("points")
+    for point, report in zip(points, reports, strict=True):
+        point["report"] = report
+    # a line for each point
+    head = json.dumps(_rounded({**document, **about}))[:-1] + ', "points": ['
+    rows = ",\n".join(json.dumps(_rounded(point), allow_nan=False) for point in points)
+    try:
+        write_whole(file, f"{head}\n{rows}\n]}}\n")
+    except OSError as error:
+        raise FileError("write", file, error) from None
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if isinstance(value, dict):
+        return {name: _rounded(x) for name, x in value.items()}
+    return [_rounded(x) for x in value] if isinstance(value, list) else value
+
+
+def _one_loop(gains: Any, loop: str) -> Any:
+    kind = LOOPS[loop]
+    if isinstance(gains, kind):
+        return gains
+    if not isinstance(gains, Mapping):
+        raise ParameterError(
+            f"{loop} gains must be the name of a table, {kind.__name__} or a dict, "
+            f"not {reprlib.repr(gains)}{_instead(gains)}",
+            parameter="gains",
+            value=gains,
+        )
+    fields = dataclasses.fields(kind)
+    needed = [f.name for f in fields if f.default is dataclasses.MISSING]
+    _check_keys(gains, [f.name for f in fields], needed, f"{loop} gain")
+    return kind(**gains)
+
+
+def _instead(gains: Any) -> str:
+    """What to pass instead of a path, or of what `design_schedule` returns."""
+    if isinstance(gains, os.PathLike):
+        return did_you_mean([os.fspath(gains)])
+    if isinstance(getattr(gains, "schedule", None), GainSchedule):
+        return "; did you mean its attribute 'schedule'?"
+    return ""
+
+
+def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
+    for name in gains:
+        if name not in names:
+            raise ParameterError(
+                f"{name!r} is no {what}; there are {', '.join(names)}"
+                + did_you_mean(nearest(str(name), names, 1)),
+                parameter="gains",
+                value=gains,
+            )
+    missing = [name for name in needed if name not in gains]
+    if missing:
+        raise ParameterError(
+            f"{what} missing: {', '.join(missing)}", parameter="gains", value=gains
+        )
