@@ -1,4 +1,4 @@
-"""An actuator: what becomes of a command."""
+"""`Actuator`: second-order dynamics with limits of rate and position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All holds in one block."""
+"""`Autopilot`: all holds in one block."""
 
 from __future__ import annotations
 

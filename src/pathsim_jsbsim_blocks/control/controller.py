@@ -20,8 +20,8 @@ from .protection import Protection
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
 
-# ft and kt; from these on an increment that is larger than the measured value is doubted
-LOW, SLOW = 1000.0, 30.0
+# ft and kt; below these an increment may well be larger than the measured value
+LEAST_ALTITUDE, LEAST_AIRSPEED = 1000.0, 30.0
 
 # docstring sections shared by the holds
 fill = filler(
@@ -84,7 +84,7 @@ class Hold(DescribedLaw):
     """
 
     reference = "increment"
-    _doubted = False
+    _warned_of_increment = False
 
     def configure(self) -> None:
         self.loops: dict[str, Any] = {}
@@ -93,11 +93,11 @@ class Hold(DescribedLaw):
         self._formed = "alpha" in ports or self.reference == "absolute"
         # where the airspeed and the altitude that choose the gains come in
         self._vc, self._h = ports.get("vc", 0), ports.get("h")
-        doubts = ("h_ref", "h", LOW, "ft"), ("vc_ref", "vc", SLOW, "kt")
-        self._doubts = [
+        increments = ("h_ref", "h", LEAST_ALTITUDE, "ft"), ("vc_ref", "vc", LEAST_AIRSPEED, "kt")
+        self._increments = [
             (ports[port], ports[measured], least, port, unit)
-            for port, measured, least, unit in doubts
-            if port in ports and self.reference == "increment" and not self._doubted
+            for port, measured, least, unit in increments
+            if port in ports and self.reference == "increment" and not self._warned_of_increment
         ]
 
     def gains_of(self, *names: str) -> tuple[Any, ...]:
@@ -132,9 +132,9 @@ class Hold(DescribedLaw):
         return Reference(getattr(self.checked, port), value)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        for port, measured, least, name, unit in self._doubts:
+        for port, measured, least, name, unit in self._increments:
             if u[port] > u[measured] >= least:
-                self._doubt(name, u[port], u[measured], unit)
+                self._warn_of_increment(name, u[port], u[measured], unit)
         form = self.form(u) if self._formed else None
         if self._schedule is None:
             return self.flown(u, state, form, self._inputs)
@@ -169,9 +169,9 @@ class Hold(DescribedLaw):
         """The law as of `describe`, with the loops as they are."""
         raise NotImplementedError
 
-    def _doubt(self, port: str, value: float, measured: float, unit: str) -> None:
+    def _warn_of_increment(self, port: str, value: float, measured: float, unit: str) -> None:
         """Warn once of an increment that is larger than the measured value."""
-        self._doubted, self._doubts = True, []
+        self._warned_of_increment, self._increments = True, []
         warn_user(
             f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
             f"{measured + value:.0f} {unit}; reference='absolute' makes the port the reference "

@@ -115,7 +115,7 @@ def response_quality(
 
     goal = float(reference[-1])
     changes = np.flatnonzero(np.diff(reference))
-    # the sample before the first change is the last that knows nothing of it
+    # the response starts with the sample at which the reference has changed
     first = int(changes[0]) + 1 if len(changes) else 0
     t, y = t[first:], y[first:]
     if t[-1] == t[0]:

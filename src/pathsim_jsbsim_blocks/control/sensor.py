@@ -1,4 +1,4 @@
-"""A sensor: what a controller sees of a signal."""
+"""`Sensor`: a measurement with lag, bias, noise and quantisation."""
 
 from __future__ import annotations
 
