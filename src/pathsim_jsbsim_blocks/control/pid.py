@@ -47,28 +47,9 @@ class PID:
     ----------
     T : float
         sample period in s
-    Kp : float
-        proportional gain
-    Ki : float
-        integral gain, 1/s
-    Kd : float
-        gain on the filtered derivative of y, s
-    Kr : float
-        gain on the measured rate of y, s
-    b : float
-        weight of the reference in the proportional part; below 1 for less overshoot at the same
-        damping
-    Tf : float
-        time constant of the derivative's filter in s; 0 for none
-    Tt : float, optional
-        time constant of the back-calculation in s, at least T; default Kp / Ki, with which,
-        for b = 1, the output leaves a limit as the error changes its sign (2 T where that is less)
-    Te : float
-        time constant in s with which the damping terms are faded in after engagement
-    low : float
-        lowest output
-    high : float
-        highest output
+    Kp, Ki, Kd, Kr, b, Tf, Tt, Te, low, high : float
+        as of `DiscretePID`, by default without gains and limits. With the default Tt, Kp / Ki, and
+        b = 1 the output leaves a limit as the error changes its sign; it is 2 T where that is less
 
     References
     ----------
