@@ -139,7 +139,7 @@ def _bands(
             }
             ways.append((count + 1, wires + len(crossing), unequal + width**2, [*bands, band]))
         best[end] = min(ways, key=lambda way: way[:3])
-    return best[last + 1][3]
+    return [band for band in best[last + 1][3] if band]
 
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
