@@ -365,3 +365,17 @@ def test_a_save_that_does_not_fit_on_the_disk_keeps_the_last_one(tmp_path):
     sim, _ = flight()
     sim.load_checkpoint(str(tmp_path / "stop"))
     assert sim.time == pytest.approx(0.5)
+
+
+def test_a_checkpoint_of_laws_with_other_states_is_refused(tmp_path, monkeypatch):
+    from pathsim_jsbsim_blocks._core import sampling
+
+    def build():
+        return Simulation([PitchHold()], [], dt=1 / 120, log=False)
+
+    sim = build()
+    monkeypatch.setattr(sampling, "_STATES", 1)
+    sim.save_checkpoint(str(tmp_path / "stop"))
+    monkeypatch.undo()
+    with pytest.raises(ParameterError, match="another version of this package, whose PitchHold"):
+        build().load_checkpoint(str(tmp_path / "stop"))

@@ -627,12 +627,24 @@ class SampledLaw(SampledBlock):
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        json_data.update(results=[[i, y, state] for i, (y, state) in self.clock.results.items()])
+        results = [[i, y, state] for i, (y, state) in self.clock.results.items()]
+        json_data.update(results=results, states=_STATES)
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
+        if json_data.get("states") != _STATES:
+            refuse(
+                "path",
+                prefix,
+                f"the checkpoint is of another version of this package, whose "
+                f"{type(self).__name__} keeps another state: fly to that time again",
+            )
         super().load_checkpoint(prefix, json_data, npz)
         self.clock.results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
+
+
+# raised where a law keeps another state than in the version before
+_STATES = 2
 
 
 def _tuples(state: Any) -> Any:
