@@ -28,7 +28,7 @@ const session = (async () => {
 })();
 
 // PathView leaves unknown blocks out of a run, and saves them without their parameters
-let blocks = null, graph = null;
+let blocks, graph, found;
 const findParts = async () => {
     const scripts = performance.getEntriesByType("resource").map(entry => entry.name)
         .filter(name => name.startsWith(`${location.origin}/app/immutable/chunks/`));
@@ -133,7 +133,7 @@ window.fetch = async (url, options) => {
         showWhole();
     }
     if (!path.startsWith("/api/")) return fetched(url, options);
-    if (!graph) await findParts();
+    await (found ??= findParts());
     const reason = path === "/api/stream/start" ? incomplete() : "";
     if (reason) return Response.json({type: "error", error: reason});
     const headers = {...options?.headers, "X-Session-ID": await session};
