@@ -347,6 +347,15 @@ def _file_name(rng):
     return f"{name}.pvm"
 
 
+# with scopes
+PLOTS = [
+    "from pathlib import Path",
+    "from pathsim_jsbsim_blocks.plots import show, time_histories",
+    "scopes = [block for block in blocks if isinstance(block, Scope)]",
+    "show(time_histories(*scopes), Path(__file__).stem)",
+]
+
+
 def assert_says_what_the_model_says(code, model, registry):
     """Compare a script, read as syntax and not run, with its model: text, order and wires."""
     body = ast.parse(code).body
@@ -362,11 +371,11 @@ def assert_says_what_the_model_says(code, model, registry):
     *assigned, main = rest[len(context) :]
     there = _read(assigned, registry)
     assert isinstance(main, ast.If)
-    run, plot, show = main.body
+    run, *plots = main.body
     assert ast.unparse(run).startswith("sim.run(duration=")
     assert len(run.value.keywords) == 1
     assert not run.value.args
-    assert [ast.unparse(plot), ast.unparse(show)] == ["sim.plot()", "plt.show()"]
+    assert [*map(ast.unparse, plots)] in (["sim.plot()", "plt.show()"], PLOTS)
     settings = model.get("simulationSettings") or {}
     _check_setting(run.value.keywords[0].value, settings, "duration")
     names = {
@@ -378,7 +387,9 @@ def assert_says_what_the_model_says(code, model, registry):
         "tolerance_fpi": "ftol",
     }
     for keyword in there.pop("sim").keywords:
-        if keyword.arg != "Solver":
+        if keyword.arg == "log":
+            assert settings["log"] is keyword.value.value is False
+        elif keyword.arg != "Solver":
             _check_setting(keyword.value, settings, names[keyword.arg])
     wanted = _wanted({**model["graph"], "events": model.get("events") or []}, registry, top=True)
     if not any(_kind(n) in ("BusCreator", "BusSelector") for n in _all_nodes(model["graph"])):

@@ -153,7 +153,7 @@ def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
     model, script = table("model.csv"), table("script.csv")
     assert model.keys() == script.keys()
     assert all(np.array_equal(model[name], script[name]) for name in script)
-    assert sorted(p.name for p in tmp_path.glob("*.png")) == ["pitch_hold.png", "pitch_hold_2.png"]
+    assert sorted(p.name for p in tmp_path.glob("*.png")) == ["pitch_hold.png"]
 
 
 @pytest.fixture

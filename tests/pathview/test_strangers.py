@@ -154,6 +154,7 @@ def test_there_are_ninety_of_which_most_are_to_become_models():
 STEPS = HEAD + SCRIPTS["world: try and finally"][0]
 
 
+@pytest.mark.filterwarnings("ignore:the model is the diagram of the first run")
 def test_two_exports_at_once_and_a_script_that_leaves_its_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("one", "two"):
@@ -192,6 +193,8 @@ def test_an_interrupted_export_leaves_no_process(tmp_path):
     export = subprocess.Popen(
         [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "export", str(tmp_path / "a.py")],
         stderr=subprocess.DEVNULL,
+        # it is ignored in what a shell starts in the background
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     pid = tmp_path / "pid"
     end = time.monotonic() + 60

@@ -47,21 +47,26 @@ def _finished(code: str, content: Json, path: Path) -> str:
     note = next((str(n.get("content")) for n in notes if n.get("id") == NOTE), "")
     if note:
         docstring = ast.parse(code).body[0]
-        rest = code.splitlines()[docstring.end_lineno or 0 :]
-        text = note.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+        lines = code.split("\n")[docstring.end_lineno or 0 :]
+        text = "\n".join(map(printable, note.split("\n")))
+        text = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+        text = re.sub('"$', r'\\"', text)
         head = [f'"""{text}"""', "", f"# converted from {printable(path.name)}"]
-        code = "\n".join([*head, *rest, ""])
+        code = "\n".join([*head, *lines])
+    # what follows is PathView's own: the code of the model comes before it
+    before, start, rest = code.rpartition("\nsim = Simulation(\n")
     if content["simulationSettings"].get("log") is False:
-        code = re.sub(r"(\nsim = Simulation\((?:\n    .*)*)", r"\1\n    log=False,", code, count=1)
+        rest = rest.replace("\n)\n", "\n    log=False,\n)\n", 1)
     kinds = {node["type"] for node in content["graph"]["nodes"]}
     if "Scope" in kinds and "Spectrum" not in kinds:
-        code = code.replace("import matplotlib.pyplot as plt\n", "", 1).replace(
-            "\n    sim.plot()\n    plt.show()\n",
-            "\n    from pathsim_jsbsim_blocks.plots import show, time_histories\n\n"
+        rest = rest.replace(
+            "    sim.plot()\n    plt.show()\n",
+            "    from pathlib import Path\n\n"
+            "    from pathsim_jsbsim_blocks.plots import show, time_histories\n\n"
             "    scopes = [block for block in blocks if isinstance(block, Scope)]\n"
-            "    show(time_histories(*scopes), 'scopes')\n",
+            "    show(time_histories(*scopes), Path(__file__).stem)\n",
         )
-    return code
+    return before + start + rest
 
 
 def _in_docstring(name: str) -> str:
