@@ -234,6 +234,11 @@ def test_a_schedule_has_the_gains_of_the_fleets_table(found):
     assert_in_table("A320", (5000.0, 281.0), found.designs[1].gains)
 
 
+# made before trims at full throttle were checked by a short flight, which gives another climb:
+# to be made again with the next tables
+OLDER_TRIM = pytest.mark.xfail(strict=True, raises=AssertionError)
+
+
 @pytest.mark.long  # found has one of these in each run of the tests
 @pytest.mark.parametrize(
     ("table", "place"),
@@ -241,10 +246,10 @@ def test_a_schedule_has_the_gains_of_the_fleets_table(found):
         ("A320", (5000.0, 281.0)),
         ("c182", (7500.0, 98.0)),
         # full throttle does not trim at the first of these
-        ("c172p-designed", (1000.0, 111.0)),
+        pytest.param("c172p-designed", (1000.0, 111.0), marks=OLDER_TRIM),
         ("c172p-designed", (5000.0, 71.0)),
         ("J3Cub", (5000.0, 50.0)),
-        ("L17", (5000.0, 84.0)),
+        pytest.param("L17", (5000.0, 84.0), marks=OLDER_TRIM),
         ("OV10", (5000.0, 193.0)),
     ],
 )
