@@ -12,6 +12,7 @@ from pathsim_jsbsim_blocks.pathview import export_script
 pytest.importorskip("pathview")
 
 
+@pytest.mark.filterwarnings("ignore:.*same for .* only")
 @pytest.mark.parametrize(
     "check", [0.5, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"]
 )

@@ -1122,3 +1122,12 @@ def test_the_script_runs_in_no_other_way_than_as_the_main_program(export, tmp_pa
         f"    open({str(marker)!r}, 'w').close()"
     )
     assert not marker.exists()
+
+
+def test_a_comparison_that_ends_before_the_run_says_so(tmp_path):
+    (tmp_path / "a.py").write_text(HEAD + LOOP + "sim.run(10)", encoding="utf-8")
+    with pytest.warns(UserWarning, match=r"a\.pvm: same for \d+ steps, 3 signals, to t = .* only"):
+        export_script(tmp_path / "a.py", check=1e-9)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        export_script(tmp_path / "a.py", check=np.inf)

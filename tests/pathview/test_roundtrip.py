@@ -89,6 +89,7 @@ def parts(graph, path=()):
         yield (*path, plain(e["name"]), e["type"], tuple(sorted(e["params"].items())))
 
 
+@pytest.mark.filterwarnings("ignore:.*same for .* only")
 @pytest.mark.parametrize("name", families_once(diagram_names()))
 def test_model_to_script_to_model(name, tmp_path):
     model = diagram_folder() / f"{name}.pvm"

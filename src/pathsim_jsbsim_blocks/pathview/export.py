@@ -50,8 +50,7 @@ def export_script(
         the model; default is the script's name with .pvm. If it exists, blocks that it has keep
         their positions
     check : float
-        s of processing after which the comparison ends, with a warning; ``math.inf`` compares the
-        whole run
+        s of processing after which the comparison ends; ``math.inf`` compares the whole run
 
     Returns
     -------
@@ -63,8 +62,16 @@ def export_script(
     DiagramError
         if the script fails or contains something that PathView cannot represent, the model flies
         otherwise (file, line and reason), or the model cannot be written
+
+    Warns
+    -----
+    UserWarning
+        how far the comparison went, where it ended before the run
     """
-    return export_with_proof(script, out, check)[0]
+    out, proof = export_with_proof(script, out, check)
+    if not proof.whole:
+        warnings.warn(f"{out}: {proof}", UserWarning, stacklevel=2)
+    return out
 
 
 def export_with_proof(
