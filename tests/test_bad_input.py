@@ -38,7 +38,7 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks._core._pathsim import port_names
 from pathsim_jsbsim_blocks.errors import KeywordError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.linear import flying_qualities
+from pathsim_jsbsim_blocks.linear import LinearModelBlock, flying_qualities
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
 pytestmark = pytest.mark.matrix
@@ -423,7 +423,7 @@ def test_more_fuel_than_a_tank_holds_is_refused(fuel):
         (ISAtmosphere, "pressure", "presure"),
         (RampSource, "out", "outt"),
         (
-            lambda: Aircraft("c172p", speed=90).linear_model("algebraic").block(),
+            lambda: LinearModelBlock(Aircraft("c172p", speed=90).linear_model("algebraic")),
             "theta",
             "thta",
         ),

@@ -22,7 +22,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight import flown as flown_models
 from pathsim_jsbsim_blocks.flight import linear_model, rehearsal
-from pathsim_jsbsim_blocks.linear import LinearModel
+from pathsim_jsbsim_blocks.linear import LinearModel, LinearModelBlock
 from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
 # what each input is for
@@ -526,7 +526,7 @@ def test_the_block_flies_beside_the_aircraft():
     from pathsim_jsbsim_blocks import DoubletSource
 
     aircraft = plane("737")
-    linear = aircraft.linear_model().block()
+    linear = LinearModelBlock(aircraft.linear_model())
     source = DoubletSource(amplitude=0.03, start=0.5, width=1.0)
     scope = Scope()
     sim = Simulation(

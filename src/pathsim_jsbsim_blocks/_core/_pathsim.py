@@ -1,7 +1,22 @@
-"""All uses of PathSim's internals, in one place.
+"""All uses of PathSim's internals, in one place: private names, and the methods that are replaced.
 
 `tests/core/test_pathsim_seam.py` has a test for each name here, which shows what a new version of
-PathSim has changed.
+PathSim has changed. `tests/core/test_pathsim_patches.py` shows each fault below in PathSim alone;
+it fails once PathSim has cured it, and the patch can go. At import this module replaces
+
+- ``Subsystem.events``, because a block in a subsystem samples its input of the step before
+  (`Settling`);
+- ``Simulation._run_loop``, because a run with a negative ``dt`` never ends and runs inside each
+  other are accepted (`Steps`), and blocks are not told that a run begins (`before_runs`);
+- ``LoggerManager._setup_root_logger``, because it sends all warnings to a log without a handler
+  (`keep_warnings_visible`).
+
+Two modules replace more through functions here:
+
+- `wiring`, the methods of ``Simulation``, ``Subsystem``, ``Connection`` and ``Graph`` that take
+  blocks and connections, because their errors name neither (`check_diagrams`);
+- `checkpoint`, ``Simulation.save_checkpoint`` and ``load_checkpoint``, because a damaged
+  checkpoint is loaded (`replace_checkpoints`).
 """
 
 from __future__ import annotations
@@ -338,6 +353,11 @@ def _before(owner: type, name: str, check: Callable[..., None]) -> None:
         return method(*args, **kwargs)
 
     setattr(owner, name, checked)
+
+
+def replace_checkpoints(save: Callable[..., None], load: Callable[..., None]) -> None:
+    """Have every simulation save and load its checkpoints with these functions."""
+    Simulation.save_checkpoint, Simulation.load_checkpoint = save, load
 
 
 def tracker(sim: Simulation, duration: float) -> ProgressTracker:

@@ -18,7 +18,7 @@ from typing import Any
 from pathsim import Simulation
 
 from ..errors import BlocksError, FileError, ParameterError
-from ._pathsim import ClockEvent, in_step
+from ._pathsim import ClockEvent, in_step, replace_checkpoints
 from .checks import refuse
 
 _save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
@@ -138,4 +138,4 @@ def _digest(data: dict[str, Any], arrays: bytes) -> str:
     return digest.hexdigest()
 
 
-Simulation.save_checkpoint, Simulation.load_checkpoint = save_checkpoint, load_checkpoint
+replace_checkpoints(save_checkpoint, load_checkpoint)

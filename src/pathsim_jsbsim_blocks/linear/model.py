@@ -16,13 +16,11 @@ from .._core.checks import as_path, did_you_mean, mapping, nearest, positive, re
 from .._core.extras import required
 from .._core.files import write_whole
 from ..errors import FileError
+from .modes import Mode, natural_modes
 
 if TYPE_CHECKING:
     import control
     import pandas as pd
-
-    from .block import LinearModelBlock
-    from .modes import Mode
 
 _ARRAYS = {
     "A": ("states", "states"),
@@ -186,9 +184,7 @@ class LinearModel:
 
     def modes(self) -> list[Mode]:
         """Natural modes, the fastest first, named by the states that take part."""
-        from .modes import natural_modes
-
-        return natural_modes(self)
+        return natural_modes(self.A, self.states)
 
     def simulate(self, u: Any) -> np.ndarray:
         """Outputs at the sample instants for inputs that are held over each period.
@@ -293,12 +289,6 @@ class LinearModel:
             np.hstack([self.C, self.D[:, lagging]]),
             D,
         )
-
-    def block(self) -> LinearModelBlock:
-        """A PathSim ``StateSpace`` block with the ports of the aircraft: full values in and out."""
-        from .block import LinearModelBlock
-
-        return LinearModelBlock(self)
 
     def to_control(self) -> control.StateSpace:
         """A python-control ``StateSpace`` with the names, increments in and out.

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import eig
-
-if TYPE_CHECKING:
-    from .model import LinearModel
 
 _LONGITUDINAL = ("vt", "alpha", "q", "theta", "h")
 _LATERAL = ("beta", "p", "r", "phi")
@@ -94,8 +91,8 @@ class Mode:
         return f"{self.name}: {', '.join(said)} ({', '.join(states)})"
 
 
-def natural_modes(model: LinearModel) -> list[Mode]:
-    """Natural modes of a linear model, the fastest first.
+def natural_modes(A: np.ndarray, states: Sequence[str]) -> list[Mode]:
+    """Natural modes of a linear system, the fastest first.
 
     The share of a state in a mode is its participation factor, the product of its entries in the
     right and the left eigenvector: it does not depend on units. States that only integrate others
@@ -103,7 +100,10 @@ def natural_modes(model: LinearModel) -> list[Mode]:
 
     Parameters
     ----------
-    model : LinearModel
+    A : array, shape (n, n)
+        1/s
+    states : list of str
+        names of the n states
 
     Returns
     -------
@@ -114,25 +114,22 @@ def natural_modes(model: LinearModel) -> list[Mode]:
     Perez-Arriaga, Verghese, Schweppe, "Selective Modal Analysis with Applications to Electric
     Power Systems", IEEE Transactions on Power Apparatus and Systems PAS-101, 1982.
     """
-    kept = list(range(len(model.states)))
+    kept = list(range(len(states)))
     apart = []
-    while alone := [i for i in kept if not np.any(np.delete(model.A[kept, i], kept.index(i)))]:
+    while alone := [i for i in kept if not np.any(np.delete(A[kept, i], kept.index(i)))]:
         apart += alone
         kept = [i for i in kept if i not in alone]
-    found = [Mode("", complex(model.A[i, i]), {model.states[i]: 1.0}) for i in apart]
+    found = [Mode("", complex(A[i, i]), {states[i]: 1.0}) for i in apart]
     if kept:
-        poles, left, right = eig(model.A[np.ix_(kept, kept)], left=True, right=True)
+        poles, left, right = eig(A[np.ix_(kept, kept)], left=True, right=True)
         shares = np.abs(left.conj() * right)
         shares /= shares.sum(axis=0)
         for pole, share in zip(poles, shares.T, strict=True):
             if pole.imag >= 0.0:
                 order = np.argsort(-share)
-                participation = {model.states[kept[i]]: float(share[i]) for i in order}
+                participation = {states[kept[i]]: float(share[i]) for i in order}
                 found.append(Mode("", complex(pole), participation))
-    names = _names(found)
-    named = [
-        Mode(name, mode.pole, mode.participation) for name, mode in zip(names, found, strict=True)
-    ]
+    named = [replace(mode, name=name) for name, mode in zip(_names(found), found, strict=True)]
     return sorted(named, key=lambda mode: -mode.frequency)
 
 
