@@ -37,12 +37,12 @@ turn = StepSource(amplitude=60.0, tau=60.0)
 accelerate = StepSource(amplitude=15.0, tau=130.0)
 flight = Scope(labels=["altitude [ft]", "heading [deg]", "calibrated airspeed [kt]"])
 attitude = Scope(labels=["pitch angle [deg]", "roll angle [deg]"])
-controls = Scope(
-    labels=["elevator increment [-]", "aileron increment [-]", "throttle increment [-]"]
-)
+elevator = Scope(labels=["elevator increment [-]"])
+aileron = Scope(labels=["aileron increment [-]"])
+throttle = Scope(labels=["throttle increment [-]"])
 
 sim = Simulation(
-    [aircraft, autopilot, climb, turn, accelerate, flight, attitude, controls],
+    [aircraft, autopilot, climb, turn, accelerate, flight, attitude, elevator, aileron, throttle],
     [
         Connection(aircraft["theta"], autopilot["theta"], attitude[0]),
         Connection(aircraft["phi"], autopilot["phi"], attitude[1]),
@@ -60,10 +60,10 @@ sim = Simulation(
         Connection(climb, autopilot["h_ref"]),
         Connection(turn, autopilot["psi_ref"]),
         Connection(accelerate, autopilot["vc_ref"]),
-        Connection(autopilot["elevator"], aircraft["elevator"], controls[0]),
-        Connection(autopilot["aileron"], aircraft["aileron"], controls[1]),
+        Connection(autopilot["elevator"], aircraft["elevator"], elevator),
+        Connection(autopilot["aileron"], aircraft["aileron"], aileron),
         Connection(autopilot["rudder"], aircraft["rudder"]),
-        Connection(autopilot["throttle"], aircraft["throttle"], controls[2]),
+        Connection(autopilot["throttle"], aircraft["throttle"], throttle),
     ],
     dt=1 / 120,
     log=False,
@@ -73,10 +73,12 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    drawing = time_histories(
+    return time_histories(
         flight,
         attitude,
-        controls,
+        elevator,
+        aileron,
+        throttle,
         title="737: a mission in moderate turbulence",
         references={
             "altitude": lambda time: 10000.0 + 1500.0 * (time >= 20.0) - 500.0 * (time >= 180.0),
@@ -84,9 +86,6 @@ def figure():
             "calibrated airspeed": lambda time: 280.0 + 15.0 * (time >= 130.0),
         },
     )
-    drawing.axes[-1].set_ylim(-0.7, 1.1)  # room for the legend
-    drawing.axes[-1].legend(ncols=3, loc="upper right", fontsize="small")
-    return drawing
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ doublet = DoubletSource(amplitude=0.1, start=1.0, width=1.0, gap=1.0, polarity=-
 aircraft = Aircraft(aircraft="global5000", altitude=15000.0, speed=250.0, gear=1.0, setup=SETUP)
 linear = LinearAircraft(aircraft="global5000", altitude=15000.0, speed=250.0, gear=1.0, setup=SETUP)
 difference = Adder(operations="+-")
-attack = Scope(labels=["nonlinear [deg]", "linear [deg]"])
+attack = Scope(labels=["angle of attack, nonlinear [deg]", "angle of attack, linear [deg]"])
 rate = Scope(labels=["pitch rate, nonlinear [deg/s]", "pitch rate, linear [deg/s]"])
 missed = Scope(labels=["difference in angle of attack [deg]"])
 
@@ -52,18 +52,16 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    drawing = time_histories(
+    return time_histories(
         attack, rate, missed, title="global5000: elevator doublet, nonlinear and linear"
     )
-    drawing.axes[0].set_ylabel("angle of attack\n[deg]")
-    return drawing
 
 
 if __name__ == "__main__":
     from pathsim_jsbsim_blocks.plots import show, signal
 
     sim.run(DURATION)
-    _, alpha = signal(attack, "nonlinear")
+    _, alpha = signal(attack, "angle of attack, nonlinear")
     _, apart = signal(missed, "difference in angle of attack")
     print(
         f"angle of attack from {alpha.min():.2f} to {alpha.max():.2f} deg; the linear model is at "

@@ -27,10 +27,18 @@ more = Amplifier(gain=0.01745)
 rudder_less = Adder("++")
 rudder_more = Adder("++")
 slip = Scope(
-    labels=["sideslip angle, 0 [deg]", "sideslip angle, 1 [deg]", "sideslip angle, 2 [deg]"]
+    labels=[
+        "sideslip angle, gain 0 [deg]",
+        "sideslip angle, gain 1 [deg]",
+        "sideslip angle, gain 2 [deg]",
+    ]
 )
-yaw = Scope(labels=["yaw rate, 0 [deg/s]", "yaw rate, 1 [deg/s]", "yaw rate, 2 [deg/s]"])
-roll = Scope(labels=["roll angle, 0 [deg]", "roll angle, 1 [deg]", "roll angle, 2 [deg]"])
+yaw = Scope(
+    labels=["yaw rate, gain 0 [deg/s]", "yaw rate, gain 1 [deg/s]", "yaw rate, gain 2 [deg/s]"]
+)
+roll = Scope(
+    labels=["roll angle, gain 0 [deg]", "roll angle, gain 1 [deg]", "roll angle, gain 2 [deg]"]
+)
 
 sim = Simulation(
     [pulse, without, built_in, doubled, less, more, rudder_less, rudder_more, slip, yaw, roll],
@@ -68,7 +76,7 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     for gain in (0, 1, 2):
-        time, beta = signal(slip, f"sideslip angle, {gain}")
+        time, beta = signal(slip, f"sideslip angle, gain {gain}")
         late = time > 5.0
         print(
             f"gain {gain}: sideslip up to {abs(beta).max():.2f} deg, after 5 s up to "

@@ -1,4 +1,4 @@
-"""Climb with the first trim held: the speed decays and the climb creeps.
+"""Climb with the first trim held: the speed decays and the climb dies away.
 
 An A-4 trimmed at 1000 ft for a climb at 300 KCAS and 5 deg; throttle and pitch trim then stay where
 they are while the air grows thinner.
@@ -7,8 +7,8 @@ Expected: after 1 min the path has flattened to 3.9 deg; after 15 min the aircra
 288 KCAS and 0.4 deg. A run of an hour would end itself at 20,000 ft, after 59 minutes and at
 267 KCAS.
 
-Source: the published JSBSim/PathSim notebook; the cure is the diagram ``scheduled_climb``. The
-limits of alpha are those of the trim there.
+Source: the published JSBSim/PathSim notebook; the cure is the diagram ``scheduled_climb``. Alpha
+is limited to -4 to 12 deg, as published.
 """
 
 from pathsim import Connection, Simulation

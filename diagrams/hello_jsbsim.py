@@ -19,9 +19,9 @@ aircraft = Aircraft(aircraft="c172p", altitude=3000.0, speed=80.0, heading=45.0)
 scope = Scope(
     labels=[
         "altitude [ft]",
-        "true airspeed [ft/s]",
         "pitch angle [deg]",
         "roll angle [deg]",
+        "true airspeed [ft/s]",
         "heading [deg]",
     ]
 )
@@ -30,9 +30,9 @@ sim = Simulation(
     [aircraft, scope],
     [
         Connection(aircraft["h"], scope[0]),
-        Connection(aircraft["vt"], scope[1]),
-        Connection(aircraft["theta"], scope[2]),
-        Connection(aircraft["phi"], scope[3]),
+        Connection(aircraft["theta"], scope[1]),
+        Connection(aircraft["phi"], scope[2]),
+        Connection(aircraft["vt"], scope[3]),
         Connection(aircraft["psi"], scope[4]),
     ],
     dt=1 / 120,

@@ -1,14 +1,14 @@
 """Climb by schedule: throttle and pitch trim follow the altitude through lookup tables.
 
-An A-4 at 300 KCAS climbs at 5 deg from 1000 ft. The tables hold the commands that trim it at each
-1000 ft (the study ``climb_schedule``); nothing is fed back but the altitude. The run ends itself at
-20,000 ft.
+An A-4 climbs from a trim at 1000 ft, 300 KCAS and 5 deg. The tables hold the commands of that trim
+at each 1000 ft (the study ``climb_schedule``); nothing is fed back but the altitude. The run ends
+itself at 20,000 ft.
 
 Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, and do
 not have the thrust that speeds the aircraft up in a climb at constant calibrated airspeed.
 
 Source: the published JSBSim/PathSim notebook; its flight with the first trim held is the diagram
-``fixed_trim_climb``. The limits of alpha are those of the trim there.
+``fixed_trim_climb``. Alpha is limited to -4 to 12 deg, as published.
 """
 
 from pathsim import Connection, Simulation
@@ -74,7 +74,13 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(flight, power, pitch, title="A-4: climb by schedule at 300 KCAS, 5 deg")
+    return time_histories(
+        flight,
+        power,
+        pitch,
+        title="A-4: climb by the trims of 300 KCAS and 5 deg",
+        references={"calibrated airspeed": 300.0, "flight path angle": 5.0},
+    )
 
 
 if __name__ == "__main__":

@@ -24,9 +24,11 @@ protected = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 watching = Autopilot(gains="c172p")
 plain = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 blind = Autopilot(gains="c172p")
-speeds = Scope(labels=["airspeed, protected [kt]", "airspeed, without alpha [kt]"])
-angles = Scope(labels=["alpha, protected [deg]", "alpha, without alpha [deg]"])
-heights = Scope(labels=["altitude, protected [ft]", "altitude, without alpha [ft]"])
+speeds = Scope(labels=["airspeed, alpha wired [kt]", "airspeed, alpha not wired [kt]"])
+angles = Scope(
+    labels=["angle of attack, alpha wired [deg]", "angle of attack, alpha not wired [deg]"]
+)
+heights = Scope(labels=["altitude, alpha wired [ft]", "altitude, alpha not wired [ft]"])
 
 sim = Simulation(
     [slower, protected, watching, plain, blind, speeds, angles, heights],
@@ -80,7 +82,7 @@ def figure():
         angles,
         heights,
         title="c172p: 55 KCAS asked for, with and without the port alpha",
-        references={"airspeed, protected": lambda time: 90.0 - 35.0 * (time >= 10.0)},
+        references={"airspeed, alpha wired": lambda time: 90.0 - 35.0 * (time >= 10.0)},
     )
 
 
@@ -88,9 +90,9 @@ if __name__ == "__main__":
     from pathsim_jsbsim_blocks.plots import show, signal
 
     sim.run(DURATION)
-    for name in ("protected", "without alpha"):
+    for name in ("alpha wired", "alpha not wired"):
         _, vc = signal(speeds, f"airspeed, {name}")
-        _, alpha = signal(angles, f"alpha, {name}")
+        _, alpha = signal(angles, f"angle of attack, {name}")
         _, h = signal(heights, f"altitude, {name}")
         print(
             f"{name}: {vc.min():.1f} kt at the least, {vc[-1]:.1f} kt at the end; alpha at most "

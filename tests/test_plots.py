@@ -48,7 +48,7 @@ def test_one_panel_for_each_unit(scope):
     figure = time_histories(scope, title="a flight")
     height, angles, plain = figure.axes
     assert height.get_ylabel() == "height\n[ft]"
-    assert angles.get_ylabel() == "[deg]"
+    assert angles.get_ylabel() == "angle\n[deg]"
     assert [t.get_text() for t in angles.get_legend().get_texts()] == ["pitch", "heading"]
     assert plain.get_ylabel() == "plain"
     assert plain.get_xlabel() == "time [s]"
@@ -56,6 +56,32 @@ def test_one_panel_for_each_unit(scope):
     assert height.get_lines()[0].get_ydata()[-1] == pytest.approx(103.0)
     # a heading goes on through north, without a line across the panel
     assert angles.get_lines()[1].get_ydata() == pytest.approx(np.arange(350.0, 381.0))
+
+
+@pytest.mark.parametrize(
+    ("labels", "expected"),
+    [
+        (["sideslip angle, bare [deg]", "sideslip angle, damped [deg]"], "sideslip angle\n[deg]"),
+        (["elevator command [-]", "aileron command [-]"], "command\n[-]"),
+        (["rate of climb [ft/s]", "demanded [ft/s]"], "velocity\n[ft/s]"),
+        (["difference in angle of attack [deg]"], "difference in angle\nof attack\n[deg]"),
+        (["power [%]", "load [%]"], "[%]"),
+    ],
+)
+def test_an_axis_names_what_its_curves_share(labels, expected):
+    scope = Scope(labels=labels)
+    source = Source(lambda t: t)
+    wires = [Connection(source, *(scope[i] for i in range(len(labels))))]
+    Simulation([source, scope], wires, dt=0.5, log=False).run(1.0)
+    (ax,) = time_histories(scope).axes
+    assert ax.get_ylabel() == expected
+
+
+def test_the_labels_of_panels_are_aligned(scope):
+    figure = time_histories(scope)
+    figure.canvas.draw()
+    edges = {round(ax.yaxis.label.get_window_extent().x1) for ax in figure.axes}
+    assert len(edges) == 1
 
 
 def test_references_are_drawn_in_the_panel_of_their_signal(scope):

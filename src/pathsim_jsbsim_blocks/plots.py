@@ -11,6 +11,7 @@ import itertools
 import math
 import re
 import reprlib
+import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +32,20 @@ if TYPE_CHECKING:
 
 _save_to: list[Iterator[Path]] = []
 
+_DASHES = ("-", "--", "-.", ":")
+
+# unit: what it measures, where labels have no word in common
+_QUANTITIES = {
+    "deg": "angle",
+    "deg/s": "angular rate",
+    "ft": "distance",
+    "ft/s": "velocity",
+    "kt": "airspeed",
+    "g": "load factor",
+    "lbf": "force",
+    "-": "value",
+}
+
 
 @contextlib.contextmanager
 def exact_curves() -> Iterator[None]:
@@ -45,9 +60,10 @@ def exact_curves() -> Iterator[None]:
 
 
 def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
-    """``plt.subplots``, except that in a notebook the figure is not drawn of itself.
+    """``plt.subplots`` with the labels of the y axes aligned, and each figure drawn only once.
 
-    There a cell draws each figure that pyplot holds, and once more a figure that is its last line.
+    In a notebook a cell draws each figure that pyplot holds, and once more a figure that is its
+    last line; so here pyplot does not hold it.
 
     Parameters
     ----------
@@ -62,6 +78,7 @@ def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(*args, **options)
+    figure.align_ylabels()
     if _inline():
         plt.close(figure)
     return figure, axes
@@ -109,12 +126,10 @@ def time_histories(
     """
     if not scopes:
         refuse("scopes", scopes, "there is no scope to draw")
-    if references is not None and not isinstance(references, Mapping):
-        refuse(
-            "references",
-            references,
-            f"references must be a dict from labels to numbers or functions, not {references!r}",
-        )
+    references = {} if references is None else references
+    if not isinstance(references, Mapping):
+        wrong = f"references must be a dict from labels to numbers or functions, not {references!r}"
+        refuse("references", references, wrong)
     panels: list[tuple[str, list]] = []
     for scope in scopes:
         time, data = recording(scope)
@@ -126,40 +141,38 @@ def time_histories(
             panels[-1][1].append((time, _unwound(y) if unit == "deg" else y, label))
             first = False
     names = [label for _, signals in panels for _, _, label in signals]
-    wanted = {names[_index(names, label)]: y for label, y in (references or {}).items()}
+    wanted = {names[_index(names, label)]: y for label, y in references.items()}
+    height = 1.2 + 1.7 * len(panels)
     figure, axes = subplots(
-        len(panels),
-        1,
-        sharex=True,
-        squeeze=False,
-        layout="constrained",
-        figsize=(8, 1.2 + 1.7 * len(panels)),
+        len(panels), 1, sharex=True, squeeze=False, layout="constrained", figsize=(8, height)
     )
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
         # dashes keep coinciding curves apart
-        for (time, y, label), dashes in zip(
-            signals, itertools.cycle(["-", "--", "-.", ":"]), strict=False
-        ):
+        for (time, y, label), dashes in zip(signals, itertools.cycle(_DASHES), strict=False):
             ax.plot(time, y, dashes, label=label, linewidth=1.3)
         _readable(ax, np.concatenate([y for _, y, _ in signals]))
         for time, _, label in signals:
             if label in wanted:
-                y = wanted.pop(label)
-                asked = _asked(label, time, y)
+                asked = _asked(label, time, wanted.pop(label))
                 name = "reference" if len(signals) == 1 else f"{label}: reference"
                 ax.plot(time, asked, "k:", label=name, linewidth=1.1)
-        if len(signals) == 1:
-            if len(ax.lines) > 1:
-                ax.legend(ax.lines[1:], ["reference"], loc="best", fontsize="small")
-            ax.set_ylabel(f"{signals[0][2]}\n[{unit}]" if unit else signals[0][2])
-        else:
-            ax.set_ylabel(f"[{unit}]" if unit else "")
-            ax.legend(loc="best", fontsize="small")
+        quantity = textwrap.fill(_quantity([label for *_, label in signals], unit), 20)
+        ax.set_ylabel("\n".join(filter(None, (quantity, unit and f"[{unit}]"))))
+        curves = ax.lines[1 if len(signals) == 1 else 0 :]  # the label of the axis names the first
+        if curves:
+            ax.legend(handles=curves, loc="best", fontsize="small")
         ax.grid(alpha=0.4)
     axes[-1, 0].set_xlabel("time [s]")
     if title:
         figure.suptitle(title)
     return figure
+
+
+def _quantity(labels: list[str], unit: str) -> str:
+    """The words that all labels have before a comma, or else what the unit measures."""
+    words = [label.partition(",")[0].split() for label in labels]
+    common = [word for word in words[0] if all(word in others for others in words)]
+    return " ".join(common) or _QUANTITIES.get(unit, "")
 
 
 def _asked(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
@@ -168,12 +181,9 @@ def _asked(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
     try:
         return np.broadcast_to(np.asarray(values, dtype=float), time.shape)
     except (TypeError, ValueError):
-        refuse(
-            "references",
-            reference,
-            f"the reference of {label!r} must be a number, or a function that returns one for each "
-            f"of the {len(time)} times, not {values!r}",
-        )
+        wrong = "must be a number, or a function that returns one for each of the"
+        wrong = f"the reference of {label!r} {wrong} {len(time)} times, not {values!r}"
+        refuse("references", reference, wrong)
 
 
 def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
@@ -264,17 +274,14 @@ def ground_track(
     ):
         centre = (values.min() + values.max()) / 2
         limit(centre - extent, centre + extent)
-    ax.set_aspect(1 / shrink)
+    ax.set(aspect=1 / shrink, title=title, xlabel="longitude [deg]", ylabel="latitude [deg]")
     ax.add_collection(track)
     ax.plot(*points[0], "ko", label="start")
     ax.plot(*points[-1], "rs", label="end")
     ax.ticklabel_format(useOffset=False, style="plain")
     ax.xaxis.set_major_locator(MaxNLocator(5))
-    ax.set_xlabel("longitude [deg]")
-    ax.set_ylabel("latitude [deg]")
     ax.grid(alpha=0.4)
     ax.legend(loc="best")
-    ax.set_title(title)
     figure.colorbar(track, label="time [s]", location="bottom", shrink=0.6)
     return figure
 
@@ -309,16 +316,13 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
     along = signals[_index([name for name, _ in signals], label)]
     panels = [shown for shown in signals if shown != along]
     figure, axes = subplots(
-        1, len(panels), squeeze=False, layout="constrained", figsize=(1 + 4.5 * len(panels), 4.2)
+        1, len(panels), squeeze=False, layout="constrained", figsize=(1 + 3.5 * len(panels), 3.8)
     )
     for ax, (name, unit) in zip(axes[0], panels, strict=True):
-        for (flight, scope), dashes in zip(
-            flights.items(), itertools.cycle(["-", "--", "-.", ":"]), strict=False
-        ):
+        for (flight, scope), dashes in zip(flights.items(), itertools.cycle(_DASHES), strict=False):
             x, y = signal(scope, along[0])[1], signal(scope, name)[1]
             ax.plot(x, y, dashes, label=flight, linewidth=1.5)
-        ax.set_xlabel(_axis(*along))
-        ax.set_ylabel(_axis(name, unit))
+        ax.set(xlabel=_axis(*along), ylabel=_axis(name, unit))
         ax.grid(alpha=0.4)
     axes[0, 0].legend(loc="best", fontsize="small")
     if title:
@@ -345,11 +349,9 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: s
     figure, ax = subplots(figsize=(6, 5), layout="constrained")
     ax.plot(x, y, linewidth=1.3)
     ax.plot(np.asarray(x)[0], np.asarray(y)[0], "ko", label="start")
-    ax.set_xlabel(labels[0])
-    ax.set_ylabel(labels[1])
+    ax.set(xlabel=labels[0], ylabel=labels[1], title=title)
     ax.grid(alpha=0.4)
     ax.legend(loc="best")
-    ax.set_title(title)
     return figure
 
 
@@ -382,7 +384,7 @@ def show(figure: Figure, name: str) -> None:
     target = next(_save_to[-1]) if _save_to else Path(f"{name}.png")
     try:
         with replacing(target) as file:
-            figure.savefig(file, dpi=110)
+            figure.savefig(file, dpi=100)
     except OSError as error:
         raise FileError("write", target, error) from None
     finally:
@@ -655,11 +657,8 @@ def _index(names: list[str], label: str) -> int:
     """Number of a scope's signal, by its label with or without the unit."""
     wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
     if wanted not in names:
-        refuse(
-            "label",
-            label,
-            f"the scope has no signal {label!r}" + did_you_mean(nearest(label, names)),
-        )
+        known = did_you_mean(nearest(label, names))
+        refuse("label", label, f"the scope has no signal {label!r}" + known)
     return names.index(wanted)
 
 

@@ -20,7 +20,7 @@ PANELS = {
     "heading_hold": 5,
     "airspeed_hold": 4,
     "yaw_damper": 3,
-    "autopilot_mission": 5,
+    "autopilot_mission": 7,
     "pitch_hold_primitives": 3,
     "approach_737": 4,
     "fleet_pitch_hold": 2,

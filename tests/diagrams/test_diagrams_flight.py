@@ -76,7 +76,7 @@ def test_elevator_doublet():
 def test_doublet_linear_nonlinear():
     module = flown("doublet_linear_nonlinear")
     expected = table("04_elevator_doublet.csv")
-    time, linear = signal(module.attack, "linear")
+    time, linear = signal(module.attack, "angle of attack, linear")
     # the published flight, whose doublet begins at 10 s instead of 1 s
     t = expected["t_s"]
     t, alpha = t[t > 9.0], expected["aero/alpha-deg"][t > 9.0]

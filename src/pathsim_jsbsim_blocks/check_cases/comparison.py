@@ -295,7 +295,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     }
     rows = math.ceil(len(shown) / 2)
     figure, axes = subplots(
-        rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(10, 1 + 1.7 * rows)
+        rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)
     )
     with exact_curves():
         for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
@@ -331,11 +331,12 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
                 ax.axhline(edge, color="tab:gray", linestyle="--", linewidth=0.8)
             ax.set_ylabel(f"{name}\n[{quantity.unit}]")
             ax.grid(alpha=0.4)
-        for ax in list(axes.flat)[len(shown) :]:
-            ax.set_visible(False)
-    for ax in list(axes.flat)[max(len(shown) - 2, 0) : len(shown)]:
+    *_, last, spare = axes.flat
+    if len(shown) % 2:  # the last panel takes the whole row
+        spare.remove()
+        last.set_subplotspec(last.get_gridspec()[-1, :])
+    for ax in axes[-1]:
         ax.set_xlabel("time [s]")
-        ax.tick_params(labelbottom=True)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     figure.suptitle(f"check case {case:g}: {CASES[case]}; distance from NASA's median")
     return figure

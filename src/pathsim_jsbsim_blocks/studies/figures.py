@@ -80,22 +80,22 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
         "weight_lb",
         "cg_x_in",
     )
-    figure, axes = subplots(3, 1, sharex=True, figsize=(9.5, 9.5), layout="constrained")
-    for label, style, rows in _lines(trimmed):
+    lines = list(_lines(trimmed))
+    figure, axes = subplots(
+        3, 1, sharex=True, figsize=(8, 8 + 0.2 * len(lines)), layout="constrained"
+    )
+    for label, style, rows in lines:
         for ax, y in zip(
             axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm), strict=True
         ):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
-    for ax, name in zip(
-        axes,
-        ("angle of attack [deg]", "elevator deflection [deg]", "elevator deflection [-]"),
-        strict=True,
-    ):
-        ax.set_ylabel(name)
+    axes[0].set(ylabel="angle of attack [deg]")
+    axes[1].set(ylabel="elevator deflection [deg]")
+    axes[2].set(ylabel="elevator deflection [-]", xlabel="calibrated airspeed [kt]")
+    for ax in axes:
         ax.grid(alpha=0.4)
-    axes[-1].set_xlabel("calibrated airspeed [kt]")
     figure.legend(
-        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small"
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", fontsize="small"
     )
     figure.suptitle(
         title or _of(table, "trim: angle of attack, and elevator (trailing edge down positive)")
@@ -115,8 +115,8 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
         said = [
             f"{at['weight_case']}" if "weight_case" in at else "",
             _cg_travel(rows) if "cg_shift_percent" in at else "",
-            f"{at['requested_altitude_ft']:,.0f} ft",
-            f"{rows.weight_lb.iloc[0]:,.0f} lb",
+            f"{at['requested_altitude_ft']:.0f} ft",
+            f"{rows.weight_lb.iloc[0]:.0f} lb",
             f"CG {rows.cg_x_in.iloc[0]:.1f} in",
         ]
         style = {
@@ -165,36 +165,32 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
         "throttle_norm",
         "alpha_deg",
     )
-    figure, axes = subplots(1, 3, sharey=True, figsize=(14, 4.8), layout="constrained")
+    figure, axes = subplots(3, 1, sharex=True, figsize=(8, 10.5), layout="constrained")
     for ax, values, label in (
         (axes[0], trimmed.throttle_norm, "throttle command [-]"),
         (axes[1], trimmed.thrust_lb / 1000, "thrust [1000 lbf]"),
         (axes[2], trimmed.alpha_deg, "angle of attack [deg]"),
     ):
         points = ax.scatter(
-            trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values, marker="s", s=24
+            trimmed.requested_speed_kcas, trimmed.requested_gamma_deg, c=values, marker="s", s=50
         )
         figure.colorbar(points, ax=ax, label=label)
         for reason, rows in table[~table.trimmed].groupby("reason"):
             ax.scatter(
                 rows.requested_speed_kcas,
                 rows.requested_gamma_deg,
-                s=12,
-                color="0.55",
-                linewidths=0.8,
+                s=26,
+                color="0.35",
+                linewidths=1.0,
                 marker=_REASONS.get(str(reason), "."),
                 label=f"no trim: {reason}",
             )
-        ax.set_xlabel("calibrated airspeed [kt]")
+        ax.set_ylabel("flight path angle [deg]")
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    axes[0].set_ylabel("flight path angle [deg]")
+    axes[-1].set_xlabel("calibrated airspeed [kt]")
     if not table.trimmed.all():
-        figure.legend(
-            *axes[0].get_legend_handles_labels(),
-            loc="outside lower center",
-            ncols=5,
-            fontsize="small",
-        )
+        marks = axes[0].get_legend_handles_labels()
+        figure.legend(*marks, loc="outside lower center", ncols=3, fontsize="small")
     figure.suptitle(
         title or _of(table, f"trim envelope, {len(trimmed)} of {len(table)} points trim")
     )
@@ -230,20 +226,18 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     )
     cases = list(trimmed.groupby("case", sort=False))
     figure, axes = subplots(
-        1, len(cases), squeeze=False, figsize=(6 * len(cases), 4.5), layout="constrained"
+        len(cases), 1, squeeze=False, figsize=(8, 3.6 * len(cases)), layout="constrained"
     )
-    for ax, (case, rows) in zip(axes[0], cases, strict=True):
+    for ax, (case, rows) in zip(axes[:, 0], cases, strict=True):
         best = rows.loc[rows.thrust_lb.idxmin()]
         ax.plot(rows.thrust_angle_deg, rows.thrust_lb, color="C0")
-        ax.plot(
-            best.thrust_angle_deg,
-            best.thrust_lb,
-            "o",
-            color="C3",
-            label=f"least: {best.thrust_lb:,.0f} lbf at about {best.thrust_angle_deg:.0f} deg",
+        least = f"least: {best.thrust_lb:.0f} lbf at about {best.thrust_angle_deg:.0f} deg"
+        ax.plot(best.thrust_angle_deg, best.thrust_lb, "o", color="C3", label=least)
+        ax.set_title(
+            f"{case}: {best.requested_altitude_ft:.0f} ft, {best.speed_kcas:.0f} KCAS, "
+            f"Mach {best.mach:.2f}, flight path angle {best.gamma_deg:.0f} deg"
         )
-        ax.set_title(case)
-        ax.set_xlabel("thrust angle, up positive [deg]")
+        ax.set(xlabel="thrust angle, up positive [deg]")
         ax.set_ylabel("thrust [lbf]", color="C0")
         ax.ticklabel_format(useOffset=False)
         ax.grid(alpha=0.4)
@@ -282,15 +276,14 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
         "throttle_norm",
         "pitch_trim_norm",
     )
-    figure, axes = subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+    figure, axes = subplots(1, 2, figsize=(8, 3.8), layout="constrained")
     for ax, values, label in (
         (axes[0], trimmed.throttle_norm, "throttle command [-]"),
         (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]"),
     ):
         ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)
         ax.xaxis.set_major_locator(MaxNLocator(5))
-        ax.set_xlabel("altitude [ft]")
-        ax.set_ylabel(label)
+        ax.set(xlabel="altitude [ft]", ylabel=label)
         ax.grid(alpha=0.4)
     first = table.iloc[0]
     climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
@@ -325,14 +318,14 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
     )
     flown = list(trimmed.groupby("aircraft", sort=False))
     figure, axes = subplots(
-        3, len(flown), squeeze=False, sharex="col", figsize=(5.5 * len(flown), 8.5),
+        3, len(flown), squeeze=False, sharex="col", figsize=(max(4.2 * len(flown), 6), 9),
         layout="constrained",
     )  # fmt: skip
     for (name, rows), (frequency, damping, real) in zip(flown, axes.T, strict=True):
+        speed = rows.requested_speed_kcas.to_numpy()
         for i, mode in enumerate(MODES):
-            pole = rows[f"{column(mode)}_real"] + 1j * rows[f"{column(mode)}_imag"]
-            swings = pole.to_numpy().imag > 0.0
-            speed, pole = rows.requested_speed_kcas.to_numpy(), pole.to_numpy()
+            pole = (rows[f"{column(mode)}_real"] + 1j * rows[f"{column(mode)}_imag"]).to_numpy()
+            swings = pole.imag > 0.0
             style = {"marker": "o", "markersize": 3, "color": f"C{i}", "label": mode}
             if swings.any():
                 size = np.where(swings, np.abs(pole), np.nan)
@@ -340,16 +333,16 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
                 damping.plot(speed, -pole.real / size, **style)
             if (~swings & np.isfinite(pole)).any():
                 real.plot(speed, np.where(swings, np.nan, pole.real), **style)
-        frequency.set_title(name)
-        frequency.set_ylabel("natural frequency [rad/s]")
+        # roll and spiral are orders of magnitude apart, and a spiral may be on either side of 0
+        real.set_yscale("symlog", linthresh=0.01)
+        frequency.set(title=name, ylabel="natural frequency [rad/s]")
         damping.set_ylabel("damping ratio [-]")
-        real.set_ylabel("real poles [1/s]")
-        real.set_xlabel("calibrated airspeed [kt]")
+        real.set(xlabel="calibrated airspeed [kt]", ylabel="real poles [1/s]")
         for ax in (frequency, damping, real):
             ax.grid(alpha=0.4)
             if ax.lines:
                 ax.legend(fontsize="small")
     figure.suptitle(
-        title or f"Modes in level flight at {table.requested_altitude_ft.iloc[0]:,.0f} ft"
+        title or f"Modes in level flight at {table.requested_altitude_ft.iloc[0]:.0f} ft"
     )
     return figure
