@@ -198,9 +198,7 @@ def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
     ]
     assert [len(ax.lines) for ax in figure.axes] == [12, 12, 12]
     first = figure.axes[1].lines[0]
-    assert first.get_label() == (
-        "light, empty CG 39.5 in forward, 8000 ft, 52735 lb, CG 754.7 in"
-    )
+    assert first.get_label() == ("light, empty CG 39.5 in forward, 8000 ft, 52735 lb, CG 754.7 in")
     rows = table[
         (table.weight_case == "light")
         & (table.cg_shift_percent == -5)
