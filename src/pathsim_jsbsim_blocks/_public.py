@@ -90,10 +90,10 @@ __all__ = [
 __all__ += _holds.__all__  # type: ignore[attr-defined]
 
 if find_spec("jsbsim") is not None:
-    from .flight._trim import TrimState
     from .flight.aircraft import Aircraft
-    from .flight.condition import TrimCondition
     from .flight.fdm import JSBSimFDM
     from .flight.linear import LinearAircraft
+    from .flight.trim.condition import TrimCondition
+    from .flight.trim.state import TrimState
 
     __all__ += ["Aircraft", "JSBSimFDM", "LinearAircraft", "TrimCondition", "TrimState"]

@@ -14,9 +14,11 @@ from scipy.optimize import lsq_linear
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.flight import _newton, _trim, trim
-from pathsim_jsbsim_blocks.flight._newton import _bounded, _solution
+from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
+from pathsim_jsbsim_blocks.flight.trim import newton
+from pathsim_jsbsim_blocks.flight.trim.newton import _bounded, _solution
+from pathsim_jsbsim_blocks.flight.trim.trimmer import Trimmer
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
 # ft/s2 and rad/s2, what `trim` promises
@@ -189,7 +191,7 @@ def test_the_check_by_a_flight_leaves_no_trace(aircraft, monkeypatch):
         return rows
 
     checked = flight()
-    monkeypatch.setattr(_trim, "_moving", lambda *_: "")
+    monkeypatch.setattr(Trimmer, "_what_moves", lambda *_: "")
     assert checked == flight()
 
 
@@ -456,7 +458,7 @@ def test_the_command_prints_a_heading_below_360(capsys, more):
 def test_a_steady_trim_is_told_from_one_that_departs():
     def state(aircraft, **condition):
         return trim(
-            Airframe(aircraft), TrimCondition(**condition), steady=10 if aircraft == "737" else 30
+            Airframe(aircraft), TrimCondition(**condition), fly=10 if aircraft == "737" else 30
         )
 
     condition = {"altitude": 15000, "speed": 280, "gear": 0.0, "solver": "newton"}
@@ -472,7 +474,7 @@ def test_a_steady_trim_is_told_from_one_that_departs():
 
 def test_the_aircraft_that_is_asked_whether_it_is_steady_does_not_fly():
     airframe = Airframe("737")
-    asked = trim(airframe, TrimCondition(altitude=15000, speed=280, gear=0), steady=5)
+    asked = trim(airframe, TrimCondition(altitude=15000, speed=280, gear=0), fly=5)
     assert airframe.fdm.get_sim_time() == 0.0
     _, state = (
         Airframe("737"),
@@ -617,8 +619,7 @@ def test_a_search_that_is_stuck_names_no_limit():
 
 
 def test_all_searches_of_a_trim_have_one_budget(monkeypatch):
-    for module in (_newton, _trim):
-        monkeypatch.setattr(module, "EFFORT", 5_000)
+    monkeypatch.setattr(newton, "EFFORT", 5_000)
     airframe = Airframe("c172p")
     # without this limit it takes 19,000 steps and finds 47 KCAS
     with pytest.raises(TrimError) as error:
@@ -626,7 +627,7 @@ def test_all_searches_of_a_trim_have_one_budget(monkeypatch):
     assert error.value.reason == "alpha limit"
     assert error.value.nearest is None
     # up to one evaluation more
-    assert 5_000 < airframe.effort < 7_000
+    assert 5_000 < Trimmer.of(airframe).effort.steps < 7_000
     # the next one has its own
     trim(airframe, TrimCondition(speed=90, solver="newton"))
 
@@ -637,10 +638,10 @@ def test_a_second_attempt_shares_the_budget():
     with pytest.raises(TrimError):
         trim(airframe, condition, hint=False)
     # on an airframe that has flown the search is repeated on a fresh one
-    airframe.spent = False
+    Trimmer.of(airframe).spent = False
     with pytest.raises(TrimError):
         trim(airframe, condition, hint=False)
-    assert 100_000 < airframe.effort < 105_000
+    assert 100_000 < Trimmer.of(airframe).effort.steps < 105_000
 
 
 def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():

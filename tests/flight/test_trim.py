@@ -21,8 +21,10 @@ from pathsim_jsbsim_blocks import (
     TrimState,
 )
 from pathsim_jsbsim_blocks.flight import trim
-from pathsim_jsbsim_blocks.flight._trim import UNITS
 from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.flight.trim import jsbsim as search
+from pathsim_jsbsim_blocks.flight.trim import trimmer
+from pathsim_jsbsim_blocks.flight.trim.state import UNITS
 
 pytestmark = pytest.mark.matrix
 
@@ -303,9 +305,7 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
 )
 def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
     said = f"  Sorry, {axis} doesn't appear to be trimmable"
-    monkeypatch.setattr(
-        "pathsim_jsbsim_blocks.flight._trim.messages", lambda *a, **b: (False, [said])
-    )
+    monkeypatch.setattr(search, "messages", lambda *a, **b: (False, [said]))
     with pytest.raises(TrimError) as error:
         found("c172p", **condition)
     assert error.value.reason == reason
@@ -322,7 +322,7 @@ def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, re
 def test_without_an_axis_it_is_the_thrust_that_lacks_where_no_engine_is(
     monkeypatch, aircraft, condition, reason
 ):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages", lambda *a, **b: (False, []))
+    monkeypatch.setattr(search, "messages", lambda *a, **b: (False, []))
     with pytest.raises(TrimError) as error:
         trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
     assert error.value.reason == reason
@@ -335,7 +335,7 @@ def test_without_power_another_speed_helps_a_glide_only(condition, nearest):
     airframe = Airframe("SGS")
     with pytest.raises(TrimError) as error:
         trim(airframe, TrimCondition(**condition))
-    assert (airframe.effort == 0) is (nearest is None)
+    assert (trimmer.Trimmer.of(airframe).effort.steps == 0) is (nearest is None)
     assert (error.value.nearest and error.value.nearest.speed) == nearest
 
 
@@ -386,7 +386,8 @@ def test_every_field_of_a_state_is_checked(monkeypatch, field):
     fine = trim(airframe, condition)
     broken = (math.nan,) if field == "throttle" else math.inf
     monkeypatch.setattr(
-        "pathsim_jsbsim_blocks.flight._trim.state",
+        trimmer,
+        "read_state",
         lambda *_: dataclasses.replace(fine, **{field: broken}),
     )
     with pytest.raises(TrimError, match=f"{field} not finite after the trim"):
@@ -441,7 +442,7 @@ def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, condit
 def test_what_cannot_be_is_refused_before_the_search(
     monkeypatch, aircraft, condition, reason, text
 ):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.messages", None)
+    monkeypatch.setattr(search, "messages", None)
     with pytest.raises(TrimError, match=text) as error:
         found(aircraft, **condition)
     assert error.value.reason == reason
@@ -458,7 +459,7 @@ def test_alpha_limits_count():
 
 
 def test_a_trim_far_from_the_ground_needs_no_rehearsal(monkeypatch):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight._trim.rehearse", None)
+    monkeypatch.setattr(search, "rehearse", None)
     assert found("c172p", altitude=5000, speed=90).alpha > 0
 
 

@@ -24,7 +24,8 @@ from pathsim_jsbsim_blocks import (
     AircraftError, ParameterError, PropertyError, TrimCondition, TrimError
 )
 from pathsim_jsbsim_blocks.flight.airframe import Airframe, has_retractable_gear
-from pathsim_jsbsim_blocks.flight._trim import _not_finite, trim
+from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.flight.trim.state import not_finite
 
 seed, sequences, modes, log, report = sys.argv[1:]
 rng = random.Random(int(seed))
@@ -89,7 +90,7 @@ with open(log, "w", buffering=1) as log:
             counts["trims"] += 1
             try:
                 state = trim(airframe, TrimCondition(**said))
-                assert _not_finite(state) == [], (name, said)
+                assert not_finite(state) == [], (name, said)
                 if "solver" in said:  # what `trim` promises, in ft/s2 and rad/s2
                     counts["by Newton"] += 1
                     # what JSBSim itself says, in the state in which the search has left it; in a

@@ -3,9 +3,9 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ._trim import TrimState, trim
 from .airframe import Airframe, aircraft_names, empty_weight_cg, has_retractable_gear
-from .condition import TrimCondition
+from .trim import TrimState, trim
+from .trim.condition import TrimCondition
 
 if TYPE_CHECKING:
     from .aircraft import Aircraft

@@ -20,7 +20,7 @@ import xml.etree.ElementTree as ET
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jsbsim
 
@@ -31,9 +31,6 @@ from .flightgear import address, directive
 from .integrators import integrator_properties
 from .planet import gravity_properties, planet_xml
 from .writable import Check, value_check, why_not
-
-if TYPE_CHECKING:
-    from ._newton import Seed
 
 
 def aircraft_folder(root: str | None = None, aircraft: str = "") -> Path:
@@ -212,13 +209,6 @@ class Airframe:
     ----------
     fdm : jsbsim.FGFDMExec
         the executive: one object, one model. `renew` replaces it
-    used, spent : bool
-        whether a search has run on the executive, and whether one left it unusable as a starting
-        point; `pathsim_jsbsim_blocks.flight.trim` sets and checks them
-    seed : Seed or None
-        where the last Newton search found its trim
-    effort : int
-        steps of JSBSim that the last trim's Newton searches have taken, roughly
     stopped : frozenset of int
         engines that do not run, set by a trim
 
@@ -261,7 +251,6 @@ class Airframe:
         self._written: dict[str, float] = {}
         self._names: list[str] | None = None
         self.stopped: frozenset[int] = frozenset()
-        self.effort = 0
         self._stand_in: Airframe | None = None
         self._open()
 
@@ -297,13 +286,11 @@ class Airframe:
         other.write(self._written)
         for tank in self.tanks:
             other.writer(tank)(self.reader(tank)())
-        other.stopped, other.effort = self.stopped, 0
+        other.stopped = self.stopped
         return other
 
     def _open(self) -> None:
         capture_console()
-        self.used = self.spent = False
-        self.seed: Seed | None = None
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
         if not self._network:
             self.fdm.disable_input()

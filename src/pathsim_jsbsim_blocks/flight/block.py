@@ -33,14 +33,15 @@ from ..errors import (
     PropertyError,
 )
 from ..linear.model import LinearModel, find
-from ._trim import TrimState, here, trim
 from .airframe import Airframe
 from .algebraic import algebraic_model
 from .channels import Channel
-from .condition import TrimCondition, check_condition
 from .console import capture_console, log
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
+from .trim import TrimState, trim
+from .trim.condition import TrimCondition, check_condition
+from .trim.initial import here
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1

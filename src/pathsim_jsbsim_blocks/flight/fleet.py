@@ -12,10 +12,11 @@ from pathsim import Simulation
 
 from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
-from ._trim import TrimState, level_speed, trim
 from .airframe import Airframe, aircraft_names, has_retractable_gear
-from .condition import TrimCondition
 from .fdm import JSBSimFDM
+from .trim import TrimState, trim
+from .trim.condition import TrimCondition
+from .trim.hints import level_speed
 
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)

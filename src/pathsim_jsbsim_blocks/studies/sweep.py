@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 from .._core.checks import property_list, whole
 from .._core.extras import required
 from ..errors import TrimError
-from ..flight._trim import UNITS, TrimState, trim
 from ..flight.airframe import Airframe
-from ..flight.condition import TrimCondition
+from ..flight.trim import TrimState, trim
+from ..flight.trim.condition import TrimCondition
+from ..flight.trim.state import UNITS
 from .grid import column, expand, requested, structure, trim_conditions
 from .workers import WORKER_DIED, run_parts
 

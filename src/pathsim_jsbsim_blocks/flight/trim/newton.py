@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .airframe import Airframe
+from ..airframe import Airframe
 from .condition import TrimCondition
+from .failure import alpha_range
 
 
 class _Range(NamedTuple):
@@ -153,11 +154,15 @@ class Found(NamedTuple):
     seed: Seed | None
 
 
-def alpha_range(airframe: Airframe) -> tuple[float, float]:
-    """Limits of the angle of attack in deg."""
-    low, high = (math.degrees(airframe.fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
-    # JSBSim's range for models that give no limits of their own (FGTrimAxis)
-    return (low, high) if low < high else (-5.0, 20.0)
+class Effort:
+    """Steps of JSBSim that Newton searches have taken together, roughly."""
+
+    steps = 0
+
+    @property
+    def over(self) -> bool:
+        """Whether they have taken all that they may."""
+        return self.steps > EFFORT
 
 
 class Search:
@@ -173,16 +178,20 @@ class Search:
         initialised at the condition; the search leaves it in the state found
     condition : TrimCondition
         not of mode "ground" or "none"
+    effort : Effort
+        what the searches of one trim have taken
     in_time : bool
         whether each reading ends with a step of no length: only in steps of time have turboprops
         power, and only there do actuators move at their own rates (those of the f16's rudder start
         anew in each step). It takes longer
     """
 
-    def __init__(self, airframe: Airframe, condition: TrimCondition, in_time: bool = False):
-        self._airframe = airframe
+    def __init__(
+        self, airframe: Airframe, condition: TrimCondition, effort: Effort, in_time: bool = False
+    ):
+        self._airframe, self._condition = airframe, condition
+        self._effort, self._start = effort, effort.steps
         self.in_time = in_time
-        self._condition = condition
         fdm = self._fdm = airframe.fdm
         engines = range(airframe.engines)
         self._speed = fdm["velocities/vt-fps"]
@@ -238,7 +247,6 @@ class Search:
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
         self._leaps = True
         self._has_memory = True
-        self._start = airframe.effort
 
     @property
     def leaves_traces(self) -> bool:
@@ -248,8 +256,7 @@ class Search:
     @property
     def _spent(self) -> bool:
         """Whether the search has taken all that it may."""
-        effort = self._airframe.effort
-        return effort - self._start > _BUDGET or effort > EFFORT
+        return self._effort.steps - self._start > _BUDGET or self._effort.over
 
     def _free(self) -> dict[str, _Range]:
         """The quantities that may move, throttle last: its engines settle anew."""
@@ -324,7 +331,7 @@ class Search:
             return x, slopes
         self._ranges = self._free()
         self._has_memory = True
-        self._airframe.effort = self._start
+        self._effort.steps = self._start
         return None, None
 
     def _takes(self, seed: Seed) -> bool:
@@ -530,7 +537,7 @@ class Search:
             fdm.set_trim_status(False)
         if self.in_time:
             self._run_no_time()
-        self._airframe.effort += _READING
+        self._effort.steps += _READING
         return (np.array([read() for read in self._read]) - self._target) / self._tolerances
 
     def _start_turbines(self) -> None:
@@ -566,7 +573,7 @@ class Search:
                 pitch = [read() for read in self._pitches]
                 for _ in range(_ROW):
                     fdm.run()
-                self._airframe.effort += _ROW
+                self._effort.steps += _ROW
                 now = [read() for read in self._propellers]
                 if all(
                     abs(a - b) <= tolerance * max(abs(a), 1.0)
@@ -591,7 +598,7 @@ class Search:
         for governor in self._governors:
             self._fdm[governor] = 0.0
         self._fdm.get_propulsion().get_steady_state()
-        self._airframe.effort += _STEADY_STATE * len(self._throttles)
+        self._effort.steps += _STEADY_STATE * len(self._throttles)
         for governor in self._governors:
             self._fdm[governor] = 1.0
 

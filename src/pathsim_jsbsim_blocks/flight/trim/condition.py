@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import known_keywords, mapping, number, one_of, whole
-from ..errors import ParameterError
+from ..._core.checks import known_keywords, mapping, number, one_of, whole
+from ...errors import ParameterError
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}

@@ -1,0 +1,65 @@
+"""The error of a trim that has failed: which limit is reached, and what is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ...errors import TrimError
+from ..airframe import Airframe
+from .condition import TrimCondition
+from .state import STATE
+
+# the axis that JSBSim reports as not trimmable -> the control that ran out (FGTrim::SetMode)
+LIMITS = {
+    "udot": "thrust",
+    "vdot": "bank",
+    "wdot": "alpha limit",
+    "pdot": "aileron",
+    "qdot": "elevator",
+    "rdot": "rudder",
+}
+
+
+def alpha_range(airframe: Airframe) -> tuple[float, float]:
+    """Limits of the angle of attack in deg."""
+    low, high = (math.degrees(airframe.fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
+    # JSBSim's range for models that give no limits of their own (FGTrimAxis)
+    return (low, high) if low < high else (-5.0, 20.0)
+
+
+def failure(
+    airframe: Airframe,
+    condition: TrimCondition,
+    reason: str,
+    why: str = "",
+    residuals: Mapping[str, float] | None = None,
+    limit: float | None = None,
+) -> TrimError:
+    fdm = airframe.fdm
+    reached = "without trim" if residuals is None else "at best"
+    if residuals is None:
+        residuals = {name: fdm[STATE[name]] for name in LIMITS}
+    alpha_min, alpha_max = alpha_range(airframe)
+    limits = {
+        "thrust": "the throttle ran to the end of its range"
+        if len(airframe.stopped) < airframe.engines
+        else f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
+        "(mode='glide' frees the path angle)",
+        "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
+        "elevator": "the pitch trim ran to the end of [-1, 1]",
+        "no convergence": "no control ran out, but the search did not converge",
+    }
+    why = why or limits.get(reason, f"the {reason} ran to the end of its range")
+    if limit is not None:
+        why += f", {limit + 0.0:.4g}"
+    return TrimError(
+        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} "
+        + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
+        + " (ft/s2, rad/s2)",
+        aircraft=airframe.aircraft,
+        condition=condition,
+        reason=reason,
+        residuals=residuals,
+        limit=limit,
+    )

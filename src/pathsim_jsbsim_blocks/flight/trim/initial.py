@@ -1,0 +1,213 @@
+"""A condition as JSBSim's initial conditions, and the present flight as a condition."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from ..._core.checks import mapping, one_of, refuse
+from ..airframe import ENGINE_RUNS, Airframe
+from .condition import TrimCondition
+from .state import read_state
+
+_HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
+
+# an altitude is above the place that is set
+_PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
+
+# initial conditions that a trim overwrites -> the field of a condition that sets them
+_OVERWRITTEN = {
+    r"ic/h-(sl|agl)-ft": "altitude",
+    r"ic/v[cegt]-kts|ic/v[gt]-fps": "speed",
+    r"ic/mach": "mach",
+    r"ic/([uvw]|v[ned])-fps": "speed, gamma and heading",
+    r"ic/(gamma|theta|alpha)-(deg|rad)|ic/roc-fp[ms]": "gamma",
+    r"ic/phi-(deg|rad)": "bank",
+    r"ic/psi-true-(deg|rad)": "heading",
+    r"ic/beta-(deg|rad)": "beta",
+    r"ic/vw-.*": "wind_north and wind_east",
+    r"ic/[pqr]-rad_sec": "mode",
+}
+
+
+def properties(
+    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
+) -> dict[str, float]:
+    """The properties of a condition, those of ``setup`` after them.
+
+    Raises
+    ------
+    ParameterError
+        for properties that would have no effect, because the trim overwrites them
+    """
+    last = mapping("setup", setup)
+    for name in {**condition.setup, **last}:
+        for pattern, parameter in _OVERWRITTEN.items():
+            if condition.mode != "none" and re.fullmatch(pattern, airframe.canonical(name)):
+                refuse(
+                    "setup",
+                    name,
+                    f"setup[{name!r}] would be overwritten by the trim: set {parameter} of the "
+                    'condition, or start without a trim (mode="none")',
+                )
+    first = {**_loading(condition), **condition.setup}
+    return {**{n: v for n, v in first.items() if n not in last}, **last}
+
+
+def _loading(condition: TrimCondition) -> dict[str, float]:
+    """Mass, configuration, place and trim limits as properties."""
+    payload, fuel = dict(condition.payload), dict(condition.fuel)  # type: ignore[arg-type]
+    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in payload.items()}
+    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in fuel.items()}
+    for value, *names in (
+        (condition.gear, "gear/gear-cmd-norm", "gear/gear-pos-norm"),
+        (condition.flaps, "fcs/flap-cmd-norm", "fcs/flap-pos-norm"),
+        (condition.latitude, "ic/lat-geod-deg"),
+        (condition.longitude, "ic/long-gc-deg"),
+    ):
+        if value is not None:
+            written |= dict.fromkeys(names, value)
+    for end in ("min", "max"):
+        if (alpha := getattr(condition, f"alpha_{end}")) is not None:
+            written[f"aero/alpha-{end}-rad"] = math.radians(alpha)
+    return written
+
+
+def engines_off(
+    airframe: Airframe, condition: TrimCondition, written: Mapping[str, float]
+) -> frozenset[int]:
+    """The engines that do not run, by the condition or by what is written before the trim."""
+    engines = set(range(airframe.engines))
+    stopped = engines if condition.engines_off == "all" else set(condition.engines_off)
+    if not stopped <= engines:
+        refuse(
+            "engines_off",
+            condition.engines_off,
+            f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
+            + (f"the engines 0 to {len(engines) - 1}" if engines else "no engine"),
+        )
+    for name, value in written.items():
+        engine = ENGINE_RUNS.match(name)
+        if engine and value == 0.0:
+            stopped = stopped | {int(engine[1] or 0)}
+        elif name == "propulsion/set-running" and value >= 0.0:
+            # JSBSim starts this engine only
+            stopped = stopped | engines - {int(value)}
+    return frozenset(stopped)  # type: ignore[arg-type]
+
+
+def is_initial(name: str) -> bool:
+    """Whether a property is an initial condition, other than the place, which comes first."""
+    return name.startswith("ic/") and not name.startswith(_PLACE)
+
+
+def initialise(
+    airframe: Airframe,
+    condition: TrimCondition,
+    heading: float,
+    initial: Mapping[str, float] = MappingProxyType({}),
+) -> None:
+    """Write a condition as initial conditions, ``initial`` last, and initialise the model."""
+    fdm = airframe.fdm
+    on_ground = condition.mode == "ground"
+
+    def put(name: str, value: float) -> None:
+        # a needless write moves the other initial conditions by a rounding error
+        if fdm[name] != value:
+            fdm[name] = value
+
+    # some models trim only if the engines are started after run_ic, others only if before it
+    airframe.start_engines()
+    if fdm["ic/vw-mag-fps"]:
+        # the wind of the previous trim would turn the nose
+        fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
+    put("ic/phi-deg", 0.0)
+    put("ic/psi-true-deg", heading)
+    if on_ground:
+        airframe.raise_ground(condition.altitude)
+        fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
+    else:
+        fdm["ic/h-sl-ft"] = condition.altitude
+    # the order matters: setting altitude or speed zeroes gamma
+    put("ic/beta-deg", 0.0)
+    if condition.mach is not None and not on_ground:
+        fdm["ic/mach"] = condition.mach
+    else:
+        fdm["ic/vc-kts"] = 0.0 if on_ground else condition.speed
+    fdm["ic/gamma-deg"] = 0.0 if on_ground else condition.gamma
+    if condition.wind_north or condition.wind_east:
+        # JSBSim subtracts a wind set before the speed from the ground speed: set the speed in still
+        # air, add the wind to the ground velocity, and set the wind itself last
+        if not on_ground:
+            fdm["ic/vn-fps"] = fdm["ic/vn-fps"] + condition.wind_north
+            fdm["ic/ve-fps"] = fdm["ic/ve-fps"] + condition.wind_east
+        fdm["ic/vw-mag-fps"] = math.hypot(condition.wind_north, condition.wind_east)
+        fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(condition.wind_east, condition.wind_north))
+        if on_ground:
+            # otherwise it settles on the gear at constant calibrated airspeed, not at rest
+            fdm["ic/vn-fps"] = fdm["ic/ve-fps"] = fdm["ic/vd-fps"] = 0.0
+    put("ic/phi-deg", condition.bank)
+    if condition.mode == "pull-up":
+        fdm["ic/targetNlf"] = condition.load_factor
+    airframe.write(initial, "setup")
+    airframe.run_ic()
+    airframe.start_engines()
+
+
+# what the present flight says, rather than the setup with which it began
+_PRESENT = re.compile(
+    r"ic/(?!terrain)|propulsion/(tank.*/contents-lbs|(engine.*/)?set-running)$"
+    r"|inertia/pointmass-weight|(gear/gear|fcs/flap)-(cmd|pos)-norm$"
+)
+
+
+def here(
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    changes: Mapping[str, Any],
+) -> TrimCondition:
+    """The present flight of an airframe that began at a condition, as a condition with changes.
+
+    Raises
+    ------
+    ParameterError
+        for a change that no condition has
+    """
+    known = [field.name for field in dataclasses.fields(TrimCondition)]
+    for name in changes:
+        one_of("change", name, known)
+    fdm, now = airframe.fdm, read_state(airframe, condition)
+    mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
+    before = {**condition.setup, **mapping("setup", setup)}
+    masses = map("inertia/pointmass-weight-lbs[{}]".format, itertools.count())
+    present: dict[str, Any] = {
+        "altitude": now.altitude,
+        "speed": now.speed,
+        "mach": None,
+        # relative to the air, which JSBSim's own is not
+        "gamma": math.degrees(math.asin(fdm["velocities/h-dot-fps"] / now.tas)),
+        "heading": now.psi,
+        "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
+        "load_factor": 1.0,
+        "mode": mode,
+        "gear": min(max(now.gear, 0.0), 1.0),
+        "flaps": min(max(now.flaps, 0.0), 1.0),
+        # rounding errors of still air are none
+        "wind_north": round(fdm["atmosphere/total-wind-north-fps"], 9) + 0.0,
+        "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
+        "payload": [fdm[name] for name in itertools.takewhile(airframe.has, masses)],
+        "fuel": [fdm[name] for name in airframe.tanks],
+        "latitude": fdm["position/lat-geod-deg"],
+        "longitude": fdm["position/long-gc-deg"],
+        "engines_off": [
+            i for i in range(airframe.engines) if not fdm[f"propulsion/engine[{i}]/set-running"]
+        ],
+        "setup": {n: v for n, v in before.items() if not _PRESENT.match(airframe.canonical(n))},
+    }
+    return dataclasses.replace(condition, **{**present, **changes})

@@ -1,0 +1,297 @@
+"""The state that a trim finds: `TrimState`, and how it is read from an airframe."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..._core.extras import required
+from ..airframe import Airframe
+from ..channels import ALMOST_NORTH
+from .condition import TrimCondition
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Drift(NamedTuple):
+    """How far an aircraft is from its trim after a flight with controls fixed.
+
+    Attributes
+    ----------
+    duration : float
+        s of flight
+    height : float
+        ft above the trimmed path
+    speed : float
+        kt calibrated above the trimmed speed
+    bank : float
+        deg to the right of the trimmed bank
+    """
+
+    duration: float
+    height: float
+    speed: float
+    bank: float
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is within 20 ft, 6 kt and 10 deg."""
+        return abs(self.height) <= 20.0 and abs(self.speed) <= 6.0 and abs(self.bank) <= 10.0
+
+
+# units of the fields of a condition and of a state, in the column order of study tables
+UNITS = {
+    "altitude": "ft",
+    "speed": "KCAS",
+    "mach": "",
+    "tas": "ft/s",
+    **dict.fromkeys(("gamma", "alpha", "beta", "theta", "phi", "psi"), "deg"),
+    "throttle": "norm",
+    "thrust": "lbf",
+    "pitch_trim": "norm",
+    "elevator_rad": "rad",
+    "elevator_norm": "norm",
+    **dict.fromkeys(("elevator", "aileron", "rudder"), "cmd norm"),
+    **dict.fromkeys(("udot", "vdot", "wdot"), "ft/s2"),
+    **dict.fromkeys(("pdot", "qdot", "rdot"), "rad/s2"),
+    "weight": "lb",
+    **dict.fromkeys(("cg_x", "cg_y", "cg_z", "empty_cg_x"), "in"),
+    **dict.fromkeys(("heading", "bank", "alpha_min", "alpha_max"), "deg"),
+    "load_factor": "g",
+    "mode": "",
+    "gear": "norm",
+    "flaps": "norm",
+    **dict.fromkeys(("wind_north", "wind_east"), "ft/s"),
+    "payload": "lb",
+    "fuel": "lb",
+    "engines_off": "",
+    **dict.fromkeys(("latitude", "longitude"), "deg"),
+    **dict.fromkeys(("p", "q", "r"), "deg/s"),
+    "nz": "g",
+}
+
+
+@dataclass(frozen=True)
+class TrimState:
+    """The trimmed state found, with its residuals.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    condition : TrimCondition
+        the requested condition
+    altitude, speed, mach, tas : float
+        ft above mean sea level, KCAS, Mach number, true airspeed in ft/s
+    alpha, beta, theta, phi, psi, gamma : float
+        deg; psi is in [0, 360)
+    throttle : tuple[float, ...]
+        throttle command of each engine, 0 to 1
+    thrust : float
+        lbf, sum of the engines
+    pitch_trim, elevator, aileron, rudder : float
+        commands, -1 to 1; the trim uses the pitch trim for pitch, elevator stays 0 (but the Newton
+        search uses it where a model has no pitch trim)
+    elevator_rad, elevator_norm : float
+        position of the elevator in rad and as a fraction of its travel (0 if the model has none)
+    udot, vdot, wdot : float
+        residual body accelerations in ft/s2
+    pdot, qdot, rdot : float
+        residual angular accelerations in rad/s2
+    weight : float
+        lb
+    cg_x, cg_y, cg_z : float
+        centre of gravity in inches, structural axes
+    p, q, r : float
+        body rates in deg/s
+    nz : float
+        load factor in g, +1 in level flight
+    gear, flaps : float
+        positions, 0 (up) to 1 (down)
+    free : tuple[str, ...]
+        the quantities that the search has moved; the others were given
+    drift : Drift or None
+        how far it is from its trim after a flight with controls fixed, if `trim` was asked to fly
+    """
+
+    aircraft: str
+    condition: TrimCondition
+    altitude: float
+    speed: float
+    mach: float
+    tas: float
+    alpha: float
+    beta: float
+    theta: float
+    phi: float
+    psi: float
+    gamma: float
+    throttle: tuple[float, ...]
+    thrust: float
+    pitch_trim: float
+    elevator: float
+    aileron: float
+    rudder: float
+    elevator_rad: float
+    elevator_norm: float
+    udot: float
+    vdot: float
+    wdot: float
+    pdot: float
+    qdot: float
+    rdot: float
+    weight: float
+    cg_x: float
+    cg_y: float
+    cg_z: float
+    p: float
+    q: float
+    r: float
+    nz: float
+    gear: float
+    flaps: float
+    free: tuple[str, ...]
+    drift: Drift | None = None
+
+    def __str__(self) -> str:
+        """The state as a table: name, value and unit in each line."""
+        rows: dict[str, Any] = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        units = UNITS
+        if math.isfinite(self.turn_radius):
+            rows |= {"turn_rate": self.turn_rate, "turn_radius": self.turn_radius}
+            units = {**UNITS, "turn_rate": "deg/s", "turn_radius": "ft"}
+        lines = [f"{self.aircraft}: {self.condition}"]
+        for name, value in rows.items():
+            values = value if isinstance(value, tuple) else (value,)
+            if name in units and values:
+                # adding 0 turns -0.0 into 0.0
+                shown = [round(x, 6) + 0.0 for x in values]
+                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in shown)
+                degrees = f" ({math.degrees(value):.4f} deg)" if units[name] == "rad" else ""
+                lines.append(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
+        if self.free:
+            lines.append(f"  {'free':<13} {', '.join(self.free)}")
+        if self.drift is not None:
+            lines.append(
+                f"  {'steady' if self.steady else 'not steady'}: after {self.drift.duration:g} s "
+                f"with controls fixed {self.drift.height:+.2f} ft, {self.drift.speed:+.2f} kt, "
+                f"{self.drift.bank:+.2f} deg of bank"
+            )
+        return "\n".join(lines)
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """Show the table as the last line of a cell in IPython and Jupyter too."""
+        printer.text(str(self))
+
+    def to_dict(self) -> dict[str, float]:
+        """The state's numbers by name; those of each engine as ``throttle[0]``."""
+        found: dict[str, float] = {}
+        for name in (n for n in UNITS if n in vars(self)):
+            value = getattr(self, name)
+            if isinstance(value, tuple):
+                found |= {f"{name}[{i}]": x for i, x in enumerate(value)}
+            else:
+                found[name] = value
+        return found
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The state as a pandas table: value and unit by name.
+
+        Raises
+        ------
+        MissingExtraError
+            without pandas
+        """
+        pandas = required("pandas", "tracks")
+        numbers = self.to_dict()
+        units = [UNITS[name.partition("[")[0]] for name in numbers]
+        return pandas.DataFrame({"value": numbers.values(), "unit": units}, index=list(numbers))
+
+    @property
+    def steady(self) -> bool | None:
+        """Whether the drift is within 20 ft, 6 kt and 10 deg; None without a drift."""
+        return None if self.drift is None else self.drift.steady
+
+    @property
+    def turn_rate(self) -> float:
+        """Rate of change of the heading in deg/s, right positive."""
+        phi, theta = math.radians(self.phi), math.radians(self.theta)
+        return (self.q * math.sin(phi) + self.r * math.cos(phi)) / math.cos(theta)
+
+    @property
+    def turn_radius(self) -> float:
+        """Radius of the turn through the air in ft; infinite in straight flight."""
+        rate = abs(math.radians(self.turn_rate))
+        return self.tas * math.cos(math.radians(self.gamma)) / rate if rate > 1e-6 else math.inf
+
+
+# field: property
+STATE = {
+    "altitude": "position/h-sl-ft",
+    "speed": "velocities/vc-kts",
+    "mach": "velocities/mach",
+    "tas": "velocities/vt-fps",
+    "alpha": "aero/alpha-deg",
+    "beta": "aero/beta-deg",
+    "theta": "attitude/theta-deg",
+    "phi": "attitude/phi-deg",
+    "psi": "attitude/psi-deg",
+    "gamma": "flight-path/gamma-deg",
+    "pitch_trim": "fcs/pitch-trim-cmd-norm",
+    "elevator": "fcs/elevator-cmd-norm",
+    "aileron": "fcs/aileron-cmd-norm",
+    "rudder": "fcs/rudder-cmd-norm",
+    "elevator_rad": "fcs/elevator-pos-rad",
+    "elevator_norm": "fcs/elevator-pos-norm",
+    "udot": "accelerations/udot-ft_sec2",
+    "vdot": "accelerations/vdot-ft_sec2",
+    "wdot": "accelerations/wdot-ft_sec2",
+    "pdot": "accelerations/pdot-rad_sec2",
+    "qdot": "accelerations/qdot-rad_sec2",
+    "rdot": "accelerations/rdot-rad_sec2",
+    "weight": "inertia/weight-lbs",
+    "cg_x": "inertia/cg-x-in",
+    "cg_y": "inertia/cg-y-in",
+    "cg_z": "inertia/cg-z-in",
+    "nz": "accelerations/Nz",
+    "gear": "gear/gear-pos-norm",
+    "flaps": "fcs/flap-pos-norm",
+}
+
+_NUMBERS = [f.name for f in dataclasses.fields(TrimState) if f.name in UNITS]
+_RATES = {axis: f"velocities/{axis}-rad_sec" for axis in "pqr"}
+
+
+def read_state(
+    airframe: Airframe, condition: TrimCondition, free: tuple[str, ...] = ()
+) -> TrimState:
+    """Current state of an initialised airframe, with what a search has moved."""
+    fdm = airframe.fdm
+    found: dict[str, Any] = {name: fdm[source] for name, source in STATE.items()}
+    found |= {name: math.degrees(fdm[source]) for name, source in _RATES.items()}
+    if found["psi"] > ALMOST_NORTH:
+        found["psi"] = 0.0
+    thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
+    return TrimState(
+        aircraft=airframe.aircraft,
+        condition=condition,
+        throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
+        # fsum refuses infinities of both signs
+        thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
+        free=free,
+        **found,
+    )
+
+
+def not_finite(found: TrimState) -> list[str]:
+    """Names of the fields of a state that are not finite."""
+    fields = vars(found)
+    return [
+        name
+        for name in _NUMBERS
+        for value in [fields[name]]
+        if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))
+    ]
