@@ -139,7 +139,7 @@ OWN_TESTS = {
 GROUPS = {
     "_core/sampling": "sampling",
     "_core/_pathsim": "sampling",
-    "flight/planet": "trim",
+    "flight/planet": "flight/trim",
     "flight/algebraic": "linear",
     "flight/channels": "linear",
     "flight/flown": "linear",
