@@ -93,7 +93,7 @@ if find_spec("jsbsim") is not None:
     from .flight.aircraft import Aircraft
     from .flight.fdm import JSBSimFDM
     from .flight.linear import LinearAircraft
-    from .flight.trim.condition import TrimCondition
-    from .flight.trim.state import TrimState
+    from .flight.trimming.condition import TrimCondition
+    from .flight.trimming.state import TrimState
 
     __all__ += ["Aircraft", "JSBSimFDM", "LinearAircraft", "TrimCondition", "TrimState"]

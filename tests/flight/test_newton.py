@@ -16,9 +16,9 @@ from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimE
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.trim import newton
-from pathsim_jsbsim_blocks.flight.trim.newton import _bounded, _solution
-from pathsim_jsbsim_blocks.flight.trim.trimmer import Trimmer
+from pathsim_jsbsim_blocks.flight.trimming import newton
+from pathsim_jsbsim_blocks.flight.trimming.newton import _bounded, _solution
+from pathsim_jsbsim_blocks.flight.trimming.trimmer import Trimmer
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
 # ft/s2 and rad/s2, what `trim` promises

@@ -22,9 +22,9 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
-from pathsim_jsbsim_blocks.flight.trim import jsbsim as search
-from pathsim_jsbsim_blocks.flight.trim import trimmer
-from pathsim_jsbsim_blocks.flight.trim.state import UNITS
+from pathsim_jsbsim_blocks.flight.trimming import jsbsim as search
+from pathsim_jsbsim_blocks.flight.trimming import trimmer
+from pathsim_jsbsim_blocks.flight.trimming.state import UNITS
 
 pytestmark = pytest.mark.matrix
 

@@ -25,7 +25,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight.airframe import Airframe, has_retractable_gear
 from pathsim_jsbsim_blocks.flight import trim
-from pathsim_jsbsim_blocks.flight.trim.state import not_finite
+from pathsim_jsbsim_blocks.flight.trimming.state import not_finite
 
 seed, sequences, modes, log, report = sys.argv[1:]
 rng = random.Random(int(seed))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
-    from ..flight.trim.condition import TrimCondition
+    from ..flight.trimming.condition import TrimCondition
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -97,7 +97,7 @@ def condition_options(sub: argparse.ArgumentParser) -> None:
 
 
 def condition_of(args: argparse.Namespace) -> TrimCondition:
-    from ..flight.trim.condition import TrimCondition
+    from ..flight.trimming.condition import TrimCondition
 
     # each option of a condition has the name of its field
     fields = {field.name for field in dataclasses.fields(TrimCondition)}

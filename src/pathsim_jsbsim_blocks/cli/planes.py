@@ -143,7 +143,7 @@ def _in_state(args: argparse.Namespace) -> Airframe:
     from .._core.running import fly
     from ..flight.aircraft import Aircraft
     from ..flight.airframe import Airframe
-    from ..flight.trim.condition import TrimCondition
+    from ..flight.trimming.condition import TrimCondition
 
     after = 0.0 if args.after is None else number("after", args.after, low=0.0)
     setup, create = values_of("set", args.set), values_of("create", args.create)
@@ -186,7 +186,7 @@ def add_trim(commands: Commands) -> None:
 @_warnings_last()
 def print_trim(args: argparse.Namespace) -> None:
     from ..flight.airframe import Airframe
-    from ..flight.trim import trim
+    from ..flight.trimming import trim
 
     setup, create = values_of("set", args.set), values_of("create", args.create)
     condition = condition_of(args)

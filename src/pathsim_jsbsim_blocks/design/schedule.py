@@ -14,7 +14,7 @@ from ..control.gain_tables import write_gains
 from ..control.gains import DesignPoint, GainSchedule
 from ..errors import DesignError, TrimError
 from ..flight import TrimCondition
-from ..flight.trim.condition import check_condition
+from ..flight.trimming.condition import check_condition
 from .designed import DesignedGains, check_options, design_gains
 
 # significant digits in a file

@@ -4,8 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .airframe import Airframe, aircraft_names, empty_weight_cg, has_retractable_gear
-from .trim import TrimState, trim
-from .trim.condition import TrimCondition
+from .trimming import TrimState, trim
+from .trimming.condition import TrimCondition
 
 if TYPE_CHECKING:
     from .aircraft import Aircraft

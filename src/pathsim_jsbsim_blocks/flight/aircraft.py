@@ -14,7 +14,7 @@ from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
 from .channels import ALMOST_NORTH, DEG, Channel, unit_of
 from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind, check_ports, listed
-from .trim.condition import TrimCondition
+from .trimming.condition import TrimCondition
 
 _EXCESS = (None, 1.0)
 # of a normalised command, -1 to 1

@@ -39,9 +39,9 @@ from .channels import Channel
 from .console import capture_console, log
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
-from .trim import TrimState, trim
-from .trim.condition import TrimCondition, check_condition
-from .trim.initial import here
+from .trimming import TrimState, trim
+from .trimming.condition import TrimCondition, check_condition
+from .trimming.initial import here
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1

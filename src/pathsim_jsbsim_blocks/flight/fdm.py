@@ -8,7 +8,7 @@ from .._core._pathsim import NamedRegister, port_names
 from .block import FlightBlock, Read, Write, fill
 from .channels import Channel, unit_of
 from .property_ports import check_ports, listed
-from .trim.condition import TrimCondition
+from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
 

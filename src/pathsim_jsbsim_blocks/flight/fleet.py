@@ -14,9 +14,9 @@ from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
 from .airframe import Airframe, aircraft_names, has_retractable_gear
 from .fdm import JSBSimFDM
-from .trim import TrimState, trim
-from .trim.condition import TrimCondition
-from .trim.hints import level_speed
+from .trimming import TrimState, trim
+from .trimming.condition import TrimCondition
+from .trimming.hints import level_speed
 
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
@@ -174,7 +174,7 @@ class FleetRow:
         created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
         steady = "trims"
         if self.flight is not None and self.flight.condition.mode == "glide":
-            steady = f"glides at {self.flight.trim.gamma:.1f} deg"
+            steady = f"glides at {self.flight.trimming.gamma:.1f} deg"
         if not abs(self.drift) < _STEADY:
             steady += ", not steady"
         if self.starved:

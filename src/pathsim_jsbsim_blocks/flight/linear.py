@@ -12,7 +12,7 @@ from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
 from .aircraft import Aircraft
 from .block import fill
-from .trim.condition import TrimCondition
+from .trimming.condition import TrimCondition
 
 
 def linear_model(

@@ -12,8 +12,8 @@ from typing import Any
 
 from .._core.checks import did_you_mean, nearest, number, refuse
 from ..errors import ParameterError
-from ..flight.trim.condition import TrimCondition
-from ..flight.trim.state import UNITS
+from ..flight.trimming.condition import TrimCondition
+from ..flight.trimming.state import UNITS
 
 # columns that a grid can have, besides JSBSim properties
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "setup"]

@@ -13,7 +13,7 @@ from .._core.checks import number, refuse
 from .._core.extras import required
 from ..errors import LinearisationError, TrimError
 from ..flight.airframe import Airframe, has_retractable_gear
-from ..flight.trim.condition import TrimCondition
+from ..flight.trimming.condition import TrimCondition
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:

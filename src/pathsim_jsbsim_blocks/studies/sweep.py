@@ -14,9 +14,9 @@ from .._core.checks import property_list, whole
 from .._core.extras import required
 from ..errors import TrimError
 from ..flight.airframe import Airframe
-from ..flight.trim import TrimState, trim
-from ..flight.trim.condition import TrimCondition
-from ..flight.trim.state import UNITS
+from ..flight.trimming import TrimState, trim
+from ..flight.trimming.condition import TrimCondition
+from ..flight.trimming.state import UNITS
 from .grid import column, expand, requested, structure, trim_conditions
 from .workers import WORKER_DIED, run_parts
 

@@ -1,7 +1,4 @@
-"""Trim an aircraft: `TrimCondition` in, `TrimState` out. The only place that trims.
-
-``trim`` is a name of this package's function in ``pathsim_jsbsim_blocks.flight``.
-"""
+"""Trim an aircraft: `TrimCondition` in, `TrimState` out. The only place that trims."""
 
 from __future__ import annotations
 
