@@ -174,7 +174,7 @@ class FleetRow:
         created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
         steady = "trims"
         if self.flight is not None and self.flight.condition.mode == "glide":
-            steady = f"glides at {self.flight.trimming.gamma:.1f} deg"
+            steady = f"glides at {self.flight.trim.gamma:.1f} deg"
         if not abs(self.drift) < _STEADY:
             steady += ", not steady"
         if self.starved:
