@@ -13,9 +13,9 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``errors``: all errors
 - ``flight``: aircraft without a diagram, ``trim``, ``linear_model``, ``level_flight``,
   ``aircraft_names``
-- ``linear``: ``LinearModel``, its modes and ``flying_qualities``
+- ``linear``: ``LinearModel``, its modes and ``flying_qualities``, figures such as ``bode``
 - ``pathview``: ``view``, ``export_script``, ``convert_model``
-- ``plots``: figures, such as ``time_histories``, ``bode`` and ``show``
+- ``plots``: figures, such as ``time_histories`` and ``show``
 - ``studies``: ``trim_sweep``, ``run_batch`` and the published studies
 - ``tracks``: recorded flights, ``save_tracks``, ``to_frame``
 - ``units``: ``conversion`` of a unit

@@ -6,8 +6,13 @@ import pytest
 from test_modes import LATERAL, model
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
-from pathsim_jsbsim_blocks.linear import LinearModel
-from pathsim_jsbsim_blocks.plots import bode, pole_map, root_locus, step_response
+from pathsim_jsbsim_blocks.linear import (
+    LinearModel,
+    bode,
+    pole_map,
+    root_locus,
+    step_response,
+)
 
 
 @pytest.fixture(autouse=True)

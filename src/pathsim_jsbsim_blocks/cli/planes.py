@@ -266,7 +266,8 @@ def _print_modes(args: argparse.Namespace) -> None:
         model.save(args.json)
         print(f"model saved: {args.json}")
     if args.save is not None:
-        from ..plots import pole_map, show
+        from ..linear import pole_map
+        from ..plots import show
 
         show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 

@@ -1,8 +1,19 @@
-"""Linear models of a trimmed aircraft: matrices with names, modes, flying qualities."""
+"""Linear models of a trimmed aircraft: matrices with names, modes, flying qualities, figures."""
 
 from .block import LinearModelBlock
+from .charts import bode, pole_map, root_locus, step_response
 from .model import LinearModel
 from .modes import Mode
 from .qualities import Quality, flying_qualities
 
-__all__ = ["LinearModel", "LinearModelBlock", "Mode", "Quality", "flying_qualities"]
+__all__ = [
+    "LinearModel",
+    "LinearModelBlock",
+    "Mode",
+    "Quality",
+    "bode",
+    "flying_qualities",
+    "pole_map",
+    "root_locus",
+    "step_response",
+]

@@ -103,31 +103,21 @@ def realise(
     latency = _latency(g / scale, rigid)
     kept = g.shape[1] - max(latency)
     g = np.array([y[late : late + kept] for y, late in zip(g, latency, strict=True)])
-    g = g / scale
-    m, n, p = g.shape
-    core = [i for i in range(p) if i not in integrals and np.any(g[:, :, i])]
-    judged = [row for row, i in enumerate(core) if i not in abrupt]
-    # what the pulse feeds through may come a sample late
-    after = np.arange(2 * width, n, width)
-    A, C, B = _search(g[:, :, core], T, width, after, judged)
+    flown = _Pulses(g / scale, T, width)
+    m, _, p = flown.g.shape
+    core = [i for i in range(p) if i not in integrals and np.any(flown.g[:, :, i])]
+    part = flown.of(core)
+    A, B, C = _search(part, [row for row, i in enumerate(core) if i not in abrupt])
     D = np.zeros((p, m))
-    # what the states do not explain until the search begins
-    missed = _missed(g[:, :, core], A, B, C, T, width, np.arange(1, 2 * width + 1))
-    jumping = np.isin(core, abrupt)[:, None]
-    peak = np.abs(g[:, :, core]).max(axis=1).T
-    # motion that has decayed by then follows the input at once, with the same integral
-    fast = np.abs(missed).max(axis=0) > _UNSEEN * peak
-    fast &= ~jumping & (peak > _RELEVANT * peak.max(axis=1, keepdims=True))
-    D[core] = np.where(jumping, missed[:width].mean(axis=0), 0.0)
-    D[core] += np.where(fast, missed.sum(axis=0) / width, 0.0)
+    D[core] = _feedthrough(part, A, B, C, np.isin(core, abrupt))
     rows = {i: C[row] for row, i in enumerate(core)}
     for i in integrals:
-        A, B, rows = _append_integral(A, B, rows, i, g, T, width, after)
+        A, B, rows = _append_integral(A, B, rows, i, flown)
     C = np.array([rows.get(i, np.zeros(len(A))) for i in range(p)])
     change, signals = _coordinates(C, [*rigid, *engines, *integrals])
     inverse = np.linalg.inv(change)
     A, B, C = change @ A @ inverse, change @ B, C @ inverse
-    error = np.sqrt((_missed(g, A, B, C, T, width, after) ** 2).mean(axis=0))
+    error = np.sqrt((flown.missed(A, B, C, flown.after) ** 2).mean(axis=0))
     # back to the signals' own units
     size = np.array([scale[i] if i >= 0 else 1.0 for i in signals])
     return Realisation(
@@ -139,6 +129,56 @@ def realise(
         latency,
         error,
     )
+
+
+@dataclass(frozen=True)
+class _Pulses:
+    """Responses to a pulse on each input, scaled and without their latency.
+
+    Attributes
+    ----------
+    g : numpy.ndarray
+        shape (m, n, p), as in `realise`
+    T : float
+        sample period in s
+    width : int
+        samples of the pulse
+    """
+
+    g: np.ndarray
+    T: float
+    width: int
+
+    @property
+    def after(self) -> np.ndarray:
+        """Sample instants after the pulse; what it feeds through may come a sample late."""
+        return np.arange(2 * self.width, self.g.shape[1], self.width)
+
+    def of(self, signals: list[int]) -> _Pulses:
+        """The responses of some signals."""
+        return _Pulses(self.g[:, :, signals], self.T, self.width)
+
+    def states(self, A: np.ndarray, instants: np.ndarray) -> np.ndarray:
+        """States at sample instants, for B = 1: shape (instants, n, n)."""
+        step, held = _held(A, self.T)
+        x = np.zeros((len(instants), *A.shape))
+        state, now = np.zeros_like(A), 0
+        powers: dict[int, np.ndarray] = {}
+        for i, instant in enumerate(instants):
+            while now < min(instant, self.width):
+                state, now = step @ state + held, now + 1
+            if ahead := instant - now:
+                if ahead not in powers:
+                    powers[ahead] = np.linalg.matrix_power(step, ahead)
+                state, now = powers[ahead] @ state, instant
+            x[i] = state
+        return x
+
+    def missed(
+        self, A: np.ndarray, B: np.ndarray, C: np.ndarray, instants: np.ndarray
+    ) -> np.ndarray:
+        """What the states do not explain at sample instants: shape (instants, p, m)."""
+        return self.g[:, instants].transpose(1, 2, 0) - C @ self.states(A, instants) @ B
 
 
 def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
@@ -153,18 +193,18 @@ def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
     return late
 
 
-def _search(
-    g: np.ndarray, T: float, width: int, after: np.ndarray, judged: list[int]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A, C and B (before the latency) of the lowest adequate order."""
+def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, B and C of the lowest adequate order."""
+    g, after = flown.g, flown.after
     m, _, p = g.shape
     # the first interval after the pulse may still show what it feeds through
-    h = g[:, 2 * width :: width]
+    h = g[:, 2 * flown.width :: flown.width]
     columns = h.shape[1] - _ROWS
     hankel = np.vstack(
         [np.hstack([h[j, i : columns + i].T for j in range(m)]) for i in range(_ROWS + 1)]
     )
     U, S, Vt = np.linalg.svd(hankel[:-p], full_matrices=False)
+    wanted = g[:, after].reshape(m, -1).T
     best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
     for order in _ORDERS:
         if order > len(S) or S[order - 1] < _NOISE * S[0]:
@@ -173,16 +213,14 @@ def _search(
         discrete, C = _slow_part(discrete, U[:p, :order])
         if not len(discrete):
             continue
-        A = np.real(logm(discrete)) / (width * T)
-        x = _pulse_states(A, T, width, after)
-        observed = (C @ x).reshape(-1, len(A))
-        wanted = g[:, after].reshape(m, -1).T
+        A = np.real(logm(discrete)) / (flown.width * flown.T)
+        observed = (C @ flown.states(A, after)).reshape(-1, len(A))
         B = np.linalg.lstsq(observed, wanted, rcond=None)[0]
         missed = (wanted - observed @ B).T.reshape(m, len(after), p)
         error = float(np.sqrt((missed**2).mean(axis=1))[:, judged].max(initial=0.0))
         worth = best is None or error < _WORTH ** (len(A) - len(best[1])) * best[0]
         if worth or error < _GOOD:
-            best = error, A, C, B
+            best = error, A, B, C
         if error < _GOOD:
             break
     if best is None:
@@ -193,6 +231,22 @@ def _search(
     return best[1:]
 
 
+def _feedthrough(
+    flown: _Pulses, A: np.ndarray, B: np.ndarray, C: np.ndarray, jumping: np.ndarray
+) -> np.ndarray:
+    """D from what the states leave unexplained until the search begins.
+
+    Signals that jump have their mean over the pulse. Others have motion that has decayed by then:
+    it follows the input at once, with the same integral.
+    """
+    missed = flown.missed(A, B, C, np.arange(1, 2 * flown.width + 1))
+    peak = np.abs(flown.g).max(axis=1).T
+    fast = np.abs(missed).max(axis=0) > _UNSEEN * peak
+    fast &= ~jumping[:, None] & (peak > _RELEVANT * peak.max(axis=1, keepdims=True))
+    D = np.where(jumping[:, None], missed[: flown.width].mean(axis=0), 0.0)
+    return D + np.where(fast, missed.sum(axis=0) / flown.width, 0.0)
+
+
 def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The modes of a discrete system that have a continuous counterpart within its bandwidth."""
 
@@ -201,23 +255,6 @@ def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     R, Z, kept = schur(A, sort=slow)
     return R[:kept, :kept], C @ Z[:, :kept]
-
-
-def _pulse_states(A: np.ndarray, T: float, width: int, instants: np.ndarray) -> np.ndarray:
-    """States at sample instants after a pulse, for B = 1: shape (instants, n, n)."""
-    step, held = _held(A, T)
-    x = np.zeros((len(instants), *A.shape))
-    state, now = np.zeros_like(A), 0
-    powers: dict[int, np.ndarray] = {}
-    for i, instant in enumerate(instants):
-        while now < min(instant, width):
-            state, now = step @ state + held, now + 1
-        if ahead := instant - now:
-            if ahead not in powers:
-                powers[ahead] = np.linalg.matrix_power(step, ahead)
-            state, now = powers[ahead] @ state, instant
-        x[i] = state
-    return x
 
 
 def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
@@ -254,36 +291,19 @@ def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
     return both[:n, :n], both[:n, n:]
 
 
-def _missed(
-    g: np.ndarray,
-    A: np.ndarray,
-    B: np.ndarray,
-    C: np.ndarray,
-    T: float,
-    width: int,
-    instants: np.ndarray,
-) -> np.ndarray:
-    """What the states do not explain at sample instants, shape (instants, p, m)."""
-    x = _pulse_states(A, T, width, instants)
-    return g[:, instants].transpose(1, 2, 0) - C @ x @ B
-
-
 def _append_integral(
     A: np.ndarray,
     B: np.ndarray,
     rows: dict[int, np.ndarray],
     signal: int,
-    g: np.ndarray,
-    T: float,
-    width: int,
-    after: np.ndarray,
+    flown: _Pulses,
 ) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
     """The model with a signal as one more state, an integral of those before it."""
     n, m = B.shape
     integrator = np.block([[A, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]])
-    x = _pulse_states(integrator, T, width, after)[:, n:, :n] @ B
+    x = flown.states(integrator, flown.after)[:, n:, :n] @ B
     observed = x.transpose(2, 0, 1).reshape(-1, n)
-    wanted = g[:, after, signal].reshape(-1)
+    wanted = flown.g[:, flown.after, signal].reshape(-1)
     row = np.linalg.lstsq(observed, wanted, rcond=1e-9)[0]
     A = np.block([[A, np.zeros((n, 1))], [row[None], np.zeros((1, 1))]])
     B = np.vstack([B, np.zeros((1, m))])
