@@ -13,15 +13,14 @@ from typing import Any, ClassVar
 
 from pathsim.events import ScheduleList
 
-from ._core.checks import number, numbers, positive
+from ._core.checks import number, numbers, positive, refuse
 from ._core.parameters import Parametric, parameter
-from .errors import ParameterError
 
 
 def polarity_of(name: str, value: Any) -> float:
     """1 or -1."""
     if number(name, value) not in (1.0, -1.0):
-        raise ParameterError(f"{name} must be 1 or -1, not {value!r}", parameter=name, value=value)
+        refuse(name, value, f"{name} must be 1 or -1, not {value!r}")
     return float(value)
 
 
@@ -43,11 +42,11 @@ class _EdgeSource(Parametric):
         self._times = self._edge_times()
         for time, after in pairwise(self._times):
             if not time < after < math.inf:
-                raise ParameterError(
+                refuse(
+                    "start",
+                    self._times,
                     f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
                     "be told apart",
-                    parameter="start",
-                    value=self._times,
                 )
         if not self.passed:
             self.edges.times_evt = self._times
@@ -154,11 +153,11 @@ class MultistepSource(_StepsSource):
     def _pulses(self) -> list[tuple[float, float]]:
         c = self.checked
         if len(c.widths) != len(c.signs) or not c.widths:
-            raise ParameterError(
+            refuse(
+                "signs",
+                self.signs,
                 f"widths and signs must have the same length, at least 1, not {len(c.widths)} and "
                 f"{len(c.signs)}",
-                parameter="signs",
-                value=self.signs,
             )
         pulses = zip(c.widths, c.signs, strict=True)
         return [(c.step * width, c.amplitude * sign) for width, sign in pulses]

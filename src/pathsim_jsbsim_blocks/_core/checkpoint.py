@@ -17,7 +17,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ..errors import BlocksError, FileError, ParameterError
+from ..errors import BlocksError, FileError
 from ._pathsim import ClockEvent, in_step, replace_checkpoints
 from .checks import refuse
 
@@ -118,11 +118,7 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     except BlocksError:
         raise
     except (ValueError, TypeError, KeyError, IndexError, AttributeError) as error:
-        raise ParameterError(
-            f"the checkpoint {base!r} belongs to another diagram: {error}",
-            parameter="checkpoint",
-            value=base,
-        ) from error
+        refuse("checkpoint", base, f"the checkpoint {base!r} belongs to another diagram: {error}")
 
 
 def _base(path: str | os.PathLike[str]) -> str:

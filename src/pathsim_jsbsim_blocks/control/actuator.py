@@ -7,10 +7,9 @@ import math
 import numpy as np
 from scipy.linalg import expm
 
-from .._core.checks import limits, number, positive
+from .._core.checks import limits, number, positive, refuse
 from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
-from ..errors import ParameterError
 
 
 class Actuator(TunableLaw):
@@ -86,10 +85,10 @@ class Actuator(TunableLaw):
         period = self.clock.period
         transition = expm([[period * x for x in row] for row in motion])
         if not np.isfinite(transition).all():
-            raise ParameterError(
+            refuse(
+                "frequency",
+                self.frequency,
                 f"frequency {omega:g} with damping {zeta:g} is too large to compute the motion",
-                parameter="frequency",
-                value=self.frequency,
             )
         self._transition = transition.tolist()
         self._farthest = self._max_rate * period

@@ -8,9 +8,8 @@ from typing import Any
 
 from .._core._pathsim import port_names
 from .._core.callers import warn_user
-from .._core.checks import number, one_of
+from .._core.checks import number, one_of, refuse
 from .._core.docs import filler
-from ..errors import ParameterError
 from .described import DescribedLaw
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, EnvelopeLimits
@@ -58,10 +57,10 @@ def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
     """Lower and upper limit of an actuator increment, from one number or from both."""
     if isinstance(value, (list, tuple)):
         if len(value) != 2:
-            raise ParameterError(
+            refuse(
+                parameter,
+                value,
                 f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
-                parameter=parameter,
-                value=value,
             )
         return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
     most = number(parameter, value, low=0.0)

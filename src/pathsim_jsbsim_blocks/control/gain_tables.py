@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .._core.checks import as_path, did_you_mean, ending, nearest, one_of
+from .._core.checks import as_path, did_you_mean, ending, nearest, one_of, refuse
 from .._core.files import write_whole
 from ..errors import FileError, ParameterError
 from .gains import LOOPS, AircraftGains, DesignPoint, GainSchedule
@@ -51,11 +51,11 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     if len(loops) == 1:
         return (_one_loop(gains, loops[0]),)
     if not isinstance(gains, Mapping):
-        raise ParameterError(
+        refuse(
+            "gains",
+            gains,
             f"gains must be the name of a table or a dict of the gains of {', '.join(loops)}, "
             f"not {reprlib.repr(gains)}{_instead(gains)}",
-            parameter="gains",
-            value=gains,
         )
     _check_keys(gains, loops, [loop for loop in loops if loop != "envelope"], "loop")
     return tuple(loop_gains(gains[loop], loop)[0] if loop in gains else None for loop in loops)
@@ -106,9 +106,7 @@ def read_gains(path: str | Path) -> GainSchedule:
         close = nearest(path.name, [*beside, *tables()], 1)
         raise FileError("read", path, cause, did_you_mean(close)) from cause
     except ValueError as cause:  # a null character
-        raise ParameterError(
-            f"{str(path)!r} is no path: {cause}", parameter="gains", value=str(path)
-        ) from cause
+        refuse("gains", str(path), f"{str(path)!r} is no path: {cause}")
     return _read(path.absolute(), written)
 
 
@@ -119,25 +117,15 @@ def _read(path: Path, written: int) -> GainSchedule:
     except OSError as cause:
         raise FileError("read", path, cause) from cause
     except (ValueError, RecursionError) as cause:
-        raise ParameterError(
-            f"{path} is no JSON file: {cause}", parameter="gains", value=str(path)
-        ) from cause
+        refuse("gains", str(path), f"{path} is no JSON file: {cause}")
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise ParameterError(
-            f"{path} is no gain table: its format must be {FORMAT!r}",
-            parameter="gains",
-            value=str(path),
-        )
+        refuse("gains", str(path), f"{path} is no gain table: its format must be {FORMAT!r}")
     try:
         return schedule_from(document)
     except ParameterError as error:
-        raise ParameterError(
-            f"{path}: {error}", parameter=error.parameter, value=error.value
-        ) from error
+        refuse(error.parameter, error.value, f"{path}: {error}")
     except (KeyError, TypeError) as cause:
-        raise ParameterError(
-            f"{path} is no complete gain table: {cause!r}", parameter="gains", value=str(path)
-        ) from cause
+        refuse("gains", str(path), f"{path} is no complete gain table: {cause!r}")
 
 
 def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
@@ -234,11 +222,11 @@ def _one_loop(gains: Any, loop: str) -> Any:
     if isinstance(gains, kind):
         return gains
     if not isinstance(gains, Mapping):
-        raise ParameterError(
+        refuse(
+            "gains",
+            gains,
             f"{loop} gains must be the name of a table, {kind.__name__} or a dict, "
             f"not {reprlib.repr(gains)}{_instead(gains)}",
-            parameter="gains",
-            value=gains,
         )
     fields = dataclasses.fields(kind)
     needed = [f.name for f in fields if f.default is dataclasses.MISSING]
@@ -258,14 +246,12 @@ def _instead(gains: Any) -> str:
 def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
     for name in gains:
         if name not in names:
-            raise ParameterError(
+            refuse(
+                "gains",
+                gains,
                 f"{name!r} is no {what}; there are {', '.join(names)}"
                 + did_you_mean(nearest(str(name), names, 1)),
-                parameter="gains",
-                value=gains,
             )
     missing = [name for name in needed if name not in gains]
     if missing:
-        raise ParameterError(
-            f"{what} missing: {', '.join(missing)}", parameter="gains", value=gains
-        )
+        refuse("gains", gains, f"{what} missing: {', '.join(missing)}")

@@ -13,8 +13,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from .._core.checks import known_keywords, number, positive, whole
-from ..errors import ParameterError
+from .._core.checks import known_keywords, number, positive, refuse, whole
 
 
 @dataclass(frozen=True)
@@ -249,10 +248,10 @@ class DesignPoint:
         object.__setattr__(self, "altitude", number("altitude", self.altitude))
         object.__setattr__(self, "speed", positive("speed", self.speed))
         if not isinstance(self.gains, AircraftGains):
-            raise ParameterError(
+            refuse(
+                "gains",
+                self.gains,
                 f"the gains of a design point must be AircraftGains, not {self.gains!r}",
-                parameter="gains",
-                value=self.gains,
             )
 
 
@@ -289,32 +288,28 @@ class GainSchedule:
         if not isinstance(points, (list, tuple)) or not all(
             isinstance(point, DesignPoint) for point in points
         ):
-            raise ParameterError(
+            refuse(
+                "points",
+                points,
                 f"the points of a gain schedule must be a list of DesignPoint, not {points!r}",
-                parameter="points",
-                value=points,
             )
         places = [(point.altitude, point.speed) for point in points]
         if not places or any(a >= b for a, b in pairwise(places)):
-            raise ParameterError(
+            refuse(
+                "points",
+                places,
                 "a gain schedule needs design points, sorted by altitude and then by airspeed, "
                 f"not {places}",
-                parameter="points",
-                value=places,
             )
         object.__setattr__(self, "nominal", whole("nominal", self.nominal, low=0))
         if not self.nominal < len(places):
-            raise ParameterError(
+            refuse(
+                "nominal",
+                self.nominal,
                 f"nominal must be the index of one of {len(places)} points, not {self.nominal}",
-                parameter="nominal",
-                value=self.nominal,
             )
         if len({point.gains.envelope is None for point in points}) > 1:
-            raise ParameterError(
-                "all points of a gain schedule have envelope limits, or none",
-                parameter="points",
-                value=places,
-            )
+            refuse("points", places, "all points of a gain schedule have envelope limits, or none")
         object.__setattr__(self, "points", tuple(points))
 
     def at(self, h: float, vc: float) -> AircraftGains:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..errors import ParameterError
+from .._core.checks import refuse
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID, PIDState
 from .signals import exp, larger, limit, select, sin, smaller, wrap
@@ -216,11 +216,11 @@ class AltitudeLoop:
         theta_max = gains.theta_max if theta_max is None else theta_max
         if theta_min > theta_max:
             whose = "" if self._own_theta_max else " of the gains"
-            raise ParameterError(
+            refuse(
+                "theta_min",
+                theta_min,
                 f"theta_min, {theta_min:g} deg, must not be above theta_max{whose}, "
                 f"{theta_max:g} deg",
-                parameter="theta_min",
-                value=theta_min,
             )
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 

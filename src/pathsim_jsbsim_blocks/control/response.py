@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._core.checks import finite, number, positive
-from ..errors import ParameterError
+from .._core.checks import finite, number, positive, refuse
 
 # of the step: a response whose step is smaller has none
 _NO_STEP = 1e-9
@@ -119,20 +118,16 @@ def response_quality(
     first = int(changes[0]) + 1 if len(changes) else 0
     t, y = t[first:], y[first:]
     if t[-1] == t[0]:
-        raise ParameterError(
-            "the reference changes at the last sample: there is no response",
-            parameter="reference",
-            value=goal,
-        )
+        refuse("reference", goal, "the reference changes at the last sample: there is no response")
     start = float(t[0])
     step = goal - float(y[0])
     if abs(step) <= _NO_STEP * max(1.0, abs(goal)):
         step = 0.0
     if not step and tolerance is None:
-        raise ParameterError(
+        refuse(
+            "tolerance",
+            None,
             f"y starts at the reference, {goal:g}: without a step, give the tolerance",
-            parameter="tolerance",
-            value=None,
         )
     error = y - goal
     end = t >= (t[-1] - last if last is not None else start + 0.9 * (t[-1] - start))
@@ -155,39 +150,27 @@ def _signals(time: Any, y: Any, reference: Any) -> tuple[np.ndarray, np.ndarray,
         for name, x in (("time", time), ("y", y), ("reference", reference))
     )
     if t.ndim != 1 or len(t) < 2:
-        raise ParameterError(
-            f"time must have at least two samples in one row, not the shape {t.shape}",
-            parameter="time",
-            value=time,
+        refuse(
+            "time", time, f"time must have at least two samples in one row, not the shape {t.shape}"
         )
     for name, x in (("y", y), ("reference", reference)):
         if x.shape != t.shape and not (name == "reference" and x.ndim == 0):
-            raise ParameterError(
-                f"{name} must have the shape of time, {t.shape}, not {x.shape}",
-                parameter=name,
-                value=x,
-            )
+            refuse(name, x, f"{name} must have the shape of time, {t.shape}, not {x.shape}")
     back = np.flatnonzero(np.diff(t) < 0.0)
     if len(back) or t[-1] == t[0]:
         where = f"{t[back[0] + 1]:g} s after {t[back[0]]:g} s" if len(back) else "one instant"
-        raise ParameterError(f"time must go forward, not {where}", parameter="time", value=time)
+        refuse("time", time, f"time must go forward, not {where}")
     return t, y, np.broadcast_to(reference, t.shape)
 
 
 def _shares(rise: Any) -> tuple[float, float]:
     if not isinstance(rise, (list, tuple)) or len(rise) != 2:
-        raise ParameterError(
-            f"rise must be two shares of the step, such as (0.1, 0.9), not {rise!r}",
-            parameter="rise",
-            value=rise,
+        refuse(
+            "rise", rise, f"rise must be two shares of the step, such as (0.1, 0.9), not {rise!r}"
         )
     low, high = (number("rise", x, low=0.0, high=1.0) for x in rise)
     if not low < high:
-        raise ParameterError(
-            f"the first share of rise must be below the second, not {rise!r}",
-            parameter="rise",
-            value=rise,
-        )
+        refuse("rise", rise, f"the first share of rise must be below the second, not {rise!r}")
     return low, high
 
 

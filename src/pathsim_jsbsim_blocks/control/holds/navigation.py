@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import number, optional, positive, whole
+from ..._core.checks import number, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY
@@ -161,11 +161,11 @@ class CourseHold(Hold):
         self._chi_ref = self.checked.chi_ref
         self._route = _Route(self.waypoints, self.leg)
         if self._route.waypoints and self._chi_ref is not None:
-            raise ParameterError(
+            refuse(
+                "chi_ref",
+                self.chi_ref,
                 "give a course or waypoints, not both: along waypoints the course is that of the "
                 "leg",
-                parameter="chi_ref",
-                value=self.chi_ref,
             )
         self.loops = {
             "heading": HeadingLoop(T, heading, c.bank_max),
@@ -283,16 +283,16 @@ class _Route:
         if hasattr(points, "tolist"):
             points = points.tolist()
         if not isinstance(points, (list, tuple)) or (waypoints is not None and not points):
-            raise ParameterError(
+            refuse(
+                "waypoints",
+                waypoints,
                 f"waypoints must be a list of (latitude, longitude) in deg, not {waypoints!r}",
-                parameter="waypoints",
-                value=waypoints,
             )
         try:
             self.waypoints = [place_unchecked(*point("waypoints", p)) for p in points]
             self.legs = [great_circle(a, b) for a, b in pairwise(points)]
         except ParameterError as error:
-            raise ParameterError(str(error), parameter="waypoints", value=waypoints) from None
+            refuse("waypoints", waypoints, str(error))
         # of leg k + 1 where it begins
         self.courses = [
             leg.track(here).course for leg, here in zip(self.legs, self.waypoints, strict=False)
@@ -300,11 +300,11 @@ class _Route:
         self.last = len(self.legs)
         self.start = whole("leg", leg, low=0)
         if self.start > self.last:
-            raise ParameterError(
+            refuse(
+                "leg",
+                leg,
                 f"leg must be at most {self.last}: {len(points)} waypoints have no leg "
                 f"{self.start}",
-                parameter="leg",
-                value=leg,
             )
 
 
