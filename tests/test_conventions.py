@@ -1,5 +1,6 @@
 """What every public name keeps to, and who may import whom."""
 
+import ast
 import dataclasses
 import importlib
 import inspect
@@ -202,3 +203,40 @@ def test_imports_point_down():
         [sys.executable, "-c", lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+# lines of code; what goes on in one function fits on a screen
+LONGEST = 60
+
+# functions that are longer, each with the reason
+LONGER = {
+    "cli/runs.py:run": "to be cut",
+    "flight/aircraft.py:__init__": "to be cut",
+    "flight/aircraft.py:_connect": "to be cut",
+    "flight/algebraic.py:algebraic_model": "to be cut",
+    "flight/flown.py:flown_model": "to be cut",
+    "pathview/server.py:_app": "to be cut",
+}
+
+
+def lines_of_code(function, lines):
+    """Lines of a function without its docstring, comments and empty lines."""
+    body = set(range(function.lineno, function.end_lineno + 1))
+    if ast.get_docstring(function) is not None:
+        first = function.body[0]
+        body -= set(range(first.lineno, first.end_lineno + 1))
+    return sum(bool(lines[i - 1].strip()) and lines[i - 1].strip()[0] != "#" for i in body)
+
+
+def test_a_function_fits_on_a_screen():
+    source = Path(package.__file__).parent
+    found = {}
+    for file in sorted(source.rglob("*.py")):
+        name, text = file.relative_to(source).as_posix(), file.read_text(encoding="utf-8")
+        # the design of gains is being rewritten
+        for node in ast.walk(ast.parse(text)) if not name.startswith("design/") else ():
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                size = lines_of_code(node, text.splitlines())
+                if size > LONGEST:
+                    found[f"{name}:{node.name}"] = size
+    assert found.keys() <= LONGER.keys(), found
