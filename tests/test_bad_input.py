@@ -370,7 +370,10 @@ def test_an_input_that_is_not_finite_ends_the_flight(make, value):
 @pytest.mark.parametrize("aircraft", ["f16", "A4"])
 def test_ground_impact_ends_the_flight(aircraft):
     # JSBSim's own run() goes on with a state that is not a number
-    plane = Aircraft(aircraft, altitude=3000, speed=400, gamma=-80, gear=1, mode="none")
+    unlimited = {"sink_max": math.inf, "scrape_max": math.inf}
+    plane = Aircraft(
+        aircraft, altitude=3000, speed=400, gamma=-80, gear=1, mode="none", **unlimited
+    )
     scope = Scope(labels=["h"])
     sim = Simulation([plane, scope], [Connection(plane["h"], scope)], dt=plane.T, log=False)
     with pytest.raises(FlightError, match=f"aircraft '{aircraft}': crashed") as error:
@@ -533,7 +536,7 @@ def test_only_a_simulation_is_flown():
 
 @pytest.mark.parametrize(("altitude", "elevator"), [(500, 1.0), (1000, 1.0), (500, -1.0)])
 def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
-    plane = Aircraft("c172p", altitude=altitude, speed=90)
+    plane = Aircraft("c172p", altitude=altitude, speed=90, sink_max=math.inf, scrape_max=math.inf)
     command = Constant(elevator)
     sim = Simulation(
         [plane, command], [Connection(command, plane["elevator"])], dt=plane.T, log=False

@@ -99,7 +99,14 @@ class Aircraft(FlightBlock):
         sum is limited to that; "throttle[1]" comes on top of ``throttle``
     output_properties : list of str, optional
         further outputs, after the fixed ones: "flaps", "gear", "speedbrake", "spoilers" (positions,
-        0 to 1), "throttle[0]", "thrust[0]" (lbf), or properties of JSBSim in their unit
+        0 to 1), "throttle[0]", "thrust[0]" (lbf), "h_agl" (height of the centre of gravity above
+        the ground, ft), or properties of JSBSim in their unit
+    sink_max : float
+        largest sink rate at which the aircraft may touch the ground, ft/s; ``inf`` sets no limit.
+        It applies to models with wheels, as ``scrape_max`` does
+    scrape_max : float
+        largest depth to which anything but a wheel may press into the ground, ft: with the default
+        of 0 nothing else may touch it; ``inf`` sets no limit
 
     Inputs
     ------
@@ -190,6 +197,8 @@ class Aircraft(FlightBlock):
         longitude: float | None = None,
         input_properties: Sequence[str] | None = None,
         output_properties: Sequence[str] | None = None,
+        sink_max: float = 15.0,
+        scrape_max: float = 0.0,
     ) -> None:
         super().__init__(
             T,
@@ -221,6 +230,7 @@ class Aircraft(FlightBlock):
         self.longitude = longitude
         self.input_properties = listed("input_properties", input_properties)
         self.output_properties = listed("output_properties", output_properties)
+        self.sink_max, self.scrape_max = sink_max, scrape_max
         if self.input_properties:
             self.inputs = NamedRegister.of([*self.input_port_labels, *self.input_properties])
         if self.output_properties:

@@ -37,6 +37,7 @@ from .airframe import Airframe
 from .algebraic import algebraic_model
 from .channels import Channel
 from .console import capture_console, log
+from .contact import GroundContact
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
 from .trimming import TrimState, trim
@@ -148,7 +149,8 @@ fill = filler(
         when the block is built: unknown names and values that cannot be, or no trim
     FlightError
         in flight, when an input or the state is not finite, the aircraft has crashed or is under
-        the ground, or something else runs or holds it
+        the ground, or something else runs or holds it; of `Aircraft` also at a contact with the
+        ground beyond ``sink_max`` or ``scrape_max``
     """,
 )
 
@@ -172,6 +174,8 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     # that a parameter acts at the next reset
     _told = False
+    # limits of a touch with the ground, ft/s and ft
+    sink_max = scrape_max = inf
     # trim keywords of the block, which a condition replaces, and the condition's names of them
     _trim_keywords: Mapping[str, str]
 
@@ -437,7 +441,13 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._step, self._time_zero = dt, fdm.get_sim_time()
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
-        self._bound = fdm.run, fdm.get_sim_time, write, read, speed, height, nz, numbers
+        contact = GroundContact(
+            self.airframe,
+            number("sink_max", self.sink_max, low=0.0, infinite=True),
+            number("scrape_max", self.scrape_max, low=0.0, infinite=True),
+        )
+        watched = speed, height, nz, contact.reach, contact.broken
+        self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
         self._flown = array("d")
         self._flying = self._flight()
         self._starved = self.airframe.starved()
@@ -537,7 +547,7 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def advance(self, index: int, u: list[float]) -> list[float]:
         # in line, because a call or a look-up takes as long as reading an output
-        run, sim_time, write, read, speed, height, nz, numbers = self._bound
+        run, sim_time, write, read, speed, height, nz, reach, touch, numbers = self._bound
         substeps, time_zero, period, half_step = numbers
         if get_ident() != self._thread:
             # a diagram may go on in another thread, where JSBSim's console is another one
@@ -557,9 +567,10 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not -half_step <= sim_time() - time_zero - index * period <= half_step:
             self._fail_time(index)
         y = read()
-        if not (
-            isfinite(sum(y) + speed()) and height() >= _UNDERGROUND and -_CRASH < nz() < _CRASH
-        ):
+        above = height()
+        if above < reach and (broken := touch()):
+            self._fail(*broken, clock.start + index * clock.period)
+        if not (isfinite(sum(y) + speed()) and above >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
             self._check(y, self.clock.start + index * self.clock.period)
         if index >= self._fuel_at:
             self._check_fuel(index)

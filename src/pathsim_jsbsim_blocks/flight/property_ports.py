@@ -30,6 +30,7 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     "spoilers": ("fcs/spoiler-pos-norm",),
     "throttle[i]": ("fcs/throttle-pos-norm[i]",),
     "thrust[i]": ("propulsion/engine[i]/thrust-lbs",),
+    "h_agl": ("position/h-agl-ft",),
 }
 
 

@@ -1,0 +1,104 @@
+"""Contact of an aircraft with the ground: which part touches, and how fast the aircraft sinks."""
+
+from __future__ import annotations
+
+import math
+
+from .airframe import Airframe
+
+# friction coefficients of JSBSim's "bogey" contacts: models use these for skids, wing tips and
+# floats too, which slide with 0.2 or roll with more than half of what they slide with
+_TYRE_SLIDES, _TYRE_ROLLS = 0.3, 0.5
+
+# ft; the centre of gravity moves as fuel burns
+_MARGIN = 10.0
+
+_SINK = "velocities/h-dot-fps"
+
+
+class GroundContact:
+    """Watches an aircraft near the ground; what touches at the start may go on touching.
+
+    Parameters
+    ----------
+    airframe : Airframe
+        trimmed
+    sink_max : float
+        largest sink rate at contact, ft/s
+    scrape_max : float
+        largest depth to which a part that is no wheel may press into the ground, ft
+
+    Attributes
+    ----------
+    reach : float
+        height of the centre of gravity above the ground, ft, from which on nothing can touch;
+        -inf without wheels or without limits
+    """
+
+    def __init__(self, airframe: Airframe, sink_max: float, scrape_max: float):
+        read = airframe.fdm.get_property_value
+        units = [
+            unit
+            for i in range(int(read("gear/num-units")))
+            for unit in (f"gear/unit[{i}]", f"contact/unit[{i}]")
+            if airframe.has(f"{unit}/WOW")
+        ]
+        wheels = [unit for unit in units if _is_wheel(airframe, unit)]
+        others = [unit for unit in units if unit not in wheels]
+        self.reach = -math.inf
+        if not wheels or sink_max == scrape_max == math.inf:
+            return
+        self.reach = _MARGIN + max(_distance(airframe, unit) for unit in units)
+        self._sink_max, self._scrape_max = sink_max, scrape_max
+        self._on = [f"{unit}/WOW" for unit in wheels + others]
+        self._depth = [f"{unit}/compression-ft" for unit in others]
+        self._wheels = len(wheels)
+        self._read = airframe.reader_of([_SINK, *self._on, *self._depth])
+        hdot, *touching = self._read()
+        # rate of climb before, and what has touched without a break since the start
+        self._hdot, self._touches = hdot, touching[: len(units)]
+        self._spared = [on != 0.0 for on in self._touches[self._wheels :]]
+
+    def broken(self) -> tuple[str, str, float] | None:
+        """What is wrong in words, the property that shows it and its value; None for a landing."""
+        hdot, *values = self._read()
+        n = len(self._on)
+        touches, depths = values[:n], values[n:]
+        before, self._hdot = self._hdot, hdot
+        was, self._touches = self._touches, touches
+        if touches == was and not any(depths):
+            return None
+        if any(now and not then for now, then in zip(touches, was, strict=True)):
+            # the ground has slowed it down in the period of the contact
+            fastest = min(before, hdot)
+            if -fastest > self._sink_max:
+                what = f"touched the ground faster than {self._sink_max:g} ft/s, rate of climb"
+                return what, _SINK, fastest
+        for i, depth in enumerate(depths):
+            self._spared[i] = self._spared[i] and touches[self._wheels + i] != 0.0
+            if depth > self._scrape_max and not self._spared[i]:
+                return (
+                    "touched the ground with a part that is no wheel, depth",
+                    self._depth[i],
+                    depth,
+                )
+        return None
+
+
+def _is_wheel(airframe: Airframe, unit: str) -> bool:
+    if not unit.startswith("gear/"):
+        return False
+    slides = airframe.fdm[f"{unit}/static_friction_coeff"]
+    rolls = airframe.fdm[f"{unit}/rolling_friction_coeff"]
+    return slides > _TYRE_SLIDES and rolls < _TYRE_ROLLS * slides
+
+
+def _distance(airframe: Airframe, unit: str) -> float:
+    """Distance of a contact point from the centre of gravity, ft."""
+    return (
+        math.dist(
+            [airframe.fdm[f"{unit}/{axis}-position"] for axis in "xyz"],
+            [airframe.fdm[f"inertia/cg-{axis}-in"] for axis in "xyz"],
+        )
+        / 12.0
+    )
