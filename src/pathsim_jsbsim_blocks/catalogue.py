@@ -74,6 +74,6 @@ def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> Module
         for a diagram, block, parameter or variable that does not exist, naming the nearest, and for
         a setting that would have no effect
     """
-    from ._core.template import Template
+    from .scripts.script import Script
 
-    return Template(find_diagram(name), mapping("settings", settings)).load()
+    return Script(find_diagram(name), mapping("settings", settings)).load()

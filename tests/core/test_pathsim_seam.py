@@ -21,6 +21,7 @@ from pathsim.utils.register import Register
 import pathsim_jsbsim_blocks
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import _pathsim as seam
+from pathsim_jsbsim_blocks._core import running
 
 pytestmark = pytest.mark.matrix
 
@@ -289,14 +290,24 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
                 and not (isinstance(node.value, ast.Name) and node.value.id == "self")
             ):
                 found.add(path.name)
-            # the bridge looks for the line of a script that it runs; blocks look at no frames
+            # the runner looks for the line of a script that it runs; blocks look at no frames
             if (
-                path.parent.name != "pathview"
+                path.parent.name != "scripts"
                 and isinstance(node, ast.Attribute)
                 and node.attr in ("_getframe", "currentframe")
             ):
                 found.add(f"{path.name}: {node.attr}")
     assert found <= {"_pathsim.py"}
+
+
+def test_runs_that_pathsim_makes_itself_are_told_from_the_users():
+    begun = []
+    sim = Simulation([Constant()], dt=0.1, log=False)
+    with running.intercepted_runs(lambda run: begun.append(run.method), "timestep", "steadystate"):
+        sim.run(0.3)
+        sim.steadystate()
+        sim.timestep()
+    assert begun == ["run", "steadystate", "timestep"]
 
 
 def test_the_blocks_of_a_level_come_as_the_diagram_lists_them():

@@ -32,7 +32,7 @@ from pathsim.solvers import RKCK54, RKDP54, SSPRK22
 from pathsim.utils.diagnostics import Diagnostics
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, fly
-from pathsim_jsbsim_blocks._core.running import runs_of
+from pathsim_jsbsim_blocks._core.running import with_duration
 
 pytestmark = pytest.mark.matrix
 
@@ -459,8 +459,8 @@ def test_a_duration_that_cannot_be_is_refused(duration):
 
 
 def test_runs_within_runs_are_counted_apart():
-    with runs_of(None) as outer:
-        with runs_of(None) as inner:
+    with with_duration(None) as outer:
+        with with_duration(None) as inner:
             pass
         fly(Simulation([Constant(1.0)], [], dt=0.1, log=False), 0.2)
     assert (outer.begun, inner.begun) == (1, 0)

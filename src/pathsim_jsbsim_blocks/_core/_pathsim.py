@@ -377,7 +377,7 @@ Run = Callable[[Simulation, float, bool, bool], dict[str, Any]]
 
 
 @contextlib.contextmanager
-def other_run(
+def replacing_run(
     run: Callable[[Run, Simulation, float, bool, bool], dict[str, Any]],
 ) -> Iterator[None]:
     """Context in which ``sim.run(...)`` calls ``run``, with the method that it replaces first."""

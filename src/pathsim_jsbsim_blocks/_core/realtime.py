@@ -10,7 +10,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ._pathsim import Run, activate, other_run, run_in_real_time
+from ._pathsim import Run, activate, replacing_run, run_in_real_time
 from .progress import progress_bar
 
 
@@ -87,7 +87,7 @@ def in_real_time() -> Iterator[Pace]:
         return stats
 
     try:
-        with other_run(run):
+        with replacing_run(run):
             yield pace
     finally:
         _paces.remove(pace)

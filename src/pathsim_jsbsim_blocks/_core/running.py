@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import inspect
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 from pathsim import Simulation, StopSimulation
 
@@ -61,8 +63,10 @@ def fly(
     duration = number("duration", positive("duration", duration))
     if is_real_time():
         return sim.run(duration, reset)
-    if _runs:
-        duration = _runs[-1].begin(duration)
+    if _begin:
+        run = Beginning(sim, "fly", {"duration": duration, "reset": reset})
+        _begin[-1](run)
+        duration = run.arguments["duration"]
     start = 0.0 if reset else sim.time
     tracker = _pathsim.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
@@ -82,7 +86,7 @@ def fly(
 
 
 @contextlib.contextmanager
-def shown_runs() -> Iterator[None]:
+def with_progress() -> Iterator[None]:
     """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
 
     def run(
@@ -97,12 +101,67 @@ def shown_runs() -> Iterator[None]:
                 bar.update(sim.time - start - bar.n)
         return tracker.stats
 
-    with _pathsim.other_run(run):
+    with _pathsim.replacing_run(run):
         yield
 
 
 @contextlib.contextmanager
-def runs_of(duration: float | None) -> Iterator[Runs]:
+def intercepted_runs(begin: Callable[[Beginning], None], *methods: str) -> Iterator[None]:
+    """Context in which ``begin`` is called before each run: by `fly`, ``Simulation.run``, others.
+
+    Parameters
+    ----------
+    begin : callable
+        may change the arguments of the run, or raise
+    methods : str
+        further methods of ``Simulation``; calls of one by another do not count
+    """
+    inside = False
+
+    def intercepted(name: str) -> Callable[..., Any]:
+        usual = getattr(Simulation, name)
+        signature = inspect.signature(usual)
+
+        @functools.wraps(usual)
+        def method(*args: Any, **kwargs: Any) -> Any:
+            nonlocal inside
+            if inside:
+                return usual(*args, **kwargs)
+            call = signature.bind(*args, **kwargs)
+            call.apply_defaults()
+            begin(Beginning(call.args[0], name, call.arguments))
+            inside = True
+            try:
+                return usual(*call.args, **call.kwargs)
+            finally:
+                inside = False
+
+        return method
+
+    _begin.append(begin)
+    try:
+        with contextlib.ExitStack() as stack:
+            for name in ("run", *methods):
+                stack.enter_context(patch.object(Simulation, name, intercepted(name)))
+            yield
+    finally:
+        _begin.remove(begin)
+
+
+@dataclass
+class Beginning:
+    """A run that begins: of which simulation, by which method or `fly`, with which arguments."""
+
+    simulation: Simulation
+    method: str
+    arguments: dict[str, Any]
+
+
+_begin: list[Callable[[Beginning], None]] = []
+
+
+@contextlib.contextmanager
+def with_duration(duration: float | None) -> Iterator[Runs]:
     """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
 
     With None, runs are counted only.
@@ -119,44 +178,29 @@ def runs_of(duration: float | None) -> Iterator[Runs]:
     """
     if duration is not None:
         duration = number("duration", positive("duration", duration))
-    runs = Runs(duration)
+    runs = Runs()
 
-    def run(
-        usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
-    ) -> dict[str, Any]:
-        return usual(sim, runs.begin(duration), reset, adaptive)
+    def begin(run: Beginning) -> None:
+        runs.begun += 1
+        if duration is not None:
+            if runs.begun > 1:
+                refuse(
+                    "duration",
+                    duration,
+                    f"the script runs more than once: which of its runs is to last "
+                    f"{duration:g} s is not clear",
+                )
+            run.arguments["duration"] = duration
 
-    _runs.append(runs)
-    try:
-        with _pathsim.other_run(run):
-            yield runs
-    finally:
-        _runs.remove(runs)
+    with intercepted_runs(begin):
+        yield runs
 
 
-@dataclass(eq=False)
+@dataclass
 class Runs:
-    """The runs of a script, and the duration that its one run is to have."""
+    """How many runs have begun."""
 
-    duration: float | None
     begun: int = 0
-
-    def begin(self, duration: float) -> float:
-        """Count a run; returns how long it is to last instead of ``duration``."""
-        self.begun += 1
-        if self.duration is None:
-            return duration
-        if self.begun > 1:
-            refuse(
-                "duration",
-                self.duration,
-                f"the script runs more than once: which of its runs is to last "
-                f"{self.duration:g} s is not clear",
-            )
-        return self.duration
-
-
-_runs: list[Runs] = []
 
 
 def _whole(steps: float) -> int:

@@ -91,9 +91,9 @@ def add_run(commands: Commands) -> None:
 def run(args: argparse.Namespace) -> int:
     from .._core._pathsim import keep_warnings_visible
     from .._core.checks import positive, refuse
-    from .._core.running import runs_of, shown_runs
-    from .._core.template import Template, main_program
+    from .._core.running import with_duration, with_progress
     from ..catalogue import find_diagram
+    from ..scripts.script import Script, main_program
 
     keep_warnings_visible()  # those of a script without a block of ours too
     if args.name in studies():
@@ -126,21 +126,22 @@ def run(args: argparse.Namespace) -> int:
     try:
         with (
             saving_figures(args.save),
-            _as_main(script),
+            main_program(script) as module,
             _tracking(args.track),
-            shown_runs(),
+            with_progress(),
             _to_flightgear(args.flightgear),
             _model_figures(script) if source is not None else contextlib.nullcontext(),
             contextlib.ExitStack() as timed,
         ):
             try:
-                template = Template(script, settings, source)
-                constant = duration is not None and template.has_constant("DURATION")
+                diagram = Script(script, settings, source)
+                constant = duration is not None and diagram.has_constant("DURATION")
                 if constant:
                     settings = {**settings, **_once("DURATION", "duration", settings, duration)}
-                    template = Template(script, settings, source)
-                runs = timed.enter_context(runs_of(None if constant else duration))
-                objects = main_program(template).values()
+                    diagram = Script(script, settings, source)
+                runs = timed.enter_context(with_duration(None if constant else duration))
+                diagram.run(module)
+                objects = list(vars(module).values())
                 if not runs.begun:
                     _no_run(objects, duration, constant)
             except SystemExit as error:  # a script may end normally with sys.exit
@@ -159,7 +160,7 @@ def run(args: argparse.Namespace) -> int:
 def _settings(items: Sequence[str]) -> dict[str, Any]:
     """The values of ``--set NAME=VALUE``, as texts."""
     from .._core.checks import refuse
-    from .._core.template import Text
+    from ..scripts.settings import Text
 
     settings: dict[str, Any] = {}
     for item in items:
@@ -338,15 +339,3 @@ def _left_by(error: BaseException) -> list[Any]:
         for frame, _ in traceback.walk_tb(error.__traceback__)
         for x in list(frame.f_locals.values())
     ]
-
-
-@contextlib.contextmanager
-def _as_main(script: Path) -> Iterator[None]:
-    """Arguments and import path as ``python script.py`` sets them."""
-    argv, path = sys.argv, sys.path[:]
-    sys.argv = [str(script)]
-    sys.path.insert(0, str(script.resolve().parent))
-    try:
-        yield
-    finally:
-        sys.argv, sys.path[:] = argv, path

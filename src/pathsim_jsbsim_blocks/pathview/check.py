@@ -13,7 +13,7 @@ import pathsim.solvers
 
 from .._core.checks import did_you_mean, nearest
 from ..errors import DiagramError
-from .names import bound, used
+from ..scripts.names import bound, used
 from .shape import Json
 from .toolboxes import unknown_block
 

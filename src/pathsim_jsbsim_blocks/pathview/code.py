@@ -15,9 +15,9 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
 
-from .names import bound, own, references, root, used
+from ..scripts.first_run import FirstRun
+from ..scripts.names import bound, own, references, root, used
 from .plain import text_of
-from .script import Script
 
 PARTS = (Block, Event, Connection, Simulation)
 # what sees the names of the script, of which the code has only those that it needs
@@ -33,7 +33,7 @@ class Code:
 
     Parameters
     ----------
-    script : Script
+    script : FirstRun
         the script
     without : collection of int
         lines of statements that PathView cannot execute
@@ -48,7 +48,7 @@ class Code:
         lines of the script by lines of the text
     """
 
-    def __init__(self, script: Script, without: Collection[int] = ()):
+    def __init__(self, script: FirstRun, without: Collection[int] = ()):
         self.script = script
         self.parts: set[str] = set()
         self.made: dict[str, ast.stmt] = {}
@@ -122,7 +122,7 @@ class Code:
         if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
             module = vars(sys.modules.get(statement.module or "", ast))
             return {n for n in module if not n.startswith("_")} - {"np"}
-        for node in own(statement):
+        for node in own([statement]):
             if isinstance(node, ast.Expr):
                 for call in (n for n in ast.walk(node) if isinstance(n, ast.Call)):
                     names |= self._changed_by(call)
@@ -176,12 +176,6 @@ class Code:
         if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
             return ast.unparse(ast.fix_missing_locations(_renamed(node, renamed)))
         return _one_line(_rewrite(self.script.source, node, renamed))
-
-    def function(self, node: ast.FunctionDef, name: str, renamed: Mapping[str, str]) -> str:
-        """Source of a decorated function as a plain one, under another name."""
-        plain = _renamed(node, renamed)
-        plain.name, plain.decorator_list = name, []
-        return ast.unparse(plain)
 
     def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
         if isinstance(statement, (ast.Import, ast.ImportFrom)):

@@ -13,6 +13,7 @@ from pathsim import Connection, Simulation
 
 from .._core.checks import as_path, number
 from ..errors import DiagramError
+from ..scripts.first_run import FirstRun
 from . import pvm
 from .diagram import Diagram, Graph, Node
 from .frozen import Frozen
@@ -20,7 +21,6 @@ from .plain import attributes
 from .proof import Proof, Rehearsal
 from .reader import Live, read_diagram
 from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
-from .script import Script
 from .settings import setting_values
 from .shape import Json
 from .toolboxes import required_toolboxes
@@ -99,10 +99,9 @@ def script_model(
     """
     frozen = Frozen(time.time())
     with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal, frozen.applied():
-        live = Script(script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check))
+        live = FirstRun(script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check))
     if rest := live.left_out():
-        assert live.run is not None
-        first = live.run.lines[-1]
+        first = live.lines[-1]
         # at the script's line: the caller's would be of the command line
         warnings.warn_explicit(
             f"the model is the diagram of the first run (line {first}); not in it: "
@@ -111,25 +110,23 @@ def script_model(
             str(live.path),
             first,
         )
-    content, proof = live.result
-    return content, proof
+    return live.result
 
 
 class _Export:
     """Turns a script, whose first run begins, into a model that flies as it does."""
 
-    def __init__(self, script: Script, rehearsal: Rehearsal, frozen: Frozen):
+    def __init__(self, script: FirstRun, rehearsal: Rehearsal, frozen: Frozen):
         self.script, self.rehearsal, self.frozen = script, rehearsal, frozen
         self._failed: dict[int, str] = {}  # statements that PathView cannot execute, by line
 
     def proven(self, existing: Json | None, check: float) -> tuple[Json, Proof]:
         script = self.script
         if type(script.simulation) is not Simulation:
-            made = script.construction(script.simulation)
             script.refuse(
                 f"the simulation is a {type(script.simulation).__name__}; "
                 "PathView has PathSim's Simulation only",
-                made.node if made else None,
+                script.built_at(script.simulation),
             )
         for name, value in vars(script.simulation).items():
             if callable(value) and hasattr(Simulation, name):
@@ -141,7 +138,7 @@ class _Export:
         settings = setting_values(script)
         run = {
             "duration": float(settings["duration"]),
-            "reset": bool(script.run and script.run.arguments.get("reset")),
+            "reset": bool(script.begun and script.begun.arguments.get("reset")),
             "adaptive": True,
         }
         content, diagram = self._equal(existing, settings, run)
@@ -237,7 +234,7 @@ class _Export:
     def _refuse(self, difference: Difference, diagram: Diagram) -> NoReturn:
         script, name = self.script, difference.name
         part, _ = diagram.parts.get(difference.variable, (None, None))
-        what = self._called(part) if part is not None else repr(name)
+        what = script.called(part) if part is not None else repr(name)
         here, there = _short(difference.here, difference.there)
         values = f"{here}, and {there} in the model"
         self._refuse_failed()
@@ -245,24 +242,24 @@ class _Export:
             owner = f"parameter {name!r} of {what}" if part is not None else name
             script.refuse(
                 f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}",
-                self._built_at(part),
+                script.built_at(part),
             )
         if name in diagram.code_values:
             script.refuse(
                 f"{what} is changed by a statement that the model does not have: it is {values}; "
                 "give it its value where it is made, or change it by a call on a line of its own",
-                script.mention(name) or script.run_call,
+                script.last_mention(name) or script.run_call,
             )
         if part is None:
             wires = [n for n, v in script.namespace.items() if isinstance(v, Connection)]
             script.refuse(
                 f"{what} changes before the run: {values}; PathView cannot represent that",
-                script.mention(name, *wires) or script.run_call,
+                script.last_mention(name, *wires) or script.run_call,
             )
         script.refuse(
             f"{what} is changed after it is built: {name} is {values}; "
             "PathView cannot represent that",
-            script.mention(*self._names(part)) or self._built_at(part),
+            script.last_mention(*self._names(part)) or script.built_at(part),
         )
 
     def _refuse_parting(self, parting: Parting, diagram: Diagram) -> NoReturn:
@@ -275,31 +272,21 @@ class _Export:
                 script.run_call,
             )
         part, _ = diagram.parts[parting.variable]
-        place = script.mention(*self._names(part))
+        place = script.last_mention(*self._names(part))
         if script.states:
             method, line = script.states[-1]
             why = f"{method}() in line {line} changes its state before the run"
         elif place is not None:
-            why = f"line {place.lineno} may change it after it is built"  # type: ignore[attr-defined]
+            why = f"line {place.lineno} may change it after it is built"
         elif self.frozen.seeded:
             why = "it draws from a global random generator, whose state differs; give it its own"
         else:
             why = "it depends on something that the model does not have"
         script.refuse(
-            f"{self._called(part)} flies otherwise in the model: port {parting.port} at "
+            f"{script.called(part)} flies otherwise in the model: port {parting.port} at "
             f"t = {parting.time!r} s is {parting.here}, and {parting.there} in the model; {why}",
-            place or self._built_at(part),
+            place or script.built_at(part),
         )
-
-    def _built_at(self, part: Any) -> Any:
-        made = self.script.construction(part)
-        return made and made.node
-
-    def _called(self, part: Any) -> str:
-        made = self.script.construction(part)
-        names = [n for n, v in self.script.namespace.items() if v is part]
-        name = names[0] if names else made.target if made else ""
-        return repr(name) if name else f"this {type(part).__name__}"
 
     def _names(self, part: Any) -> set[str]:
         """The script's names for a part, and those of collections that hold it."""
@@ -308,9 +295,8 @@ class _Export:
             held = value.values() if isinstance(value, dict) else value
             return isinstance(value, (dict, list, tuple)) and any(v is part for v in held)
 
-        made = self.script.construction(part)
         names = {n for n, v in self.script.namespace.items() if v is part or has(v)}
-        return names | ({made.target} if made and made.target else set())
+        return names | {self.script.target(part)} - {""}
 
 
 def _short(here: str, there: str) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .names import bound, references
+from ..scripts.names import arguments, bound, references
 
 _FUNCTIONS = (ast.FunctionDef, ast.Lambda)
 # arithmetic with these rounds and divides by zero in ways of its own
@@ -139,7 +139,7 @@ class Functions:
             new.args.kw_defaults.append(value_of(name, cell.cell_contents))
         defaults, names = (
             function.__defaults__ or (),
-            _arguments(new)[: len(node.args.posonlyargs) + len(node.args.args)],
+            [a.arg for a in (*node.args.posonlyargs, *node.args.args)],
         )
         new.args.defaults = [
             value_of(*pair)
@@ -150,14 +150,8 @@ class Functions:
             if argument.arg in given:
                 new.args.kw_defaults[i] = value_of(argument.arg, given[argument.arg])
         body = new.body if isinstance(new.body, list) else [new.body]
-        local = bound(body) | set(_arguments(new))
+        local = bound(body) | {a.arg for a in arguments(new)}
         for part_of_body in body:
             for reference in references(part_of_body, frozenset(local - renamed.keys())):
                 reference.id = renamed.get(reference.id, reference.id)
         return new
-
-
-def _arguments(node: Any) -> tuple[str, ...]:
-    a = node.args
-    every = [*a.posonlyargs, *a.args, *a.kwonlyargs, *filter(None, (a.vararg, a.kwarg))]
-    return tuple(argument.arg for argument in every)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import copy
 import inspect
 import itertools
 import keyword
@@ -21,29 +20,19 @@ from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
 from .._core._pathsim import own_events, port_names, port_number
+from ..scripts.first_run import FirstRun, named_arguments
+from ..scripts.names import used
+from ..scripts.script import Construction
 from .code import Code
 from .diagram import Diagram, Event, Graph, Node, Wire
 from .literals import Functions, Unwritable, literal, memories
-from .names import used
-from .script import Construction, Script, named_arguments
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .variables import plain, prefix_inside
 
-_TAKEN = {
-    "np",
-    "plt",
-    "blocks",
-    "connections",
-    "events",
-    "sim",
-    "json",
-    "gc",
-    "sys",
-    "traceback",
-    "base64",
-    *dir(builtins),
-}
+# variables of PathView's own script
+_OWN = "np plt blocks connections events sim json gc sys traceback base64"
+_TAKEN = {*_OWN.split(), *dir(builtins)}
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
@@ -51,7 +40,7 @@ _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 Live = set[tuple[int | None, str]]
 
 
-def read_diagram(script: Script, live: Live, without: Collection[int] = ()) -> Diagram:
+def read_diagram(script: FirstRun, live: Live, without: Collection[int] = ()) -> Diagram:
     """Everything in a diagram script that a model file can represent.
 
     Raises
@@ -72,13 +61,12 @@ class _Part:
     known: Sequence[str] = ()
     made: Construction | None = None
     arguments: dict[str, ast.expr] = field(default_factory=dict)
-    function: ast.FunctionDef | None = None
     parent: _Part | None = None
     variable: str = ""
 
 
 class _Reader:
-    def __init__(self, script: Script, live: Live, without: Collection[int]):
+    def __init__(self, script: FirstRun, live: Live, without: Collection[int]):
         self.script = script
         self.refuse = script.refuse
         self.live = live
@@ -97,7 +85,7 @@ class _Reader:
             self.refuse(
                 f"the simulation is at t = {sim.time:g} when its first run begins; "
                 "PathView starts at 0",
-                self._run_node(),
+                self.script.run_call,
             )
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
         for part in self.parts.values():
@@ -111,7 +99,8 @@ class _Reader:
         for name in sorted(code.parts - renamed.keys()):
             self.refuse(f"a function refers to {name!r}, which is not in the simulation")
         renamed = {old: new for old, new in renamed.items() if old != new}
-        functions = self._write_parameters(code, renamed)
+        for part in self.parts.values():
+            part.target.params = {k: code.expression(e, renamed) for k, e in part.arguments.items()}
         imports = self._event_imports(graph)
         values = setting_values(self.script)
         values.update({k: code.expression(e, renamed) for k, e in settings.items()})
@@ -119,7 +108,7 @@ class _Reader:
             path=self.script.path,
             docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph,
-            context="\n\n".join([*filter(None, [code.text(renamed, imports)]), *functions]),
+            context=code.text(renamed, imports),
             settings=values,
             toolboxes=self._toolboxes(),
             log=bool(sim.log),
@@ -136,9 +125,6 @@ class _Reader:
                 for p in self.parts.values()
             },
         )
-
-    def _run_node(self) -> ast.AST | None:
-        return self.script.run_call
 
     def _settings(self) -> dict[str, ast.expr]:
         found = {}
@@ -169,7 +155,7 @@ class _Reader:
             for end in (source, target):
                 if id(end.block) not in index:
                     self.refuse(
-                        f"{self._called(end.block)} is wired but not in the list of blocks",
+                        f"{self.script.called(end.block)} is wired but not in the list of blocks",
                         self._node(end.block),
                     )
             for out, into in zip(source.ports, target.ports, strict=True):
@@ -204,7 +190,7 @@ class _Reader:
                 setattr(interface, theirs, ports)
             return node
         self._construction(part, self._known(block, kind))
-        if node.type in _SYNCHRONOUS:
+        if node.type in _SYNCHRONOUS.split():
             more = max(len(node.inputs), len(node.outputs))
             node.inputs += [f"in {k}" for k in range(len(node.inputs), more)]
             node.outputs += [f"out {k}" for k in range(len(node.outputs), more)]
@@ -250,7 +236,7 @@ class _Reader:
     def _add(self, part: _Part) -> _Part:
         if id(part.value) in self.parts:
             self.refuse(
-                f"{self._called(part.value)} is in the diagram twice", self._node(part.value)
+                f"{self.script.called(part.value)} is in the diagram twice", self._node(part.value)
             )
         self.parts[id(part.value)] = part
         return part
@@ -260,13 +246,6 @@ class _Reader:
     def _node(self, value: Any) -> ast.AST | None:
         made = self.script.construction(value) or self.script.construction(self.script.simulation)
         return made.node if made else None
-
-    def _called(self, value: Any) -> str:
-        names = self._variables(value)
-        return repr(names[0]) if names else f"this {type(value).__name__}"
-
-    def _variables(self, value: Any) -> list[str]:
-        return [n for n, v in self.script.namespace.items() if v is value]
 
     def _construction(self, part: _Part, known: Sequence[str]) -> None:
         """The arguments of a part, by parameter name, as the source gives them."""
@@ -278,14 +257,10 @@ class _Reader:
             for n, p in parameters.items()
             if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
         ][1:]
-        if made is not None and made.direct and part.kind is type(part.value):
-            if isinstance(made.node, ast.FunctionDef):
-                part.function = made.node
-                part.arguments[names[0]] = ast.Name(made.node.name, ast.Load())
-            elif _plain_call(made.node, names):
-                part.arguments = named_arguments(made.node, names)
-            else:
-                made = None
+        plain = made and made.given is not None and part.kind is type(part.value)
+        arguments = _plain_arguments(made.node, names) if made and plain else None
+        if made and made.given is not None and arguments is not None:
+            part.arguments = arguments
             for name in list(part.arguments):
                 if name not in known or name.startswith("_"):
                     self.refuse(
@@ -293,14 +268,12 @@ class _Reader:
                         self._node(part.value),
                     )
                 now = getattr(part.value, name, None)
-                if made and self._is_own(now) and made.given.get(name, now) is not now:
+                if self._is_own(now) and made.given.get(name, now) is not now:
                     self.live.add((id(part.value), name))  # replaced
                     del part.arguments[name]
-        else:
-            made = None
         if part.kind is Subsystem:  # its contents are read from the live subsystem
             part.arguments = {}
-        elif made is None:
+        elif arguments is None:
             for name in known:
                 default = parameters[name].default if name in parameters else ...
                 if not _is_default(getattr(part.value, name, default), default):
@@ -315,14 +288,9 @@ class _Reader:
         for name in part.known:
             if (id(part.value), name) in self.live:
                 part.arguments[name] = self._written(part, name)
-                part.function = None
+        local = self.script.local_names(part.made.node) if part.made else set[str]()
         for name, node in part.arguments.items():
-            if part.function is not None:
-                plain = copy.copy(part.function)
-                plain.decorator_list = []
-                self.code.need(plain)
-                continue
-            if not self._stands_alone(node, part.made.local if part.made else set()):
+            if not self._stands_alone(node, local):
                 part.arguments[name] = node = self._written(part, name)
             self.code.need(node)
 
@@ -334,9 +302,9 @@ class _Reader:
 
     def _written(self, part: _Part, name: str) -> ast.expr:
         """An expression for the value of a parameter."""
-        node, given = part.arguments.get(name), part.made.given if part.made else {}
-        value = getattr(part.value, name, given.get(name, ...))
-        what = f"parameter {name!r} of {self._called(part.value)}"
+        node, given = part.arguments.get(name), part.made.given if part.made else None
+        value = getattr(part.value, name, (given or {}).get(name, ...))
+        what = f"parameter {name!r} of {self.script.called(part.value)}"
         where = node if hasattr(node, "lineno") else self._node(part.value)
         if value is ...:
             self.refuse(f"{what} cannot be read from the block", where)
@@ -351,15 +319,15 @@ class _Reader:
         if isinstance(function, ast.Lambda):
             return function
         function.name, function.decorator_list, function.returns = (
-            self._free(function.name),
+            self._free(function.name, "_function"),
             [],
             None,
         )
         return self._made(function.name, function)
 
-    def _free(self, name: str) -> str:
+    def _free(self, name: str, more: str = "_") -> str:
         while name in self.script.namespace or name in self.code.made:
-            name += "_"
+            name += more
         return name
 
     def _made(self, name: str, statement: ast.stmt) -> ast.Name:
@@ -400,10 +368,10 @@ class _Reader:
         """Name every part; returns the new names of the script's variables."""
         given: set[str] = set()
         other = _TAKEN | code.names | self._locals(code)
-        renamed = {n: "sim" for n in self._variables(self.script.simulation)}
+        renamed = {n: "sim" for n in self.script.names_of(self.script.simulation)}
         for part in self.parts.values():
             prefix = _prefix(part.parent)
-            variables = self._variables(part.value)
+            variables = self.script.names_of(part.value)
             if isinstance(part.value, Interface):
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
@@ -429,7 +397,6 @@ class _Reader:
         nodes = [
             *code.nodes(),
             *(e for p in self.parts.values() for e in p.arguments.values()),
-            *(p.function for p in self.parts.values() if p.function),
         ]
         parts = code.parts | self.stand_ins.keys()
         for node in (n for top in nodes for n in ast.walk(top)):
@@ -449,27 +416,9 @@ class _Reader:
                 for key, item in value.items():
                     if item is part.value and isinstance(key, str):
                         return key
-        made = part.made
-        return (
-            made.target
-            if made and not isinstance(self.script.namespace.get(made.target), (list, tuple, dict))
-            else ""
-        )
-
-    def _write_parameters(self, code: Code, renamed: dict[str, str]) -> list[str]:
-        functions = []
-        for part in self.parts.values():
-            if part.function is not None:
-                name = f"{part.variable}_function"
-                while name in code.names:
-                    name += "_"
-                functions.append(code.function(part.function, name, renamed))
-                part.target.params = dict.fromkeys(part.arguments, name)
-            else:
-                part.target.params = {
-                    k: code.expression(e, renamed) for k, e in part.arguments.items()
-                }
-        return functions
+        target = self.script.target(part.value)
+        held = self.script.namespace.get(target)
+        return "" if isinstance(held, (list, tuple, dict)) else target
 
     def _event_imports(self, graph: Graph) -> list[str]:
         """Imports for events in subsystems: PathView imports only those of the top level."""
@@ -496,32 +445,11 @@ class _Reader:
 
 
 # Blocks of which PathView keeps as many outputs as inputs
-_SYNCHRONOUS = {
-    "Integrator",
-    "Differentiator",
-    "Delay",
-    "Amplifier",
-    "Sin",
-    "Cos",
-    "Tan",
-    "Tanh",
-    "Abs",
-    "Sqrt",
-    "Exp",
-    "Log",
-    "Log10",
-    "Mod",
-    "Clip",
-    "Pow",
-    "Polynomial",
-    "Rescale",
-    "Alias",
-    "LogicNot",
-    "SampleHold",
-    "FirstOrderHold",
-    "DiscreteIntegrator",
-    "DiscreteDerivative",
-}
+_SYNCHRONOUS = (
+    "Integrator Differentiator Delay Amplifier Sin Cos Tan Tanh Abs Sqrt Exp Log Log10 Mod Clip "
+    "Pow Polynomial Rescale Alias LogicNot SampleHold FirstOrderHold DiscreteIntegrator "
+    "DiscreteDerivative"
+)
 
 
 def _steps_jsbsim(block: Block) -> bool:
@@ -585,13 +513,16 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
     return inspect.signature(constructor).parameters
 
 
-def _plain_call(call: ast.Call, names: Sequence[str]) -> bool:
-    """Whether each argument corresponds to one parameter."""
-    return not (
-        any(isinstance(a, ast.Starred) for a in call.args)
+def _plain_arguments(call: ast.expr, names: Sequence[str]) -> dict[str, ast.expr] | None:
+    """The arguments of a call in which each corresponds to one parameter; None of others."""
+    if (
+        not isinstance(call, ast.Call)
+        or any(isinstance(a, ast.Starred) for a in call.args)
         or any(k.arg is None for k in call.keywords)
         or len(call.args) > len(names)
-    )
+    ):
+        return None
+    return named_arguments(call, names)
 
 
 def _is_default(value: Any, default: Any) -> bool:

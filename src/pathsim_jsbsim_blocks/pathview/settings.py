@@ -8,7 +8,7 @@ import inspect
 import pathsim.solvers
 from pathsim import Simulation
 
-from .script import Script, named_arguments
+from ..scripts.first_run import FirstRun, named_arguments
 
 _SETTINGS = {
     "dt": "dt",
@@ -20,11 +20,11 @@ _SETTINGS = {
 }
 
 
-def setting_expressions(script: Script) -> dict[str, ast.expr]:
+def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
     """Settings that a script writes itself, by PathView's names."""
     found: dict[str, ast.expr] = {}
     made = script.construction(script.simulation)
-    if made and made.direct and isinstance(made.node, ast.Call):
+    if made and made.given is not None and isinstance(made.node, ast.Call):
         given = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
         found = {
             ours: given[theirs]
@@ -34,12 +34,12 @@ def setting_expressions(script: Script) -> dict[str, ast.expr]:
     given = script.run_arguments()
     if "duration" in given:
         found["duration"] = given["duration"]
-    elif script.run_call is None and script.run is None and "DURATION" in script.namespace:
+    elif script.begun is None and "DURATION" in script.namespace:
         found["duration"] = ast.Name("DURATION", ast.Load())
     if (
-        script.run
+        script.begun
         and script.simulation.engine.is_adaptive
-        and (script.run.arguments.get("adaptive") is False)
+        and (script.begun.arguments.get("adaptive") is False)
     ):
         script.refuse(
             "run(adaptive=False) with an adaptive solver; PathView always adapts the step",
@@ -48,7 +48,7 @@ def setting_expressions(script: Script) -> dict[str, ast.expr]:
     return found
 
 
-def setting_values(script: Script) -> dict[str, str]:
+def setting_values(script: FirstRun) -> dict[str, str]:
     """All settings from the live simulation: PathView's defaults differ from PathSim's."""
     sim = script.simulation
     made = script.construction(sim)
@@ -63,7 +63,7 @@ def setting_values(script: Script) -> dict[str, str]:
         script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
     defaults = solver()
     duration = (
-        script.run.arguments.get("duration") if script.run else script.namespace.get("DURATION")
+        script.begun.arguments.get("duration") if script.begun else script.namespace.get("DURATION")
     )
     if duration is None:
         duration = inspect.signature(sim.run).parameters["duration"].default

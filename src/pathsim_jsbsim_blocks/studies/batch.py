@@ -173,12 +173,12 @@ def _fly_script(
     case: dict[str, Any],
 ) -> Mapping[str, Any]:
     from .._core.running import fly
-    from .._core.template import Template
+    from ..scripts.script import Script
 
-    template = Template(script, _without_seed(case))
+    diagram = Script(script, _without_seed(case))
     with seeding.alone():
-        module = template.load()
-    seeding.seed_blocks(module.sim, template.seeded)
+        module = diagram.load()
+    seeding.seed_blocks(module.sim, diagram.seeded)
     fly(module.sim, module.DURATION if duration is None else duration, progress=False)
     return measure(module)
 
@@ -190,7 +190,8 @@ def _check_script(
     from pathsim import Simulation
 
     from .._core.seeding import Seeding
-    from .._core.template import SettingError, Template
+    from ..scripts.script import Script
+    from ..scripts.settings import SettingError
 
     if not callable(measure):
         refuse(
@@ -205,7 +206,7 @@ def _check_script(
         row = next(r for r in rows if tuple(r) == names)
         try:
             with Seeding(row["seed"]):
-                module = Template(script, _without_seed(row)).load()
+                module = Script(script, _without_seed(row)).load()
         except SettingError:
             raise
         except (Exception, SystemExit):

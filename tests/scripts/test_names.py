@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from pathsim_jsbsim_blocks.pathview.names import bound, used
+from pathsim_jsbsim_blocks.scripts.names import bound, used
 
 
 def statement(text):

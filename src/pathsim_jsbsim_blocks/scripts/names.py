@@ -15,22 +15,12 @@ def references(node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[a
         if node.id not in local:
             yield node
     elif isinstance(node, _FUNCTIONS):
-        args = node.args
-        every = [
-            *args.posonlyargs,
-            *args.args,
-            *args.kwonlyargs,
-            *filter(None, (args.vararg, args.kwarg)),
-        ]
+        every, args = arguments(node), node.args
         body = node.body if isinstance(node.body, list) else [node.body]
-        outer = [
-            *args.defaults,
-            *filter(None, args.kw_defaults),
-            *(a.annotation for a in every if a.annotation),
-        ]
+        outer = [*args.defaults, *args.kw_defaults, *(a.annotation for a in every)]
         if not isinstance(node, ast.Lambda):
-            outer += [*node.decorator_list, *filter(None, (node.returns,))]
-        yield from _all(outer, local)
+            outer += [*node.decorator_list, node.returns]
+        yield from _all(filter(None, outer), local)
         yield from _all(body, local | {a.arg for a in every} | bound(body))
     elif isinstance(node, ast.ClassDef):
         yield from _all([*node.bases, *node.keywords, *node.decorator_list], local)
@@ -93,9 +83,34 @@ def root(node: ast.AST) -> str | None:
     return node.id if isinstance(node, ast.Name) else None
 
 
-def own(node: ast.AST) -> Iterator[ast.AST]:
-    """``node`` and what is in it, without the bodies of functions and classes."""
-    yield node
-    if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
-        for child in ast.iter_child_nodes(node):
-            yield from own(child)
+def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> list[ast.arg]:
+    """All arguments of a function's definition, those with a position first."""
+    a = function.args
+    return [*a.posonlyargs, *a.args, *a.kwonlyargs, *filter(None, (a.vararg, a.kwarg))]
+
+
+def own(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """Nodes and what is in them, without the bodies of functions and classes."""
+    for node in nodes:
+        yield node
+        if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
+            yield from own(ast.iter_child_nodes(node))
+
+
+def assignments(node: ast.AST) -> Iterator[tuple[ast.Name, ast.expr]]:
+    """Variables and expressions of an assignment, those of ``a, b = 1, 2`` one by one."""
+    if isinstance(node, ast.Assign):
+        for target in node.targets:
+            yield from _matched(target, node.value)
+    elif isinstance(node, (ast.AnnAssign, ast.NamedExpr)) and node.value is not None:
+        yield from _matched(node.target, node.value)
+
+
+def _matched(target: ast.expr, value: ast.expr) -> Iterator[tuple[ast.Name, ast.expr]]:
+    lists = (ast.Tuple, ast.List)
+    if isinstance(target, ast.Name):
+        yield target, value
+    elif isinstance(target, lists) and isinstance(value, lists):
+        alike = len(target.elts) == len(value.elts)
+        for inner, part in zip(target.elts, value.elts, strict=True) if alike else ():
+            yield from _matched(inner, part)

@@ -39,14 +39,17 @@ class Libraries:
                     importlib.import_module(name)
         self._before = {name: (holder, dict(vars(holder))) for name, holder in _holders()}
 
-    def changed(self) -> list[str]:
-        """Names of functions, classes and values that are others now, ``module.name``."""
-        return [f"{where}.{name}" for where, name, _ in self._changes()]
+    def __enter__(self) -> Libraries:
+        return self
 
-    def restore(self) -> None:
+    def __exit__(self, *_: Any) -> None:
         """Undo the changes: the process may go on to other scripts."""
         for where, name, value in self._changes():
             setattr(self._before[where][0], name, value)
+
+    def changed(self) -> list[str]:
+        """Names of functions, classes and values that are others now, ``module.name``."""
+        return [f"{where}.{name}" for where, name, _ in self._changes()]
 
     def _changes(self) -> list[tuple[str, str, Any]]:
         return [

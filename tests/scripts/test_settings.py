@@ -6,8 +6,9 @@ import types
 import pytest
 
 from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks._core.template import Template, Text, main_program
 from pathsim_jsbsim_blocks.catalogue import diagram_names, load_diagram
+from pathsim_jsbsim_blocks.scripts.script import Script, main_program
+from pathsim_jsbsim_blocks.scripts.settings import Text
 
 SCRIPT = """
 \"\"\"A first-order lag.\"\"\"
@@ -48,7 +49,7 @@ def built(tmp_path, settings, text=SCRIPT):
     script = tmp_path / "lag.py"
     script.write_text(text)
     module = types.ModuleType("lag")
-    Template(script, settings).run(module)
+    Script(script, settings).run(module)
     return module
 
 
@@ -143,7 +144,9 @@ def test_as_the_main_program(tmp_path):
         "if __name__ == '__main__':\n    seen = X, sys.modules['__main__'].__dict__ is globals()\n"
     )
     before = sys.modules["__main__"]
-    assert main_program(Template(script, {"X": 2.0}))["seen"] == (2.0, True)
+    with main_program(script) as module:
+        Script(script, {"X": 2.0}).run(module)
+    assert module.seen == (2.0, True)
     assert sys.modules["__main__"] is before
 
 

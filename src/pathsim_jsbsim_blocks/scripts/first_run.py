@@ -1,0 +1,347 @@
+"""A diagram script, executed as the main program up to its first run."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import itertools
+import logging
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, NoReturn, TypeGuard
+from unittest.mock import patch
+
+from pathsim import Simulation
+from pathsim.blocks import Block
+from pathsim.events._event import Event
+
+from .._core.running import Beginning, fly, intercepted_runs
+from ..errors import DiagramError
+from .libraries import Libraries
+from .names import arguments, bound, root
+from .script import Script, main_program
+
+_RUNS = ("run", "run_streaming", "run_realtime")
+_STEPS = ("timestep", "step")
+_STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
+
+
+class FirstRun(Script):
+    """A script at the beginning of its first run, or at its end if it runs nothing.
+
+    Parameters
+    ----------
+    path : str or Path
+        the script
+    capture : callable, optional
+        called with this object at that point, before any cleanup such as ``finally``
+
+    Attributes
+    ----------
+    result : object
+        what ``capture`` returns
+    namespace : dict
+        the names that the script has bound
+    simulation : Simulation
+        the diagram
+    begun : Beginning or None
+        the first run; None if the script runs nothing
+    lines : list of int
+        lines of the script in the frames around the run, outermost first
+    run_call : ast.Call or None
+        the call that runs the simulation, if it is in the script itself
+    states : list of tuple
+        method and line of calls before the run that change the simulation's state
+    statements : list of ast.stmt
+        the statements that come before the run, those of the main guard included
+
+    Raises
+    ------
+    DiagramError
+        for a script that cannot be read, fails, or has no simulation, with its line
+    """
+
+    def __init__(self, path: str | Path, capture: Callable[[FirstRun], Any] | None = None):
+        path = self.path = Path(path)
+        try:
+            super().__init__(path, recorded=True)
+        except OSError as error:
+            self.refuse(f"cannot be read ({error.strerror})")
+        except SyntaxError as error:
+            raise DiagramError(f"not Python: {error.msg}", path=path, line=error.lineno) from error
+        except ValueError as error:  # not in the declared encoding, null bytes
+            self.refuse(f"not a Python script ({error})")
+        self.namespace: dict[str, Any] = {}
+        self.begun: Beginning | None = None
+        self.lines: list[int] = []
+        self.states: list[tuple[str, int | None]] = []
+        self.result: Any = None
+        self._parents = {
+            child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
+        }
+        self._capture_with = capture
+        self._error: Exception | None = None
+        self._capturing = False
+        self._execute()
+        if self._error is not None:
+            raise self._error
+
+    def _execute(self) -> None:
+        """Run the script, as the main program, until its first run."""
+        try:
+            with (
+                main_program(self.path) as module,
+                _undone(),
+                intercepted_runs(self._begin, *_RUNS[1:], *_STEPS, *_STATES),
+                Libraries(self.tree) as self._libraries,
+            ):
+                self.namespace = vars(module)
+                self.run(module)
+                self._capture()
+        except _RunReached:
+            pass
+        except SystemExit as error:
+            if error.code not in (None, 0):
+                hint = "; PathView passes no arguments to a script" if error.code == 2 else ""
+                self._refuse_failure(error, hint)
+            if self.begun is None:
+                self._capture()
+        except Exception as error:
+            self._refuse_failure(error)
+
+    def _begin(self, run: Beginning) -> None:
+        if self._capturing:  # `capture` makes the first run itself
+            return
+        lines = [line for _, line in self._frames()][::-1]
+        if run.method in _STATES:
+            self.states.append((run.method, lines[-1] if lines else None))
+            return
+        if self.begun is None:  # a script may catch what ends it, and run again
+            self.begun, self.lines = run, lines
+            if run.arguments.get("reset"):
+                run.simulation.reset()
+            self._capture()
+        raise _RunReached
+
+    def _frames(self) -> Iterator[tuple[Any, int]]:
+        """Frames of the script and their lines, the innermost first."""
+        frame = inspect.currentframe()
+        while frame is not None:
+            if frame.f_code.co_filename == str(self.path):
+                yield frame, frame.f_lineno
+            frame = frame.f_back
+
+    def _capture(self) -> None:
+        """Read the finished diagram; errors are stored, because the script could catch them."""
+        self._capturing = True
+        try:
+            self.simulation = self._the_simulation()
+            self.run_call = self._find_run()
+            self.statements = self._before_run()
+            if self._capture_with is not None:
+                self.result = self._capture_with(self)
+        except Exception as error:
+            self._error = error
+        finally:
+            self._capturing = False
+
+    def _the_simulation(self) -> Simulation:
+        if self.begun is not None:
+            return self.begun.simulation
+        found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
+        if not found:
+            self.refuse(
+                "the script runs no Simulation, and has none at its top level; run it, or "
+                "build it outside functions"
+            )
+        if len(found) == 1:
+            return next(iter(found.values()))
+        if isinstance(self.namespace.get("sim"), Simulation):
+            return self.namespace["sim"]
+        self.refuse(f"the script builds {len(found)} simulations; name the one to show 'sim'")
+
+    def _find_run(self) -> ast.Call | None:
+        if self.begun is None or not self.lines:
+            return None
+        calls = (n for n in ast.walk(self.tree) if isinstance(n, ast.Call))
+        line, method = self.lines[-1], self.begun.method
+        return next((n for n in calls if line in _lines(n) and _name(n) == method), None)
+
+    def run_arguments(self) -> dict[str, ast.expr]:
+        """The expressions given to the call that runs the simulation for a duration."""
+        if self.begun is None or self.run_call is None or self.begun.method in _STEPS:
+            return {}
+        method = self.begun.method
+        run = fly if method == "fly" else getattr(self.simulation, method)
+        return named_arguments(self.run_call, list(inspect.signature(run).parameters))
+
+    def _before_run(self) -> list[ast.stmt]:
+        """The statements of the top level, and of the main guard, that end before the run."""
+        line = self.lines[0] if self.lines else math.inf
+        statements: list[ast.stmt] = []
+        for statement in self.tree.body:
+            statements += statement.body if _is_main_guard(statement) else [statement]
+        return list(itertools.takewhile(lambda s: (s.end_lineno or 0) < line, statements))
+
+    # what is read from it -------------------------------------------------------------------------
+
+    def refuse(self, reason: str, node: ast.AST | None = None) -> NoReturn:
+        """Raise the error that names the script and the line."""
+        raise DiagramError(reason, path=self.path, line=getattr(node, "lineno", None))
+
+    def _refuse_failure(self, error: BaseException, hint: str = "") -> NoReturn:
+        lines, trace = [], error.__traceback__
+        while trace is not None:
+            if trace.tb_frame.f_code.co_filename == str(self.path):
+                lines.append(trace.tb_lineno)
+            trace = trace.tb_next
+        raise DiagramError(
+            f"the script fails: {type(error).__name__}: {error}{hint}",
+            path=self.path,
+            line=lines[-1] if lines else None,
+        ) from error
+
+    def changed_libraries(self) -> list[str]:
+        """What the script has changed in PathSim, its toolboxes and numpy so far."""
+        return self._libraries.changed()
+
+    def names_of(self, value: Any) -> list[str]:
+        """The script's variables for an object."""
+        return [n for n, v in self.namespace.items() if v is value]
+
+    def called(self, part: Any) -> str:
+        """What an error message calls a part of the diagram."""
+        names = self.names_of(part)
+        return repr(names[0]) if names else f"this {type(part).__name__}"
+
+    def built_at(self, part: Any) -> ast.AST | None:
+        """The expression that builds a part."""
+        made = self.construction(part)
+        return made.node if made else None
+
+    def last_mention(self, *names: str) -> Any:
+        """The last statement before the run that mentions a name and builds nothing."""
+        last = self.lines[-1] if self.lines else math.inf
+        building = {made.node for made in self._built.values()}
+        found = [
+            node
+            for node in ast.walk(self.tree)
+            if isinstance(node, (ast.Expr, ast.Assign, ast.AugAssign, ast.Delete, ast.AnnAssign))
+            and node.lineno < last
+            and not building.intersection(ast.walk(node))
+            and {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & {*names}
+        ]
+        return max(found, key=lambda n: n.lineno, default=None)
+
+    def storing(self, attribute: str) -> ast.AST | None:
+        """Where an attribute of this name is assigned, or named in a text."""
+        for node in ast.walk(self.tree):
+            if getattr(node, "value", None) == attribute or (
+                isinstance(node, ast.Attribute)
+                and node.attr == attribute
+                and isinstance(node.ctx, ast.Store)
+            ):
+                return node
+        return None
+
+    def local_names(self, node: ast.AST) -> set[str]:
+        """Names that belong to the functions around a node."""
+        names: set[str] = set()
+        while node in self._parents:
+            node = self._parents[node]
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+                body = node.body if isinstance(node.body, list) else [node.body]
+                names |= bound(body) | {a.arg for a in arguments(node)}
+        return names
+
+    def target(self, value: Any) -> str:
+        """The variable, attribute or key to which the call that built an object assigns it."""
+        node: Any = self.built_at(value)
+        parent: Any = self._parents.get(node)
+        target: Any = None
+        if isinstance(parent, ast.Assign):
+            target = parent.targets[0]
+        elif isinstance(parent, (ast.AnnAssign, ast.NamedExpr)):
+            target = parent.target
+        elif isinstance(parent, ast.Dict) and node in parent.values:
+            target = parent.keys[parent.values.index(node)]
+        elif isinstance(parent, ast.Tuple) and isinstance(self._parents.get(parent), ast.Assign):
+            targets = self._parents[parent].targets[0]  # type: ignore[attr-defined]
+            if isinstance(targets, ast.Tuple) and len(targets.elts) == len(parent.elts):
+                target = targets.elts[parent.elts.index(node)]
+        if isinstance(target, ast.Subscript):
+            target = target.slice
+        if isinstance(target, ast.Constant) and isinstance(target.value, str):
+            return target.value
+        return getattr(target, "attr", getattr(target, "id", ""))
+
+    def left_out(self) -> list[tuple[int, str]]:
+        """What the script does after its first run, by line."""
+        if self.begun is None:
+            return []
+        first, last, found = self.lines[0], self.lines[-1], dict[int, str]()
+        steps = self.begun.method in _STEPS
+        if steps:
+            found[last] = f"how long {self.begun.method}() goes on"
+        parts = {n for n, v in self.namespace.items() if isinstance(v, (Block, Event, Simulation))}
+        for node in ast.walk(self.tree):
+            line = getattr(node, "lineno", 0)
+            if isinstance(node, (ast.For, ast.While)) and last in _lines(node):
+                if not steps:
+                    found[line] = "the loop runs the simulation again"
+            elif line <= first or node is self.run_call:
+                continue
+            elif isinstance(node, ast.Call) and _name(node) in (*_RUNS, *_STATES, "fly"):
+                found[line] = f"{ast.unparse(node.func)}()"
+            elif isinstance(node, ast.Call) and _name(node) == "Simulation":
+                found[line] = "another simulation"
+            elif (
+                isinstance(node, ast.Attribute)
+                and isinstance(node.ctx, ast.Store)
+                and root(node) in parts
+            ):
+                found[line] = f"{root(node)!r} is changed"
+        return sorted(found.items())
+
+
+def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
+    """Arguments of a call by parameter name, up to the first *args, without **kwargs."""
+    positional = itertools.takewhile(lambda a: not isinstance(a, ast.Starred), call.args)
+    return {
+        **dict(zip(names, positional, strict=False)),
+        **{k.arg: k.value for k in call.keywords if k.arg},
+    }
+
+
+def _name(call: ast.Call) -> str:
+    """Name of the function or method that a call is written with."""
+    return getattr(call.func, "attr", getattr(call.func, "id", ""))
+
+
+def _lines(node: Any) -> range:
+    return range(node.lineno, node.end_lineno + 1)
+
+
+def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
+    return isinstance(statement, ast.If) and any(
+        isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test)
+    )
+
+
+class _RunReached(BaseException):
+    """The script is about to run its simulation; the diagram is complete."""
+
+
+@contextmanager
+def _undone() -> Iterator[None]:
+    """Put back what a script changes of its folder, environment and log, and log no diagrams."""
+    before = logging.root.manager.disable
+    with ExitStack() as stack:
+        stack.callback(os.chdir, os.getcwd())
+        stack.enter_context(patch.dict(os.environ))
+        stack.callback(logging.disable, before)
+        logging.disable(max(before, logging.INFO))
+        yield

@@ -1,0 +1,200 @@
+"""A script, loaded as a module or run as the main program, with values and calls of interest."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import importlib.util
+import inspect
+import sys
+import types
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from pathsim import Simulation
+from pathsim.blocks import Block
+from pathsim.events._event import Event
+
+from .settings import Settings
+
+# stay in the script's namespace: its functions also call them later
+_CALL, _DECORATE, _SET = "__call__", "__decorate__", "__set__"
+_SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
+
+
+@dataclass
+class Construction:
+    """The call that made an object.
+
+    Attributes
+    ----------
+    node : ast.expr
+        the call, or the decorator of a function
+    value : object
+        the resulting object
+    given : dict or None
+        the arguments by parameter; None where a function of the script builds the object
+    """
+
+    node: ast.expr
+    value: Any
+    given: dict[str, Any] | None
+
+
+class Script:
+    """A script's text, with settings that take effect when it runs.
+
+    Parameters
+    ----------
+    path : Path
+        the script; shown in tracebacks
+    settings : mapping
+        see `Settings`
+    source : str, optional
+        the script's text; default is the file's
+    recorded : bool
+        whether to record which call builds which part of a diagram
+
+    Attributes
+    ----------
+    tree : ast.Module
+        its syntax tree
+    seeded : list
+        what the script has built with a ``seed`` that follows from the settings
+
+    Raises
+    ------
+    SettingError
+        for a variable that the script does not have, naming the nearest, or never reads
+    SyntaxError, OSError
+        if the script is not Python or cannot be read
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        settings: Mapping[str, Any] = {},
+        source: str | None = None,
+        recorded: bool = False,
+    ):
+        self.path = path
+        self.source = importlib.util.decode_source(path.read_bytes()) if source is None else source
+        self.tree = ast.parse(self.source, str(path))
+        self.seeded: list[Any] = []
+        self._settings, self._recorded = Settings(path.name, self.tree, settings), recorded
+        self._built: dict[int, Construction] = {}
+        tree = ast.parse(self.source)
+        originals = dict(zip(ast.walk(tree), ast.walk(self.tree), strict=True))
+        rewriter = _Rewriter(originals, self._settings, recorded)
+        if settings or recorded:
+            tree = ast.fix_missing_locations(rewriter.visit(tree))
+        self._calls = rewriter.calls
+        self._code = compile(tree, str(path), "exec", dont_inherit=True)
+
+    def has_constant(self, name: str) -> bool:
+        """Whether the script assigns a variable at its top level."""
+        return name in self._settings.assigned
+
+    def load(self) -> types.ModuleType:
+        """Import the script as a module of its own; errors are those of `run`."""
+        spec = importlib.util.spec_from_file_location(self.path.stem, self.path)
+        assert spec is not None
+        module = importlib.util.module_from_spec(spec)
+        self.run(module)
+        return module
+
+    def run(self, module: types.ModuleType) -> None:
+        """Execute the script in a module.
+
+        Raises
+        ------
+        SettingError
+            for a parameter that the call does not have, naming the nearest, and for a setting that
+            the script has not come across
+        Exception
+            whatever the script raises
+        """
+        setattr(module, _CALL, self._call)
+        setattr(module, _DECORATE, lambda i, make: functools.partial(self._call, i, make))
+        setattr(module, _SET, self._settings.constant)
+        exec(self._code, vars(module))
+        self._settings.refuse_unused()
+
+    def construction(self, value: Any) -> Construction | None:
+        """Where an object was built; None if no call of the script did."""
+        return self._built.get(id(value))
+
+    def _call(self, index: int, make: Any, *args: Any, **kwargs: Any) -> Any:
+        node, settings = self._calls[index], self._settings
+        if node in settings.calls:
+            args, kwargs = settings.arguments(settings.calls[node], make, args, kwargs)
+        made = make(*args, **kwargs)
+        if node in settings.seeding:
+            self.seeded.append(made)
+        if self._recorded and isinstance(made, (Block, Event, Simulation)):
+            given = None
+            if make is type(made):
+                given = inspect.signature(make).bind(*args, **kwargs).arguments
+            self._built.setdefault(id(made), Construction(node, made, given))
+        return made
+
+
+class _Rewriter(ast.NodeTransformer):
+    """``f(x)`` becomes ``__call__(i, f, x)``, and ``NAME = x`` ``NAME = __set__("NAME", x)``.
+
+    With ``every``, all calls do, and ``@f`` becomes ``@__decorate__(i, f)``.
+    """
+
+    def __init__(self, originals: Mapping[ast.AST, ast.AST], settings: Settings, every: bool):
+        self._originals, self._settings, self._every = originals, settings, every
+        self.calls: list[ast.expr] = []  # those passed on, by number
+
+    def visit(self, node: ast.AST) -> Any:
+        original: Any = self._originals[node]
+        new = self.generic_visit(node)
+        if isinstance(new, ast.Call) and self._is_followed(original):
+            number = self._number(original)
+            new = _call(_CALL, number, new.func, *new.args, keywords=new.keywords)
+        elif isinstance(new, ast.FunctionDef) and self._every:
+            new.decorator_list = [
+                ast.copy_location(_call(_DECORATE, self._number(of), decorator), decorator)
+                for of, decorator in zip(original.decorator_list, new.decorator_list, strict=True)
+            ]
+        if original in self._settings.constants:
+            new = _call(_SET, ast.Constant(self._settings.constants[original]), new)
+        return ast.copy_location(new, node)
+
+    def _is_followed(self, call: Any) -> bool:
+        if self._every:
+            return getattr(call.func, "id", "") not in _SCOPE_READERS
+        return call in self._settings.calls or call in self._settings.seeding
+
+    def _number(self, call: Any) -> ast.Constant:
+        self.calls.append(call)
+        return ast.Constant(len(self.calls) - 1)
+
+
+def _call(name: str, *args: Any, keywords: Sequence[ast.keyword] = ()) -> ast.Call:
+    return ast.Call(ast.Name(name, ast.Load()), list(args), list(keywords))
+
+
+@contextmanager
+def main_program(path: Path) -> Iterator[types.ModuleType]:
+    """A module that is the main program: no arguments, its folder first in ``sys.path``."""
+    module = types.ModuleType("__main__")
+    module.__file__ = str(path)
+    # classes that a script defines look up their module by name
+    before = sys.modules["__main__"]
+    with (
+        patch.object(sys, "argv", [str(path)]),
+        patch.object(sys, "path", [str(path.resolve().parent), *sys.path]),
+    ):
+        sys.modules["__main__"] = module
+        try:
+            yield module
+        finally:
+            sys.modules["__main__"] = before
