@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from pathsim.utils.register import Register
-
-from .._core._pathsim import NamedRegister, port_names
 from .._core.callers import warn_user
+from .._core.parameters import Parametric, parameter
+from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write, fill
 from .channels import ALMOST_NORTH, DEG, Channel, unit_of
-from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind, check_ports, listed
+from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
 from .trimming.condition import TrimCondition
 
 _EXCESS = (None, 1.0)
@@ -49,15 +48,29 @@ _OUTPUTS: dict[str, tuple[str | None, float]] = {
 
 
 # port: property
-_INPUTS = {
+_SURFACES = {
     "elevator": "fcs/elevator-cmd-norm",
     "aileron": "fcs/aileron-cmd-norm",
     "rudder": "fcs/rudder-cmd-norm",
 }
+_TRIM = [
+    "altitude",
+    "speed",
+    "mach",
+    "gamma",
+    "heading",
+    "bank",
+    "mode",
+    "gear",
+    "flaps",
+    "latitude",
+    "longitude",
+]
+_WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
 
 
 @fill
-class Aircraft(FlightBlock):
+class Aircraft(FlightBlock, Parametric):
     """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
 
     The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
@@ -139,111 +152,50 @@ class Aircraft(FlightBlock):
     1.29
     """
 
-    input_port_labels = {
-        "elevator": 0,
-        "aileron": 1,
-        "rudder": 2,
-        "throttle": 3,
-        "wind_north": 4,
-        "wind_east": 5,
-        "wind_down": 6,
-    }
+    aircraft: str = parameter("c172p")
+    altitude: float = parameter(5000.0)
+    speed: float = parameter(100.0)
+    mach: float | None = parameter(None)
+    gamma: float = parameter(0.0)
+    heading: float = parameter(0.0)
+    bank: float = parameter(0.0)
+    mode: str = parameter("full")
+    gear: float | None = parameter(None)
+    flaps: float | None = parameter(None)
+    T: float = parameter(1 / 120)
+    substeps: int = parameter(1)
+    condition: TrimCondition | None = parameter(None)
+    setup: Mapping[str, float] | None = parameter(None)
+    properties: Mapping[str, float] | None = parameter(None)
+    root: str | None = parameter(None)
+    create: Mapping[str, float] | None = parameter(None)
+    record_inputs: bool = parameter(False)
+    allow_network: bool = parameter(False)
+    allow_files: bool = parameter(False)
+    integrators: str | Mapping[str, str] = parameter("default")
+    planet: str | Mapping[str, float] | None = parameter(None)
+    gravity: str | None = parameter(None)
+    flightgear: str | None = parameter(None)
+    latitude: float | None = parameter(None)
+    longitude: float | None = parameter(None)
+    input_properties: Sequence[str] | None = parameter(None)
+    output_properties: Sequence[str] | None = parameter(None)
+    sink_max: float = parameter(15.0)
+    scrape_max: float = parameter(0.0)
+
+    input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
     output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
 
-    _trim_keywords = {
-        name: name
-        for name in (
-            "altitude",
-            "speed",
-            "mach",
-            "gamma",
-            "heading",
-            "bank",
-            "mode",
-            "gear",
-            "flaps",
-            "latitude",
-            "longitude",
-        )
-    }
-
-    def __init__(
-        self,
-        aircraft: str = "c172p",
-        altitude: float = 5000.0,
-        speed: float = 100.0,
-        mach: float | None = None,
-        gamma: float = 0.0,
-        heading: float = 0.0,
-        bank: float = 0.0,
-        mode: str = "full",
-        gear: float | None = None,
-        flaps: float | None = None,
-        T: float = 1 / 120,
-        substeps: int = 1,
-        condition: TrimCondition | None = None,
-        setup: Mapping[str, float] | None = None,
-        properties: Mapping[str, float] | None = None,
-        root: str | None = None,
-        create: Mapping[str, float] | None = None,
-        record_inputs: bool = False,
-        allow_network: bool = False,
-        allow_files: bool = False,
-        integrators: str | Mapping[str, str] = "default",
-        planet: str | Mapping[str, float] | None = None,
-        gravity: str | None = None,
-        flightgear: str | None = None,
-        latitude: float | None = None,
-        longitude: float | None = None,
-        input_properties: Sequence[str] | None = None,
-        output_properties: Sequence[str] | None = None,
-        sink_max: float = 15.0,
-        scrape_max: float = 0.0,
-    ) -> None:
-        super().__init__(
-            T,
-            substeps,
-            condition=condition,
-            setup=setup,
-            properties=properties,
-            root=root,
-            create=create,
-            record_inputs=record_inputs,
-            allow_network=allow_network,
-            allow_files=allow_files,
-            integrators=integrators,
-            planet=planet,
-            gravity=gravity,
-            flightgear=flightgear,
-        )
-        self.aircraft = aircraft
-        self.altitude = altitude
-        self.speed = speed
-        self.mach = mach
-        self.gamma = gamma
-        self.heading = heading
-        self.bank = bank
-        self.mode = mode
-        self.gear = gear
-        self.flaps = flaps
-        self.latitude = latitude
-        self.longitude = longitude
-        self.input_properties = listed("input_properties", input_properties)
-        self.output_properties = listed("output_properties", output_properties)
-        self.sink_max, self.scrape_max = sink_max, scrape_max
-        if self.input_properties:
-            self.inputs = NamedRegister.of([*self.input_port_labels, *self.input_properties])
-        if self.output_properties:
-            self.outputs = NamedRegister.of([*self.output_port_labels, *self.output_properties])
-        self._doubted = False
-        self.take_off()
+    _short = SHORT_INPUTS, SHORT_OUTPUTS
+    _trim_keywords = dict(zip(_TRIM, _TRIM, strict=True))
+    _warned_of_units = False
 
     def _model(self) -> str:
         return self.aircraft
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.airframe.engines))
-        inputs = [Channel(port, (name,), 1.0, "norm") for port, name in _INPUTS.items()]
+        inputs = [Channel(port, (name,), 1.0, "norm") for port, name in _SURFACES.items()]
         return [*inputs, Channel("throttle", throttles, 1.0, "norm")], [
             Channel(port, (), 1.0, "norm")
             if name is None
@@ -251,14 +203,9 @@ class Aircraft(FlightBlock):
             for port, (name, factor) in _OUTPUTS.items()
         ] + [
             Channel(port, names, 1.0, unit_of(names[0]))
-            for port in self._further(self.outputs)
+            for port in self.further(self.outputs)
             for names in [behind(port, SHORT_OUTPUTS)]
         ]
-
-    def _further(self, ports: Register) -> list[str]:
-        """Names of the ports after the fixed ones."""
-        fixed = self.input_port_labels if ports is self.inputs else self.output_port_labels
-        return list(port_names(ports))[len(fixed) :]
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
         return super()._no_port(
@@ -268,11 +215,11 @@ class Aircraft(FlightBlock):
             close,
         )
 
-    def _doubt(self, port: int, increment: float) -> None:
+    def _warn_of_units(self, port: int, increment: float) -> None:
         """Warn once of an increment that must be in another unit: degrees, or percent."""
-        if self._doubted or abs(increment) <= _STOP_TO_STOP:
+        if self._warned_of_units or abs(increment) <= _STOP_TO_STOP:
             return
-        self._doubted = True
+        self._warned_of_units = True
         name = list(self.input_port_labels)[port]
         warn_user(
             f"{type(self).__name__}: {increment:g} at {name!r} is more than the whole travel: "
@@ -283,41 +230,40 @@ class Aircraft(FlightBlock):
         return [0.0] * len(self.channels()[0])
 
     def _connect(self) -> tuple[Write, Read]:
-        state, writer = self.trim, self.airframe.writer
+        writes = {**_SURFACES, **_WIND}
+        self.check_properties(
+            {self.airframe.canonical(name): port for port, name in writes.items()}
+        )
+        # of elevator, aileron, rudder and throttle over their limits
+        excess = [0.0] * list(_OUTPUTS.values()).count(_EXCESS)
+        return self._writer(excess), self._reader(excess)
+
+    def _writer(self, excess: list[float]) -> Write:
+        state, writer, canonical = self.trim, self.airframe.writer, self.airframe.canonical
         surfaces = [  # writer, trimmed command, lowest and highest command
             # JSBSim limits the sum of command and pitch trim
-            (writer(_INPUTS["elevator"]), state.elevator, *_range(state.pitch_trim)),
-            (writer(_INPUTS["aileron"]), state.aileron, -1.0, 1.0),
-            (writer(_INPUTS["rudder"]), state.rudder, -1.0, 1.0),
+            (writer(_SURFACES["elevator"]), state.elevator, *_range(state.pitch_trim)),
+            (writer(_SURFACES["aileron"]), state.aileron, -1.0, 1.0),
+            (writer(_SURFACES["rudder"]), state.rudder, -1.0, 1.0),
         ]
-        self._check_further()
         added = [
             (port, behind(name, SHORT_INPUTS))
-            for port, name in enumerate(self._further(self.inputs), len(self.input_port_labels))
+            for port, name in enumerate(self.further(self.inputs), len(self.input_port_labels))
         ]
-        canonical = self.airframe.canonical
         # of single engines; port 0 is the elevator
         own = {canonical(names[0]): port for port, names in added}
-        engines = [f"fcs/throttle-cmd-norm[{i}]" for i in range(len(state.throttle))]
         throttles = [
             (writer(name), throttle, own.get(canonical(name), 0))
-            for name, throttle in zip(engines, state.throttle, strict=True)
+            for i, throttle in enumerate(state.throttle)
+            for name in [f"fcs/throttle-cmd-norm[{i}]"]
         ]
         single = {port for _, _, port in throttles}
         further = [
             _Further(port, names, self.airframe) for port, names in added if port not in single
         ]
-        gusts = [writer(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
+        gusts = [writer(name) for name in _WIND.values()]
         north = east = down = 0.0
-        ports = list(_OUTPUTS.values())
-        names = [name for name, _ in ports if name is not None]
-        names += [behind(name, SHORT_OUTPUTS)[0] for name in self._further(self.outputs)]
-        read_all = self.airframe.reader_of(names)
-        first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
-        scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
-        # of elevator, aileron, rudder and throttle over their limits
-        excess = [0.0] * ports.count(_EXCESS)
-        # the same of each engine
+        # excess of each engine
         beyond = [0.0] * len(throttles)
         running = [self.airframe.reader(name) for name in self.airframe.of_engines("set-running")]
 
@@ -336,7 +282,7 @@ class Aircraft(FlightBlock):
                 put(limited)
                 excess[i] = command - limited
                 if limited != command:
-                    self._doubt(i, u[i])
+                    self._warn_of_units(i, u[i])
             over = False
             for i, (put, trimmed, port) in enumerate(throttles):
                 command = trimmed + u[3]
@@ -347,7 +293,7 @@ class Aircraft(FlightBlock):
                 beyond[i] = command - limited
                 if limited != command:
                     over = True
-                    self._doubt(3, u[3])
+                    self._warn_of_units(3, u[3])
             excess[3] = mean_of_running() if over else 0.0
             # a gust among the block's properties stays where no wire comes in
             if u[4] != north or u[5] != east or u[6] != down:
@@ -358,6 +304,16 @@ class Aircraft(FlightBlock):
             for command_ in further:
                 command_.move(u)
 
+        return write
+
+    def _reader(self, excess: list[float]) -> Read:
+        ports = list(_OUTPUTS.values())
+        names = [name for name, _ in ports if name is not None]
+        names += [behind(name, SHORT_OUTPUTS)[0] for name in self.further(self.outputs)]
+        read_all = self.airframe.reader_of(names)
+        first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
+        scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
+
         def read() -> list[float]:
             y = read_all()
             y[first_excess:first_excess] = excess
@@ -367,22 +323,7 @@ class Aircraft(FlightBlock):
                 y[psi] = 0.0
             return y
 
-        return write, read
-
-    def _check_further(self) -> None:
-        canonical = self.airframe.canonical
-        fixed = {canonical(name): port for port, name in _INPUTS.items()}
-        fixed.update(
-            (canonical(f"atmosphere/gust-{port[5:]}-fps"), port)
-            for port in self.input_port_labels
-            if port.startswith("wind_")
-        )
-        for parameter, ports, short, taken in (
-            ("input_properties", self.inputs, SHORT_INPUTS, fixed),
-            ("output_properties", self.outputs, SHORT_OUTPUTS, {}),
-        ):
-            names = getattr(self, parameter)
-            check_ports(parameter, names, self._further(ports), self.airframe, short, taken)
+        return read
 
 
 class _Further:

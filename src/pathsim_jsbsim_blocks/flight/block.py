@@ -15,10 +15,11 @@ import jsbsim
 import numpy as np
 from pathsim.exceptions import LinearizationError
 from pathsim.utils.portreference import PortReference
+from pathsim.utils.register import Register
 
-from .._core._pathsim import port_names, show, values
+from .._core._pathsim import NamedRegister, port_names, show, values
 from .._core.callers import warn_user
-from .._core.checks import flag, number, one_of, positive, whole
+from .._core.checks import flag, number, one_of, positive, refuse, whole
 from .._core.continuous import Matrices
 from .._core.docs import filler
 from .._core.ports import NamedPorts
@@ -40,6 +41,7 @@ from .console import capture_console, log
 from .contact import GroundContact
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
+from .property_ports import check_ports, listed
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.initial import here
@@ -58,6 +60,9 @@ _CRASH = 50.0
 
 # ft above the terrain; JSBSim lets a centre of gravity sink below this
 _UNDERGROUND = -1.0
+
+# parameters that are those of the airframe
+_OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", "empty_cg_x"}
 
 # parameters that act at once, and those that a reset refuses to change
 _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
@@ -172,49 +177,68 @@ def _unobserved() -> Iterator[None]:
 class FlightBlock(NamedPorts, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
-    # that a parameter acts at the next reset
-    _told = False
+    # the parameters, which each block declares in its own order
+    substeps: int
+    condition: TrimCondition | None
+    setup: Mapping[str, float] | None
+    properties: Mapping[str, float] | None
+    root: str | None
+    create: Mapping[str, float] | None
+    record_inputs: bool
+    flightgear: str | None
+    input_properties: Sequence[str] | None
+    output_properties: Sequence[str] | None
     # limits of a touch with the ground, ft/s and ft
-    sink_max = scrape_max = inf
+    sink_max: float = inf
+    scrape_max: float = inf
+
     # trim keywords of the block, which a condition replaces, and the condition's names of them
     _trim_keywords: Mapping[str, str]
+    # names that stand for properties, at inputs and at outputs
+    _short: tuple[Mapping[str, tuple[str, ...]], Mapping[str, tuple[str, ...]]] = ({}, {})
 
-    def __init__(
-        self,
-        T: float,
-        substeps: int,
-        *,
-        condition: TrimCondition | None,
-        setup: Mapping[str, float] | None,
-        properties: Mapping[str, float] | None,
-        root: str | None,
-        create: Mapping[str, float] | None,
-        record_inputs: bool,
-        allow_network: bool,
-        allow_files: bool,
-        integrators: str | Mapping[str, str],
-        planet: str | Mapping[str, float] | None,
-        gravity: str | None,
-        flightgear: str | None,
-    ):
-        self.substeps = substeps
-        self.condition = condition
-        self.setup = setup
-        self.properties = properties
-        self.root = root
-        self.create = create
-        self.record_inputs = flag("record_inputs", record_inputs)
-        self.allow_network = allow_network
-        self.allow_files = allow_files
-        self.integrators = integrators
-        self.planet = planet
-        self.gravity = gravity
-        self.flightgear = next_address() if flightgear is None else flightgear
-        super().__init__(T)
-        self.airframe: Airframe
-        self.trim: TrimState
-        # the flight that was linearised, and its model
-        self._linear: tuple[str, LinearModel] | None = None
+    airframe: Airframe
+    trim: TrimState
+    # the flight that was linearised, and its model
+    _linear: tuple[str, LinearModel] | None = None
+    # that a parameter acts at the next reset
+    _warned_of_reset = False
+
+    def begin(self) -> None:
+        """Make the block itself, once its parameters are stored."""
+        NamedPorts.__init__(self, self.T)
+        self.record_inputs = flag("record_inputs", self.record_inputs)
+        if self.flightgear is None:
+            self.flightgear = next_address()
+        self.input_properties = listed("input_properties", self.input_properties)
+        self.output_properties = listed("output_properties", self.output_properties)
+        if self.input_properties or self.input_port_labels is None:
+            names = [*(self.input_port_labels or ()), *self.input_properties]
+            self.inputs = NamedRegister.of(names)
+        if self.output_properties or self.output_port_labels is None:
+            names = [*(self.output_port_labels or ()), *self.output_properties]
+            self.outputs = NamedRegister.of(names)
+
+    def configure(self) -> None:
+        """Put the parameters into effect: load, initialise and trim the aircraft."""
+        self.take_off()
+
+    def _put(self, values: dict[str, Any]) -> None:
+        # one by one, because they act at the next reset
+        NamedPorts._put(self, values)
+
+    def further(self, ports: Register) -> list[str]:
+        """Names of the inputs or outputs after the fixed ones."""
+        fixed = self.input_port_labels if ports is self.inputs else self.output_port_labels
+        return list(port_names(ports))[len(fixed or ()) :]
+
+    def check_properties(self, taken: Mapping[str, str] = {}) -> None:
+        """Refuse properties that cannot be ports; ``taken`` are those that fixed ports write."""
+        for parameter, names, ports, short, known in (
+            ("input_properties", self.input_properties, self.inputs, self._short[0], taken),
+            ("output_properties", self.output_properties, self.outputs, self._short[1], {}),
+        ):
+            check_ports(parameter, names, self.further(ports), self.airframe, short, known)
 
     def _model(self) -> str:
         """Name of the model that the block's parameters ask for."""
@@ -235,10 +259,10 @@ class FlightBlock(NamedPorts, SampledPlant):
         parameters = inspect.signature(self._class()).parameters
         for name, value in given.items():
             if np.any(value != parameters[name].default):  # an array is refused here too
-                raise ParameterError(
+                refuse(
+                    name,
+                    value,
                     f"both condition and {name}={value!r} are given: put {name} into the condition",
-                    parameter=name,
-                    value=value,
                 )
         return self.condition
 
@@ -333,7 +357,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                 reason="no trim",
             )
         make = flown_model if method == "flown" else algebraic_model
-        return make(self._another, inputs, outputs, amplitude)
+        return make(self._twin, inputs, outputs, amplitude)
 
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
@@ -359,7 +383,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         FlightError
             if the aircraft cannot be flown on
         """
-        plane = self._another()
+        plane = self._twin()
         ports, channels = plane.channels()
         (i,) = find("input", [c.name for c in ports], [input])
         (o,) = find("output", [c.name for c in channels], [output])
@@ -385,7 +409,7 @@ class FlightBlock(NamedPorts, SampledPlant):
             PathSim's: where there is no linear model
         """
         try:
-            flight = self._flight()
+            flight = self._flight_key()
             if self._linear is None or self._linear[0] != flight:
                 self._linear = flight, self.linear_model()
         except BlocksError as error:
@@ -395,7 +419,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         beyond = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))
         return A, np.pad(B, beyond), C, np.pad(D, beyond)
 
-    def _another(self) -> FlightBlock:
+    def _twin(self) -> FlightBlock:
         """A sealed block with the same parameters and a fresh aircraft."""
         block = self._class()
         parameters = {name: getattr(self, name) for name in inspect.signature(block).parameters}
@@ -420,15 +444,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         self.airframe = Airframe(
             self._model(),
             dt,
-            root=self.root,
             empty_cg_x=condition.empty_cg_x,
-            create=self.create,
-            allow_network=self.allow_network,
-            allow_files=self.allow_files,
-            integrators=self.integrators,
-            planet=self.planet,
-            gravity=self.gravity,
-            flightgear=self.flightgear,
+            **{name: getattr(self, name) for name in _OF_AIRFRAME},
         )
         self.trim = trim(self.airframe, condition, self.setup)
         fdm = self.airframe.fdm
@@ -449,7 +466,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
         self._flown = array("d")
-        self._flying = self._flight()
+        self._flying = self._flight_key()
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
@@ -466,7 +483,7 @@ class FlightBlock(NamedPorts, SampledPlant):
     def __setattr__(self, name: str, value: Any) -> None:
         changed = (
             self._built
-            and not self._told
+            and not self._warned_of_reset
             and name[0] != "_"
             and name in self.info()["parameters"]
             and name not in _NOT_AT_RESET
@@ -475,7 +492,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         )
         super().__setattr__(name, value)
         if changed:
-            self._told = True
+            self._warned_of_reset = True
             warn_user(
                 f"{name_of(self)}.{name} = {value!r} acts at the next reset: sim.reset() or "
                 "sim.run(..., reset=True)"
@@ -528,11 +545,11 @@ class FlightBlock(NamedPorts, SampledPlant):
     def latch(self) -> list[float]:
         u = values(self.inputs)
         if len(u) > self._n_inputs:
-            raise ParameterError(
+            refuse(
+                "inputs",
+                len(u),
                 f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
                 f"{self._n_inputs} inputs",
-                parameter="inputs",
-                value=len(u),
             )
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
@@ -574,7 +591,7 @@ class FlightBlock(NamedPorts, SampledPlant):
             self._check(y, self.clock.start + index * self.clock.period)
         if index >= self._fuel_at:
             self._check_fuel(index)
-        if self.record_inputs is True:
+        if self.__dict__["record_inputs"] is True:
             before = (index - 1) * self._n_inputs
             if len(self._flown) >= before:
                 self._flown[before:] = array("d", u)
@@ -647,7 +664,7 @@ class FlightBlock(NamedPorts, SampledPlant):
             value=value,
         )
 
-    def _flight(self) -> str:
+    def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
         return (
             f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
@@ -672,11 +689,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         """
         flown = max(self.clock.results)
         if len(self._flown) != flown * self._n_inputs:
-            raise ParameterError(
+            refuse(
+                "record_inputs",
+                self.record_inputs,
                 f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
-                f"were recorded. Build the block with record_inputs=True",
-                parameter="record_inputs",
-                value=self.record_inputs,
+                "were recorded. Build the block with record_inputs=True",
             )
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         latched, u = self.clock.latched
@@ -694,14 +711,14 @@ class FlightBlock(NamedPorts, SampledPlant):
             if the checkpoint is of another flight, or flying it again ends elsewhere
         """
         flight = json_data.get("flight")
-        if flight != self._flight():
-            there, here = str(flight).split(", "), self._flight().split(", ")
-            raise ParameterError(
-                f"the checkpoint is of another flight: it has "
+        if flight != self._flight_key():
+            there, here = str(flight).split(", "), self._flight_key().split(", ")
+            refuse(
+                "checkpoint",
+                flight,
+                "the checkpoint is of another flight: it has "
                 f"{', '.join(x for x in there if x not in here) or flight}; this block has "
-                f"{', '.join(x for x in here if x not in there) or self._flight()}",
-                parameter="checkpoint",
-                value=flight,
+                f"{', '.join(x for x in here if x not in there) or self._flight_key()}",
             )
         super().load_checkpoint(prefix, json_data, npz)
         start = time.perf_counter()
@@ -717,11 +734,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._flown = array("d", npz[f"{prefix}/flown"].tolist())
         self.clock.latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
         if not any(np.array_equal(y, saved) for y in results.values()):
-            raise ParameterError(
+            refuse(
+                "checkpoint",
+                flight,
                 "the recorded inputs lead to another state than the one saved: is it the same "
                 "version of jsbsim?",
-                parameter="checkpoint",
-                value=flight,
             )
         show(self.outputs, saved)
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from .._core._pathsim import NamedRegister, port_names
+from .._core._pathsim import port_names
+from .._core.parameters import Parametric, parameter
 from .block import FlightBlock, Read, Write, fill
 from .channels import Channel, unit_of
-from .property_ports import check_ports, listed
 from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
 
 
 @fill
-class JSBSimFDM(FlightBlock):
+class JSBSimFDM(FlightBlock, Parametric):
     """JSBSim aircraft with any of its properties as ports.
 
     The aircraft is trimmed when the block is built. At t = 0 the outputs are the trimmed state; at
@@ -76,6 +76,31 @@ class JSBSimFDM(FlightBlock):
     1.29
     """
 
+    T: float = parameter(1 / 120)
+    input_properties: Sequence[str] | None = parameter(None)
+    output_properties: Sequence[str] | None = parameter(None)
+    JSBSim_path: str | None = parameter(None)
+    aircraft_model: str = parameter("737")
+    trim_airspeed: float = parameter(200)
+    trim_altitude: float = parameter(1000)
+    trim_gamma: float = parameter(0)
+    trim_heading: float = parameter(0.0)
+    trim_mode: str = parameter("full")
+    gear: float | None = parameter(None)
+    flaps: float | None = parameter(None)
+    condition: TrimCondition | None = parameter(None)
+    setup: Mapping[str, float] | None = parameter(None)
+    properties: Mapping[str, float] | None = parameter(None)
+    substeps: int = parameter(1)
+    create: Mapping[str, float] | None = parameter(None)
+    record_inputs: bool = parameter(False)
+    allow_network: bool = parameter(False)
+    allow_files: bool = parameter(False)
+    integrators: str | Mapping[str, str] = parameter("default")
+    planet: str | Mapping[str, float] | None = parameter(None)
+    gravity: str | None = parameter(None)
+    flightgear: str | None = parameter(None)
+
     input_port_labels = None
     output_port_labels = None
 
@@ -90,74 +115,12 @@ class JSBSimFDM(FlightBlock):
         "flaps": "flaps",
     }
 
-    def __init__(
-        self,
-        T: float = 1 / 120,
-        input_properties: Sequence[str] | None = None,
-        output_properties: Sequence[str] | None = None,
-        JSBSim_path: str | None = None,
-        aircraft_model: str = "737",
-        trim_airspeed: float = 200,
-        trim_altitude: float = 1000,
-        trim_gamma: float = 0,
-        trim_heading: float = 0.0,
-        trim_mode: str = "full",
-        gear: float | None = None,
-        flaps: float | None = None,
-        condition: TrimCondition | None = None,
-        setup: Mapping[str, float] | None = None,
-        properties: Mapping[str, float] | None = None,
-        substeps: int = 1,
-        create: Mapping[str, float] | None = None,
-        record_inputs: bool = False,
-        allow_network: bool = False,
-        allow_files: bool = False,
-        integrators: str | Mapping[str, str] = "default",
-        planet: str | Mapping[str, float] | None = None,
-        gravity: str | None = None,
-        flightgear: str | None = None,
-    ) -> None:
-        super().__init__(
-            T,
-            substeps,
-            condition=condition,
-            setup=setup,
-            properties=properties,
-            root=JSBSim_path,
-            create=create,
-            record_inputs=record_inputs,
-            allow_network=allow_network,
-            allow_files=allow_files,
-            integrators=integrators,
-            planet=planet,
-            gravity=gravity,
-            flightgear=flightgear,
-        )
-        self.input_properties = listed("input_properties", input_properties)
-        self.output_properties = listed("output_properties", output_properties)
-        self.aircraft_model = aircraft_model
-        self.trim_airspeed = trim_airspeed
-        self.trim_altitude = trim_altitude
-        self.trim_gamma = trim_gamma
-        self.trim_heading = trim_heading
-        self.trim_mode = trim_mode
-        self.gear = gear
-        self.flaps = flaps
-        self.inputs = NamedRegister.of(self.input_properties)
-        self.outputs = NamedRegister.of(self.output_properties)
-        self.take_off()
-
     def _model(self) -> str:
         return self.aircraft_model
 
     @property
-    def JSBSim_path(self) -> str | None:
-        """pathsim-flight's name of ``root``."""
-        return self.root
-
-    @JSBSim_path.setter
-    def JSBSim_path(self, path: str | None) -> None:
-        self.root = path
+    def root(self) -> str | None:  # type: ignore[override]
+        return self.JSBSim_path
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         inputs, outputs = (
@@ -176,11 +139,7 @@ class JSBSimFDM(FlightBlock):
         return [name for name, trimmed, now in ports if abs(trimmed) > _ROUNDING and not now]
 
     def _connect(self) -> tuple[Write, Read]:
-        for parameter, ports in (
-            ("input_properties", self.inputs),
-            ("output_properties", self.outputs),
-        ):
-            check_ports(parameter, getattr(self, parameter), [*port_names(ports)], self.airframe)
+        self.check_properties()
         self._trimmed = [
             self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
             for name in port_names(self.inputs)

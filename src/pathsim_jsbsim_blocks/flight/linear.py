@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from .._core.parameters import Parametric, parameter
+from .._core.ports import numbered
 from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
 from .aircraft import Aircraft
@@ -74,7 +76,7 @@ def linear_model(
 
 
 @fill
-class LinearAircraft(LinearModelBlock):
+class LinearAircraft(LinearModelBlock, Parametric):
     """Linear model of a trimmed JSBSim aircraft, with the commands and outputs of `Aircraft`.
 
     .. math::
@@ -128,66 +130,34 @@ class LinearAircraft(LinearModelBlock):
     1.29
     """
 
+    aircraft: str = parameter("c172p")
+    altitude: float = parameter(5000.0)
+    speed: float = parameter(100.0)
+    mach: float | None = parameter(None)
+    gamma: float = parameter(0.0)
+    heading: float = parameter(0.0)
+    gear: float | None = parameter(None)
+    flaps: float | None = parameter(None)
+    T: float = parameter(1 / 120)
+    substeps: int = parameter(1)
+    condition: TrimCondition | None = parameter(None)
+    setup: Mapping[str, float] | None = parameter(None)
+    properties: Mapping[str, float] | None = parameter(None)
+    method: str = parameter("flown")
+    root: str | None = parameter(None)
+    create: Mapping[str, float] | None = parameter(None)
+
     # the model has no wind
-    input_port_labels: Any = {"elevator": 0, "aileron": 1, "rudder": 2, "throttle": 3}
-    output_port_labels: Any = dict(Aircraft.output_port_labels)
+    input_port_labels = numbered("elevator aileron rudder throttle")
+    output_port_labels = Aircraft.output_port_labels
 
-    def __init__(
-        self,
-        aircraft: str = "c172p",
-        altitude: float = 5000.0,
-        speed: float = 100.0,
-        mach: float | None = None,
-        gamma: float = 0.0,
-        heading: float = 0.0,
-        gear: float | None = None,
-        flaps: float | None = None,
-        T: float = 1 / 120,
-        substeps: int = 1,
-        condition: TrimCondition | None = None,
-        setup: Mapping[str, float] | None = None,
-        properties: Mapping[str, float] | None = None,
-        method: str = "flown",
-        root: str | None = None,
-        create: Mapping[str, float] | None = None,
-    ) -> None:
-        plane = Aircraft(
-            aircraft,
-            altitude,
-            speed,
-            mach,
-            gamma,
-            heading,
-            gear=gear,
-            flaps=flaps,
-            T=T,
-            substeps=substeps,
-            condition=condition,
-            setup=setup,
-            properties=properties,
-            root=root,
-            create=create,
-        )
-        super().__init__(_with_ports(plane.linear_model(method), self.input_port_labels))
-        self.aircraft = aircraft
-        self.altitude = altitude
-        self.speed = speed
-        self.mach = mach
-        self.gamma = gamma
-        self.heading = heading
-        self.gear = gear
-        self.flaps = flaps
-        self.T = T
-        self.substeps = substeps
-        self.condition = condition
-        self.setup = setup
-        self.properties = properties
-        self.method = method
-        self.root = root
-        self.create = create
+    def begin(self) -> None:
+        plane = Aircraft(**{name: getattr(self, name) for name in self._fields if name != "method"})
+        model = plane.linear_model(self.method)
+        LinearModelBlock.__init__(self, _with_ports(model, self.input_port_labels))
 
 
-def _with_ports(model: LinearModel, names: Sequence[str]) -> LinearModel:
+def _with_ports(model: LinearModel, names: Iterable[str]) -> LinearModel:
     """The model with inputs of all these names: those it lacks, such as a throttle, do nothing."""
     lacking = [name for name in names if name not in model.inputs]
     if not lacking:
