@@ -1,11 +1,14 @@
 """Make the notebooks of the course: each docs/notebooks/NAME.py is executed into NAME.ipynb.
 
 python docs/notebooks.py [NAME ...]
+
+The block diagrams are drawn again, too (block_pictures.py).
 """
 
 import sys
 from pathlib import Path
 
+import block_pictures
 import jupytext
 import nbclient
 import nbformat
@@ -47,6 +50,7 @@ def executed(name, folder=None):
 
 
 def main(chosen):
+    block_pictures.main()
     for name in chosen or names():
         nbformat.write(executed(name), FOLDER / f"{name}.ipynb")
 

@@ -101,15 +101,17 @@ def test_a_public_name_has_a_one_line_summary(name):
 @pytest.mark.parametrize("name", [*BLOCKS, *DATA])
 def test_parameters_are_documented_and_no_others(name):
     text = inspect.getdoc({**BLOCKS, **DATA}[name])
-    title = "Attributes" if name == "TrimState" else "Parameters"
-    assert documented(section(text, title)) == set(parameters({**BLOCKS, **DATA}[name]))
+    titles = ["Attributes"] if name == "TrimState" else ["Parameters", "Other Parameters"]
+    found = set().union(*(documented(section(text, title)) for title in titles))
+    assert found == set(parameters({**BLOCKS, **DATA}[name]))
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_each_parameter_has_a_text_of_its_own(name):
     # PathView's dialog shows the text of a shared line at the last name only
-    text = section(inspect.getdoc(BLOCKS[name]), "Parameters")
-    assert not re.findall(r"^\w+, .*", text, re.M)
+    for title in ("Parameters", "Other Parameters"):
+        text = section(inspect.getdoc(BLOCKS[name]), title)
+        assert not re.findall(r"^\w+, .*", text, re.M)
 
 
 @pytest.mark.parametrize("name", [n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])

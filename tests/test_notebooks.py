@@ -1,12 +1,15 @@
 """The notebooks of the course: made from their sources, with the outputs that a run gives."""
 
+import base64
 import importlib
+import io
 import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from how_many import bounded, first
+from how_many import first
 
 for package in ("jupytext", "nbclient", "ipykernel"):
     pytest.importorskip(package)
@@ -17,6 +20,8 @@ sys.path.append(str(DOCS))
 notebooks = importlib.import_module("notebooks")
 sys.path.remove(str(DOCS))
 
+# those that build a diagram in their cells
+BUILDING = [n for n in notebooks.names() if n[:2] not in ("06", "08", "09")]
 NUMBER = re.compile(r"-?\d[\d,]*\.?\d*(?:e[+-]?\d+)?")
 
 
@@ -34,6 +39,38 @@ def test_a_notebook_has_the_cells_of_its_source(name):
     assert (DOCS / "index.md").read_text(encoding="utf-8").count(f"notebooks/{name}\n") == 1
 
 
+@pytest.mark.parametrize("name", notebooks.names())
+def test_a_chapter_says_how_to_run_it_and_shows_its_equations(name):
+    text = (notebooks.FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    opening = text.partition("# %%\n")[0]
+    assert 'pip install ".[course]"' in opening
+    assert "pathsim-jsbsim course" in opening
+    assert text.count("$$") >= 2
+
+
+@pytest.mark.parametrize("name", BUILDING)
+def test_a_chapter_builds_its_diagram_before_it_loads_one(name):
+    text = (notebooks.FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    before, _, after = text.partition("## The shorter way")
+    assert "Simulation(" in before
+    assert "load_diagram" not in before
+    assert "load_diagram(" in after
+    assert re.search(r"!\[[^\]]+\]\(figures/\w+\.svg\)", before)
+
+
+def test_every_block_picture_is_in_a_chapter():
+    text = "".join(p.read_text(encoding="utf-8") for p in notebooks.FOLDER.glob("*.py"))
+    used = set(re.findall(r"\(figures/(\w+)\.svg\)", text))
+    assert used == {p.stem for p in (notebooks.FOLDER / "figures").glob("*.svg")}
+    assert used == set(notebooks.block_pictures.PICTURES)
+
+
+def test_the_wheel_has_every_chapter():
+    project = (DOCS.parent / "pyproject.toml").read_text(encoding="utf-8")
+    for file in (*(f"{name}.ipynb" for name in notebooks.names()), "figures"):
+        assert f'"docs/notebooks/{file}" = "pathsim_jsbsim_blocks/course/{file}"\n' in project
+
+
 def shown(notebook):
     """Of each cell: the words, the numbers and how many figures; none of a cell of versions."""
     for cell in notebook.cells:
@@ -49,11 +86,50 @@ def shown(notebook):
         yield NUMBER.sub("#", text).split(), numbers, figures
 
 
-# all of them take minutes
-@pytest.mark.parametrize("name", first(bounded(notebooks.names()[:5], notebooks.names())))
+def thumbnails(notebook):
+    """Each figure in grey, eight times smaller: a line moved by a pixel is no difference."""
+    image = pytest.importorskip("PIL.Image")
+    for cell in notebook.cells:
+        for output in cell.get("outputs", ()):
+            if "image/png" in output.get("data", {}):
+                png = base64.b64decode(output["data"]["image/png"])
+                with image.open(io.BytesIO(png)) as picture:
+                    grey = picture.convert("L")
+                    yield np.asarray(
+                        grey.resize((100, 100 * grey.height // grey.width), image.Resampling.BOX),
+                        dtype=float,
+                    )
+
+
+def alike(figure, other):
+    if abs(len(figure) - len(other)) > 1:
+        return False
+    rows = min(len(figure), len(other))
+    return np.abs(figure[:rows] - other[:rows]).max() < 60
+
+
+def test_a_figure_without_its_title_is_not_alike():
+    plt = pytest.importorskip("matplotlib.pyplot")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell()])
+    for title in ("c172p: pitch hold", "", "c172p: pitch hold"):
+        figure, ax = plt.subplots(figsize=(8, 5))
+        ax.plot([0, 1, 4, 9])
+        ax.set_title(title)
+        file = io.BytesIO()
+        figure.savefig(file, dpi=72)
+        plt.close(figure)
+        data = {"image/png": base64.b64encode(file.getvalue()).decode()}
+        notebook.cells[0].outputs.append(nbformat.v4.new_output("display_data", data))
+    first_figure, without, again = thumbnails(notebook)
+    assert alike(first_figure, again)
+    assert not alike(first_figure, without)
+
+
+# all of them take two minutes, so that most are for .ci/run
+@pytest.mark.parametrize("name", first(notebooks.names()))
 def test_a_notebook_shows_what_a_run_shows(name, tmp_path):
-    again = list(shown(notebooks.executed(name, tmp_path)))
-    before = list(shown(committed(name)))
+    run, stored = notebooks.executed(name, tmp_path), committed(name)
+    again, before = list(shown(run)), list(shown(stored))
     assert [(words, figures) for words, _, figures in again] == [
         (words, figures) for words, _, figures in before
     ]
@@ -61,4 +137,6 @@ def test_a_notebook_shows_what_a_run_shows(name, tmp_path):
     for (_, numbers, _), (_, expected, _) in zip(again, before, strict=True):
         # half of the last digit printed, where a last bit tips it
         assert numbers == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    for drawn, kept in zip(thumbnails(run), thumbnails(stored), strict=True):
+        assert alike(drawn, kept)
     assert list(tmp_path.iterdir()) == []

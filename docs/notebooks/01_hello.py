@@ -1,8 +1,11 @@
 # %% [markdown]
 # # 1. Hello, JSBSim
 #
-# A Cessna 172, trimmed at 3000 ft and 80 knots. The first chapter looks at the aircraft: its trim, what it weighs, and
-# the properties of a model in flight.
+# A Cessna 172, trimmed at 3000 ft and 80 knots. The first chapter flies it for a second, first with JSBSim alone, then
+# as a block in a diagram, and looks at the properties of the model.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`. It copies the ten chapters to
+# a folder of yours and opens them in JupyterLab. Run a cell with Shift+Enter; change a number and run it again.
 
 # %% tags=["versions"]
 from importlib.metadata import version
@@ -11,66 +14,151 @@ for package in ("jsbsim", "pathsim", "pathsim-flight"):
     print(package, version(package))
 
 # %% [markdown]
-# A diagram of the catalogue is built, and not yet run:
+# ## JSBSim alone
+#
+# `FGFDMExec` is JSBSim's executive: it holds one aircraft. Everything is read and written by the names of properties. The
+# initial conditions are those under `ic/`; `run_ic` applies them. Then the engine is started (-1 means all engines), and
+# the last line searches for the controls with which nothing accelerates: 1 is the full trim, of all six axes.
+
+# %%
+import jsbsim
+
+jsbsim.FGJSBBase().debug_lvl = 0  # no messages
+fdm = jsbsim.FGFDMExec(None)  # None: the aircraft that come with the package
+fdm.load_model("c172p")
+fdm["ic/h-sl-ft"] = 3000.0
+fdm["ic/vc-kts"] = 80.0
+fdm["ic/gamma-deg"] = 0.0
+fdm["ic/psi-true-deg"] = 45.0
+fdm.run_ic()
+fdm["propulsion/set-running"] = -1
+fdm["simulation/do_simple_trim"] = 1
+
+print(f"a step is {fdm.get_delta_t():.6f} s")
+trimmed = {
+    "throttle [%]": 100 * fdm["fcs/throttle-cmd-norm"],
+    "pitch trim [%]": 100 * fdm["fcs/pitch-trim-cmd-norm"],
+    "angle of attack [deg]": fdm["aero/alpha-deg"],
+}
+for name, value in trimmed.items():
+    print(f"{name:22} {value:9.4f}")
+
+# %% [markdown]
+# A flight is a loop: each `run` is one step of 1/120 s.
+
+# %%
+for _ in range(120):
+    fdm.run()
+
+names = {
+    "altitude [ft]": "position/h-sl-ft",
+    "true airspeed [ft/s]": "velocities/vt-fps",
+    "pitch angle [deg]": "attitude/theta-deg",
+    "roll angle [deg]": "attitude/phi-deg",
+    "heading [deg]": "attitude/psi-deg",
+}
+alone = {name: fdm[path] for name, path in names.items()}
+for name, value in alone.items():
+    print(f"{name:22} {value:9.4f}")
+
+# %% [markdown]
+# ## The same as a block
+#
+# In a block diagram the aircraft is one block among others. In each sample period $T$ it advances the state of the
+# aircraft by one step,
+#
+# $$x_{k+1} = f(x_k, u_k), \qquad t_k = k\,T, \qquad T = 1/120\ \mathrm{s}$$
+#
+# and it begins at the trim, where $\dot u = \dot v = \dot w = \dot p = \dot q = \dot r = 0$.
+#
+# ![Aircraft and Scope](figures/aircraft.svg)
+#
+# `Aircraft` loads and trims the model when it is built. Its inputs are *increments* on the trimmed commands: none is
+# connected, so the controls stay where the trim has put them.
+
+# %%
+from pathsim_jsbsim_blocks import Aircraft
+
+plane = Aircraft("c172p", altitude=3000.0, speed=80.0, heading=45.0)  # ft, KCAS, deg
+plane.trim
+
+# %% [markdown]
+# `Scope` records what is connected to it, and a `Connection` leads from an output to one input or several. Ports have
+# names: `plane["h"]` is the altitude.
+
+# %%
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+flight = Scope(
+    labels=["altitude [ft]", "true airspeed [ft/s]", "pitch angle [deg]", "roll angle [deg]"]
+)
+heading = Scope(labels=["heading [deg]"])
+sim = Simulation(
+    [plane, flight, heading],
+    [
+        Connection(plane["h"], flight[0]),
+        Connection(plane["vt"], flight[1]),
+        Connection(plane["theta"], flight[2]),
+        Connection(plane["phi"], flight[3]),
+        Connection(plane["psi"], heading),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+# %% [markdown]
+# A second of flight. The same numbers, from both:
+
+# %%
+sim.run(1.0)
+time, recorded = flight.read()
+print(f"{'':22} {'JSBSim':>9} {'Aircraft':>9}")
+ours = [100 * plane.trim.throttle[0], 100 * plane.trim.pitch_trim, plane.trim.alpha]
+for (name, value), block in zip(trimmed.items(), ours):
+    print(f"{name:22} {value:9.4f} {block:9.4f}")
+for (name, value), block in zip(alone.items(), [*recorded[:, -1], plane.outputs["psi"]]):
+    print(f"{name:22} {value:9.4f} {block:9.4f}")
+
+# %% [markdown]
+# What the block adds to these lines: it keeps the clock of the diagram with any solver, flies the same flight again
+# after a reset, refuses names that do not exist, and lets no model open a socket, write a file or print.
+
+# %%
+from pathsim_jsbsim_blocks.plots import time_histories
+
+time_histories(flight, heading, title="c172p, trimmed: 1 s of nothing happening")
+
+# %% [markdown]
+# ## Properties
+#
+# A model has more than a thousand properties; a name is found by a part of it. `plane.fdm` is the running
+# executive inside the block. These are the 40 under `velocities/`, after the second of flight: `-fps` is ft/s, `u`, `v`, `w`
+# are the velocity in body axes, `p`, `q`, `r` the rates, `eci` and `ned` name
+# [frames](../concepts/frames.md).
+
+# %%
+found = plane.airframe.property_names("velocities/")
+print(len(found), "properties")
+for name in found:
+    readable = "r" in plane.airframe.access(name)
+    print(f"{name:40} {plane.fdm[name]:12.4f}" if readable else name)
+
+# %% [markdown]
+# [The property tree](../concepts/properties.md) explains the names; `pathsim-jsbsim properties c172p elevator` searches
+# from the command line, and `pathsim-jsbsim help Aircraft` prints the manual page of the block.
+#
+# ## The shorter way
+#
+# This diagram is in the catalogue, as a script that can be imported and as a model for
+# [PathView](../pathview.md):
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 diagram = load_diagram("hello_jsbsim")
-plane = diagram.aircraft
-print(f"a step is {plane.T:.6f} s")
-
-# %% [markdown]
-# JSBSim has searched for the controls with which nothing accelerates:
-
-# %%
-trim = plane.trim
-print(f"throttle        {100 * trim.throttle[0]:8.3f} %")
-print(f"pitch trim      {100 * trim.pitch_trim:8.4f} %")
-print(f"angle of attack {trim.alpha:8.3f} deg")
-print(f"roll angle      {trim.phi:8.3f} deg")
-print(f"weight          {trim.weight:8.1f} lb, CG at x = {trim.cg_x:.2f} in")
-
-# %% [markdown]
-# ## One second of flight
-
-# %%
 diagram.sim.run(diagram.DURATION)
-diagram.figure()
+print(f"{diagram.aircraft.outputs['h']:.4f} ft after {diagram.sim.time:.0f} s")
 
 # %% [markdown]
-# ## Properties in flight
-#
-# `plane.fdm` is the running JSBSim executive. Any property can be read from it.
-
-# %%
-for name in (
-    "simulation/sim-time-sec",
-    "position/h-sl-ft",
-    "position/lat-geod-deg",
-    "position/long-gc-deg",
-    "velocities/vtrue-kts",
-    "velocities/vc-kts",
-    "velocities/mach",
-    "attitude/theta-deg",
-    "attitude/phi-deg",
-    "attitude/psi-deg",
-    "aero/alpha-deg",
-    "aero/beta-deg",
-    "fcs/elevator-pos-deg",
-    "propulsion/engine/propeller-rpm",
-    "inertia/weight-lbs",
-):
-    print(f"{name:34} {plane.fdm[name]:12.4f}")
-
-# %% [markdown]
-# A name is found by a part of it:
-
-# %%
-from pathsim_jsbsim_blocks.flight import Airframe
-
-Airframe("c172p").property_names("elevator-pos")
-
-# %% [markdown]
-# [The property tree](../concepts/properties.md) explains the names. Next: [a minute of trimmed flight, and a
-# turn](02_trimmed_flight.ipynb).
+# Next: [a minute of trimmed flight, and a turn](02_trimmed_flight.ipynb).

@@ -2,19 +2,72 @@
 # # 2. Trimmed flight and a turn
 #
 # What "trimmed" means: with the controls fixed, an aircraft stays where it is. And what happens when one of them moves.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# ## A minute of trimmed flight
+#
+# A trim is a search for the angle of attack, the throttle and the other controls $u$ with which the accelerations vanish:
+#
+# $$\dot u = \dot v = \dot w = 0, \qquad \dot p = \dot q = \dot r = 0, \qquad \theta = \alpha + \gamma$$
+#
+# ![Aircraft and Scope](figures/aircraft.svg)
+#
+# The aircraft, at 5000 ft and 90 knots of calibrated airspeed, heading east:
 
 # %%
-from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks import Aircraft
 
-straight = load_diagram("trimmed_flight")
-outputs = straight.aircraft.outputs
-true_airspeed = outputs["vt"] * 3600 * 0.3048 / 1852  # from ft/s to knots
-print(f"{outputs['vc']:.1f} KCAS are {true_airspeed:.1f} KTAS at {outputs['h']:.0f} ft")
-straight.sim.run(straight.DURATION)
-straight.figure()
+plane = Aircraft("c172p", altitude=5000.0, speed=90.0, heading=90.0)
+trim = plane.trim
+print(f"angle of attack {trim.alpha:7.4f} deg")
+print(f"throttle        {trim.throttle[0]:7.4f}")
+print(f"roll angle      {trim.phi:7.4f} deg")
+true_airspeed = plane.outputs["vt"] * 3600 * 0.3048 / 1852  # from ft/s to knots
+print(f"{trim.speed:.1f} KCAS are {true_airspeed:.1f} KTAS at {trim.altitude:.0f} ft")
+
+# %% [markdown]
+# The aircraft advances at 120 Hz; its motion is slow, so the scopes record at 10 Hz: `sampling_period=0.1`. Signals with
+# the same unit share a panel of the figure.
 
 # %%
-straight.figure_track()
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+flight = Scope(sampling_period=0.1, labels=["altitude [ft]", "calibrated airspeed [kt]"])
+attitude = Scope(
+    sampling_period=0.1,
+    labels=["angle of attack [deg]", "pitch angle [deg]", "roll angle [deg]"],
+)
+track = Scope(sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"])
+sim = Simulation(
+    [plane, flight, attitude, track],
+    [
+        Connection(plane["h"], flight[0]),
+        Connection(plane["vc"], flight[1]),
+        Connection(plane["alpha"], attitude[0]),
+        Connection(plane["theta"], attitude[1]),
+        Connection(plane["phi"], attitude[2]),
+        Connection(plane["lat"], track[0]),
+        Connection(plane["lon"], track[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+sim.run(60.0)
+time, (altitude, speed) = flight.read()
+print(f"{len(time)} samples in {sim.time:.0f} s")
+print(f"altitude {altitude.min():.1f} to {altitude.max():.1f} ft")
+print(f"airspeed {speed.min():.2f} to {speed.max():.2f} KCAS")
+
+# %%
+from pathsim_jsbsim_blocks.plots import ground_track, time_histories
+
+time_histories(flight, attitude, title="c172p: trimmed flight")
+
+# %%
+time, (latitude, longitude) = track.read()
+ground_track(time, latitude, longitude, title="c172p: trimmed flight, ground track")
 
 # %% [markdown]
 # The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force that comes with
@@ -23,16 +76,82 @@ straight.figure_track()
 #
 # ## The turn
 #
-# 15 % of left aileron for 5 s. It sets a roll rate, not a bank angle: the aircraft rolls to 57 deg, and goes on turning
-# and descending when the aileron is back in the middle.
+# Now the ailerons move: 15 % to the left for 5 s.
+#
+# ![StepSource, JSBSimFDM, Scope](figures/aileron_turn.svg)
+#
+# `StepSource` is -0.15 from 0 s, and 0 from 5 s on.
 
 # %%
-turn = load_diagram("aileron_turn")
-turn.sim.run(turn.DURATION)
-turn.figure()
+from pathsim.blocks import StepSource
 
-# %%
-turn.figure_track()
+aileron = StepSource(amplitude=[-0.15, 0.0], tau=[0.0, 5.0])
 
 # %% [markdown]
-# A turn needs a controller: `heading_hold` in the [gallery](../gallery.md). Next: [block diagrams](03_diagrams.ipynb).
+# `JSBSimFDM` makes any property of JSBSim a port. Unlike `Aircraft` it writes its inputs as they stand: here the command
+# itself is set, not an increment on it.
+
+# %%
+from pathsim_jsbsim_blocks import JSBSimFDM
+
+fdm = JSBSimFDM(
+    input_properties=["fcs/aileron-cmd-norm"],
+    output_properties=[
+        "attitude/phi-deg",
+        "position/h-sl-ft",
+        "attitude/psi-deg",
+        "position/lat-geod-deg",
+        "position/long-gc-deg",
+    ],
+    aircraft_model="c172p",
+    trim_airspeed=90.0,
+    trim_altitude=5000.0,
+    trim_heading=90.0,
+)
+response = Scope(
+    sampling_period=0.1,
+    labels=["aileron command [-]", "roll angle [deg]", "altitude [ft]", "heading [deg]"],
+)
+track = Scope(sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"])
+sim = Simulation(
+    [aileron, fdm, response, track],
+    [
+        Connection(aileron, fdm["fcs/aileron-cmd-norm"], response[0]),
+        Connection(fdm["attitude/phi-deg"], response[1]),
+        Connection(fdm["position/h-sl-ft"], response[2]),
+        Connection(fdm["attitude/psi-deg"], response[3]),
+        Connection(fdm["position/lat-geod-deg"], track[0]),
+        Connection(fdm["position/long-gc-deg"], track[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+sim.run(30.0)
+time_histories(response, title="c172p: aileron -0.15 for 5 s")
+
+# %%
+time, (latitude, longitude) = track.read()
+ground_track(time, latitude, longitude, title="c172p: aileron turn, ground track")
+
+# %% [markdown]
+# A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to 57 deg, and goes on turning and descending when
+# the aileron is back in the middle. While it is banked its heading changes at
+#
+# $$\dot\psi = \frac{g \tan\phi}{V}$$
+#
+# so a turn needs a controller that holds the bank: `heading_hold` in the [gallery](../gallery.md).
+#
+# ## The shorter way
+#
+# Both diagrams are in the catalogue, with more signals:
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+for name in ("trimmed_flight", "aileron_turn"):
+    diagram = load_diagram(name)
+    diagram.sim.run(diagram.DURATION)
+    print(name, f"{diagram.sim.time:.0f} s")
+
+# %% [markdown]
+# Next: [block diagrams](03_diagrams.ipynb).

@@ -1,45 +1,181 @@
 # %% [markdown]
 # # 3. Block diagrams
 #
-# Three diagrams without an aircraft: how blocks and connections make a differential equation. Each comes as a script
-# and as a model for PathView.
+# Three diagrams without an aircraft: how blocks and connections make a differential equation.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## A damped oscillator
+#
+# $$\ddot x + 2 \zeta \omega_n \dot x + \omega_n^2 x = 0, \qquad x(0) = 1, \quad \dot x(0) = 0$$
+#
+# The short period of an aircraft looks like this. A diagram solves for the highest derivative and integrates it:
+# $\ddot x = -2 \zeta \omega_n \dot x - \omega_n^2 x$.
+#
+# ![Two integrators in a row, two gains, an adder](figures/damped_oscillator.svg)
+#
+# An `Integrator` has an output $y = y_0 + \int u\,dt$. Two of them in a row make the velocity from the acceleration and the
+# position from the velocity; their arguments are the initial values.
+
+# %%
+from pathsim import Connection, Simulation
+from pathsim.blocks import Adder, Amplifier, Integrator, Scope
+
+wn = 2.0  # rad/s
+zeta = 0.25
+
+velocity = Integrator(0.0)
+position = Integrator(1.0)
+
+# %% [markdown]
+# An `Amplifier` multiplies by its gain. One makes the damping term from the velocity, one the stiffness term from the
+# position.
+
+# %%
+damping = Amplifier(gain=-2.0 * zeta * wn)
+stiffness = Amplifier(gain=-(wn**2))
+
+# %% [markdown]
+# An `Adder` sums its inputs, and a `Scope` records.
+
+# %%
+acceleration = Adder()
+scope = Scope(labels=["position x [-]", "velocity v [1/s]"])
+
+# %% [markdown]
+# The connections close the two loops of the picture: each begins at an output and leads to one input or several. RK4, a
+# Runge-Kutta method of fourth order, integrates in steps of 0.01 s.
+
+# %%
+from pathsim.solvers import RK4
+
+sim = Simulation(
+    [velocity, position, damping, stiffness, acceleration, scope],
+    [
+        Connection(acceleration, velocity),
+        Connection(velocity, position, damping, scope[1]),
+        Connection(position, stiffness, scope[0]),
+        Connection(damping, acceleration[0]),
+        Connection(stiffness, acceleration[1]),
+    ],
+    Solver=RK4,
+    dt=0.01,
+    log=False,
+)
+
+# %%
+from pathsim_jsbsim_blocks.plots import time_histories
+
+sim.run(20.0)
+time_histories(scope, title="damped oscillator: wn = 2 rad/s, zeta = 0.25")
+
+# %% [markdown]
+# Half a period after the start, $x = -e^{-\pi \zeta / \sqrt{1 - \zeta^2}}$:
+
+# %%
+import math
+
+_, (x, v) = scope.read()
+print(f"first swing to the other side {x.min():.4f}")
+print(f"exact                         {-math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2)):.4f}")
+
+# %% [markdown]
+# ## A step response
+#
+# $$\tau \dot y + y = u, \qquad y(t) = 1 - e^{-t/\tau}$$
+#
+# A first-order lag: the model of an actuator, or of a turbine that spools up.
+#
+# ![StepSource, adder, gain, integrator, with a feedback](figures/step_response.svg)
+#
+# `StepSource` is 1 from `tau` = 0 s on. `Adder("+-")` subtracts its second input from its first: it makes $u - y$. The gain
+# $1/\tau$ makes $\dot y$ of that, and the integrator $y$.
+
+# %%
+from pathsim.blocks import StepSource
+
+tau = 2.0  # s
+step = StepSource(amplitude=1.0, tau=0.0)
+error = Adder("+-")
+rate = Amplifier(gain=1.0 / tau)
+lag = Integrator(0.0)
+scope = Scope(labels=["step u [-]", "response y [-]"])
+sim = Simulation(
+    [step, error, rate, lag, scope],
+    [
+        Connection(step, error[0], scope[0]),
+        Connection(error, rate),
+        Connection(rate, lag),
+        Connection(lag, error[1], scope[1]),
+    ],
+    Solver=RK4,
+    dt=0.01,
+    log=False,
+)
+sim.run(15.0)
+time, (u, y) = scope.read()
+print(
+    f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant, exact {1 - math.exp(-1):.4f}"
+)
+time_histories(scope, title="first-order lag: tau = 2 s")
+
+# %% [markdown]
+# ## Van der Pol's oscillator
+#
+# $$\ddot x - \mu (1 - x^2) \dot x + x = 0$$
+#
+# The damping is negative for small deflections and positive for large ones, so that every start ends on the same limit
+# cycle. Wing rock of slender wings is of this kind.
+#
+# ![A Function and two integrators](figures/van_der_pol.svg)
+#
+# A `Function` computes its output from its inputs by any Python function. Here it is the whole right-hand side:
+# $\dot v = \mu (1 - x^2) v - x$.
+
+# %%
+from pathsim.blocks import Function
+
+mu = 1.5
+position = Integrator(2.0)
+velocity = Integrator(0.5)
+acceleration = Function(lambda x, v: mu * (1.0 - x**2) * v - x)
+scope = Scope(labels=["position x [-]", "velocity v [1/s]"])
+sim = Simulation(
+    [position, velocity, acceleration, scope],
+    [
+        Connection(velocity, position, acceleration[1], scope[1]),
+        Connection(position, acceleration[0], scope[0]),
+        Connection(acceleration, velocity),
+    ],
+    Solver=RK4,
+    dt=0.01,
+    log=False,
+)
+
+# %%
+from pathsim_jsbsim_blocks.plots import phase_portrait
+
+sim.run(40.0)
+time, (x, v) = scope.read()
+print(f"amplitude {abs(x[time > 15.0]).max():.3f}")
+phase_portrait(
+    x, v, ("position x [-]", "velocity v [1/s]"), title="Van der Pol's oscillator: mu = 1.5"
+)
+
+# %% [markdown]
+# ## The shorter way, and the same in PathView
+#
+# The three are in the catalogue, each as a script and as a model for PathView:
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
-oscillator = load_diagram("damped_oscillator")
-oscillator.sim.run(oscillator.DURATION)
-oscillator.figure()
+for name in ("damped_oscillator", "step_response", "van_der_pol"):
+    diagram = load_diagram(name)
+    diagram.sim.run(diagram.DURATION)
+    print(f"{name}: {len(diagram.sim.blocks)} blocks, {diagram.sim.time:.0f} s")
 
 # %% [markdown]
-# The blocks are two integrators in a row, and an adder that sums what acts on the first:
-
-# %%
-for connection in oscillator.sim.connections:
-    targets = ", ".join(type(target.block).__name__ for target in connection.targets)
-    print(type(connection.source.block).__name__, "->", targets)
-
-# %% [markdown]
-# ## A step response
-
-# %%
-step = load_diagram("step_response")
-step.sim.run(step.DURATION)
-step.figure()
-
-# %% [markdown]
-# ## Van der Pol's oscillator
-
-# %%
-oscillation = load_diagram("van_der_pol")
-oscillation.sim.run(oscillation.DURATION)
-oscillation.figure()
-
-# %% [markdown]
-# ## The same in PathView
-#
 # `pathsim-jsbsim view van_der_pol` opens the diagram in the editor. A model becomes a script again, by the editor's own
 # button or here:
 

@@ -3,14 +3,34 @@
 #
 # A business jet at 15,000 ft and 250 knots. Its elevator moves up for a second, and down for a second: the short period
 # answers and dies out.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# ![DoubletSource, Aircraft, Scope](figures/elevator_doublet.svg)
+#
+# ## The aircraft, loaded and trimmed
+#
+# `setup` writes properties before the trim: half the payload, and the fuel in three tanks, in lb. A transport aircraft is
+# trimmed with other numbers when it weighs less.
 
 # %%
 import math
 
-from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks import Aircraft
 
-diagram = load_diagram("elevator_doublet")
-trim, fdm = diagram.aircraft.trim, diagram.aircraft.fdm
+plane = Aircraft(
+    "global5000",
+    altitude=15000.0,
+    speed=250.0,
+    gear=1.0,
+    setup={
+        "inertia/pointmass-weight-lbs[0]": 7586.0,
+        "propulsion/tank[0]/contents-lbs": 4048.815,
+        "propulsion/tank[1]/contents-lbs": 4048.815,
+        "propulsion/tank[2]/contents-lbs": 4048.815,
+    },
+)
+trim, fdm = plane.trim, plane.fdm
 print(f"empty weight {fdm['inertia/empty-weight-lbs']:10,.1f} lb")
 print(f"weight       {trim.weight:10,.1f} lb, CG at x = {trim.cg_x:.1f} in")
 print(f"alpha        {trim.alpha:10.4f} deg")
@@ -25,18 +45,78 @@ print(fdm["fcs/elevator-cmd-norm"], fdm["fcs/pitch-trim-cmd-norm"])
 
 # %% [markdown]
 # JSBSim trims with the trim wheel, not with the stick
-# ([why](../concepts/trimmed-flight.md#why-is-the-elevator-command-0-at-trim)). The inputs of `Aircraft` are increments on the
-# trimmed commands.
+# ([why](../concepts/trimmed-flight.md#why-is-the-elevator-command-0-at-trim)). The inputs of `Aircraft` are increments on
+# the trimmed commands:
+#
+# $$\delta_e(t) = \delta_{e,\mathrm{trim}} + \Delta\delta_e(t)$$
+#
+# ## The doublet
+#
+# $$
+# \Delta\delta_e(t) =
+# \begin{cases}
+# -A & 10 \le t < 11\ \mathrm{s} \\
+# +A & 12 \le t < 13\ \mathrm{s} \\
+# 0 & \text{otherwise}
+# \end{cases}
+# \qquad A = 0.1
+# $$
+#
+# A negative command raises the nose, so `polarity=-1` begins nose up. The published diagram makes this of three blocks:
+# a `Source` for the command at trim, a `StepSource` for the four edges, and an `Adder` for their sum. `DoubletSource`
+# stands for all three: the trimmed command is in the aircraft block already, so that neither the first nor the sum is
+# needed, and the edges are where they should be at any step size.
 
 # %%
-diagram.sim.run(diagram.DURATION)
-diagram.figure()
+from pathsim_jsbsim_blocks import DoubletSource
+
+doublet = DoubletSource(amplitude=0.1, start=10.0, width=1.0, gap=1.0, polarity=-1)
+
+# %% [markdown]
+# The scope shows the command in per cent, which an `Amplifier` makes of it.
 
 # %%
-from pathsim_jsbsim_blocks.plots import signal
+from pathsim import Connection, Simulation
+from pathsim.blocks import Amplifier, Scope
 
-_, alpha = signal(diagram.scope, "angle of attack")
+percent = Amplifier(gain=100.0)
+scope = Scope(labels=["elevator command [%]", "angle of attack [deg]"])
+sim = Simulation(
+    [doublet, plane, percent, scope],
+    [
+        Connection(doublet, plane["elevator"], percent),
+        Connection(percent, scope[0]),
+        Connection(plane["alpha"], scope[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+# %%
+from pathsim_jsbsim_blocks.plots import time_histories
+
+sim.run(40.0)
+time_histories(scope, title="Global 5000: elevator doublet at 15,000 ft, 250 KCAS")
+
+# %%
+time, (command, alpha) = scope.read()
 print(f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, {alpha[-1]:.2f} deg at the end")
 
 # %% [markdown]
+# ## The shorter way
+#
+# The diagram is in the catalogue. Its values can be changed as it is loaded: here half the amplitude.
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+diagram = load_diagram("elevator_doublet", {"doublet.amplitude": 0.05})
+diagram.sim.run(diagram.DURATION)
+_, (_, half) = diagram.scope.read()
+print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
+
+# %% [markdown]
+# Half the command gives a little more than half the response: the aircraft is almost linear here.
+# [Linear models](../linear-models.md) go on from there, and the diagram `doublet_linear_nonlinear` draws both.
+#
 # Next: [a pitch hold](05_pitch_hold.ipynb).

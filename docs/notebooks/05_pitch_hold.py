@@ -1,39 +1,95 @@
 # %% [markdown]
-# # 5. A pitch hold
+# # 5. A pitch hold, and the standard atmosphere
 #
-# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there.
+# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there. The second part of the chapter is
+# about the air: the standard atmosphere, and what an airspeed indicator shows.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# ## The loop
+#
+# $$
+# \Delta\delta_e = -\left[ K_p (b\,\theta_{\mathrm{cmd}} - \theta) +
+# K_i \int (\theta_{\mathrm{cmd}} - \theta)\,dt - K_r\,q \right]
+# $$
+#
+# The minus sign in front: a positive elevator command moves the nose **down**.
+#
+# ![PitchHold and Aircraft in a loop](figures/pitch_hold.svg)
+#
+# The aircraft, trimmed; the throttle stays where the trim has left it.
 
 # %%
-from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks import Aircraft
 
-diagram = load_diagram("pitch_hold")
-diagram.sim.run(diagram.DURATION)
-diagram.figure()
+plane = Aircraft("c172p", altitude=5000.0, speed=90.0)
+print(f"trimmed at {plane.trim.theta:.4f} deg")
 
 # %% [markdown]
-# The dotted lines are the trim. The aircraft climbs, and slows down: the throttle does not move.
+# `PitchHold` is the law above, sampled at 120 Hz. Its gains are named after the aircraft they were designed for.
+
+# %%
+from pathsim_jsbsim_blocks import PitchHold
+
+hold = PitchHold(gains="c172p", theta_ref=3.0)  # deg
+
+# %% [markdown]
+# Two measurements lead to the hold, one command leads back. `elev_sat` tells it when the elevator is at the end of its
+# travel, so that the integral does not wind up.
+
+# %%
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+pitch = Scope(labels=["pitch angle [deg]", "reference [deg]"])
+flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "elevator increment [-]"])
+sim = Simulation(
+    [plane, hold, pitch, flight],
+    [
+        Connection(plane["theta"], hold["theta"], pitch[0]),
+        Connection(plane["q"], hold["q"]),
+        Connection(plane["elev_sat"], hold["elev_sat"]),
+        Connection(hold["elevator"], plane["elevator"], flight[2]),
+        Connection(hold["theta_cmd"], pitch[1]),
+        Connection(plane["h"], flight[0]),
+        Connection(plane["vc"], flight[1]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+# %%
+from pathsim_jsbsim_blocks.plots import time_histories
+
+sim.run(30.0)
+time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+
+# %% [markdown]
+# The aircraft climbs, and slows down: the throttle does not move.
 #
 # A parameter changed in flight takes effect at the next sample:
 
 # %%
-diagram.hold.theta_ref = 0.0
-diagram.sim.run(15.0)
-print(f"{diagram.aircraft.outputs['theta']:.3f} deg, {diagram.aircraft.outputs['hdot']:.1f} ft/s")
+hold.theta_ref = 0.0
+sim.run(15.0)
+print(f"{plane.outputs['theta']:.3f} deg, {plane.outputs['hdot']:.1f} ft/s")
 
 # %% [markdown]
 # ## The sign
 #
-# A positive elevator command moves the nose **down**. A proportional controller with the wrong sign drives the pitch
-# angle away from its reference:
+# The same loop from PathSim's own blocks, with a proportional controller alone:
+#
+# $$\Delta\delta_e = K\,(\theta_{\mathrm{ref}} - \theta)$$
+#
+# ![Constant, adder, gain and Aircraft in a loop](figures/pitch_loop.svg)
+#
+# A positive gain is the natural one to write, and the wrong one: it drives the pitch angle away from its reference.
 
 # %%
-from pathsim import Connection, Simulation
-from pathsim.blocks import Adder, Amplifier, Constant, Scope
-
-from pathsim_jsbsim_blocks import Aircraft
+from pathsim.blocks import Adder, Amplifier, Constant
 
 
-def flight(gain):
+def flight_with(gain):
     plane, reference, error = Aircraft("c172p", altitude=5000, speed=90), Constant(3.0), Adder("+-")
     controller = Amplifier(gain)
     scope = Scope(labels=["pitch angle [deg]"])
@@ -53,9 +109,123 @@ def flight(gain):
 
 
 for gain in (0.01, -0.01):
-    theta = flight(gain)
+    theta = flight_with(gain)
     print(f"gain {gain:+.2f}: {theta[-1]:5.2f} deg after 8 s")
 
 # %% [markdown]
-# With the right sign it comes nearer, and with so small a gain never there: that takes the integral action of
-# [`PitchHold`](../autopilots.md). Next: [angle of attack against airspeed](06_alpha.ipynb).
+# With the right sign the pitch angle moves towards 3 deg, but so small a gain never gets it there: that takes the integral
+# action of [`PitchHold`](../autopilots.md).
+#
+# ## Why 1/120 s
+#
+# The published flight takes steps of 1/60 s. JSBSim's own step is 1/120 s, which this course keeps throughout: JSBSim
+# integrates the rotation by Euler's method, and the error of that halves with the step. The angle of attack in an elevator
+# doublet, at 60 and at 120 Hz, against 960 Hz:
+
+# %%
+from pathsim_jsbsim_blocks import DoubletSource
+
+
+def alpha_at(rate):
+    plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / rate)
+    doublet, scope = DoubletSource(amplitude=0.1, start=1.0), Scope()
+    wires = [Connection(doublet, plane["elevator"]), Connection(plane["alpha"], scope)]
+    Simulation([plane, doublet, scope], wires, dt=1 / rate, log=False).run(6.0)
+    return scope.read()[1][0][:: rate // 60]
+
+
+fine = alpha_at(960)
+for rate in (60, 120):
+    print(f"{rate} Hz: off by at most {abs(alpha_at(rate) - fine).max():.3f} deg")
+
+# %% [markdown]
+# ## The standard atmosphere
+#
+# `ISAtmosphere` is the International Standard Atmosphere. Up to 11 km the temperature falls by 6.5 K per km of geopotential
+# altitude $H$, and the pressure follows from the balance of a column of air:
+#
+# $$
+# T = T_0 - L H, \qquad p = p_0 \left(\frac{T}{T_0}\right)^{g_0 / (R L)}, \qquad \rho = \frac{p}{R\,T}, \qquad
+# a = \sqrt{\gamma R\,T}
+# $$
+#
+# A `Source` is a function of time: here an altitude that rises by 100 m/s.
+
+# %%
+from pathsim.blocks import Source
+
+from pathsim_jsbsim_blocks import ISAtmosphere
+from pathsim_jsbsim_blocks.plots import subplots
+
+altitude = Source(lambda t: 100.0 * t)  # m
+air = ISAtmosphere()
+scope = Scope(labels=["altitude", "pressure", "density", "temperature", "speed of sound"])
+sim = Simulation(
+    [altitude, air, scope],
+    [
+        Connection(altitude, air["altitude"], scope[0]),
+        Connection(air["pressure"], scope[1]),
+        Connection(air["density"], scope[2]),
+        Connection(air["temperature"], scope[3]),
+        Connection(air["speed_of_sound"], scope[4]),
+    ],
+    dt=0.5,
+    log=False,
+)
+sim.run(110.0)
+_, (height, pressure, density, temperature, sound) = scope.read()
+figure, axes = subplots(2, 2, sharey=True, layout="constrained", figsize=(8, 6))
+panels = {
+    "pressure [hPa]": pressure / 100,
+    "density [kg/m³]": density,
+    "temperature [°C]": temperature - 273.15,
+    "speed of sound [m/s]": sound,
+}
+for ax, (label, values) in zip(axes.flat, panels.items()):
+    ax.plot(values, height / 1000)
+    ax.set(xlabel=label, ylabel="altitude [km]")
+    ax.grid(alpha=0.4)
+figure.suptitle("International Standard Atmosphere to 11 km")
+figure
+
+# %% [markdown]
+# ## Calibrated and true airspeed
+#
+# An airspeed indicator measures an impact pressure $q_c$ and shows the speed that would cause it at sea level (CAS). The true
+# airspeed (TAS) follows from the same $q_c$ in the air around the aircraft, where the pressure is $p$ and the speed of sound
+# $a$:
+#
+# $$
+# q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
+# \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
+# $$
+#
+# With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
+# knots of *equivalent* airspeed.
+
+# %%
+from pathsim_jsbsim_blocks.air import cas_to_tas, eas_to_tas, isa
+
+knot, foot = 1852 / 3600, 0.3048  # m/s, m
+print("altitude [ft]  CAS [kt]  TAS [kt]  TAS/CAS  by the formula of EAS")
+for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
+    here = isa(level * foot)
+    true = cas_to_tas(120 * knot, here) / knot
+    wrong = eas_to_tas(120 * knot, here) / knot
+    print(f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  {wrong:22.1f}")
+
+# %% [markdown]
+# ## The shorter way
+#
+# `pitch_hold`, `pitch_hold_primitives` (the loop from PathSim's own blocks, with the right sign and an integral) and
+# `isa_profile` (to 80 km) are in the catalogue.
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+diagram = load_diagram("pitch_hold")
+diagram.sim.run(diagram.DURATION)
+print(f"{diagram.aircraft.outputs['theta']:.3f} deg after {diagram.sim.time:.0f} s")
+
+# %% [markdown]
+# Next: [angle of attack against airspeed](06_alpha.ipynb).

@@ -2,15 +2,43 @@
 # # 6. Angle of attack against airspeed
 #
 # A business jet in level flight at 15,000 ft, trimmed at each airspeed. A study returns a table and draws its figure.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# In level flight the lift carries the weight:
+#
+# $$W = L = \tfrac12 \rho V^2 S\, C_L(\alpha)$$
+#
+# Half the speed asks for four times the lift coefficient, and so for a larger angle of attack, until the wing stalls.
 
 # %%
 from pathsim_jsbsim_blocks import studies
 
-table = studies.aoa_vs_cas(speeds=range(130, 550, 20), jobs=1, progress=False)
-table[["speed_kcas", "trimmed", "alpha_deg", "elevator_norm"]].head().round(3)
+table = studies.aoa_vs_cas(jobs=1, progress=False)
+table[["requested_speed_kcas", "trimmed", "alpha_deg", "elevator_norm", "reason"]].iloc[::6].round(
+    3
+)
 
 # %%
 studies.alpha_elevator_chart(table)
+
+# %% [markdown]
+# ## Where there is no trim
+#
+# A speed without a trim has NaN in its row, and the reason: "alpha limit" where the wing would need a larger angle of attack
+# than the model's limit, "thrust" where the engines have not enough of it.
+
+# %%
+trims, fails = table[table.trimmed], table[~table.trimmed]
+print(f"{len(fails)} of {len(table)} speeds have no trim")
+fails.groupby("reason").requested_speed_kcas.agg(["count", "min", "max"])
+
+# %% [markdown]
+# The ends of the table are the limits of level flight: below $V_{min}$ the wing cannot carry the weight, above $V_{max}$ the
+# engines cannot balance the drag. To the 10 knots of the table:
+
+# %%
+print(f"V_min {trims.speed_kcas.min():.0f} KCAS, V_max {trims.speed_kcas.max():.0f} KCAS")
 
 # %% [markdown]
 # ## Weight and CG

@@ -2,20 +2,75 @@
 # # 7. A rudder kick
 #
 # A 737 at 1000 ft and 200 knots. Rudder and aileron ramp up in 3 s, against each other, and are held.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# In a steady sideslip the rudder balances the yawing moment of the fin, the ailerons balance the rolling moment of the
+# dihedral, and the bank balances the side force $Y$:
+#
+# $$W \sin\phi \cos\theta = -Y(\beta, \delta_r)$$
+#
+# ![Two RampSources, Aircraft, Scope](figures/rudder_kick.svg)
+#
+# Two ramps: $u(t) = u_1\, t / t_r$ up to the rise time $t_r$ = 3 s, and $u_1$ from then on.
 
 # %%
-from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks import RampSource
 
-diagram = load_diagram("rudder_kick")
-diagram.sim.run(20.0)  # as long as the published flight
-diagram.figure()
+aileron = RampSource(final=1.0, start=0.0, rise_time=3.0)
+rudder = RampSource(final=0.92, start=0.0, rise_time=3.0)
+
+# %% [markdown]
+# The aircraft. Alpha is limited to -4 to 12 deg for the trim, as published; `setup` writes the limits, in radians.
 
 # %%
-from pathsim_jsbsim_blocks.plots import signal
+import math
 
+from pathsim_jsbsim_blocks import Aircraft
+
+plane = Aircraft(
+    "737",
+    altitude=1000.0,
+    speed=200.0,
+    setup={
+        "aero/alpha-min-rad": math.radians(-4.0),
+        "aero/alpha-max-rad": math.radians(12.0),
+    },
+)
+
+# %% [markdown]
+# The ramps are increments on the trimmed commands of aileron and rudder.
+
+# %%
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+commands = Scope(labels=["aileron command [-]", "rudder command [-]"])
+response = Scope(labels=["sideslip angle [deg]", "roll angle [deg]"])
+heading = Scope(labels=["heading [deg]"])
+sim = Simulation(
+    [aileron, rudder, plane, commands, response, heading],
+    [
+        Connection(aileron, plane["aileron"], commands[0]),
+        Connection(rudder, plane["rudder"], commands[1]),
+        Connection(plane["beta"], response[0]),
+        Connection(plane["phi"], response[1]),
+        Connection(plane["psi"], heading[0]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+# %%
+from pathsim_jsbsim_blocks.plots import signal, time_histories
+
+sim.run(20.0)  # as long as the published flight
+time_histories(commands, response, heading, title="737: rudder kick at 200 KCAS")
+
+# %%
 for label in ("aileron command", "rudder command"):
-    print(f"{label}: at most {signal(diagram.commands, label)[1].max():.4f}")
-outputs = diagram.aircraft.outputs
+    print(f"{label}: at most {signal(commands, label)[1].max():.4f}")
+outputs = plane.outputs
 print(
     f"bank {outputs['phi']:.1f} deg, heading {outputs['psi']:.1f} deg, sideslip {outputs['beta']:.1f} deg"
 )
@@ -24,4 +79,16 @@ print(
 # The published loop counts one step too many: its commands end at 1.0028 and 0.9226, its bank at 17.9 deg
 # ([what the published examples got wrong](../published-examples.md#what-the-published-examples-got-wrong)).
 #
+# ## The shorter way
+#
+# The diagram `rudder_kick` goes on to 40 s, where the bank is almost steady:
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+diagram = load_diagram("rudder_kick")
+diagram.sim.run(diagram.DURATION)
+print(f"bank {diagram.aircraft.outputs['phi']:.1f} deg after {diagram.sim.time:.0f} s")
+
+# %% [markdown]
 # Next: [thrust vectoring](08_thrust_vectoring.ipynb).

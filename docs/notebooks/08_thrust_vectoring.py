@@ -1,7 +1,10 @@
 # %% [markdown]
 # # 8. Thrust vectoring
 #
-# Which way should the engines of a 737 point, so that it needs the least thrust?
+# Which way should the engines of a 737 point, so that it needs the least thrust? Two conditions: "cruise" is level flight at
+# 30,000 ft and Mach 0.8, "climb" is 3 deg at 15,000 ft and 300 knots.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 
 # %%
 from pathsim_jsbsim_blocks import studies
@@ -20,8 +23,15 @@ for case, rows in table.groupby("case", sort=False):
 # %% [markdown]
 # ## The balance of forces
 #
-# At constant airspeed the thrust is least where its angle to the flight path is the arc tangent of dD/dL. Lift and drag
-# of the trimmed aircraft at five weights give that slope:
+# The thrust $F$ makes an angle $\varepsilon$ with the flight path. Along and across the path
+#
+# $$F \cos\varepsilon = D(L) + W \sin\gamma, \qquad L = W \cos\gamma - F \sin\varepsilon$$
+#
+# What the thrust carries, the wing does not, and that saves drag. At constant airspeed $F$ is least where
+#
+# $$\tan\varepsilon = \frac{dD}{dL}$$
+#
+# Lift and drag of the trimmed aircraft at five weights give that slope:
 
 # %%
 import math

@@ -1,43 +1,183 @@
 # %% [markdown]
 # # 10. Climbs
 #
-# An A-4 is trimmed at 1000 ft for a climb at 300 knots and 5 deg. What becomes of it in thinner air?
+# An A-4 is trimmed at 1000 ft for a climb at 300 knots and 5 deg. How does the climb change in thinner air?
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# Excess thrust sets the path angle, excess power the rate of climb:
+#
+# $$\sin\gamma = \frac{T - D}{W}, \qquad \dot h = V \sin\gamma = \frac{(T - D)\,V}{W}$$
+#
+# ## The first trim held
+#
+# ![Aircraft and Scope](figures/aircraft.svg)
+#
+# An aircraft and a scope, nothing else: throttle and pitch trim stay where they are. A `Condition` is an event: it stops the
+# run at 20,000 ft, should the aircraft get there.
 
 # %%
-from pathsim_jsbsim_blocks import fly
-from pathsim_jsbsim_blocks.catalogue import load_diagram
-from pathsim_jsbsim_blocks.plots import against
+import math
 
-held = load_diagram("fixed_trim_climb")
-fly(held.sim, held.DURATION, progress=False)
-scheduled = load_diagram("scheduled_climb")
-fly(scheduled.sim, scheduled.DURATION, progress=False)
-against("altitude", {"first trim held": held.flight, "by schedule": scheduled.flight})
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+from pathsim.events import Condition
+
+from pathsim_jsbsim_blocks import Aircraft, fly
+
+setup = {
+    "aero/alpha-min-rad": math.radians(-4.0),
+    "aero/alpha-max-rad": math.radians(12.0),
+}
+labels = ["altitude [ft]", "calibrated airspeed [kt]", "flight path angle [deg]"]
+
+plane = Aircraft("A4", altitude=1000.0, speed=300.0, gamma=5.0, gear=1.0, setup=setup)
+held = Scope(sampling_period=1.0, labels=labels)
+top = Condition(
+    func_evt=lambda t: plane.outputs["h"] >= 20000.0,
+    func_act=lambda t: sim.stop(),
+)
+sim = Simulation(
+    [plane, held],
+    [
+        Connection(plane["h"], held[0]),
+        Connection(plane["vc"], held[1]),
+        Connection(plane["gamma"], held[2]),
+    ],
+    [top],
+    dt=1 / 120,
+    log=False,
+)
+fly(sim, 900.0, progress=False)
+_, (h, speed, gamma) = held.read()
+print(f"{h[-1]:.1f} ft after {sim.time:.1f} s at {speed[-1]:.1f} KCAS and {gamma[-1]:.2f} deg")
 
 # %% [markdown]
-# `fly` runs a diagram as `sim.run` does, in less time per step. With the first trim held the path flattens. The schedule
-# moves throttle and pitch trim with the altitude, by the trims
-# of a study:
+# `fly` runs a diagram as `sim.run` does, in less time per step. The path flattens: the engine has less thrust in thinner air.
+#
+# ## Throttle and pitch trim by a schedule
+#
+# A study trims the aircraft at each 1000 ft. Its table is the schedule:
 
 # %%
 from pathsim_jsbsim_blocks import studies
 
 table = studies.climb_schedule(jobs=1, progress=False)
+table[["altitude_ft", "throttle_norm", "pitch_trim_norm"]].iloc[::4].round(4)
+
+# %%
 studies.climb_chart(table)
 
+# %% [markdown]
+# ![Two lookup tables move throttle and pitch trim with the altitude](figures/scheduled_climb.svg)
+#
+# `LUT1D` is a lookup table: it interpolates between the points. Nothing is fed back but the altitude. `JSBSimFDM` writes
+# the commands themselves, as the tables hold them.
+
 # %%
-for flight in (held, scheduled):
-    _, (h, speed, gamma) = flight.flight.read()
-    print(
-        f"{h[-1]:9.1f} ft after {flight.sim.time:5.1f} s at {speed[-1]:.1f} KCAS and {gamma[-1]:.2f} deg"
-    )
+from pathsim.blocks import LUT1D
+
+from pathsim_jsbsim_blocks import JSBSimFDM
+
+throttle = LUT1D(points=table.altitude_ft.to_numpy(), values=table.throttle_norm.to_numpy())
+pitch_trim = LUT1D(points=table.altitude_ft.to_numpy(), values=table.pitch_trim_norm.to_numpy())
+fdm = JSBSimFDM(
+    input_properties=["fcs/throttle-cmd-norm", "fcs/pitch-trim-cmd-norm"],
+    output_properties=["position/h-sl-ft", "velocities/vc-kts", "flight-path/gamma-deg"],
+    aircraft_model="A4",
+    trim_airspeed=300.0,
+    trim_altitude=1000.0,
+    trim_gamma=5.0,
+    gear=1.0,
+    setup=setup,
+)
+scheduled = Scope(sampling_period=1.0, labels=labels)
+top = Condition(
+    func_evt=lambda t: fdm.outputs["position/h-sl-ft"] >= 20000.0,
+    func_act=lambda t: climb.stop(),
+)
+climb = Simulation(
+    [fdm, throttle, pitch_trim, scheduled],
+    [
+        Connection(fdm["position/h-sl-ft"], throttle, pitch_trim, scheduled[0]),
+        Connection(fdm["velocities/vc-kts"], scheduled[1]),
+        Connection(fdm["flight-path/gamma-deg"], scheduled[2]),
+        Connection(throttle, fdm["fcs/throttle-cmd-norm"]),
+        Connection(pitch_trim, fdm["fcs/pitch-trim-cmd-norm"]),
+    ],
+    [top],
+    dt=1 / 120,
+    log=False,
+)
+fly(climb, 450.0, progress=False)
+_, (h, speed, gamma) = scheduled.read()
+h_end = fdm.outputs["position/h-sl-ft"]
+print(f"{h_end:.1f} ft after {climb.time:.1f} s at {speed[-1]:.1f} KCAS and {gamma[-1]:.2f} deg")
+
+# %%
+from pathsim_jsbsim_blocks.plots import against
+
+against(
+    "altitude",
+    {"first trim held": held, "by schedule": scheduled},
+    title="A-4: climb from a trim at 300 KCAS and 5 deg",
+)
 
 # %% [markdown]
+# The schedule asks for 5 deg and the aircraft flies 4.6: at constant calibrated airspeed the true airspeed grows with the
+# altitude, and the tables, made of steady climbs, do not have the thrust for that acceleration.
+#
 # ## As airliners climb
 #
-# 250 knots of calibrated airspeed up to the crossover altitude, then Mach 0.70:
+# 250 knots of calibrated airspeed up to the crossover altitude, then Mach 0.70. At any altitude the lower of the two true
+# airspeeds is flown:
+#
+# $$V = \min\left(\mathrm{TAS}(250\ \mathrm{KCAS},\, h),\ 0.70\,a(h)\right)$$
+#
+# ![Two conversions of airspeed, and the lower of them](figures/constant_cas_climb.svg)
+#
+# The blocks of the air data are in SI units. The altitude rises by 2000 ft/min.
 
 # %%
+from pathsim.blocks import Amplifier, Constant, Function, Source
+
+from pathsim_jsbsim_blocks import CAStoTAS, MachtoTAS
+from pathsim_jsbsim_blocks.air import crossover_altitude
+
+knot, foot = 1852 / 3600, 0.3048  # m/s, m
+altitude = Source(lambda t: 2000 * foot / 60 * t)
+cas, mach = Constant(250 * knot), Constant(0.70)
+at_cas, at_mach = CAStoTAS(), MachtoTAS()
+tas = Function(lambda a, b: min(a, b))
+feet, knots = Amplifier(1 / foot), Amplifier(1 / knot)
+speeds = Scope(labels=["altitude [ft]", "true airspeed [kt]"])
+sim = Simulation(
+    [altitude, cas, mach, at_cas, at_mach, tas, feet, knots, speeds],
+    [
+        Connection(altitude, at_cas["altitude"], at_mach["altitude"], feet),
+        Connection(cas, at_cas["cas"]),
+        Connection(mach, at_mach["mach"]),
+        Connection(at_cas["tas"], tas[0]),
+        Connection(at_mach["tas"], tas[1]),
+        Connection(tas, knots),
+        Connection(feet, speeds[0]),
+        Connection(knots, speeds[1]),
+    ],
+    dt=1.0,
+    log=False,
+)
+sim.run(1350.0)
+print(f"crossover altitude {crossover_altitude(250 * knot, 0.70) / foot:,.0f} ft")
+against("true airspeed", {"climb": speeds}, title="climb at 250 KCAS / Mach 0.70")
+
+# %% [markdown]
+# ## The shorter way
+#
+# `fixed_trim_climb`, `scheduled_climb` and `constant_cas_climb` are in the catalogue. The last has the other airspeeds, too:
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
 airliner = load_diagram("constant_cas_climb")
 airliner.sim.run(airliner.DURATION)
 airliner.figure()

@@ -63,6 +63,12 @@ class Autopilot(Hold):
     vc_ref : float, optional
         airspeed to hold in KCAS; default: the value at engagement. Airspeed has priority over
         altitude: below 90 % of it, a climb that full throttle cannot sustain is reduced
+    %(T)s
+    %(reference)s
+    %(alpha_max)s
+
+    Other Parameters
+    ----------------
     bank_max : float
         largest bank reference of the heading hold in deg
     hdot_max : float, optional
@@ -79,9 +85,6 @@ class Autopilot(Hold):
         largest rudder increment, of full travel
     throttle_authority : float or pair
         largest throttle increment, of full travel
-    %(T)s
-    %(reference)s
-    %(alpha_max)s
 
     Inputs
     ------

@@ -201,6 +201,15 @@ class DiscretePID(DescribedLaw):
         integral gain, 1/s
     Kd : float
         gain on the filtered derivative of y, s
+    low : float
+        lowest output
+    high : float
+        highest output
+    T : float
+        sample period in s
+
+    Other Parameters
+    ----------------
     Kr : float
         gain on the measured rate, s
     b : float
@@ -211,12 +220,6 @@ class DiscretePID(DescribedLaw):
         time constant of the back-calculation in s, at least T; default Kp / Ki
     Te : float
         time constant in s with which the damping terms are faded in after engagement
-    low : float
-        lowest output
-    high : float
-        highest output
-    T : float
-        sample period in s
 
     Inputs
     ------

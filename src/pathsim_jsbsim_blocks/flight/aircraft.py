@@ -89,20 +89,10 @@ class Aircraft(FlightBlock, Parametric):
     %(configuration)s
     T : float
         sample period in s
-    substeps : int
-        JSBSim steps per sample period
     condition : TrimCondition, optional
         replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` where
         they are not sufficient
     %(written)s
-    root : str, optional
-        JSBSim root directory; default is the one shipped with jsbsim
-    %(surroundings)s
-    latitude : float, optional
-        where the flight starts: geodetic latitude in deg, north positive; default is the model's
-        own (0)
-    longitude : float, optional
-        likewise in deg, east positive
     input_properties : list of str, optional
         further inputs, which come after the fixed ones: short names ("flaps", "gear", "speedbrake",
         "spoilers", "brakes", "left_brake", "right_brake", "steering", and "throttle[0]",
@@ -120,6 +110,19 @@ class Aircraft(FlightBlock, Parametric):
     scrape_max : float
         largest depth to which anything but a wheel may press into the ground, ft: with the default
         of 0 nothing else may touch it; ``inf`` sets no limit
+
+    Other Parameters
+    ----------------
+    substeps : int
+        JSBSim steps per sample period
+    root : str, optional
+        JSBSim root directory; default is the one shipped with jsbsim
+    %(surroundings)s
+    latitude : float, optional
+        where the flight starts: geodetic latitude in deg, north positive; default is the model's
+        own (0)
+    longitude : float, optional
+        likewise in deg, east positive
 
     Inputs
     ------

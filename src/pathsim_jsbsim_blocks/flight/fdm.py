@@ -21,8 +21,8 @@ class JSBSimFDM(FlightBlock, Parametric):
     t_k = k T they are the state at exactly t_k; inputs are read at t_k and held over [t_k, t_k+1).
     Input values replace the property's value (absolute): an input that is not wired writes 0.
 
-    The first eight parameters are those of pathsim-flight's ``JSBSimWrapper``, which this block
-    replaces: that one runs a step ahead of the clock and does not reset.
+    The first eight parameters of the signature are those of pathsim-flight's ``JSBSimWrapper``,
+    which this block replaces: that one runs a step ahead of the clock and does not reset.
 
     Parameters
     ----------
@@ -32,8 +32,6 @@ class JSBSimFDM(FlightBlock, Parametric):
         properties written from the input ports, in this order
     output_properties : list of str
         properties shown at the output ports, in this order
-    JSBSim_path : str, optional
-        JSBSim root directory; default is the one shipped with jsbsim
     aircraft_model : str
         name of the model
     trim_airspeed : float
@@ -51,6 +49,11 @@ class JSBSimFDM(FlightBlock, Parametric):
     condition : TrimCondition, optional
         replaces the trim parameters above where they are not sufficient
     %(written)s
+
+    Other Parameters
+    ----------------
+    JSBSim_path : str, optional
+        JSBSim root directory; default is the one shipped with jsbsim
     substeps : int
         JSBSim steps per sample period
     %(surroundings)s

@@ -76,9 +76,6 @@ class TrimCondition:
         true heading in deg
     bank : float
         bank angle in deg, right wing down positive (mode "turn" only)
-    load_factor : float
-        lift over weight in g (mode "pull-up" only). It is the load factor of the wind axes: at 2
-        the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
     mode : str
         "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
         is the ground's), "pull-up", "turn", "glide" (throttle closed or no engine, ``gamma`` free
@@ -90,8 +87,6 @@ class TrimCondition:
         where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
-    alpha_min, alpha_max : float, optional
-        limits of the angle of attack in deg for the trim; default is the model's own
     wind_north, wind_east : float
         steady wind in ft/s, the direction it blows to; speed and path angle are relative to the
         air. JSBSim trims the velocity over the ground, which changes throughout a turn in wind,
@@ -100,15 +95,25 @@ class TrimCondition:
         point masses in lb: ``{index: lb}`` or a list from index 0
     fuel : dict or list, optional
         contents of the tanks in lb: ``{index: lb}`` or a list from index 0
+    beta : float
+        sideslip angle in deg of a steady-heading sideslip, positive with the wind from the right
+        (modes "full", "longitudinal" and "glide")
+    latitude, longitude : float, optional
+        geodetic position in deg, north and east positive; default is the model's own (0, 0)
+
+    Other Parameters
+    ----------------
+    load_factor : float
+        lift over weight in g (mode "pull-up" only). It is the load factor of the wind axes: at 2
+        the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
+    alpha_min, alpha_max : float, optional
+        limits of the angle of attack in deg for the trim; default is the model's own
     empty_cg_x : float, optional
         x of the empty-weight CG in inches aft, structural axes; default is the model's own
     setup : dict, optional
         further properties to write before the model is initialised; a block's own ``setup`` is
         written after these. In mode "none" initial conditions given here (``ic/vd-fps``,
         ``ic/p-rad_sec``) replace those of the fields above
-    beta : float
-        sideslip angle in deg of a steady-heading sideslip, positive with the wind from the right
-        (modes "full", "longitudinal" and "glide")
     throttle : float, optional
         command of every engine, 0 to 1, instead of the one that holds speed and path
     thrust : float, optional
@@ -117,8 +122,6 @@ class TrimCondition:
         what the search moves to balance the forces along the path: "throttle", "gamma" or
         "speed". Default is the throttle, or ``gamma`` if the throttle or the thrust is given. The
         condition's own value is then the first guess
-    latitude, longitude : float, optional
-        geodetic position in deg, north and east positive; default is the model's own (0, 0)
     engines_off : list of int or "all"
         engines that do not run, from 0: jets without thrust, propellers that the wind may turn
         (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one

@@ -1,0 +1,134 @@
+"""``course`` and ``help``."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import inspect
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+from .arguments import Commands, add_command
+
+
+def add_course(commands: Commands) -> None:
+    sub = add_command(
+        commands, "course", course, "copy the chapters of the course, and open them in JupyterLab"
+    )
+    sub.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path("jsbsim-course"),
+        help="where to copy them (default %(default)s); a file that is there stays as it is",
+    )
+    sub.add_argument("--no-open", action="store_true", help="only copy")
+
+
+def chapters() -> Path:
+    """The folder of the course: in the package if it is installed, otherwise in the repository."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "course"
+    return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
+
+
+def course(args: argparse.Namespace) -> int:
+    from .._core.extras import required
+
+    kept = _copied(args.folder)
+    print(f"the course is in {args.folder.resolve()}")
+    if kept:
+        print(
+            f"kept as you left them: {', '.join(kept)}; to get a chapter anew, rename yours first"
+        )
+    if args.no_open:
+        return 0
+    required("jupyterlab", "course")
+    first = min(path.name for path in chapters().glob("*.ipynb"))
+    return subprocess.run([sys.executable, "-m", "jupyterlab", first], cwd=args.folder).returncode
+
+
+# a link to a page of the documentation, which is not beside the copy
+_PAGE = re.compile(r"\[([^][\"\n]+)\]\(\.\./([\w/-]+)\.\w+(?:#[\w-]+)?\)")
+
+
+def _copied(folder: Path) -> list[str]:
+    """Copy chapters and figures; the files that were there and differ, which stay."""
+    kept = []
+    (folder / "figures").mkdir(parents=True, exist_ok=True)
+    for source in sorted(chapters().glob("*.ipynb")):
+        target = folder / source.name
+        text = _PAGE.sub(r"\1 (docs/\2)", source.read_text(encoding="utf-8"))
+        if not target.exists():
+            target.write_text(text, encoding="utf-8", newline="\n")
+        elif target.read_text(encoding="utf-8") != text:
+            kept.append(source.name)
+    for picture in (chapters() / "figures").iterdir():
+        shutil.copy(picture, folder / "figures")
+    return kept
+
+
+def add_help(commands: Commands) -> None:
+    sub = add_command(commands, "help", print_manual, "the manual page of a block, or all blocks")
+    sub.add_argument("block", nargs="?", help="such as Aircraft, or Scope of PathSim")
+
+
+def print_manual(args: argparse.Namespace) -> None:
+    import pathsim.blocks
+
+    import pathsim_jsbsim_blocks as package
+
+    from .._core.checks import did_you_mean, nearest, refuse
+
+    ours = {name: getattr(package, name) for name in package.__all__}
+    theirs = {n: o for n, o in vars(pathsim.blocks).items() if inspect.isclass(o)}
+    if args.block is None:
+        for name, block in ours.items():
+            if inspect.isclass(block) and issubclass(block, pathsim.blocks.Block):
+                print(f"{name:<19} {(inspect.getdoc(block) or '').partition(chr(10))[0]}")
+        return
+    found = {**theirs, **ours}.get(args.block)
+    if found is None:
+        names = did_you_mean(nearest(args.block, [*ours, *theirs], 2))
+        refuse("block", args.block, f"no block {args.block!r}{names}")
+    print((inspect.getdoc(found) or "").replace("``", "`").rstrip())
+    if inspect.isclass(found) and issubclass(found, pathsim.blocks.Block):
+        title, *lines = _use(args.block, found)
+        print(f"\n{title}\n{'-' * len(title)}")
+        print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))
+    arguments = ", ".join(
+        p.name if p.default is p.empty else f"{p.name}={p.default!r}"
+        for p in inspect.signature(found).parameters.values()
+    )
+    signature = textwrap.fill(f"{args.block}({arguments})", 96, subsequent_indent="    ")
+    print(f"\nSignature\n---------\n{signature}")
+
+
+def _use(name: str, block: Any) -> list[str]:
+    """How the shortest diagram that has the block builds and connects it; else how one could."""
+    from ..catalogue import diagram_folder
+
+    for script in sorted(diagram_folder().glob("*.py"), key=lambda file: file.stat().st_size):
+        tree = ast.parse(script.read_text(encoding="utf-8"))
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith(f"{name}("):
+                variable = re.compile(rf"\b{ast.unparse(node.targets[0])}\b")
+                calls = [ast.unparse(n) for n in ast.walk(tree) if isinstance(n, ast.Call)]
+                wires = [c for c in calls if c.startswith("Connection(") and variable.search(c)]
+                return [f"In the diagram {script.stem}", ast.unparse(node), *wires]
+    inputs, outputs = (
+        [f"block[{port!r}]" for port in getattr(block, f"{side}_port_labels", None) or ()]
+        for side in ("input", "output")
+    )
+    wires = [f"Connection(other, {port})" for port in inputs]
+    return [
+        "In a diagram",
+        f"block = {name}()",
+        *wires,
+        *(f"Connection({x}, other)" for x in outputs),
+    ]

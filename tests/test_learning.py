@@ -1,0 +1,109 @@
+"""The commands that teach: the course copied to a folder, the manual pages of blocks."""
+
+import inspect
+import json
+import re
+import sys
+
+import pytest
+from pathsim.blocks import Block
+
+import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks.cli import main
+
+CHAPTERS = 10
+
+
+def chapters(folder):
+    return sorted(path.name for path in folder.glob("*.ipynb"))
+
+
+def test_the_course_is_copied_with_its_figures(tmp_path, capsys):
+    folder = tmp_path / "my course"
+    assert main(["course", str(folder), "--no-open"]) == 0
+    assert len(chapters(folder)) == CHAPTERS
+    assert str(folder) in capsys.readouterr().out
+    for name in chapters(folder):
+        notebook = json.loads((folder / name).read_text(encoding="utf-8"))
+        prose = "".join(
+            "".join(c["source"]) for c in notebook["cells"] if c["cell_type"] == "markdown"
+        )
+        # what a link leads to is there; pages of the documentation are named instead
+        for target in re.findall(r"\]\(([^)#]+)", prose):
+            assert target.startswith("http") or (folder / target).is_file(), target
+
+
+def test_a_chapter_of_the_users_stays_and_is_named(tmp_path, capsys):
+    main(["course", str(tmp_path), "--no-open"])
+    first, *_, last = chapters(tmp_path)
+    (tmp_path / first).write_text("mine", encoding="utf-8")
+    (tmp_path / last).unlink()
+    capsys.readouterr()
+    assert main(["course", str(tmp_path), "--no-open"]) == 0
+    assert (tmp_path / first).read_text(encoding="utf-8") == "mine"
+    assert (tmp_path / last).is_file()
+    out = capsys.readouterr().out
+    assert [name for name in chapters(tmp_path) if name in out] == [first]
+
+
+def test_without_jupyterlab_the_extra_is_named_and_the_chapters_are_there(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setitem(sys.modules, "jupyterlab", None)
+    assert main(["course", str(tmp_path / "course")]) == 1
+    assert "pathsim-jsbsim-blocks[course]" in capsys.readouterr().err
+    assert len(chapters(tmp_path / "course")) == CHAPTERS
+
+
+def test_a_file_in_the_place_of_the_folder_is_an_error(tmp_path, capsys):
+    (tmp_path / "course").write_text("mine", encoding="utf-8")
+    assert main(["course", str(tmp_path / "course"), "--no-open"]) == 1
+    assert "course" in capsys.readouterr().err
+    assert (tmp_path / "course").read_text(encoding="utf-8") == "mine"
+
+
+BLOCKS = [
+    name
+    for name in package.__all__
+    if inspect.isclass(getattr(package, name)) and issubclass(getattr(package, name), Block)
+]
+
+
+def test_help_without_a_block_lists_them_all(capsys):
+    assert main(["help"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == BLOCKS
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_help_prints_parameters_ports_and_a_use(name, capsys):
+    assert main(["help", name]) == 0
+    page = capsys.readouterr().out
+    block = getattr(package, name)
+    if len(inspect.signature(block).parameters):
+        assert "\nParameters\n----" in page
+    for port in [*(block.input_port_labels or ()), *(block.output_port_labels or ())]:
+        assert re.search(rf"\b{port}\b", page)
+    assert re.search(rf"\nIn (the diagram \w+|a diagram)\n-+\n\w+ = {name}\(", page)
+    assert page.count("\nConnection(") > 0
+    assert f"\n{name}(" in page
+
+
+def test_help_shows_what_most_users_need_first(capsys):
+    main(["help", "Aircraft"])
+    page = capsys.readouterr().out
+    order = [page.index(f"\n{name} : ") for name in ("altitude", "speed", "T")]
+    assert max(order) < page.index("\nOther Parameters\n") < page.index("\nsubsteps : ")
+
+
+def test_help_knows_the_blocks_of_pathsim(capsys):
+    assert main(["help", "Integrator"]) == 0
+    assert "initial_value" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [("PichHold", "PitchHold"), ("aircraft", "Aircraft"), ("Integrater", "Integrator")],
+)
+def test_a_block_that_does_not_exist_is_refused_naming_the_nearest(wrong, right, capsys):
+    assert main(["help", wrong]) == 1
+    assert f"{right!r}" in capsys.readouterr().err
