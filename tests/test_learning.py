@@ -64,7 +64,7 @@ def test_a_file_in_the_place_of_the_folder_is_an_error(tmp_path, capsys):
 
 BLOCKS = [
     name
-    for name in package.__all__
+    for name in sorted(package.__all__)
     if inspect.isclass(getattr(package, name)) and issubclass(getattr(package, name), Block)
 ]
 

@@ -85,7 +85,7 @@ def print_manual(args: argparse.Namespace) -> None:
 
     from .._core.checks import did_you_mean, nearest, refuse
 
-    ours = {name: getattr(package, name) for name in package.__all__}
+    ours = {name: getattr(package, name) for name in dir(package)}
     theirs = {n: o for n, o in vars(pathsim.blocks).items() if inspect.isclass(o)}
     if args.block is None:
         for name, block in ours.items():
