@@ -1,6 +1,10 @@
 """Sphinx configuration: python -m sphinx -W --keep-going docs site."""
 
+import sys
 from importlib.metadata import version as installed_version
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 project = "pathsim-jsbsim-blocks"
 copyright = "pathsim-jsbsim-blocks contributors"
@@ -10,12 +14,17 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx_copybutton",
     "sphinx_design",
+    "hooks",
 ]
 nb_execution_mode = "off"  # docs/notebooks.py executes them
 
+nb_ipywidgets_js = {}  # the notebooks have no widgets; their script comes from a network
+
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_theme = "furo"
 html_title = f"{project} {version}"
 html_show_sphinx = False

@@ -221,6 +221,46 @@ def climb():
     return figure
 
 
+def controls():
+    """Elevator, ailerons and rudder where their commands are positive, and what the nose does."""
+    figure, (side, behind, above) = canvas(3, 9.5, 3.4)
+    aircraft(side, outline())
+    surface(side, (-0.78, 0.1), 0.3, 205, "trailing edge down")
+    moment(side, (0.75, 0.0), 0.42, 55, -55)
+    aircraft(behind, front())
+    surface(behind, (0.95, 0.13), 0.2, 90, "right one up")
+    surface(behind, (-0.95, 0.13), 0.2, 270, "left one down")
+    moment(behind, (0.0, 0.1), 0.5, 130, 50)
+    aircraft(above, plan(90, 0.8))
+    surface(above, (0.0, -0.72), 0.3, 240, "trailing edge left")
+    moment(above, (0.0, 0.45), 0.42, 55, 125)
+    for ax, does, seen in (
+        (side, "elevator: nose down", "from the right"),
+        (behind, "aileron: right wing down", "from behind"),
+        (above, "rudder: nose left", "from above"),
+    ):
+        ax.set_title(f"positive {does}\n({seen})", fontsize="medium")
+        ax.set(xlim=(-1.35, 1.35), ylim=(-1.2, 1.2))
+    return figure
+
+
+def surface(ax, hinge, length, angle, text):
+    """A control surface from its hinge, deflected to an angle (deg, from the right)."""
+    dx, dz = turned([length], [0.0], angle)
+    ax.plot([hinge[0], hinge[0] + dx[0]], [hinge[1], hinge[1] + dz[0]], color=FORCE, lw=4)
+    where = hinge[0], hinge[1] + (0.38 if 0 < angle < 180 else -0.38)
+    ax.text(*where, text, color=FORCE, ha="center", va="center")
+
+
+def moment(ax, centre, radius, begin, end):
+    """A curved arrow about a centre, between two angles in deg."""
+    angles = np.radians(np.linspace(begin, end, 40))
+    x, y = centre[0] + radius * np.cos(angles), centre[1] + radius * np.sin(angles)
+    ax.plot(x, y, color=BODY, lw=1.8)
+    arrow_head = {"arrowstyle": "-|>", "color": BODY, "lw": 1.8}
+    ax.annotate("", xy=(x[-1], y[-1]), xytext=(x[-3], y[-3]), arrowprops=arrow_head)
+
+
 def points():
     airframe = Airframe("c172p")
     airframe.run_ic()
@@ -229,7 +269,7 @@ def points():
 
 def main():
     FOLDER.mkdir(exist_ok=True)
-    for draw in (structural, wind, euler, earth, climb, points):
+    for draw in (structural, wind, euler, earth, climb, controls, points):
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
             with plt.style.context(style):
                 figure = draw()

@@ -1,22 +1,21 @@
 """Make the gain tables of the fleet.
 
-Each aircraft that trims in level flight (`docs/fleet.md`) gets gains at three altitudes and three
-airspeeds, where it trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The
+Each aircraft that trims in level flight (`docs/evidence/fleet.md`) gets gains at three altitudes
+and three airspeeds, where it trims there, in `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The
 hand-tuned tables keep their names: the designed ones of these aircraft are called
 `AIRCRAFT-designed`.
 
-With ``--fly`` the steps are flown with the existing tables, for `docs/designed-gains.md`; with
-``--off`` at other airspeeds, altitudes and fuel.
+With ``--fly`` the steps are flown with the existing tables, for
+`docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel.
 """
 
 import argparse
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from generate import put
+from generate import EVIDENCE, put
 
 from pathsim_jsbsim_blocks import Aircraft, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
@@ -297,7 +296,7 @@ def fly_off(names):
             print(rows[-1], end="", flush=True)
     if not names:
         put(
-            Path(__file__).with_name("designed-gains.md"),
+            EVIDENCE / "designed-gains.md",
             "off design",
             OFF_HEADER + "".join(rows).rstrip(),
         )
@@ -311,7 +310,7 @@ def fly(names):
             rows.append(flights(name, *nominal(name)))
             print(rows[-1], end="", flush=True)
     if not names:
-        page = Path(__file__).with_name("designed-gains.md")
+        page = EVIDENCE / "designed-gains.md"
         put(page, "flights", HEADER + "".join(rows).rstrip())
         put(page, "hand-tuned", HEADER + "".join(compared()).rstrip())
 

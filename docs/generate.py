@@ -42,10 +42,11 @@ from pathsim_jsbsim_blocks.flight.fleet import (
     fleet_table,
     format_row,
 )
-from pathsim_jsbsim_blocks.plots import against
+from pathsim_jsbsim_blocks.plots import against, saving_to
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
+EVIDENCE = DOCS / "evidence"
 GALLERY_INTRODUCTION = """\
 # Gallery
 
@@ -66,13 +67,24 @@ def picture(name):
         os.chdir(DOCS)
 
 
+def page_picture(name):
+    """The figure that the code of a page shows."""
+    text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    code = "".join(re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S))
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder, f"{name}.png")
+        with saving_to(drawn), contextlib.redirect_stdout(io.StringIO()):
+            exec(compile(code, f"{name}.md", "exec"), {})
+        shrink(drawn, DOCS / "pictures" / drawn.name)
+
+
 def study_pictures():
     """The figure of each study."""
     (DOCS / "pictures").mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         for name, study in STUDIES.items():
             drawn = Path(folder, f"{name}.png")
-            study.figure(study.table(progress=False)).savefig(drawn, dpi=110)
+            study.figure(study.table(progress=False)).savefig(drawn, dpi=100)
             shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
 
 
@@ -88,7 +100,7 @@ def climbs():
             "altitude",
             {flight: diagram.flight for flight, diagram in diagrams.items()},
             title="A-4: climb from a trim at 300 KCAS and 5 deg",
-        ).savefig(drawn, dpi=110)
+        ).savefig(drawn, dpi=100)
         shrink(drawn, DOCS / "pictures" / drawn.name)
 
 
@@ -103,58 +115,69 @@ def shrink(source, target, width=800):
         small.quantize(128, Image.Quantize.FASTOCTREE).save(target, optimize=True)
 
 
+def docstring(name):
+    """Summary and text of a diagram's script."""
+    text = ast.get_docstring(ast.parse(find_diagram(name).read_text(encoding="utf-8")))
+    summary, _, rest = text.partition("\n")
+    return summary, rest.strip()
+
+
 def gallery():
-    """One section for each diagram: what it shows, its figure, its model, its script."""
+    """A picture and a line for each diagram, by where it comes from."""
+    groups = {"From the published notebooks": [], "Beyond them": [], "NASA's check cases": []}
+    for name in diagram_names():
+        published = "published JSBSim/PathSim notebook" in docstring(name)[1]
+        kind = 2 if name.startswith("check_case_") else 0 if published else 1
+        groups[list(groups)[kind]].append(name)
     parts = [GALLERY_INTRODUCTION]
-    for name in gallery_names():
-        summary, _, rest = ast.get_docstring(
-            ast.parse(find_diagram(name).read_text(encoding="utf-8"))
-        ).partition("\n")
-        parts.append(f"""\
-## {name}
-
-**{summary}**
-
-{rest.strip().replace("``", "`")}
-
-[![Time histories of {name}](pictures/{name}.png)](pictures/{name}.png)
-{track(name)}{family(name)}
-:::{{dropdown}} The diagram in PathView
-[![The diagram {name} in PathView](pictures/{name}_pathview.png)](pictures/{name}_pathview.png)
-:::
-
-:::{{dropdown}} The script
-```{{literalinclude}} ../diagrams/{name}.py
-:language: python
-```
-:::
-""")
+    for title, names in groups.items():
+        cells = [gallery_cell(name) for name in names]
+        cells += [""] * (-len(cells) % 3)
+        rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
+        parts.append(f"## {title}\n\n| | | |\n|---|---|---|\n{''.join(rows)}")
     return "\n".join(parts)
 
 
-# the check cases with a section of their own, and those that share it
-FAMILIES = {
-    "check_case_01": "The others that fall are `check_case_02` to `check_case_10`",
-    "check_case_13_3": "The F-16 flies `check_case_11` to `check_case_16` too",
-}
+def gallery_cell(name):
+    link = f"(../diagrams/{name}.py)"
+    return f"[![{name}](pictures/{name}.png)]{link} [`{name}`]{link} {docstring(name)[0]}"
 
 
-def gallery_names():
-    """The diagrams with a section of their own: the check cases share two."""
-    return [n for n in diagram_names() if not n.startswith("check_case_") or n in FAMILIES]
+def diagram_page(name):
+    """The page of a diagram: what it shows, its figures, its model, its script."""
+    summary, rest = docstring(name)
+    shown = [n for n in (name, f"{name}_track", f"{name}_pathview") if pictured(n)]
+    pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
+    return f"""\
+{name}
+{"=" * len(name)}
+
+**{summary}**
+
+{rest}
+
+.. code-block:: sh
+
+   pathsim-jsbsim run {name} --save {name}.png
+   pathsim-jsbsim view {name}
+
+{pictures}
+
+.. dropdown:: The script
+
+   .. literalinclude:: ../../diagrams/{name}.py
+      :language: python
+"""
 
 
-def family(name):
-    """Where the diagrams are that share a section."""
-    if name not in FAMILIES:
-        return ""
-    return f"\n{FAMILIES[name]}; [how far to trust it](accuracy.md) shows them all.\n"
+def pictured(name):
+    return (DOCS / "pictures" / f"{name}.png").is_file()
 
 
-def track(name):
-    """The ground track of a diagram that draws one."""
-    file = f"pictures/{name}_track.png"
-    return f"\n[![Ground track of {name}]({file})]({file})\n" if (DOCS / file).is_file() else ""
+def drawn_in_pathview():
+    """The diagrams with a picture of their model: one of each kind of check case."""
+    kinds = ("check_case_01", "check_case_13_3")
+    return [n for n in diagram_names() if not n.startswith("check_case_") or n in kinds]
 
 
 def fleet_page():
@@ -294,7 +317,7 @@ def put(page, name, text):
 def accuracy():
     """The tables of the check cases and of the integrators."""
     precise, f16 = check_cases(), check_cases(F16)
-    page = DOCS / "accuracy.md"
+    page = EVIDENCE / "accuracy.md"
     put(DOCS.parent / "README.md", "check cases", trust_table(precise))
     put(DOCS.parent / "README.md", "F-16", f16_table(f16))
     put(page, "check cases", cases_table(precise))
@@ -347,8 +370,8 @@ def duration(seconds):
 
 MODES_HEADER = """\
 | aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | vt, up first \
-| vt, down first | remark |
-|---|---|---|---|--:|--:|--:|--:|--:|---|
+| vt, down first |
+|---|---|---|---|--:|--:|--:|--:|--:|
 """
 
 # what neither an even part nor the engine explains
@@ -375,12 +398,24 @@ def modes_page():
         "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
         "The next columns have the same for vt (throttle), with doublets that begin upwards and "
         "downwards: a turbine's spools\naccelerate at constant rates, [slower up than down]"
-        "(linear-models.md#the-throttle-of-a-turbine).\n"
+        "(../linear-models.md#the-throttle-of-a-turbine).\n"
         "An error above 5 %, in bold, means that the aircraft is not linear in that range; the "
-        "remarks are the warnings given,\nor the error where there is no model. A glide's throttle "
+        "notes are the warnings given,\nor the error where there is no model. A glide's throttle "
         "is closed, so it is not among the inputs."
-        f"\n\n{MODES_HEADER}" + "".join(lines)
+        f"\n\n{MODES_HEADER}{noted(lines)}"
     )
+
+
+def noted(rows):
+    """Rows of a table with the last cell of each, a remark, as a footnote to its first."""
+    notes = []
+    for i, row in enumerate(rows):
+        _, name, *cells, remark, _ = row.split("|")
+        if remark.strip():
+            notes.append(f"[^{name.strip()}]: {remark.strip()}\n")
+            name = f" {name.strip()}[^{name.strip()}] "
+        rows[i] = f"|{'|'.join([name, *cells])}|\n"
+    return "".join([*rows, "\n", *notes])
 
 
 def modes_of(name):
@@ -461,13 +496,14 @@ def flown(plane, u):
 
 
 def main():
-    (DOCS / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
+    (EVIDENCE / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
     accuracy()
     put(DOCS / "scale.md", "batches", scale_table())
-    (DOCS / "fleet.md").write_text(fleet_page(), encoding="utf-8")
+    (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
     for name in diagram_names():
         picture(name)
+    page_picture("approach")
     study_pictures()
     climbs()
 

@@ -1,4 +1,4 @@
-"""Fly the autopilot in random cases and write the table of docs/monte-carlo.md.
+"""Fly the autopilot in random cases and write the table of docs/evidence/monte-carlo.md.
 
     python docs/monte_carlo.py [CASES] [TABLE ...]
 
@@ -7,11 +7,10 @@ wind and the seed of the turbulence are drawn anew for each case.
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point, no_throttle
-from generate import put
+from generate import EVIDENCE, put
 
 T = 1 / 60
 TABLES = ("c172p-designed", "737-designed", "A320", "T38")
@@ -164,7 +163,7 @@ def main(cases, names):
     text = counted(results)
     print(text)
     if names == list(TABLES):
-        put(Path(__file__).with_name("monte-carlo.md"), "flights", text)
+        put(EVIDENCE / "monte-carlo.md", "flights", text)
     return results
 
 

@@ -9,7 +9,7 @@ import tempfile
 import threading
 from pathlib import Path
 
-from generate import DOCS, gallery_names, shrink
+from generate import DOCS, drawn_in_pathview, shrink
 from playwright.sync_api import sync_playwright
 
 from pathsim_jsbsim_blocks import cli
@@ -110,4 +110,4 @@ def main(names):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or gallery_names())
+    main(sys.argv[1:] or drawn_in_pathview())

@@ -34,10 +34,13 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
 
 
 # test_workers has sweeps, a cluster and a batch in each run of the tests
+BATCHES = ("studies", "own-study", "monte-carlo")
+
+
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(p, id=p.name, marks=pytest.mark.long if "stud" in p.name else ())
+        pytest.param(p, id=p.name, marks=pytest.mark.long if p.stem in BATCHES else ())
         for p in PAGES
         if blocks(p, "python")
     ],
@@ -239,3 +242,31 @@ def test_generated_pages_are_current(monkeypatch):
     generate = importlib.import_module("generate")
     assert generate.gallery() == (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     assert generate.scale_table() in (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
+
+
+def test_every_diagram_has_a_page_with_its_picture(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    generate = importlib.import_module("generate")
+    for name in diagram_names():
+        assert f".. image:: ../pictures/{name}.png" in generate.diagram_page(name), name
+    # a formula stays a directive, which Sphinx typesets
+    assert "\n.. math::\n    \\ddot x" in generate.diagram_page("van_der_pol")
+
+
+def test_formulas_of_the_site_need_no_script(monkeypatch):
+    pytest.importorskip("sphinx")
+    from docutils import nodes
+
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    hooks = importlib.import_module("hooks")
+
+    class Writer:
+        body = []
+
+    for node in (nodes.math_block("", r"a &= \frac{b}{c} \\ d &= e"), nodes.math("", r"\alpha")):
+        with pytest.raises(nodes.SkipNode):
+            hooks.mathml(Writer, node)
+    lines, word = Writer.body
+    assert lines.count("<mtr>") == 2
+    assert "<mfrac>" in lines
+    assert "<mi>\N{GREEK SMALL LETTER ALPHA}</mi>" in word

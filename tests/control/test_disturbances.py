@@ -1,6 +1,6 @@
 """The autopilot in moving air, with noisy sensors and saturated actuators, and off its point.
 
-Step tolerances and times are those of the table in docs/autopilots.md.
+Step tolerances and times are those of the table in docs/evidence/autopilots.md.
 """
 
 from __future__ import annotations

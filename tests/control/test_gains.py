@@ -284,7 +284,9 @@ def test_schedules_that_cannot_be(schedule):
 
 
 def test_the_page_shows_the_gains_that_are_flown():
-    page = (Path(__file__).parents[2] / "docs" / "autopilots.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "evidence" / "autopilots.md").read_text(
+        encoding="utf-8"
+    )
     loops = "pitch|roll|heading|altitude|speed|yaw|envelope"
     rows = re.findall(rf"^\| ({loops}) \| (\w+) \| (.+) \|$", page, re.M)
     shown = {
@@ -303,7 +305,9 @@ def test_the_page_shows_the_gains_that_are_flown():
 
 
 def test_the_page_shows_how_slowly_the_airspeed_settles():
-    page = (Path(__file__).parents[2] / "docs" / "autopilots.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "evidence" / "autopilots.md").read_text(
+        encoding="utf-8"
+    )
     nominal = [loop_gains(str(file), "speed")[0] for file in DESIGNED]
     times = [gains.Kp / gains.Ki for gains in nominal]
     assert f"Kp / Ki is {min(times):.0f} to {max(times):.0f} s at their nominal points" in page

@@ -1,4 +1,4 @@
-"""The holds on the nonlinear aircraft in still air: the table of docs/autopilots.md.
+"""The holds on the nonlinear aircraft in still air: the table of docs/evidence/autopilots.md.
 
 The limits are those documented for the holds; the measured values are about half of them.
 """

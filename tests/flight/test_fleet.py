@@ -150,7 +150,12 @@ def test_the_command_prints_the_table(capsys, monkeypatch):
 
 
 def test_the_page_is_up_to_date():
-    page = Path(__file__).parents[2].joinpath("docs", "fleet.md").read_text(encoding="utf-8")
+    page = (
+        Path(__file__)
+        .parents[2]
+        .joinpath("docs", "evidence", "fleet.md")
+        .read_text(encoding="utf-8")
+    )
     rows = [
         [cell.strip() for cell in line.split("|")[1:-1]]
         for line in page.splitlines()

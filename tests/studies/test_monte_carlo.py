@@ -1,4 +1,4 @@
-"""The flights behind docs/monte-carlo.md."""
+"""The flights behind docs/evidence/monte-carlo.md."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def monte_carlo(monkeypatch):
 
 def rows():
     """Cells of the page's table by the name of the row."""
-    lines = re.findall(r"^\| (.*) \|$", (DOCS / "monte-carlo.md").read_text(encoding="utf-8"), re.M)
+    lines = re.findall(
+        r"^\| (.*) \|$", (DOCS / "evidence" / "monte-carlo.md").read_text(encoding="utf-8"), re.M
+    )
     return {cells[0]: cells[1:] for cells in (line.split(" | ") for line in lines)}
 
 

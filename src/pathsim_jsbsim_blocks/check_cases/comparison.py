@@ -333,8 +333,10 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
             ax.grid(alpha=0.4)
     *_, last, spare = axes.flat
     if len(shown) % 2:  # the last panel takes the whole row
-        spare.remove()
+        spare.set_visible(False)
         last.set_subplotspec(last.get_gridspec()[-1, :])
+        for ax in axes[-2]:
+            ax.tick_params(labelbottom=True)
     for ax in axes[-1]:
         ax.set_xlabel("time [s]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)

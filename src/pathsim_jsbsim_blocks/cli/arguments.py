@@ -65,7 +65,7 @@ def condition_options(sub: argparse.ArgumentParser) -> None:
         "--speed",
         type=float,
         default=100.0,
-        help="KCAS (default %(default)g; docs/fleet.md has one for each aircraft)",
+        help="KCAS (default %(default)g; docs/evidence/fleet.md has one for each aircraft)",
     )
     speed.add_argument("--mach", type=float, help="instead of --speed")
     sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")

@@ -286,7 +286,7 @@ def add_gains(commands: Commands) -> None:
             metavar=unit.upper(),
             type=float,
             nargs="+",
-            help=f"{unit}, one or several (default: where docs/fleet.md has it in level flight)",
+            help=f"{unit}, one or several (default: docs/evidence/fleet.md)",
         )
     sub.add_argument("--gear", type=float, help="0 up to 1 down (default: up where it retracts)")
     sub.add_argument("--flaps", type=float, help="0 to 1")

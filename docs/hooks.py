@@ -1,0 +1,65 @@
+"""What the site needs beyond Sphinx: formulas without scripts, the pages of the gallery, pictures.
+
+Formulas become MathML, which browsers draw themselves: no script and no network.
+"""
+
+import re
+
+from docutils import nodes
+from docutils.utils.math import MathError
+from docutils.utils.math.latex2mathml import tex2mathml
+from generate import DOCS, diagram_page
+from sphinx.util import logging
+
+from pathsim_jsbsim_blocks.catalogue import diagram_names
+
+
+def mathml(writer, node):
+    """Write a formula, in the text or on a line of its own."""
+    block = isinstance(node, nodes.math_block)
+    tex = node.astext()
+    if r"\\" in tex:
+        tex = rf"\begin{{aligned}}{tex}\end{{aligned}}"
+    try:
+        formula = tex2mathml(tex, as_block=block)
+    except MathError as error:
+        logging.getLogger(__name__).warning("formula: %s", error, location=node)
+        formula = writer.encode(tex)
+    writer.body.append(f'<div class="formula">{formula}</div>' if block else formula)
+    raise nodes.SkipNode
+
+
+def write_diagram_pages(app):
+    """A page for each diagram; the same text leaves the file, so that it is not built anew."""
+    folder = DOCS / "gallery"
+    folder.mkdir(exist_ok=True)
+    for name in diagram_names():
+        page, text = folder / f"{name}.rst", diagram_page(name)
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            page.write_text(text, encoding="utf-8")
+
+
+def link_diagram_pages(app, name, source):
+    """In the repository a link to a diagram leads to its script, on the site to its page."""
+    up = "../" * name.count("/")
+    source[0] = re.sub(
+        rf"\({re.escape(up)}\.\./diagrams/(\w+)\.py\)", rf"({up}gallery/\1.rst)", source[0]
+    )
+    if name == "gallery":
+        source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\ngallery/*\n```\n"
+
+
+def open_in_full(app, doctree):
+    """Pictures are links to themselves, as Sphinx does it for those with a size."""
+    for image in doctree.findall(nodes.image):
+        image.setdefault("width", "100%")
+        if not re.search(r"_pathview|drawing_|flight_report|\.svg$", image["uri"]):
+            image["classes"].append("plot")
+
+
+def setup(app):
+    app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
+    app.connect("builder-inited", write_diagram_pages)
+    app.connect("source-read", link_diagram_pages)
+    app.connect("doctree-read", open_in_full)
+    return {"parallel_read_safe": True}
