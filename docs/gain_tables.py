@@ -2,8 +2,8 @@
 
 Each aircraft that trims in level flight (`docs/evidence/fleet.md`) gets gains at three altitudes
 and three airspeeds, where it trims there, in
-`src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep their names: the designed ones of these aircraft are called
-`AIRCRAFT-designed`.
+`src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep their names:
+the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--fly`` the steps are flown with the existing tables, for
 `docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel.
