@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._core._pathsim import values
 from .._core.checks import mapping, refuse
-from ..linear.model import LinearModel, find
+from ..linear.model import LinearModel
 from .airframe import Airframe
-from .channels import RIGID, Channel, as_shown, driven, full_circle, ignorable
-
-if TYPE_CHECKING:
-    from .block import FlightBlock
+from .channels import RIGID, Channel, as_shown, full_circle, ignorable
+from .flyable import Flyable, Linearised
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit
@@ -51,7 +47,7 @@ _POSITIONS = {
 
 
 def algebraic_model(
-    build: Callable[[], FlightBlock],
+    build: Callable[[], Flyable],
     inputs: Sequence[str] | None,
     outputs: Sequence[str] | None,
     amplitude: Mapping[str, float] | None,
@@ -59,17 +55,10 @@ def algebraic_model(
     """Differentiate a block that ``build`` makes; parameters as of `FlightBlock.linear_model`."""
     if mapping("amplitude", amplitude):
         refuse("amplitude", amplitude, "amplitude is that of pulses: it goes with method='flown'")
-    block = build()
-    airframe = block.airframe
-    ports, channels = block.channels()
-    wanted = find("inputs", [c.name for c in ports], inputs)
-    wanted = driven(airframe, ports, wanted, inputs is not None)
-    moved = [ports[i] for i in wanted]
-    chosen = find("outputs", [c.name for c in channels], outputs)
-    shown = [channels[i] for i in chosen]
-    y0 = np.array(values(block.outputs))[chosen]
-    u0 = np.array(block.trimmed_inputs())[wanted]
-    x0 = np.array([as_shown(c, airframe.fdm[c.properties[0]]) for c in RIGID])
+    plane = build()
+    airframe, subject = plane.airframe, Linearised(plane, inputs, outputs)
+    shown = subject.outputs
+    x0 = [as_shown(c, airframe.fdm[c.properties[0]]) for c in RIGID]
     places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
     for c in shown:
         if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):
@@ -78,7 +67,7 @@ def algebraic_model(
                 c.name,
                 f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'",
             )
-    place0 = [airframe.fdm[c.properties[0]] for c in places]
+    x0 += [airframe.fdm[c.properties[0]] for c in places]
 
     rates = [rate for _, _, rate, _ in _STATES]
     rates += [_POSITIONS[c.properties[0]] for c in places]
@@ -88,7 +77,7 @@ def algebraic_model(
         for c in (*RIGID, *shown)
     ]
     with airframe.engines_stopped():
-        differ = _Differences(airframe, moved, read)
+        differ = _Differences(airframe, subject.inputs, read)
         by_state = differ.states()
         by_input, even = differ.inputs()
     n, k = len(_STATES), len(rates)
@@ -99,36 +88,32 @@ def algebraic_model(
     C, D = by_state[k + n :] @ back, by_input[k + n :]
     if places:
         turn = np.array([[_deg_per_ft(airframe, c.properties[0])] for c in places])
-        rows = turn * (by_state[n:k] @ back)
-        A = np.block([[A, np.zeros((n, len(places)))], [rows, np.zeros((len(places),) * 2)]])
-        B = np.vstack([B, turn * by_input[n:k]])
-        C = np.hstack([C, np.zeros((len(C), len(places)))])
-        for j, c in enumerate(places):
-            row = shown.index(c)
-            C[row], D[row], C[row, n + j] = 0.0, 0.0, 1.0
+        more = turn * (by_state[n:k] @ back), turn * by_input[n:k]
+        A, B, C, D = _with_places((A, B, C, D), more, [shown.index(c) for c in places])
     odd, uneven = (np.sqrt((x[:n] ** 2).sum(axis=0)) for x in (by_input, even))
     kinks = np.where(odd > 0.0, uneven / np.where(odd > 0.0, odd, 1.0), np.nan)
-    p, m = len(shown), len(moved)
-    return LinearModel(
-        aircraft=airframe.aircraft,
-        condition=str(block.trim.condition),
-        method="algebraic",
-        A=A,
-        B=B,
-        C=C,
-        D=D,
-        states=tuple(c.name for c in (*RIGID, *places)),
-        inputs=tuple(c.name for c in moved),
-        outputs=tuple(c.name for c in shown),
-        units={c.name: c.unit for c in (*RIGID, *places, *moved, *shown)},
-        x0=np.array([*x0, *place0]),
-        u0=u0,
-        y0=y0,
-        dt=block.T,
-        latency=np.full(m, _LATENCY),
-        kinks=np.broadcast_to(kinks, (p, m)),
-        fit=np.full((p, m), np.nan),
+    return subject.model(
+        "algebraic",
+        (*RIGID, *places),
+        **{"A": A, "B": B, "C": C, "D": D, "x0": np.array(x0)},
+        latency=np.full(len(odd), _LATENCY),
+        kinks=np.broadcast_to(kinks, D.shape),
+        fit=np.full(D.shape, np.nan),
     )
+
+
+def _with_places(
+    matrices: Sequence[np.ndarray], rates: Sequence[np.ndarray], rows: Sequence[int]
+) -> Sequence[np.ndarray]:
+    """The matrices with further states, positions: their rates, and the outputs that they are."""
+    A, B, C, D = matrices
+    n, m = len(A), len(rows)
+    A = np.block([[A, np.zeros((n, m))], [rates[0], np.zeros((m, m))]])
+    B = np.vstack([B, rates[1]])
+    C = np.hstack([C, np.zeros((len(C), m))])
+    for j, row in enumerate(rows):
+        C[row], D[row], C[row, n + j] = 0.0, 0.0, 1.0
+    return A, B, C, D
 
 
 def _deg_per_ft(airframe: Airframe, position: str) -> float:

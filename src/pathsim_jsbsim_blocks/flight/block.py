@@ -29,7 +29,6 @@ from ..errors import (
     BlocksError,
     CopyError,
     FlightError,
-    LinearisationError,
     ParameterError,
     PropertyError,
 )
@@ -41,6 +40,7 @@ from .console import capture_console, log
 from .contact import GroundContact
 from .flightgear import next_address, sending_nowhere
 from .flown import flown_model
+from .flyable import no_model
 from .property_ports import check_ports, listed
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
@@ -350,12 +350,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         one_of("method", method, ["flown", "algebraic"])
         mode = self.trim.condition.mode
         if mode in ("none", "ground", "pull-up"):
-            raise LinearisationError(
-                f"no linear model of {self.airframe.aircraft!r}: it is not in steady flight "
-                f"(mode={mode!r})",
-                aircraft=self.airframe.aircraft,
-                reason="no trim",
-            )
+            raise no_model(self, "no trim", f"it is not in steady flight (mode={mode!r})")
         make = flown_model if method == "flown" else algebraic_model
         return make(self._twin, inputs, outputs, amplitude)
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..errors import LinearisationError
 from .airframe import Airframe
 
 DEG = 180.0 / math.pi
@@ -87,28 +85,6 @@ def engine_channels(airframe: Airframe) -> list[Channel]:
             if airframe.has(name):
                 found.append(Channel(f"{quantity.partition('-')[0]}[{i}]", (name,), 1.0, unit))
     return found
-
-
-def driven(
-    airframe: Airframe, ports: Sequence[Channel], wanted: Sequence[int], by_name: bool
-) -> list[int]:
-    """Numbers of the inputs wanted that the aircraft has.
-
-    Raises
-    ------
-    LinearisationError
-        for one that was asked for by name and that it does not have: the throttle of a glider
-    """
-    without = [i for i in wanted if not ports[i].properties]
-    if without and by_name:
-        name = ports[without[0]].name
-        raise LinearisationError(
-            f"no linear model of {airframe.aircraft!r}: it has no {name}",
-            aircraft=airframe.aircraft,
-            reason="no response",
-            name=name,
-        )
-    return [i for i in wanted if i not in without]
 
 
 def ignorable(channel: Channel) -> bool:

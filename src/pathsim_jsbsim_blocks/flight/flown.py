@@ -5,31 +5,27 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from mmap import mmap
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .._core._pathsim import values
 from .._core.callers import warn_user
 from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
-from ..errors import FlightError, LinearisationError
+from ..errors import FlightError
 from ..linear.identification import Realisation, realise, respond
-from ..linear.model import LinearModel, find
+from ..linear.model import LinearModel
 from .airframe import Airframe
 from .channels import (
     RIGID,
     Channel,
     acceleration,
     as_shown,
-    driven,
     engine_channels,
     full_circle,
     ignorable,
 )
+from .flyable import Flyable, Linearised, no_model
 from .rehearsal import rehearse
-
-if TYPE_CHECKING:
-    from .block import FlightBlock
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
 _PULSE = 0.025
@@ -84,12 +80,12 @@ _LONG = 0.1
 # s of processor time for a flight in such a copy
 _LONGEST_FLIGHT = 60
 
-# largest error of a model that is one
+# largest error of a model that fits
 _WORST_FIT = 0.3
 
 
 def flown_model(
-    build: Callable[[], FlightBlock],
+    build: Callable[[], Flyable],
     inputs: Sequence[str] | None,
     outputs: Sequence[str] | None,
     amplitude: Mapping[str, float] | None,
@@ -99,119 +95,139 @@ def flown_model(
     The other parameters, and the errors, are those of `FlightBlock.linear_model`.
     """
     start = time.process_time()
-    block = build()
+    plane = build()
     slow = time.process_time() - start > _LONG
-    if block.T > _LONGEST_PERIOD:
-        raise LinearisationError(
-            f"no linear model of {block.airframe.aircraft!r}: samples every {block.T:g} s do not "
-            f"show its short period; identify a block with T up to {_LONGEST_PERIOD:g} s, or use "
-            "method='algebraic'",
-            aircraft=block.airframe.aircraft,
-            reason="no fit",
+    if plane.T > _LONGEST_PERIOD:
+        why = f"samples every {plane.T:g} s do not show its short period; identify a block with T "
+        why += f"up to {_LONGEST_PERIOD:g} s, or use method='algebraic'"
+        raise no_model(plane, "no fit", why)
+    subject = Linearised(plane, inputs, outputs)
+    if not subject.moved:
+        why = "there is no input to move; give the block inputs, or use method='algebraic'"
+        raise no_model(plane, "no response", why)
+    flights = _Flights(subject, mapping("amplitude", amplitude))
+    responses = _Responses(subject, flights, *flights.fly_all(build, slow))
+    found = responses.realised()
+    return _named(subject, found, flights, responses.still[0], *responses.judged(found))
+
+
+class _Responses:
+    """Responses to the pulses and doublets: arrays of shape (inputs, samples, signals)."""
+
+    def __init__(
+        self,
+        subject: Linearised,
+        flights: _Flights,
+        up: np.ndarray,
+        down: np.ndarray,
+        still: np.ndarray,
+    ):
+        self._plane, self._flights, self._signals = subject.plane, flights, flights.channels
+        self._ports, self._names = subject.inputs, [c.name for c in subject.inputs]
+        self.still = still
+        self._odd, self._even = (up - down) / 2, (up + down) / 2 - still
+        nothing = _NOTHING * (1.0 + np.abs(still).max(axis=0))
+        self._pulsed = self._odd[:, : flights.pulsed]
+        size = _rms(self._pulsed)
+        for name, height, rms in zip(self._names, flights.heights, size, strict=True):
+            if np.all(rms < nothing):
+                why = f"it does not respond to {name!r} within +-{height:g}; leave that out of the "
+                raise no_model(
+                    self._plane, "no response", why + "inputs, or choose a larger amplitude", name
+                )
+        # even over odd parts, shape (signals, inputs)
+        even = _rms(self._even[:, : flights.pulsed])
+        self._kinked = (even / np.maximum(size, nothing)).T
+        # a signal that responds alike to up and down has no response of the first order
+        self._mute = [i for i, kinked in enumerate(self._kinked) if np.all(kinked > _BROKEN)]
+        motion = [i for i, c in enumerate(self._signals) if c in RIGID]
+        self._rigid = [i for i in motion if i not in self._mute]
+        kinked = np.where((size > nothing).T, self._kinked, np.nan)[motion]
+        for name, kinks in zip(self._names, kinked.T, strict=True):
+            if np.any(kinks > _BROKEN) and not np.any(kinks <= _BROKEN):
+                why = f"up and down are not opposite in any response to {name!r}: it is at the end "
+                why += "of its range, or the control system has a step there; leave that out of the"
+                raise no_model(self._plane, "limit", f"{why} inputs", name)
+
+    def _numbers(self, which: Callable[[Channel], bool]) -> list[int]:
+        """Numbers of the signals that are of a kind and not mute."""
+        return [i for i, c in enumerate(self._signals) if i not in self._mute and which(c)]
+
+    def realised(self) -> Realisation:
+        """The model of the pulses, with the further latency of throttles."""
+        flights = self._flights
+        g = self._pulsed / np.reshape(flights.heights, (-1, 1, 1))
+        rms = _rms(g).T
+        self._kinked[rms < _HARDLY * rms.max(axis=1, keepdims=True)] = np.nan
+        self._kinked[self._mute] = np.nan
+        g[:, :, self._mute] = 0.0
+        integrals = self._numbers(ignorable)
+        # a heading first, then positions, which depend on it
+        integrals.sort(key=lambda i: not self._signals[i].properties[0].startswith("attitude/"))
+        found = realise(
+            g,
+            self._plane.T,
+            flights.width,
+            rigid=[i for i in self._rigid if i not in integrals],
+            engines=self._numbers(lambda c: c in flights.engines),
+            integrals=integrals,
+            abrupt=self._numbers(acceleration),
         )
-    ports, channels = block.channels()
-    wanted = find("inputs", [c.name for c in ports], inputs)
-    moved = driven(block.airframe, ports, wanted, inputs is not None)
-    names = [ports[i].name for i in moved]
-    if not moved:
-        raise LinearisationError(
-            f"no linear model of {block.airframe.aircraft!r}: there is no input to move; give the "
-            "block inputs, or use method='algebraic'",
-            aircraft=block.airframe.aircraft,
-            reason="no response",
-        )
-    chosen = find("outputs", [c.name for c in channels], outputs)
-    heights = _heights(block.airframe, [ports[i] for i in moved], amplitude)
-    engines = engine_channels(block.airframe)
-    # one signal for each property: outputs, states and engine states share them
-    signals: dict[str, Channel] = {}
-    for channel in [*RIGID, *engines, *(channels[i] for i in chosen)]:
-        for name in channel.properties[:1]:
-            signals.setdefault(block.airframe.canonical(name), channel)
-    listed = list(signals.values())
-    flights = _Flights(build, signals, block.T)
-    commands = [
-        flights.commands(
-            height,
-            _DOUBLET_THROTTLE
-            if _is_throttle(ports[i]) and ports[i].name not in mapping("amplitude", amplitude)
-            else _DOUBLET * height,
-        )
-        for i, height in zip(moved, heights, strict=True)
-    ]
-    pairs = [
-        [flights.from_trim(block, slow, port, sign * command) for sign in (1, -1)]
-        for port, command in zip(moved, commands, strict=True)
-    ]
-    still = flights.fly(block, None, np.zeros_like(commands[0]))
-    odd, even = [], []
-    for port, height, (up, down) in zip(moved, heights, pairs, strict=True):
-        odd.append((up - down) / 2)
-        even.append((up + down) / 2 - still)
-        if np.all(_rms(odd[-1][: flights.pulsed]) < _nothing(still)):
-            raise LinearisationError(
-                f"no linear model of {block.airframe.aircraft!r}: it does not respond to "
-                f"{ports[port].name!r} within +-{height:g}; leave that out of the inputs, or "
-                f"choose a larger amplitude",
-                aircraft=block.airframe.aircraft,
-                reason="no response",
-                name=ports[port].name,
-            )
-    pulsed = np.array([y[: flights.pulsed] for y in odd])
-    kinked = _ratio([y[: flights.pulsed] for y in even], pulsed, _nothing(still))
-    # what answers alike to up and down does not answer in the first order
-    mute = [i for i in range(len(listed)) if np.all(kinked[i] > _BROKEN)]
-    motion = [i for i, c in enumerate(listed) if c in RIGID]
-    rigid = [i for i in motion if i not in mute]
-    responds = (_rms(pulsed) > _nothing(still)).T
-    _judge_inputs(block.airframe.aircraft, names, np.where(responds, kinked, np.nan)[motion])
-    g = pulsed / np.reshape(heights, (-1, 1, 1))
-    rms = np.sqrt((g**2).mean(axis=1)).T
-    kinked[rms < _HARDLY * rms.max(axis=1, keepdims=True)] = np.nan
-    kinked[mute] = np.nan
-    g[:, :, mute] = 0.0
-    integrals = [i for i, c in enumerate(listed) if ignorable(c) and i not in mute]
-    # a heading first, then positions, which depend on it
-    integrals.sort(key=lambda i: not listed[i].properties[0].startswith("attitude/"))
-    found = realise(
-        g,
-        block.T,
-        flights.width,
-        rigid=[i for i in rigid if i not in integrals],
-        engines=[i for i, c in enumerate(listed) if c in engines and i not in mute],
-        integrals=integrals,
-        abrupt=[i for i, c in enumerate(listed) if acceleration(c) and i not in mute],
-    )
-    meant = np.array([[_is_for(ports[i], c) for c in listed] for i in moved])
-    predicted = respond(found, np.array(commands).T, block.T)
-    for j, i in enumerate(moved):
-        # a spool takes the longer the further it goes: what the pulse shows is no delay at all
-        if _is_throttle(ports[i]):
-            seen = [k for k in np.flatnonzero(meant[j]) if k not in mute]
-            later = flights.later(odd[j][:, seen], predicted[j][:, seen])
-            found.latency[j] += later
-            predicted[j, later:] = predicted[j, : len(predicted[j]) - later]
-    doublets = _Doublets(
-        np.array(odd)[:, flights.pulsed :],
-        np.array(even)[:, flights.pulsed :],
-        predicted[:, flights.pulsed :],
-        meant,
-    )
-    upwards, downwards, uneven = doublets.missed(1), doublets.missed(-1), doublets.uneven()
-    upwards[mute] = downwards[mute] = uneven[mute] = np.nan
-    shown = [listed[i].name for i in rigid]
-    _judge_fit(block.airframe.aircraft, names, shown, found.error[rigid])
-    # an unstable aircraft is far from its trim by now
-    if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
-        _judge_fit(block.airframe.aircraft, names, shown, doublets.missed_of_largest()[rigid])
-    kinked, error = np.fmax(kinked, uneven), np.fmax(found.error, upwards)
-    limit = np.where(meant.T, _MISSED, _MISSED_ELSEWHERE)
-    beyond = np.fmax(kinked / _KINKED, error / limit)
-    error = np.fmax(error, downwards)
-    reasons = [_reason(block.airframe, ports[i]) for i in moved]
-    told = beyond[rigid], kinked[rigid], error[rigid]
-    _warn(block.airframe.aircraft, names, reasons, shown, *told)
-    return _named(block, found, signals, chosen, moved, still[0], kinked, error)
+        self._meant = np.array([[_is_for(p, c) for c in self._signals] for p in self._ports])
+        self._predicted = respond(found, flights.commands.T, self._plane.T)
+        for j, port in enumerate(self._ports):
+            # a spool takes the longer the further it goes: what the pulse shows is no delay at all
+            if _is_throttle(port):
+                seen = [k for k in np.flatnonzero(self._meant[j]) if k not in self._mute]
+                predicted = self._predicted[j]
+                later = flights.later(self._odd[j][:, seen], predicted[:, seen])
+                found.latency[j] += later
+                predicted[later:] = predicted[: len(predicted) - later]
+        return found
+
+    def judged(self, found: Realisation) -> tuple[np.ndarray, np.ndarray]:
+        """Kinks and errors of a model, which is refused if it does not fit."""
+        pulsed, rigid = self._flights.pulsed, self._rigid
+        odd, even, predicted = (x[:, pulsed:] for x in (self._odd, self._even, self._predicted))
+        doublets = _Doublets(odd, even, predicted, self._meant)
+        upwards, downwards, uneven = doublets.missed(1), doublets.missed(-1), doublets.uneven()
+        upwards[self._mute] = downwards[self._mute] = uneven[self._mute] = np.nan
+        self._judge_fit(found.error[rigid])
+        # an unstable aircraft is far from its trim by now
+        if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
+            self._judge_fit(doublets.missed_of_largest()[rigid])
+        kinked, error = np.fmax(self._kinked, uneven), np.fmax(found.error, upwards)
+        limit = np.where(self._meant.T, _MISSED, _MISSED_ELSEWHERE)
+        beyond = np.fmax(kinked / _KINKED, error / limit)
+        error = np.fmax(error, downwards)
+        self._warn(beyond[rigid], kinked[rigid], error[rigid])
+        return kinked, error
+
+    def _judge_fit(self, error: np.ndarray) -> None:
+        """Raise where no model fits the response."""
+        i, j = _worst(error)
+        if error.size and not error[i, j] < _WORST_FIT:
+            signal, name = self._signals[self._rigid[i]].name, self._names[j]
+            why = f"none fits the response of {signal} to {name} (error {error[i, j]:.0%}): it does"
+            why += " not stay near its trim, or its response is noise"
+            raise no_model(self._plane, "no fit", why, name)
+
+    def _warn(self, beyond: np.ndarray, kinks: np.ndarray, error: np.ndarray) -> None:
+        """Warn of a model for small motions only: of the worst response to each input."""
+        airframe = self._plane.airframe
+        for j, port in enumerate(self._ports):
+            i, _ = _worst(beyond[:, [j]])
+            if beyond.size and beyond[i, j] > 1.0:
+                signal = self._signals[self._rigid[i]].name
+                uneven = kinks[i, j] > _MISSED
+                said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
+                warn_user(
+                    f"{airframe.aircraft}: the response of {signal} to {port.name} is not linear"
+                    f"{_reason(airframe, port)}: {said}the model's error after a doublet "
+                    f"{error[i, j]:.0%}. The linear model is the mean of both sides for small "
+                    "motions; see its kinks and fit",
+                    once=True,
+                )
 
 
 class _Doublets:
@@ -248,21 +264,42 @@ class _Doublets:
 class _Flights:
     """Flights with a pulse on one input each and a doublet after it, and what is recorded."""
 
-    def __init__(self, build: Callable[[], FlightBlock], signals: Mapping[str, Channel], T: float):
-        self._build, self._signals = build, signals
+    def __init__(self, subject: Linearised, amplitude: Mapping[str, float]):
+        self._subject, T = subject, subject.plane.T
+        airframe = subject.plane.airframe
+        self.heights = _heights(airframe, subject.inputs, amplitude)
+        self.engines = engine_channels(airframe)
+        # one signal for each property: outputs, states and engine states share them
+        self.signals: dict[str, Channel] = {}
+        for channel in [*RIGID, *self.engines, *subject.outputs]:
+            for name in channel.properties[:1]:
+                self.signals.setdefault(airframe.canonical(name), channel)
+        self.channels = list(self.signals.values())
         self.width = max(round(_PULSE / T), 1)
-        self._n = round(_DURATION / T / self.width) * self.width
+        n = round(_DURATION / T / self.width) * self.width
         self._way = max(round(_WAY / T), 1)
         # samples of the response to the pulse
-        self.pulsed = self._n + 1
+        self.pulsed = n + 1
+        # a pulse, and a doublet after its response, over all periods of a flight
+        self.commands = np.zeros((len(subject.inputs), 2 * n))
+        for u, port, height in zip(self.commands, subject.inputs, self.heights, strict=True):
+            own = _is_throttle(port) and port.name not in amplitude
+            doublet = _DOUBLET_THROTTLE if own else _DOUBLET * height
+            u[: self.width] = height
+            u[n:][: self._way] = doublet
+            u[n + self._way :][: self._way] = -doublet
 
-    def commands(self, height: float, doublet: float) -> np.ndarray:
-        """A pulse, and a doublet after its response, over all periods of a flight."""
-        u = np.zeros(2 * self._n)
-        u[: self.width] = height
-        u[self._n :][: self._way] = doublet
-        u[self._n + self._way :][: self._way] = -doublet
-        return u
+    def fly_all(
+        self, build: Callable[[], Flyable], slow: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The signals with each input upwards first, downwards first, and left alone."""
+        pairs = [
+            [self._from_trim(build, slow, port, sign * u) for sign in (1, -1)]
+            for port, u in zip(self._subject.moved, self.commands, strict=True)
+        ]
+        still = self._fly(self._subject.plane, None, np.zeros_like(self.commands[0]))
+        up, down = (np.array(side) for side in zip(*pairs, strict=True))
+        return up, down, still
 
     def later(self, odd: np.ndarray, predicted: np.ndarray) -> int:
         """Periods by which the doublet's first way acts later than a model has it."""
@@ -273,46 +310,42 @@ class _Flights:
         ]
         return int(np.argmin(errors))
 
-    def from_trim(
-        self, plane: FlightBlock, copied: bool, port: int, commands: np.ndarray
+    def _from_trim(
+        self, build: Callable[[], Flyable], copied: bool, port: int, commands: np.ndarray
     ) -> np.ndarray:
-        """The signals of `fly`, from a copy of the plane or another one: this one stays there."""
+        """The signals of a flight from the trim, by a copy of the process or a fresh aircraft."""
         if copied:
             # the last byte tells that the flight has ended well
-            shared = mmap(-1, 8 * (len(commands) + 1) * len(self._signals) + 1)
+            shared = mmap(-1, 8 * (len(commands) + 1) * len(self.signals) + 1)
 
             def fly() -> None:
-                shared[:] = self.fly(plane, port, commands).tobytes() + b"y"
+                shared[:] = self._fly(self._subject.plane, port, commands).tobytes() + b"y"
 
             rehearse(fly, _LONGEST_FLIGHT)
             if shared[-1:] == b"y":
                 return np.frombuffer(shared[:-1]).reshape(len(commands) + 1, -1)
-        return self.fly(self._build(), port, commands)
+        return self._fly(build(), port, commands)
 
-    def fly(self, plane: FlightBlock, port: int | None, commands: np.ndarray) -> np.ndarray:
+    def _fly(self, plane: Flyable, port: int | None, commands: np.ndarray) -> np.ndarray:
         """Signals from the start of the pulse on, shape (samples, signals)."""
-        readers = [plane.airframe.reader(name) for name in self._signals]
+        read = plane.airframe.reader_of(self.signals)
         u = values(plane.inputs)
         trimmed = plane.trimmed_inputs()
         u[: len(trimmed)] = trimmed
-        y = np.empty((len(commands) + 1, len(readers)))
+        y = np.empty((len(commands) + 1, len(self.signals)))
         try:
             for k in range(1, _SETTLING + 1):
                 plane.advance(k, u)
-            y[0] = [read() for read in readers]
+            y[0] = read()
             for k, command in enumerate(commands.tolist(), 1):
                 if port is not None:
                     u[port] = trimmed[port] + command
                 plane.advance(_SETTLING + k, u)
-                y[k] = [read() for read in readers]
+                y[k] = read()
         except FlightError as error:
-            raise LinearisationError(
-                f"no linear model of {plane.airframe.aircraft!r}: left to itself it does not "
-                f"stay in the air for {2 * _DURATION:g} s: {error}",
-                aircraft=plane.airframe.aircraft,
-                reason="no fit",
-            ) from error
-        for i, channel in enumerate(self._signals.values()):
+            why = f"left to itself it does not stay in the air for {2 * _DURATION:g} s: {error}"
+            raise no_model(plane, "no fit", why) from error
+        for i, channel in enumerate(self.channels):
             if circle := full_circle(channel):
                 y[:, i] = np.unwrap(y[:, i], period=circle / channel.factor)
         return y
@@ -321,16 +354,6 @@ class _Flights:
 def _rms(x: np.ndarray) -> np.ndarray:
     """Over the samples, the last axis but one."""
     return np.sqrt((x**2).mean(axis=-2))
-
-
-def _nothing(still: np.ndarray) -> np.ndarray:
-    """Size of a response of each signal that is none."""
-    return _NOTHING * (1.0 + np.abs(still).max(axis=0))
-
-
-def _ratio(even: Sequence[np.ndarray], odd: np.ndarray, least: np.ndarray) -> np.ndarray:
-    """Even over odd parts, shape (signals, inputs)."""
-    return (_rms(np.array(even)) / np.maximum(_rms(odd), least)).T
 
 
 def _is_throttle(port: Channel) -> bool:
@@ -358,10 +381,9 @@ def _reason(airframe: Airframe, port: Channel) -> str:
 
 
 def _heights(
-    airframe: Airframe, ports: Sequence[Channel], amplitude: Mapping[str, float] | None
+    airframe: Airframe, ports: Sequence[Channel], given: Mapping[str, float]
 ) -> list[float]:
     """Height of the pulse on each input."""
-    given = mapping("amplitude", amplitude)
     names = [port.name for port in ports]
     for name in given:
         if name not in names:
@@ -389,59 +411,6 @@ def _heights(
     return heights
 
 
-def _judge_inputs(aircraft: str, inputs: Sequence[str], kinks: np.ndarray) -> None:
-    """Refuse inputs to which nothing that responds does so up and down alike."""
-    for name, kink in zip(inputs, kinks.T, strict=True):
-        if np.any(kink > _BROKEN) and not np.any(kink <= _BROKEN):
-            raise LinearisationError(
-                f"no linear model of {aircraft!r}: up and down are not opposite in any response to "
-                f"{name!r}: it is at the end of its range, or the control system has a step there; "
-                "leave that out of the inputs",
-                aircraft=aircraft,
-                reason="limit",
-                name=name,
-            )
-
-
-def _judge_fit(
-    aircraft: str, inputs: Sequence[str], signals: Sequence[str], error: np.ndarray
-) -> None:
-    """Refuse a model that is none."""
-    i, j = _worst(error)
-    if error.size and not error[i, j] < _WORST_FIT:
-        raise LinearisationError(
-            f"no linear model of {aircraft!r}: none fits the response of {signals[i]} to "
-            f"{inputs[j]} (error {error[i, j]:.0%}): it does not stay near its trim, or its "
-            "response is noise",
-            aircraft=aircraft,
-            reason="no fit",
-            name=inputs[j],
-        )
-
-
-def _warn(
-    aircraft: str,
-    inputs: Sequence[str],
-    reasons: Sequence[str],
-    signals: Sequence[str],
-    beyond: np.ndarray,
-    kinks: np.ndarray,
-    error: np.ndarray,
-) -> None:
-    """Warn of a model that holds for small motions only: of the worst response to each input."""
-    for j, name in enumerate(inputs):
-        i, _ = _worst(beyond[:, [j]])
-        if beyond.size and beyond[i, j] > 1.0:
-            uneven = kinks[i, j] > _MISSED
-            said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
-            warn_user(
-                f"{aircraft}: the response of {signals[i]} to {name} is not linear{reasons[j]}: "
-                f"{said}the model's error after a doublet {error[i, j]:.0%}. The linear model is "
-                "the mean of both sides for small motions; see its kinks and fit",
-                once=True,
-            )
-
-
 def _worst(x: np.ndarray) -> tuple[int, int]:
     """Row and column of the largest, NaN being least."""
     if not x.size:
@@ -451,55 +420,38 @@ def _worst(x: np.ndarray) -> tuple[int, int]:
 
 
 def _named(
-    block: FlightBlock,
+    subject: Linearised,
     found: Realisation,
-    signals: Mapping[str, Channel],
-    chosen: list[int],
-    moved: list[int],
+    flights: _Flights,
     start: np.ndarray,
     kinks: np.ndarray,
     error: np.ndarray,
 ) -> LinearModel:
     """The model in the units of states and ports, with their names."""
-    ports, channels = block.channels()
-    inputs, shown = [ports[i] for i in moved], [channels[i] for i in chosen]
-    listed, properties = list(signals.values()), list(signals)
     hidden = [j for j, i in enumerate(found.signals) if i < 0]
     states = [
-        Channel(f"x{hidden.index(j) + 1}", ()) if i < 0 else listed[i]
+        Channel(f"x{hidden.index(j) + 1}", ()) if i < 0 else flights.channels[i]
         for j, i in enumerate(found.signals)
     ]
     x_units = np.array([state.factor for state in states])
-    p, m = len(shown), len(inputs)
+    p, m = len(subject.outputs), len(subject.inputs)
     C, D = np.zeros((p, len(states))), np.zeros((p, m))
     fit, kink = np.full((p, m), np.nan), np.full((p, m), np.nan)
-    for row, channel in enumerate(shown):
+    properties = list(flights.signals)
+    for row, channel in enumerate(subject.outputs):
         if channel.properties:
-            i = properties.index(block.airframe.canonical(channel.properties[0]))
+            i = properties.index(subject.plane.airframe.canonical(channel.properties[0]))
             C[row] = channel.factor * found.C[i] / x_units
             D[row] = channel.factor * found.D[i]
             fit[row], kink[row] = error[i], kinks[i]
-    return LinearModel(
-        aircraft=block.airframe.aircraft,
-        condition=str(block.trim.condition),
-        method="flown",
-        A=x_units[:, None] * found.A / x_units,
-        B=x_units[:, None] * found.B,
-        C=C,
-        D=D,
-        states=tuple(c.name for c in states),
-        inputs=tuple(c.name for c in inputs),
-        outputs=tuple(c.name for c in shown),
-        units={c.name: c.unit for c in [*states, *inputs, *shown]},
-        x0=np.array(
-            [
-                as_shown(s, start[i]) if i >= 0 else 0.0
-                for s, i in zip(states, found.signals, strict=True)
-            ]
-        ),
-        u0=np.array(block.trimmed_inputs())[moved],
-        y0=np.array(values(block.outputs))[chosen],
-        dt=block.T,
+    x0 = [
+        as_shown(s, start[i]) if i >= 0 else 0.0 for s, i in zip(states, found.signals, strict=True)
+    ]
+    A, B = x_units[:, None] * found.A / x_units, x_units[:, None] * found.B
+    return subject.model(
+        "flown",
+        states,
+        **{"A": A, "B": B, "C": C, "D": D, "x0": np.array(x0)},
         latency=np.array(found.latency),
         kinks=kink,
         fit=fit,

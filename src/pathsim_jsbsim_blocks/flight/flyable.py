@@ -1,0 +1,89 @@
+"""What linear models are made from: an aircraft block at its trim, its inputs and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from .._core._pathsim import values
+from ..errors import LinearisationError
+from ..linear.model import LinearModel, find
+from .airframe import Airframe
+from .channels import Channel
+from .trimming.state import TrimState
+
+
+class Flyable(Protocol):
+    """As much of an aircraft block as a linear model needs."""
+
+    airframe: Airframe
+    trim: TrimState
+    T: float
+    inputs: Any
+    outputs: Any
+
+    def channels(self) -> tuple[list[Channel], list[Channel]]:
+        """Inputs and outputs as properties."""
+        ...
+
+    def trimmed_inputs(self) -> list[float]:
+        """Values at the trim of the inputs in `channels`, the block's first."""
+        ...
+
+    def advance(self, index: int, u: list[float]) -> list[float]:
+        """Fly one period to instant ``index``; returns the outputs there."""
+        ...
+
+
+def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> LinearisationError:
+    """The error of an aircraft without a linear model."""
+    aircraft = plane.airframe.aircraft
+    return LinearisationError(
+        f"no linear model of {aircraft!r}: {why}", aircraft=aircraft, reason=reason, name=name
+    )
+
+
+class Linearised:
+    """An aircraft block at its trim, with the inputs to move and the outputs to show.
+
+    Raises
+    ------
+    ParameterError
+        for an unknown input or output, naming the nearest
+    LinearisationError
+        for an input asked for by name that the aircraft lacks: the throttle of a glider
+    """
+
+    def __init__(self, plane: Flyable, inputs: Sequence[str] | None, outputs: Sequence[str] | None):
+        ports, channels = plane.channels()
+        wanted = find("inputs", [c.name for c in ports], inputs)
+        for port in (ports[i] for i in wanted if inputs is not None):
+            if not port.properties:
+                raise no_model(plane, "no response", f"it has no {port.name}", port.name)
+        self.plane = plane
+        # numbers of the inputs
+        self.moved = [i for i in wanted if ports[i].properties]
+        self.inputs = [ports[i] for i in self.moved]
+        chosen = find("outputs", [c.name for c in channels], outputs)
+        self.outputs = [channels[i] for i in chosen]
+        self._u0 = np.array(plane.trimmed_inputs())[self.moved]
+        self._y0 = np.array(values(plane.outputs))[chosen]
+
+    def model(self, method: str, states: Sequence[Channel], **arrays: Any) -> LinearModel:
+        """The linear model with these states: matrices, x0, latency, kinks and fit."""
+        plane = self.plane
+        return LinearModel(
+            aircraft=plane.airframe.aircraft,
+            condition=str(plane.trim.condition),
+            method=method,
+            states=tuple(c.name for c in states),
+            inputs=tuple(c.name for c in self.inputs),
+            outputs=tuple(c.name for c in self.outputs),
+            units={c.name: c.unit for c in (*states, *self.inputs, *self.outputs)},
+            u0=self._u0,
+            y0=self._y0,
+            dt=plane.T,
+            **arrays,
+        )
