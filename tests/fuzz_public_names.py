@@ -32,7 +32,7 @@ from pathsim_jsbsim_blocks import (
     catalogue,
 )
 from pathsim_jsbsim_blocks.air import airspeed, atmosphere
-from pathsim_jsbsim_blocks.flight import Airframe, airframe, fleet, trim
+from pathsim_jsbsim_blocks.flight import Airframe, fleet, model_files, trim
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
@@ -182,9 +182,9 @@ def targets():
                 }
                 yield f"{module.__name__}.{name}", thing, valid
     yield "Airframe", Airframe, {"aircraft": "c172p"}
-    yield "aircraft_names", airframe.aircraft_names, {}
-    yield "empty_weight_cg", airframe.empty_weight_cg, {"aircraft": "c172p"}
-    yield "has_retractable_gear", airframe.has_retractable_gear, {"aircraft": "c172p"}
+    yield "aircraft_names", model_files.aircraft_names, {}
+    yield "empty_weight_cg", model_files.empty_weight_cg, {"aircraft": "c172p"}
+    yield "has_retractable_gear", model_files.has_retractable_gear, {"aircraft": "c172p"}
     plane = Airframe("c172p")
     for method in (
         plane.reader,

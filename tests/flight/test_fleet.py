@@ -14,7 +14,7 @@ from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.flight.airframe import aircraft_names
+from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_flight
 
 T = 1 / 120

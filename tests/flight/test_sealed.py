@@ -24,7 +24,7 @@ import pytest
 from fleet_conditions import FLYING
 
 from pathsim_jsbsim_blocks import Aircraft, TrimError
-from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg
 from pathsim_jsbsim_blocks.flight.console import capture_console, messages
 
 INSTALLED = Path(jsbsim.__file__).parent
@@ -40,7 +40,7 @@ import json, os, psutil, signal, sys, tempfile
 from fleet_conditions import keywords
 from pathsim import Simulation
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimCondition
-from pathsim_jsbsim_blocks.flight.airframe import Airframe, aircraft_names
+from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
 
 def sockets():
     me = psutil.Process()

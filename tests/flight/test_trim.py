@@ -20,8 +20,7 @@ from pathsim_jsbsim_blocks import (
     TrimError,
     TrimState,
 )
-from pathsim_jsbsim_blocks.flight import trim
-from pathsim_jsbsim_blocks.flight.airframe import Airframe, empty_weight_cg
+from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg, trim
 from pathsim_jsbsim_blocks.flight.trimming import jsbsim as search
 from pathsim_jsbsim_blocks.flight.trimming import trimmer
 from pathsim_jsbsim_blocks.flight.trimming.state import UNITS

@@ -23,7 +23,7 @@ from fleet_conditions import FLYING, NOT_FLYING
 from pathsim_jsbsim_blocks import (
     AircraftError, ParameterError, PropertyError, TrimCondition, TrimError
 )
-from pathsim_jsbsim_blocks.flight.airframe import Airframe, has_retractable_gear
+from pathsim_jsbsim_blocks.flight import Airframe, has_retractable_gear
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.trimming.state import not_finite
 

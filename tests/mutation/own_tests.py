@@ -63,7 +63,10 @@ OWN_TESTS = {
         "test_integrators_and_planet.py",
         "test_sealed.py",
     ],
+    "flight/model_files": ["test_points.py", "test_bad_input.py", "test_sealed.py"],
+    "flight/property_tree": ["test_properties.py", "test_bad_input.py", "test_sealed.py"],
     "flight/algebraic": ["test_model.py"],
+    "flight/flyable": ["test_model.py"],
     "flight/block": ["test_fdm_exact.py", "test_checkpoint.py", "test_life.py", "test_limits.py"],
     "flight/channels": ["test_model.py"],
     "flight/console": ["test_sealed.py"],
@@ -143,5 +146,6 @@ GROUPS = {
     "flight/algebraic": "linear",
     "flight/channels": "linear",
     "flight/flown": "linear",
+    "flight/flyable": "linear",
     "flight/linear": "linear",
 }

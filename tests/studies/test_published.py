@@ -10,7 +10,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import StepSource
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, studies
-from pathsim_jsbsim_blocks.flight.airframe import empty_weight_cg
+from pathsim_jsbsim_blocks.flight import empty_weight_cg
 from pathsim_jsbsim_blocks.studies import published
 
 DATA = Path(__file__).parents[1] / "data" / "studies"

@@ -50,7 +50,7 @@ def add_aircraft(commands: Commands) -> None:
 
 def list_aircraft(args: argparse.Namespace) -> None:
     from .._core.checks import refuse
-    from ..flight.airframe import Airframe, aircraft_names
+    from ..flight import Airframe, aircraft_names
 
     if args.table:
         if args.root is not None:

@@ -3,7 +3,8 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .airframe import Airframe, aircraft_names, empty_weight_cg, has_retractable_gear
+from .airframe import Airframe
+from .model_files import aircraft_names, empty_weight_cg, has_retractable_gear
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
 

@@ -510,12 +510,9 @@ class FlightBlock(NamedPorts, SampledPlant):
         reference = super().__getitem__(key)
         for port in reference.ports:
             if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
-                raise PropertyError(
-                    f"{type(self).__name__} has {self._n_inputs} inputs and {self._n_outputs} "
-                    f"outputs, no port {port}",
-                    aircraft=self.airframe.aircraft,
-                    name=str(port),
-                )
+                message = f"{type(self).__name__} has {self._n_inputs} inputs and "
+                message += f"{self._n_outputs} outputs, no port {port}"
+                raise self.airframe.property_error(str(port), message)
         return reference
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:

@@ -12,8 +12,9 @@ from pathsim import Simulation
 
 from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
-from .airframe import Airframe, aircraft_names, has_retractable_gear
+from .airframe import Airframe
 from .fdm import JSBSimFDM
+from .model_files import aircraft_names, has_retractable_gear
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
 from .trimming.hints import level_speed

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 
 from ..errors import AircraftError
-from .airframe import Airframe, empty_weight_cg
+from .airframe import Airframe
+from .model_files import empty_weight_cg
 
 Point = tuple[float, float, float]
 

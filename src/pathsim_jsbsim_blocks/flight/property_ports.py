@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .._core.checks import did_you_mean, nearest, property_list, refuse
+from .._core.checks import nearest, property_list, refuse
 from ..errors import PropertyError
 from .airframe import Airframe
 from .writable import why_no_input
@@ -85,9 +85,7 @@ def check_ports(
     for name in names:
         for property_ in _properties(name, short, airframe):
             if parameter == "input_properties" and (why := why_no_input(property_)):
-                raise PropertyError(
-                    f"{name!r} cannot be an input: {why}", aircraft=airframe.aircraft, name=name
-                )
+                raise airframe.property_error(name, f"{name!r} cannot be an input: {why}")
             if property_ in taken:
                 refuse(
                     parameter,
@@ -119,10 +117,5 @@ def _properties(name: str, short: Mapping[str, tuple[str, ...]], airframe: Airfr
         close = [] if "/" in name else nearest(name, short)
         if not close or behind(name, short) != (name,):
             raise
-        close = [*close, *error.nearest][:3]
-        raise PropertyError(
-            f"aircraft {airframe.aircraft!r} has no property {name!r}" + did_you_mean(close),
-            aircraft=airframe.aircraft,
-            name=name,
-            nearest=close,
-        ) from None
+        message = f"aircraft {airframe.aircraft!r} has no property {name!r}"
+        raise airframe.property_error(name, message, [*close, *error.nearest][:3]) from None

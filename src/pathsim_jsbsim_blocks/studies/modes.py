@@ -12,7 +12,8 @@ import numpy as np
 from .._core.checks import number, refuse
 from .._core.extras import required
 from ..errors import LinearisationError, TrimError
-from ..flight.airframe import Airframe, has_retractable_gear
+from ..flight.airframe import Airframe
+from ..flight.model_files import has_retractable_gear
 from ..flight.trimming.condition import TrimCondition
 from .workers import WORKER_DIED, run_parts
 

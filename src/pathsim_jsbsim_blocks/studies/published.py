@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..flight.airframe import Airframe, empty_weight_cg
+from ..flight.airframe import Airframe
+from ..flight.model_files import empty_weight_cg
 from . import figures
 from .modes import modes_over_speed
 from .sweep import trim_sweep

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 
 from ..._core.callers import warn_user
 from ...errors import AircraftError, TrimError
-from ..airframe import Airframe, has_retractable_gear
+from ..airframe import Airframe
+from ..model_files import has_retractable_gear
 from .condition import TrimCondition
 from .failure import alpha_range, failure
 from .initial import initialise, properties
