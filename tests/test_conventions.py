@@ -242,3 +242,16 @@ def test_a_function_fits_on_a_screen():
                 if size > LONGEST:
                     found[f"{name}:{node.name}"] = size
     assert found.keys() <= LONGER.keys(), found
+
+
+def test_foot_and_knot_stand_once():
+    source, found = Path(package.__file__).parent, set()
+    for file in source.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            value = getattr(node, "value", None) if isinstance(node, ast.Constant) else None
+            # m per ft; m per nautical mile; ft/s, m/s and km/h per kt
+            if isinstance(value, float) and any(
+                abs(value / unit - 1) < 1e-4 for unit in (0.3048, 1852, 1.68781, 0.514444, 1.852)
+            ):
+                found.add(file.relative_to(source).as_posix())
+    assert found == {"_core/units.py"}

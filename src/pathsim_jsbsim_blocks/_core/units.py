@@ -12,35 +12,36 @@ from typing import Any
 
 from .checks import did_you_mean, nearest, refuse
 
-_FOOT = 0.3048  # m
+FOOT = 0.3048  # m
 _MILE = 1852.0  # m, nautical
+KNOT = _MILE / 3600 / FOOT  # ft/s
 _POUND = 0.45359237  # kg
 _GRAVITY = 9.80665  # m/s2
 GRAVITY = 32.174  # ft/s2, rounded as textbooks of flight dynamics have it
 _POUND_FORCE = _POUND * _GRAVITY  # N
-_SLUG = _POUND_FORCE / _FOOT  # kg
+_SLUG = _POUND_FORCE / FOOT  # kg
 
 # by dimension: unit, (factor, offset) with SI = factor * value + offset
 UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "length": {
         "m": (1.0, 0.0),
         "km": (1000.0, 0.0),
-        "ft": (_FOOT, 0.0),
-        "in": (_FOOT / 12, 0.0),
+        "ft": (FOOT, 0.0),
+        "in": (FOOT / 12, 0.0),
         "nmi": (_MILE, 0.0),
-        "mi": (5280 * _FOOT, 0.0),
+        "mi": (5280 * FOOT, 0.0),
     },
     "speed": {
         "m/s": (1.0, 0.0),
         "km/h": (1 / 3.6, 0.0),
         "kt": (_MILE / 3600, 0.0),
-        "ft/s": (_FOOT, 0.0),
-        "ft/min": (_FOOT / 60, 0.0),
-        "mph": (5280 * _FOOT / 3600, 0.0),
+        "ft/s": (FOOT, 0.0),
+        "ft/min": (FOOT / 60, 0.0),
+        "mph": (5280 * FOOT / 3600, 0.0),
     },
     "acceleration": {
         "m/s2": (1.0, 0.0),
-        "ft/s2": (_FOOT, 0.0),
+        "ft/s2": (FOOT, 0.0),
         "g": (_GRAVITY, 0.0),
     },
     "angle": {
@@ -59,7 +60,7 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     },
     "moment of inertia": {
         "kg*m2": (1.0, 0.0),
-        "slug*ft2": (_SLUG * _FOOT**2, 0.0),
+        "slug*ft2": (_SLUG * FOOT**2, 0.0),
     },
     "force": {
         "N": (1.0, 0.0),
@@ -68,22 +69,22 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     },
     "moment": {
         "N*m": (1.0, 0.0),
-        "ft*lbf": (_POUND_FORCE * _FOOT, 0.0),
+        "ft*lbf": (_POUND_FORCE * FOOT, 0.0),
     },
     "power": {
         "W": (1.0, 0.0),
         "kW": (1000.0, 0.0),
-        "hp": (550 * _POUND_FORCE * _FOOT, 0.0),
+        "hp": (550 * _POUND_FORCE * FOOT, 0.0),
     },
     "pressure": {
         "Pa": (1.0, 0.0),
         "hPa": (100.0, 0.0),
-        "psf": (_POUND_FORCE / _FOOT**2, 0.0),
-        "psi": (_POUND_FORCE / (_FOOT / 12) ** 2, 0.0),
+        "psf": (_POUND_FORCE / FOOT**2, 0.0),
+        "psi": (_POUND_FORCE / (FOOT / 12) ** 2, 0.0),
     },
     "density": {
         "kg/m3": (1.0, 0.0),
-        "slug/ft3": (_SLUG / _FOOT**3, 0.0),
+        "slug/ft3": (_SLUG / FOOT**3, 0.0),
     },
     "temperature": {
         "K": (1.0, 0.0),

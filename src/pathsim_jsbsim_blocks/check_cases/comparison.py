@@ -13,6 +13,7 @@ import numpy as np
 
 from .._core.checks import number, refuse, whole
 from .._core.running import fly
+from .._core.units import KNOT
 from ..catalogue import load_diagram
 
 if TYPE_CHECKING:
@@ -42,8 +43,6 @@ CASES: Mapping[float, str] = {
     16: "an F-16 circles where the equator meets the date line",
 }
 
-_KNOT = 6076.11548556 / 3600.0  # ft/s: 1852 m per hour
-
 
 @dataclass(frozen=True)
 class _Quantity:
@@ -59,7 +58,7 @@ _QUANTITIES = {
     "altitude": _Quantity("altitude_ft", "ft", 1.0, 0.05),
     "latitude": _Quantity("latitude_deg", "deg", 1.0, 2e-7),
     "longitude": _Quantity("longitude_deg", "deg", 1.0, 2e-7),
-    "true airspeed": _Quantity("tas_kt", "kt", 1.0 / _KNOT, 1e-3),
+    "true airspeed": _Quantity("tas_kt", "kt", 1.0 / KNOT, 1e-3),
     "roll angle": _Quantity("roll_deg", "deg", 1.0, 1e-3),
     "pitch angle": _Quantity("pitch_deg", "deg", 1.0, 1e-3),
     "heading": _Quantity("yaw_deg", "deg", 1.0, 1e-3),

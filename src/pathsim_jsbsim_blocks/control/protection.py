@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .._core.units import GRAVITY, conversion
+from .._core.units import GRAVITY, KNOT
 from .gains import EnvelopeLimits
 from .signals import acos, cos, expm1, larger, limit, select, smaller
-
-_KNOT, _ = conversion("kt", "ft/s")
 
 # ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128; tropopause at 36,089 ft
 _LAPSE, _EXPONENT, _TROPOPAUSE = 6.8756e-6, -2.128, 36_089.0
@@ -20,7 +18,7 @@ def true_airspeed(vc: float, h: float) -> float:
 
     Without compressibility and for ISA: 3 % high at Mach 0.5, 10 % at 0.8.
     """
-    return vc * _KNOT * (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _EXPONENT
+    return vc * KNOT * (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _EXPONENT
 
 
 class ProtectionState(NamedTuple):

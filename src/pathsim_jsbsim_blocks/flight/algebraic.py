@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from .._core.checks import mapping, refuse
+from .._core.units import FOOT
 from ..linear.model import LinearModel
 from .airframe import Airframe
 from .channels import RIGID, Channel, as_shown, full_circle, ignorable
@@ -37,7 +38,6 @@ _RUNS = 6
 # JSBSim's order of computation: a command acts on the rates one period late
 _LATENCY = 1
 
-_FT = 0.3048  # m
 
 # position: its rate over ground
 _POSITIONS = {
@@ -121,10 +121,10 @@ def _deg_per_ft(airframe: Airframe, position: str) -> float:
     from pymap3d.rcurve import meridian, transverse
 
     latitude = airframe.fdm["position/lat-geod-deg"]
-    height = airframe.fdm["position/h-sl-ft"] * _FT
+    height = airframe.fdm["position/h-sl-ft"] * FOOT
     if position == "position/lat-geod-deg":
-        return math.degrees(_FT / (meridian(latitude) + height))
-    return math.degrees(_FT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
+        return math.degrees(FOOT / (meridian(latitude) + height))
+    return math.degrees(FOOT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
 
 
 class _Differences:

@@ -13,9 +13,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .._core.scopes import name_and_unit
-from .._core.units import conversion
+from .._core.units import FOOT, conversion
 from ..errors import ParameterError
-from .track import FOOT, Track
+from .track import Track
 
 # a signal's name: ACMI property and its unit. Positions of controls are parts of full travel
 _PROPERTIES = {

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .track import FOOT, Track, instant
+from .._core.units import FOOT
+from .track import Track, instant
 
 _COLOURS = ([255, 102, 30, 255], [31, 119, 180, 255], [44, 160, 44, 255], [148, 103, 189, 255])
 

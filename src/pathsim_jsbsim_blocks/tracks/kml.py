@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .track import FOOT, Track, instant
+from .._core.units import FOOT
+from .track import Track, instant
 
 _KML = "http://www.opengis.net/kml/2.2"
 _GX = "http://www.google.com/kml/ext/2.2"

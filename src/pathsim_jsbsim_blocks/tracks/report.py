@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from .._core.scopes import name_and_unit
-from .track import FOOT, Track
+from .._core.units import FOOT
+from .track import Track
 
 _PAGE = Path(__file__).with_name("report.html")
 

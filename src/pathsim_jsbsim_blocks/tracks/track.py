@@ -15,6 +15,7 @@ import numpy as np
 
 from .._core.checks import finite, flag, mapping, refuse
 from .._core.extras import required
+from .._core.units import FOOT
 
 if TYPE_CHECKING:
     import pandas
@@ -29,7 +30,6 @@ POSITION = {
     "psi": "heading [deg]",
 }
 
-FOOT = 0.3048  # m
 
 # control characters, halves of surrogate pairs, noncharacters: XML has no way to write most of them
 _UNWRITABLE = re.compile("[^\t\n -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -8,10 +8,9 @@ import numpy as np
 
 from .._core.checks import number, optional, positive
 from .._core.parameters import parameter
+from .._core.units import FOOT
 from ..air import isa
 from ..sources import _EdgeSource, polarity_of
-
-_FOOT = 0.3048  # m
 
 # altitude in ft, reference gust velocity in ft/s EAS between the design cruising speed and that of
 # maximum gust intensity: 14 CFR 25.341(a)(5)(i), amendment 25-141
@@ -60,7 +59,7 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
     altitude = number("altitude", altitude, low=0.0, high=_REFERENCE[0][-1])
     alleviation = number("alleviation", alleviation, above=0.0, high=1.0)
     reference = float(np.interp(altitude, *_REFERENCE))
-    density = isa(altitude * _FOOT, altitude_kind="geopotential").density / isa(0.0).density
+    density = isa(altitude * FOOT, altitude_kind="geopotential").density / isa(0.0).density
     return reference * alleviation * (gradient / 350.0) ** (1 / 6) / math.sqrt(density)
 
 

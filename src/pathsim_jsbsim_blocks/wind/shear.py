@@ -11,9 +11,8 @@ import numpy as np
 from .._core.checks import finite, number
 from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
-from .._core.units import conversion
+from .._core.units import KNOT
 
-_KNOT, _ = conversion("kt", "ft/s")
 _REFERENCE_HEIGHT = 20.0  # ft
 _TOP = 1000.0  # ft, up to which the specification gives the profile
 
@@ -115,6 +114,6 @@ class WindShear(Parametric, NamedFunction):
 
     def _wind(self, h: float) -> tuple[float, float]:
         height = number("h", h) - self.checked.terrain
-        speed = _KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
+        speed = KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
         psi = math.radians(self.checked.direction)
         return -speed * math.cos(psi), -speed * math.sin(psi)

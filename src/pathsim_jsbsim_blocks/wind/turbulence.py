@@ -11,10 +11,9 @@ from .._core.checks import number, one_of, positive, whole
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
-from .._core.units import conversion
+from .._core.units import KNOT
 
 _DEG = 180.0 / math.pi
-_KNOT, _ = conversion("kt", "ft/s")
 _ROOT3 = math.sqrt(3.0)
 
 # wind at 20 ft, kt: MIL-F-8785C, 3.7.3
@@ -106,7 +105,7 @@ def _intensities(severity: Any, wind_20ft: Any, sigma: Any) -> tuple[float, tupl
     one_of("severity", severity, WIND_20FT)
     if wind_20ft is None:
         wind_20ft = WIND_20FT[severity]
-    low = 0.1 * _KNOT * _speed("wind_20ft", wind_20ft)
+    low = 0.1 * KNOT * _speed("wind_20ft", wind_20ft)
     if sigma is None:
         return low, SIGMA[severity]
     return low, (_speed("sigma", sigma),) * len(_ALTITUDES)

@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping
 
 from ..._core.callers import warn_user
+from ..._core.units import KNOT
 from ...errors import AircraftError, TrimError
 from ..airframe import Airframe
 from ..model_files import has_retractable_gear
@@ -28,7 +29,6 @@ _USUAL_SPEEDS = (1.0, 1.3, 0.8, 1.7)
 _LEVEL_SPEEDS = (20.0, 350.0)
 
 _RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
-_KNOT = 1.6878099  # ft/s
 
 
 def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
@@ -37,7 +37,7 @@ def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
     weight, area = (airframe.fdm[name] for name in ("inertia/weight-lbs", "metrics/Sw-sqft"))
     if area <= 0.0:
         return low
-    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / _KNOT
+    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / KNOT
     return float(round(min(max(speed, low), high)))
 
 
