@@ -1,8 +1,9 @@
 """Make what belongs to a diagram script: its model, its pictures and its place in the gallery.
 
     python docs/add_diagram.py NAME ...
+    python docs/add_diagram.py --models     all models again, and nothing else
 
-Needs Chromium. Positions in a model that is there already are kept.
+The first needs Chromium. Positions in a model that is there already are kept.
 """
 
 import sys
@@ -12,9 +13,15 @@ from pathlib import Path
 import generate
 import screenshots
 
-from pathsim_jsbsim_blocks.catalogue import find_diagram
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 from pathsim_jsbsim_blocks.cli import main as command
 from pathsim_jsbsim_blocks.pathview import export_script
+
+
+def write_models():
+    """The models of all diagrams, with the ports that their blocks have now."""
+    for name in diagram_names():
+        export_script(diagram_folder() / f"{name}.py", check=0.5)
 
 
 def main(names):
@@ -29,4 +36,4 @@ def main(names):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    write_models() if sys.argv[1:] == ["--models"] else main(sys.argv[1:])

@@ -15,6 +15,7 @@ from pathsim.blocks import Block
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
 
 ROOT = Path(__file__).parents[1]
@@ -160,6 +161,11 @@ def test_the_readme_names_every_block():
         if not re.fullmatch(conversions, n) and f"`{n}`" not in text
     ]
     assert missing == []
+
+
+def test_the_page_on_autopilots_has_every_hold():
+    text = (ROOT / "docs" / "autopilots.md").read_text(encoding="utf-8")
+    assert [n for n in holds.__all__ if f"| `{n}` |" not in text] == []
 
 
 def test_every_published_diagram_is_mapped_to_its_notebook():

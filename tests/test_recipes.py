@@ -1,0 +1,129 @@
+"""The recipes of CONTRIBUTING are followed in a copy of the tree, and its tests pass there."""
+
+import inspect
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks.control.holds import lateral
+
+pytestmark = pytest.mark.long
+
+ROOT = Path(__file__).parents[1]
+NEEDED = ("src", "tests", "docs", "diagrams", "pyproject.toml", "*.md", "CITATION.cff")
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A copy, in which commands run."""
+    for part in (p for pattern in NEEDED for p in ROOT.glob(pattern)):
+        if part.is_dir():
+            ignored = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(part, tmp_path / part.name, ignore=ignored)
+        else:
+            shutil.copy(part, tmp_path)
+    return tmp_path
+
+
+def python(tree, *arguments):
+    """Output of a command in the copy, which imports the package from there."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=tree,
+        env={**os.environ, "PYTHONPATH": str(tree / "src"), "MPLBACKEND": "agg"},
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def tests_pass(tree, *arguments):
+    status, said = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments)
+    assert status == 0, said[-3000:]
+
+
+def edit(file, old, new):
+    text = file.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{file}: {old!r}"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def promise(tree, name):
+    """Append what a class promises to the table."""
+    table = tree / "tests" / "data" / "promises.json"
+    show = f"""
+import json, sys
+sys.path.insert(0, "tests")
+import pathsim_jsbsim_blocks, test_promises
+print(json.dumps(test_promises.promise(pathsim_jsbsim_blocks.{name})))
+"""
+    status, said = python(tree, "-c", show)
+    assert status == 0, said
+    promises = json.loads(table.read_text()) | {name: json.loads(said)}
+    table.write_text(json.dumps(promises))
+
+
+GUARDS = ("tests/test_conventions.py", "tests/test_promises.py", "tests/test_documentation.py")
+
+
+def test_a_hold(tree):
+    source = inspect.getsource(lateral.RollHold).replace("RollHold", "BankHold")
+    file = tree / "src" / package.__name__ / "control" / "holds" / "lateral.py"
+    edit(file, '__all__ = ["', '__all__ = ["BankHold", "')
+    file.write_text(f"{file.read_text(encoding='utf-8')}\n\n@fill\n{source.removeprefix('@fill')}")
+    _, said = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", *GUARDS)
+    # each names a place of step 4
+    assert set(re.findall(r"^FAILED .*::(\w+)", said, re.M)) == {
+        "test_every_block_is_in_the_table",
+        "test_the_readme_names_every_block",
+        "test_the_block_reference_has_every_public_name",
+        "test_the_page_on_autopilots_has_every_hold",
+    }
+    promise(tree, "BankHold")
+    edit(tree / "README.md", "`PitchHold`, `RollHold`", "`PitchHold`, `RollHold`, `BankHold`")
+    edit(
+        tree / "docs" / "reference" / "control.rst",
+        ".. autoclass:: RollHold\n",
+        ".. autoclass:: RollHold\n\n.. autoclass:: BankHold\n",
+    )
+    page = tree / "docs" / "autopilots.md"
+    (row,) = [line for line in page.read_text("utf-8").splitlines() if "| `RollHold` |" in line]
+    edit(page, row, f"{row}\n{row.replace('RollHold', 'BankHold')}")
+    tests_pass(tree, *GUARDS, "tests/control/test_gains.py", "tests/linear/test_every_block.py")
+
+
+def test_a_diagram(tree):
+    pytest.importorskip("playwright")
+    pytest.importorskip("pathview")
+    folder = tree / "diagrams"
+    text = (folder / "pitch_hold.py").read_text(encoding="utf-8")
+    (folder / "pitch_trial.py").write_text(text.replace("pitch_hold", "pitch_trial"))
+    status, said = python(tree, "docs/add_diagram.py", "pitch_trial")
+    assert status == 0, said
+    assert (folder / "pitch_trial.pvm").is_file()
+    tests_pass(tree, "tests/test_documentation.py", "tests/test_catalogue.py")
+    tests_pass(tree, "tests/pathview/test_committed.py", "-k", "pitch_trial or every_model")
+
+
+def test_a_port(tree):
+    pytest.importorskip("pathview")
+    flight = tree / "src" / package.__name__ / "flight"
+    edit(
+        flight / "aircraft.py",
+        '    "thr_sat": _EXCESS,\n',
+        '    "thr_sat": _EXCESS,\n    "ny": ("accelerations/Ny", 1.0),\n',
+    )
+    edit(flight / "block.py", "    nx, nz\n", "    nx, ny, nz\n")
+    promise(tree, "Aircraft")
+    promise(tree, "LinearAircraft")
+    status, said = python(tree, "docs/add_diagram.py", "--models")
+    assert status == 0, said
+    tests_pass(tree, *GUARDS, "tests/linear/test_every_block.py")
+    tests_pass(tree, "tests/pathview/test_committed.py", "-m", "not long", "-n", "2")
