@@ -17,19 +17,13 @@ from pathsim_jsbsim_blocks.control.holds import lateral
 pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[1]
-NEEDED = ("src", "tests", "docs", "diagrams", "pyproject.toml", "*.md", "CITATION.cff")
+LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "__pycache__", "site", ".*_cache")
 
 
 @pytest.fixture
 def tree(tmp_path):
     """A copy, in which commands run."""
-    for part in (p for pattern in NEEDED for p in ROOT.glob(pattern)):
-        if part.is_dir():
-            ignored = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(part, tmp_path / part.name, ignore=ignored)
-        else:
-            shutil.copy(part, tmp_path)
-    return tmp_path
+    return Path(shutil.copytree(ROOT, tmp_path / "tree", ignore=LEFT_OUT))
 
 
 def python(tree, *arguments):
@@ -87,7 +81,7 @@ def test_a_hold(tree):
         "test_the_page_on_autopilots_has_every_hold",
     }
     promise(tree, "BankHold")
-    edit(tree / "README.md", "`PitchHold`, `RollHold`", "`PitchHold`, `RollHold`, `BankHold`")
+    edit(tree / "README.md", "[`RollHold`]", "`BankHold`, [`RollHold`]")
     edit(
         tree / "docs" / "reference" / "control.rst",
         ".. autoclass:: RollHold\n",

@@ -6,60 +6,73 @@ pathsim-flight also has are drop-in replacements for its blocks.
 
 from __future__ import annotations
 
+from inspect import cleandoc
+from typing import TypeVar
+
 import pathsim_flight.utils as flight
 
-from .._core.docs import filler
 from . import airspeed
 from .atmosphere_blocks import AirDataBlock
 
-_fill = filler(
-    parameters="""
-    Parameters
-    ----------
-    altitude_kind : str
-        what the altitude input is: "geometric" (height) or "geopotential"
-    out_of_range : str
-        beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
-    """,
-    cas="""
-    cas
-        calibrated airspeed, m/s
-    """,
-    eas="""
-    eas
-        equivalent airspeed, m/s
-    """,
-    tas="""
-    tas
-        true airspeed, m/s
-    """,
-    mach="""
-    mach
-        Mach number
-    """,
-    altitude="""
-    altitude
-        altitude in m: a height, or pressure altitude where ``altitude_kind`` is "geopotential"
-    """,
-    temp_deviation="""
-    temp_deviation
-        from the standard temperature, K
-    """,
-    pitot="""
-    with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-    A perfect gas: valid to about Mach 5. A negative speed stays negative.
-    """,
-    raises="""
-    Raises
-    ------
-    FlightError
-        during the run, if an input is not finite, or an altitude is out of range and
-        ``out_of_range`` is "error"
-    """,
-)
+Converter = TypeVar("Converter", bound=type[AirDataBlock])
+
+# quantities by the names of their ports
+_PORTS = {
+    "cas": "calibrated airspeed, m/s",
+    "eas": "equivalent airspeed, m/s",
+    "tas": "true airspeed, m/s",
+    "mach": "Mach number",
+    "altitude": "altitude in m: a height, or pressure altitude where ``altitude_kind`` is "
+    '"geopotential"',
+    "temp_deviation": "from the standard temperature, K",
+}
+
+_PITOT = """\
+with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
+A perfect gas: valid to about Mach 5. A negative speed stays negative."""
+
+_PAGE = """\
+{text}
+
+Parameters
+----------
+altitude_kind : str
+    what the altitude input is: "geometric" (height) or "geopotential"
+out_of_range : str
+    beyond -5 km or 80 km: "extrapolate" (with one warning), "clamp" or "error"
+
+Inputs
+------
+{inputs}
+
+Outputs
+-------
+{outputs}
+
+Raises
+------
+FlightError
+    during the run, if an input is not finite, or an altitude is out of range and
+    ``out_of_range`` is "error"
+"""
 
 
-@_fill
+def _conversion(block: Converter) -> Converter:
+    """Complete the docstring of a block by what all have, and by its ports."""
+
+    def described(labels: dict[str, int]) -> str:
+        return "\n".join(f"{name}\n    {_PORTS[name]}" for name in labels)
+
+    if block.__doc__:  # absent under python -OO
+        block.__doc__ = _PAGE.format(
+            text=cleandoc(block.__doc__).replace("%(pitot)s", _PITOT),
+            inputs=described(block.input_port_labels),
+            outputs=described(block.output_port_labels),
+        )
+    return block
+
+
+@_conversion
 class EAStoTAS(AirDataBlock, flight.EAStoTAS):
     r"""True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude.
 
@@ -68,20 +81,6 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
         TAS = EAS \sqrt{\rho_0 / \rho} = \frac{EAS}{a_0} \sqrt{p_0 / p}\, a
 
     Index 0 is sea level. A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(eas)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(tas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1, "temp_deviation": 2}
@@ -91,7 +90,7 @@ class EAStoTAS(AirDataBlock, flight.EAStoTAS):
         return airspeed.eas_to_tas(eas, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class EAStoMach(AirDataBlock):
     r"""Mach number at an equivalent airspeed (EAS) and an altitude.
 
@@ -100,19 +99,6 @@ class EAStoMach(AirDataBlock):
         M = \frac{EAS}{a_0} \sqrt{p_0 / p}
 
     Index 0 is sea level. A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(eas)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(mach)s
-
-    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1}
@@ -122,7 +108,7 @@ class EAStoMach(AirDataBlock):
         return airspeed.eas_to_mach(eas, self._isa(altitude))
 
 
-@_fill
+@_conversion
 class TAStoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude.
 
@@ -131,20 +117,6 @@ class TAStoEAS(AirDataBlock):
         EAS = TAS \sqrt{\rho / \rho_0} = \frac{TAS}{a} a_0 \sqrt{p / p_0}
 
     Index 0 is sea level. A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(tas)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(eas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -154,7 +126,7 @@ class TAStoEAS(AirDataBlock):
         return airspeed.tas_to_eas(tas, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class TAStoMach(AirDataBlock):
     """Mach number at a true airspeed (TAS) and an altitude.
 
@@ -163,20 +135,6 @@ class TAStoMach(AirDataBlock):
         M = TAS / a
 
     A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(tas)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(mach)s
-
-    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -186,7 +144,7 @@ class TAStoMach(AirDataBlock):
         return airspeed.tas_to_mach(tas, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class MachtoEAS(AirDataBlock):
     r"""Equivalent airspeed (EAS) at a Mach number and an altitude.
 
@@ -195,19 +153,6 @@ class MachtoEAS(AirDataBlock):
         EAS = M a_0 \sqrt{p / p_0}
 
     Index 0 is sea level. A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(mach)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(eas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1}
@@ -217,7 +162,7 @@ class MachtoEAS(AirDataBlock):
         return airspeed.mach_to_eas(mach, self._isa(altitude))
 
 
-@_fill
+@_conversion
 class MachtoTAS(AirDataBlock):
     """True airspeed (TAS) at a Mach number and an altitude.
 
@@ -226,20 +171,6 @@ class MachtoTAS(AirDataBlock):
         TAS = M a
 
     A negative speed stays negative.
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(mach)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(tas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1, "temp_deviation": 2}
@@ -249,7 +180,7 @@ class MachtoTAS(AirDataBlock):
         return airspeed.mach_to_tas(mach, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class CAStoEAS(AirDataBlock, flight.CAStoEAS):
     r"""Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude.
 
@@ -258,19 +189,6 @@ class CAStoEAS(AirDataBlock, flight.CAStoEAS):
         p f(M) = p_0 f(CAS / a_0), \qquad EAS = M a_0 \sqrt{p / p_0}
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(cas)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(eas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1}
@@ -280,7 +198,7 @@ class CAStoEAS(AirDataBlock, flight.CAStoEAS):
         return airspeed.cas_to_eas(cas, self._isa(altitude))
 
 
-@_fill
+@_conversion
 class CAStoTAS(AirDataBlock, flight.CAStoTAS):
     r"""True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude.
 
@@ -289,20 +207,6 @@ class CAStoTAS(AirDataBlock, flight.CAStoTAS):
         p f(M) = p_0 f(CAS / a_0), \qquad TAS = M a
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(cas)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(tas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1, "temp_deviation": 2}
@@ -312,7 +216,7 @@ class CAStoTAS(AirDataBlock, flight.CAStoTAS):
         return airspeed.cas_to_tas(cas, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class CAStoMach(AirDataBlock, flight.CAStoMach):
     """Mach number at a calibrated airspeed (CAS) and an altitude.
 
@@ -321,19 +225,6 @@ class CAStoMach(AirDataBlock, flight.CAStoMach):
         p f(M) = p_0 f(CAS / a_0)
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(cas)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(mach)s
-
-    %(raises)s
     """
 
     input_port_labels = {"cas": 0, "altitude": 1}
@@ -343,7 +234,7 @@ class CAStoMach(AirDataBlock, flight.CAStoMach):
         return airspeed.cas_to_mach(cas, self._isa(altitude))
 
 
-@_fill
+@_conversion
 class EAStoCAS(AirDataBlock):
     r"""Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude.
 
@@ -352,19 +243,6 @@ class EAStoCAS(AirDataBlock):
         M = \frac{EAS}{a_0} \sqrt{p_0 / p}, \qquad p_0 f(CAS / a_0) = p f(M)
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(eas)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(cas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"eas": 0, "altitude": 1}
@@ -374,7 +252,7 @@ class EAStoCAS(AirDataBlock):
         return airspeed.eas_to_cas(eas, self._isa(altitude))
 
 
-@_fill
+@_conversion
 class TAStoCAS(AirDataBlock, flight.TAStoCAS):
     r"""Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude.
 
@@ -383,20 +261,6 @@ class TAStoCAS(AirDataBlock, flight.TAStoCAS):
         M = TAS / a, \qquad p_0 f(CAS / a_0) = p f(M)
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(tas)s
-    %(altitude)s
-    %(temp_deviation)s
-
-    Outputs
-    -------
-    %(cas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
@@ -406,7 +270,7 @@ class TAStoCAS(AirDataBlock, flight.TAStoCAS):
         return airspeed.tas_to_cas(tas, self._isa(altitude, temp_deviation))
 
 
-@_fill
+@_conversion
 class MachtoCAS(AirDataBlock, flight.MachtoCAS):
     """Calibrated airspeed (CAS) at a Mach number and an altitude.
 
@@ -415,19 +279,6 @@ class MachtoCAS(AirDataBlock, flight.MachtoCAS):
         p_0 f(CAS / a_0) = p f(M)
 
     %(pitot)s
-
-    %(parameters)s
-
-    Inputs
-    ------
-    %(mach)s
-    %(altitude)s
-
-    Outputs
-    -------
-    %(cas)s
-
-    %(raises)s
     """
 
     input_port_labels = {"mach": 0, "altitude": 1}
