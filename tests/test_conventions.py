@@ -213,10 +213,6 @@ LONGEST = 60
 # functions that are longer, each with the reason
 LONGER = {
     "cli/runs.py:run": "to be cut",
-    "flight/aircraft.py:__init__": "to be cut",
-    "flight/aircraft.py:_connect": "to be cut",
-    "flight/algebraic.py:algebraic_model": "to be cut",
-    "flight/flown.py:flown_model": "to be cut",
     "pathview/server.py:_app": "to be cut",
 }
 
