@@ -12,7 +12,6 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from pathsim_jsbsim_blocks import plots
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 from pathsim_jsbsim_blocks.flight.points import aircraft_points
 
@@ -20,7 +19,9 @@ FOLDER = Path(__file__).resolve().parent / "concepts" / "figures"
 # the same file for the same figure
 matplotlib.rcParams["svg.hashsalt"] = "pathsim-jsbsim-blocks"
 
-BODY, AIR, EARTH, FORCE = "#2a78d6", "#e07b39", "#3f9b54", "#c0392b"
+# readable on white and on black
+BODY, AIR, EARTH, FORCE = "#3484e0", "#e07b39", "#3f9b54", "#e0524a"
+STABILITY, INERTIAL, GRID = "#a06cd5", "#8a94a0", "#8a94a0"
 
 
 def outline(angle=0.0, scale=1.0):
@@ -30,9 +31,13 @@ def outline(angle=0.0, scale=1.0):
     return turned(np.array(x) * scale, np.array(z) * scale, angle)
 
 
-def plan(angle=0.0, scale=1.0):
-    """Top view, nose to the right, turned by ``angle`` in deg (nose up in the picture)."""
-    half_x = [1.0, 0.9, 0.4, 0.35, 0.1, 0.05, -0.7, -0.78, -0.95, -0.95]
+def plan(angle=0.0, scale=1.0, wing=0.05):
+    """Top view, nose to the right, turned by ``angle`` in deg (nose up in the picture).
+
+    The trailing edge of the wing is at ``wing``.
+    """
+    chord = [wing + 0.35, wing + 0.3, wing + 0.05, wing]
+    half_x = [1.0, 0.9, *chord, -0.7, -0.78, -0.95, -0.95]
     half_y = [0.0, 0.08, 0.1, 1.2, 1.2, 0.1, 0.05, 0.4, 0.4, 0.0]
     x = np.array(half_x + half_x[::-1]) * scale
     y = np.array(half_y + [-v for v in half_y[::-1]]) * scale
@@ -112,97 +117,221 @@ def aircraft(ax, shape):
     ax.fill(*shape, facecolor="#9aa5b1", alpha=0.35, edgecolor=ink(), lw=0.8)
 
 
+def titled(ax, text, x, y):
+    """A title inside the panel: panels of unequal height would have theirs at unequal heights."""
+    ax.text(x, y, text, color=ink(), ha="center", va="bottom", fontsize=11)
+
+
+INCH = 2 / 326  # of a Cessna 172, in units of the outline
+NOSE, WATERLINE = -37.7, -0.13  # station of the front point; height of waterline 0 in the outline
+
+
+def station(inches):
+    """Abscissa of a fuselage station in the outline, whose nose points right."""
+    return 1.0 - (inches - NOSE) * INCH
+
+
 def structural():
-    figure, (ax,) = canvas(1, 7.0, 3.4)
-    aircraft(ax, outline(scale=1.4))
-    # the nose points right: structural x runs aft, to the left
-    origin = 1.75, -0.28
-    arrow(ax, 180, 0.75, EARTH, "x aft", origin, dy=0.13)
-    arrow(ax, 90, 0.75, EARTH, "z up", origin)
-    ax.plot(*origin, "o", color=EARTH)
-    ax.text(origin[0] + 0.08, origin[1] - 0.14, "structural origin", color=EARTH, ha="center")
-    arrow(ax, 0, 0.85, BODY, "x forward", dx=0.24, dy=0.02)
-    arrow(ax, -90, 0.6, BODY, "z down")
-    ax.plot(0, 0, "o", color=BODY)
-    ax.text(-0.16, 0.1, "CG", color=BODY, ha="center")
-    ax.text(0.35, -0.75, "y points right in both: towards you", color=ink(), ha="left")
-    ax.set(xlim=(-1.6, 2.2), ylim=(-0.95, 0.8))
+    figure, (side, top) = canvas(2, 10.5, 4.0)
+    for ax, low, high in ((side, -0.52, 0.62), (top, -1.35, 1.35)):
+        for inches in (0, 100, 200):
+            x = station(inches)
+            ax.plot([x, x], [low, high], color=GRID, lw=0.8, ls="--", zorder=0)
+            ax.text(x, low - 0.06, f"FS {inches}", color=GRID, ha="center", va="top")
+    for inches in (0, 50):
+        z = WATERLINE + inches * INCH
+        side.plot([-1.2, 1.35], [z, z], color=GRID, lw=0.8, ls="--", zorder=0)
+        side.text(-1.25, z, f"WL {inches}", color=GRID, ha="right", va="center")
+    for inches in (-100, 0, 100):
+        y = -inches * INCH
+        top.plot([-1.2, 1.35], [y, y], color=GRID, lw=0.8, ls="--", zorder=0)
+        top.text(-1.25, y, f"BL {inches}", color=GRID, ha="right", va="center")
+    aircraft(side, outline())
+    aircraft(top, plan(0, 0.98, wing=0.25))
+    origin, cg = (station(0), WATERLINE), (station(42.1), WATERLINE + 37.7 * INCH)
+    arrow(side, 180, 0.45, EARTH, "x", origin, dy=-0.1, dx=0.05)
+    arrow(side, 90, 0.5, EARTH, "z", origin, dx=0.08)
+    arrow(side, 0, 0.62, BODY, r"$x_B$", cg, dx=0.05)
+    arrow(side, -90, 0.45, BODY, r"$z_B$", cg, dx=-0.1)
+    side.plot(*origin, "o", color=EARTH)
+    side.plot(*cg, "o", color=BODY)
+    side.text(origin[0] + 0.06, origin[1] - 0.13, "origin", color=EARTH, ha="left")
+    side.text(cg[0] - 0.05, cg[1] + 0.05, "CG", color=BODY, ha="right")
+    origin, cg = (station(0), 0.0), (station(42.1), 0.0)
+    arrow(top, 180, 0.45, EARTH, "x", origin, dy=0.1)
+    arrow(top, -90, 0.75, EARTH, "y", origin, dx=0.08, dy=0.05)
+    arrow(top, 0, 0.75, BODY, r"$x_B$", cg, dx=0.05)
+    arrow(top, -90, 0.55, BODY, r"$y_B$", cg, dx=-0.1, dy=0.03)
+    top.plot(*origin, "o", color=EARTH)
+    top.plot(*cg, "o", color=BODY)
+    for ax, text in ((side, "from the right side"), (top, "from above")):
+        ax.set(xlim=(-1.65, 1.45), ylim=(-1.55, 1.65))
+        titled(ax, text, 0, 1.4)
     return figure
 
 
 def wind():
-    figure, (side, top) = canvas(2, 9.0, 3.8)
-    alpha = 16
-    aircraft(side, outline(alpha))
-    arrow(side, alpha, 1.4, BODY, r"$x_B$")
-    arrow(side, alpha - 90, 0.8, BODY, r"$z_B$")
-    arrow(side, 0, 1.4, AIR, r"$x_S$")
-    arrow(side, -90, 0.8, AIR, r"$z_S$")
-    arc(side, 0, alpha, 1.1, r"$\alpha$", ink())
-    side.set(xlim=(-1.2, 1.7), ylim=(-1.05, 0.85), title="from the right side")
-    beta = 18
-    aircraft(top, plan(90, 0.8))
-    arrow(top, 90, 1.2, BODY, r"$x_S$")
-    arrow(top, 0, 1.05, BODY, r"$y_B = y_S$", dx=0.18)
-    arrow(top, 90 - beta, 1.3, AIR, r"$x_W$: airspeed", dx=0.25)
-    arrow(top, -beta, 1.05, AIR, r"$y_W$")
-    arc(top, 90 - beta, 90, 1.0, r"$\beta$", ink())
-    top.set(xlim=(-1.1, 1.6), ylim=(-0.95, 1.6), title="from above")
+    figure, (side, top) = canvas(2, 10.5, 4.6)
+    alpha, beta = 16, 18
+    aircraft(side, outline(alpha, 0.9))
+    arrow(side, alpha, 1.35, BODY, r"$x_B$", dy=0.04)
+    arrow(side, alpha - 90, 0.85, BODY, r"$z_B$")
+    arrow(side, 0, 1.35, STABILITY, r"$x_S$")
+    arrow(side, -90, 0.85, STABILITY, r"$z_S = z_W$", dx=-0.12)
+    arrow(side, 90, 1.0, FORCE, "lift L")
+    arc(side, 0, alpha, 1.05, r"$\alpha$", ink())
+    arc(side, -90, alpha - 90, 0.55, r"$\alpha$", ink())
+    aircraft(top, plan(90, 0.78))
+    arrow(top, 90, 1.2, STABILITY, r"$x_S$", dy=0.02)
+    arrow(top, 0, 1.05, BODY, r"$y_B = y_S$", dx=0.2)
+    arrow(top, 90 - beta, 1.25, AIR, r"$x_W$: airspeed", dx=0.32, dy=0.02)
+    arrow(top, -beta, 1.05, AIR, r"$y_W$", dx=0.03)
+    arrow(top, 270 - beta, 0.95, FORCE, "drag D", dx=-0.1, dy=-0.04)
+    arrow(top, 180 - beta, 0.7, FORCE, "side force\nY < 0", dx=-0.25, dy=0.02)
+    arc(top, 90 - beta, 90, 0.95, r"$\beta$", ink())
+    arc(top, -beta, 0, 0.8, r"$\beta$", ink())
+    for ax, text in ((side, "from the right side"), (top, "from above")):
+        ax.set(xlim=(-1.35, 1.75), ylim=(-1.25, 1.65))
+        titled(ax, text, 0.2, 1.42)
     return figure
 
 
 def euler():
-    figure, (above, side, behind) = canvas(3, 9.5, 3.5)
-    psi, theta, phi = 35, 14, 25
-    aircraft(above, plan(90 - psi, 0.75))
+    """The three rotations in their order: each panel begins with the axes of the one before."""
+    figure, panels = canvas(3, 11.0, 4.2)
+    psi, theta, phi = 35, 20, 25
+    above, side, behind = panels
+    aircraft(above, plan(90 - psi, 0.72))
     arrow(above, 90, 1.2, EARTH, "north")
-    arrow(above, 0, 1.1, EARTH, "east", dx=0.1)
-    arrow(above, 90 - psi, 1.2, BODY, r"$x_B$")
-    arc(above, 90 - psi, 90, 0.95, r"$\psi$", ink())
-    above.set(title="heading, from above", xlim=(-1.2, 1.45), ylim=(-1.2, 1.45))
-    aircraft(side, outline(theta))
-    arrow(side, 0, 1.35, EARTH, "horizon", dy=-0.13)
-    arrow(side, theta, 1.35, BODY, r"$x_B$")
-    arc(side, 0, theta, 1.1, r"$\theta$", ink())
-    side.set(title="pitch, from the right", xlim=(-1.2, 1.7), ylim=(-1.3, 1.35))
-    aircraft(behind, front(phi))
-    arrow(behind, 0, 1.35, EARTH, "horizon", dy=0.13)
-    arrow(behind, -phi, 1.35, BODY, r"$y_B$")
-    arc(behind, -phi, 0, 1.1, r"$\phi$", ink())
-    behind.set(title="roll, from behind", xlim=(-1.4, 1.7), ylim=(-1.3, 1.35))
+    arrow(above, 0, 1.15, EARTH, "east", dx=0.12)
+    arrow(above, 90 - psi, 1.2, BODY, r"$x_1$")
+    arrow(above, -psi, 1.15, BODY, r"$y_1$")
+    arc(above, 90 - psi, 90, 0.9, r"$\psi$", ink())
+    arc(above, -psi, 0, 0.9, r"$\psi$", ink())
+    aircraft(side, outline(theta, 0.9))
+    arrow(side, 0, 1.25, EARTH, r"$x_1$", dx=0.03)
+    arrow(side, -90, 1.05, EARTH, "down", dx=-0.18)
+    arrow(side, theta, 1.25, BODY, r"$x_B$", dx=0.03)
+    arrow(side, theta - 90, 1.05, BODY, r"$z_2$")
+    arc(side, 0, theta, 1.0, r"$\theta$", ink())
+    arc(side, -90, theta - 90, 0.75, r"$\theta$", ink())
+    aircraft(behind, front(phi, 0.9))
+    arrow(behind, 0, 1.25, EARTH, r"$y_1$", dx=0.03)
+    arrow(behind, -90, 1.05, EARTH, r"$z_2$", dx=0.02)
+    arrow(behind, -phi, 1.25, BODY, r"$y_B$", dx=0.03)
+    arrow(behind, -90 - phi, 1.05, BODY, r"$z_B$", dx=-0.03)
+    arc(behind, -phi, 0, 1.0, r"$\phi$", ink())
+    arc(behind, -90 - phi, -90, 0.75, r"$\phi$", ink())
+    titles = (
+        "1. heading $\\psi$ about down\nfrom above",
+        "2. pitch $\\theta$ about $y_1$\nfrom the right",
+        "3. roll $\\phi$ about $x_B$\nfrom behind",
+    )
+    for ax, text in zip(panels, titles, strict=True):
+        ax.set(xlim=(-1.35, 1.55), ylim=(-1.35, 1.95))
+        titled(ax, text, 0.1, 1.52)
     return figure
 
 
+def globe(x, y, z, turn=25.0, tilt=22.0):
+    """Orthographic projection: abscissa, ordinate, and the distance towards the viewer."""
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    ahead, right = c * x + s * y, -s * x + c * y
+    ct, st = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    return right, ct * z - st * ahead, ct * ahead + st * z
+
+
+def curve(ax, x, y, z, **style):
+    """A curve on the Earth; what is behind it is dotted."""
+    u, v, front = globe(x, y, z)
+    for visible, look in ((front >= 0, {}), (front < 0, {"ls": ":", "alpha": 0.5})):
+        ax.plot(np.where(visible, u, np.nan), np.where(visible, v, np.nan), **{**style, **look})
+
+
 def earth():
-    figure = plt.figure(figsize=(6.4, 5.4), layout="constrained")
-    ax = figure.add_subplot(projection="3d", computed_zorder=False)
-    ax.set_axis_off()
-    ax.view_init(22, 35)
-    ax.set_box_aspect((1, 1, 1), zoom=1.15)
-    turn = np.linspace(0, 2 * np.pi, 120)
+    figure, (ax,) = canvas(1, 7.6, 6.6)
+
+    def ray(start, direction, colour, text, dashed=False, dx=0.0, dy=0.0):
+        (u0, v0, _), (u, v, _) = globe(*start), globe(*np.add(start, direction))
+        angle, length = np.degrees(np.arctan2(v - v0, u - u0)), np.hypot(u - u0, v - v0)
+        arrow(ax, angle, length, colour, text, (u0, v0), dashed, dx=dx, dy=dy)
+
+    turn = np.linspace(0, 2 * np.pi, 241)
+    ax.fill(np.cos(turn), np.sin(turn), facecolor="#9aa5b1", alpha=0.12)
+    ax.plot(np.cos(turn), np.sin(turn), color=GRID, lw=1.0)
     for lat in range(-60, 90, 30):
-        r, z = np.cos(np.radians(lat)), np.sin(np.radians(lat))
-        ax.plot(r * np.cos(turn), r * np.sin(turn), z, color="#9aa5b1", lw=0.6)
-    for lon in range(0, 180, 30):
-        c, s = np.cos(np.radians(lon)), np.sin(np.radians(lon))
-        ax.plot(c * np.cos(turn), s * np.cos(turn), np.sin(turn), color="#9aa5b1", lw=0.6)
-
-    def ray(start, direction, colour, text):
-        ax.quiver(*start, *direction, color=colour, lw=1.8, arrow_length_ratio=0.12)
-        ax.text(*(np.add(start, 1.12 * np.asarray(direction))), text, color=colour, ha="center")
-
-    ray((0, 0, 0), (1.5, 0, 0), BODY, "x: 0 N 0 E")
-    ray((0, 0, 0), (0, 1.5, 0), BODY, "y: 0 N 90 E")
-    ray((0, 0, 0), (0, 0, 1.28), BODY, "z: north pole")
-    lat, lon = np.radians(35), np.radians(50)
+        r = np.cos(np.radians(lat)) * np.ones_like(turn)
+        z = np.sin(np.radians(lat)) * np.ones_like(turn)
+        curve(ax, r * np.cos(turn), r * np.sin(turn), z, color=GRID, lw=1.0 if lat == 0 else 0.4)
+    zero = np.zeros(3)
+    sidereal = -30  # deg: the Earth has turned by this from x_I, eastwards
+    for angle, colour, names, dashed in (
+        (0, BODY, (r"$x_E$", r"$y_E$"), False),
+        (sidereal, INERTIAL, (r"$x_I$", r"$y_I$"), True),
+    ):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        ray(zero, (1.6 * c, 1.6 * s, 0), colour, names[0], dashed, dy=-0.03)
+        ray(zero, (-1.45 * s, 1.45 * c, 0), colour, names[1], dashed, dx=0.06)
+    ray(zero, (0, 0, 1.5), BODY, r"$z_E = z_I$", dx=0.2)
+    spin = np.radians(np.linspace(-60, 200, 60))
+    u, v, _ = globe(0.2 * np.cos(spin), 0.2 * np.sin(spin), 1.28 * np.ones_like(spin))
+    ax.plot(u, v, color=FORCE, lw=1.6)
+    ax.annotate(
+        "",
+        xy=(u[-1], v[-1]),
+        xytext=(u[-4], v[-4]),
+        arrowprops={"arrowstyle": "-|>", "color": FORCE},
+    )
+    ax.text(-0.24, 1.25, r"$\omega_E$", color=FORCE, ha="right", va="center", fontsize=12)
+    turned_by = np.radians(np.linspace(sidereal, 0, 40))
+    curve(
+        ax,
+        1.15 * np.cos(turned_by),
+        1.15 * np.sin(turned_by),
+        0 * turned_by,
+        color=INERTIAL,
+        lw=1.4,
+    )
+    u, v, _ = globe(1.3 * np.cos(turned_by[20]), 1.3 * np.sin(turned_by[20]), 0)
+    ax.text(u, v - 0.02, r"$\omega_E t$", color=INERTIAL, ha="center", va="center")
+    lat, lon = np.radians(42), np.radians(50)
     up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
     north = np.array([-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)])
     east = np.array([-np.sin(lon), np.cos(lon), 0.0])
-    ax.scatter(*up, color=EARTH, s=25)
-    ray(up, 0.5 * north, EARTH, "north")
-    ray(up, 0.5 * east, EARTH, "east")
-    ray(up, -0.45 * up, EARTH, "down")
-    ax.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-1, 1))
+    for line in (up, [np.cos(lon), np.sin(lon), 0]):
+        u, v, _ = globe(*(np.outer(line, [0, 1])))
+        ax.plot(u, v, color=AIR, lw=1.2, ls="--")
+    t = np.linspace(0, 1, 40)
+    curve(ax, np.cos(lon * t), np.sin(lon * t), 0 * t, color=AIR, lw=2.4)
+    curve(
+        ax,
+        np.cos(lat * t) * np.cos(lon),
+        np.cos(lat * t) * np.sin(lon),
+        np.sin(lat * t),
+        color=AIR,
+        lw=2.4,
+    )
+    for x, y, z, text in (
+        (1.1 * np.cos(lon / 2), 1.1 * np.sin(lon / 2), -0.07, "longitude"),
+        (
+            1.0 * np.cos(lat / 2) * np.cos(lon),
+            np.cos(lat / 2) * np.sin(lon),
+            np.sin(lat / 2),
+            "latitude",
+        ),
+    ):
+        u, v, _ = globe(x, y, z)
+        right = text == "latitude"
+        ax.text(u + 0.05 * right, v, text, color=AIR, ha="left" if right else "center", va="center")
+    corners = [up + 0.36 * (i * north + j * east) for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+    u, v, _ = np.transpose([globe(*corner) for corner in corners])
+    ax.fill(u, v, facecolor=EARTH, alpha=0.25, edgecolor=EARTH)
+    ax.text(u[0] + 0.05, v[0] + 0.08, "tangent plane", color=EARTH, ha="left", va="center")
+    ray(up, 0.62 * north, EARTH, "north", dx=0.12, dy=0.02)
+    ray(up, 0.62 * east, EARTH, "east", dx=0.12)
+    ray(up, -0.5 * up, EARTH, "down", dx=0.02, dy=-0.06)
+    ax.plot(*globe(*up)[:2], "o", color=EARTH)
+    ax.set(xlim=(-1.55, 1.75), ylim=(-1.2, 1.6))
     return figure
 
 
@@ -210,14 +339,14 @@ def climb():
     figure, (ax,) = canvas(1, 6.5, 5.0)
     gamma, alpha = 18, 6
     aircraft(ax, outline(gamma + alpha))
-    ax.plot([-1.1, 1.9], [0, 0], color="#9aa5b1", lw=0.8, ls=":")
+    ax.plot([-1.1, 1.9], [0, 0], color=GRID, lw=0.8, ls=":")
     arrow(ax, gamma, 1.75, AIR, "V")
     arrow(ax, gamma + 90, 1.25, FORCE, "lift L")
-    arrow(ax, gamma + 180, 0.7, FORCE, "drag D", dx=-0.08)
-    arrow(ax, gamma, 1.15, FORCE, "thrust T", dx=0.0, dy=-0.2)
+    arrow(ax, gamma + 180, 1.3, FORCE, "drag D", dx=-0.03, dy=-0.08)
+    arrow(ax, gamma, 1.25, FORCE, "thrust T", dx=-0.2, dy=-0.26)
     arrow(ax, -90, 1.3, FORCE, "weight W")
     arc(ax, 0, gamma, 1.5, r"$\gamma$", ink())
-    ax.set(xlim=(-1.25, 2.0), ylim=(-1.55, 1.45))
+    ax.set(xlim=(-1.5, 2.0), ylim=(-1.55, 1.45))
     return figure
 
 
@@ -261,15 +390,113 @@ def moment(ax, centre, radius, begin, end):
     ax.annotate("", xy=(x[-1], y[-1]), xytext=(x[-3], y[-3]), arrowprops=arrow_head)
 
 
+def banked():
+    figure, (ax, chart) = plt.subplots(
+        1, 2, figsize=(9.5, 4.2), layout="constrained", width_ratios=(1.15, 1)
+    )
+    ax.set_aspect("equal")
+    ax.axis("off")
+    phi, lift = 35, 1.45
+    weight = lift * np.cos(np.radians(phi))
+    aircraft(ax, front(phi, 0.9))
+    ax.plot([-1.4, 1.4], [0, 0], color=GRID, lw=0.8, ls=":")
+    arrow(ax, 90 - phi, lift, FORCE, "lift L = n W", dx=0.3)
+    arrow(ax, 90, weight, FORCE, r"$L\,\cos\phi$", dashed=True, dx=-0.3)
+    arrow(
+        ax,
+        0,
+        lift * np.sin(np.radians(phi)),
+        FORCE,
+        r"$L\,\sin\phi$",
+        dashed=True,
+        dx=0.16,
+        dy=0.12,
+    )
+    arrow(ax, -90, weight, FORCE, "weight W")
+    arc(ax, 90 - phi, 90, 0.75, r"$\phi$", ink())
+    ax.set(xlim=(-1.6, 1.7), ylim=(-1.45, 1.45))
+    titled(ax, "from behind, in a turn to the right", 0, 1.4)
+    angles = np.linspace(0, 70, 200)
+    chart.plot(angles, 1 / np.cos(np.radians(angles)), color=BODY, lw=1.8)
+    for angle in (30, 45, 60):
+        n = 1 / np.cos(np.radians(angle))
+        chart.plot(angle, n, "o", color=BODY)
+        chart.text(angle - 2, n + 0.06, f"{n:.2f} g", color=ink(), ha="right")
+    chart.set(xlabel="bank [deg]", ylabel="load factor n = L/W [g]", xlim=(0, 70), ylim=(1, 3))
+    chart.grid(alpha=0.4)
+    return figure
+
+
+SEATS = ("pilot", "co-pilot", "left passenger", "right passenger", "baggage")
+NEAR = {
+    "centre of gravity": "CG",
+    "empty-weight CG": "empty-weight CG",
+    "visual reference point": "visual\nreference point",
+}
+
+
 def points():
+    """The points of a Cessna 172, named, with the chord of its wing; around the CG, enlarged."""
     airframe = Airframe("c172p")
     airframe.run_ic()
-    return plots.aircraft_points(aircraft_points(airframe), "c172p: named points")
+    found = aircraft_points(airframe)
+    chord = 12 * airframe.fdm["metrics/cbarw-ft"]
+    figure, axes = plt.subplot_mosaic(
+        [["side", "near"], ["top", "cabin"]],
+        figsize=(9.5, 8.5),
+        layout="constrained",
+        height_ratios=(1, 2.2),
+        width_ratios=(1.35, 1),
+    )
+    side, near, top, cabin = (axes[name] for name in ("side", "near", "top", "cabin"))
+    (x0, _, z0), half = found["aerodynamic reference point"][0], found["other contact points"][3][1]
+    wing = np.array([x0 - chord / 4, x0 + 3 * chord / 4])
+    side.plot(wing, [z0, z0], color=GRID, lw=4, solid_capstyle="butt")
+    side.text(wing[1] + 4, z0, "wing chord", color=GRID, va="center")
+    for ax in (top, cabin):
+        ax.fill(wing[[0, 1, 1, 0]], [-half, -half, half, half], facecolor="#9aa5b1", alpha=0.25)
+    top.plot(wing, [0, 0], color=GRID, lw=4, solid_capstyle="butt")
+    top.text(wing[1] + 4, 8, "root chord", color=GRID)
+    colours = dict(zip(found, plt.rcParams["axes.prop_cycle"].by_key()["color"], strict=False))
+    for (kind, places), marker in zip(found.items(), "oXs^vDP*p", strict=False):
+        x, y, z = np.transpose(places)
+        for ax, ordinate in ((side, z), (near, z), (top, y), (cabin, y)):
+            ax.plot(x, ordinate, marker, color=colours[kind], markersize=7, label=kind)
+
+    def name(ax, text, x, y, below=False):
+        ax.annotate(
+            text,
+            (x, y),
+            (0, -9 if below else 8),
+            textcoords="offset points",
+            ha="center",
+            va="top" if below else "bottom",
+            fontsize=9,
+        )
+
+    for seat, (x, y, _) in zip(SEATS, found["point masses"], strict=True):
+        name(cabin, seat, x, y, y < 0)
+    for kind, text in NEAR.items():
+        name(near, text, found[kind][0][0], found[kind][0][2])
+    near.set(xlim=(40.2, 43.8), ylim=(35.8, 39.4), title="around the CG, from the left")
+    near.set(xlabel="x [in]", ylabel="z [in]")
+    cabin.set(xlim=(20, 112), ylim=(-34, 34), title="the cabin, from above")
+    cabin.set(xlabel="x [in]", ylabel="y [in]", anchor="N")
+    side.set(ylabel="z, up [in]", title="from the left side", xlim=(-50, 200), ylim=(-30, 75))
+    top.set(ylabel="y, right [in]", xlabel="x, aft [in]", title="from above")
+    top.set(xlim=(-50, 200), ylim=(-230, 230))
+    for ax in (side, top, cabin):
+        ax.set_aspect("equal")
+    for ax in axes.values():
+        ax.grid(alpha=0.4)
+    handles, labels = top.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize="small")
+    return figure
 
 
 def main():
     FOLDER.mkdir(exist_ok=True)
-    for draw in (structural, wind, euler, earth, climb, controls, points):
+    for draw in (structural, wind, euler, earth, climb, banked, controls, points):
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
             with plt.style.context(style):
                 figure = draw()
