@@ -10,8 +10,9 @@ from .._core.parameters import Parametric, parameter
 from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
-from .block import FlightBlock, Read, Write, fill
+from .block import FlightBlock, Read, Write
 from .channels import ALMOST_NORTH, DEG, Channel, unit_of
+from .manual import fill
 from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
 from .trimming.condition import TrimCondition
 

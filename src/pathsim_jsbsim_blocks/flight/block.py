@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf, isfinite, nan
 from threading import get_ident
-from typing import Any
+from typing import Any, NoReturn
 
 import jsbsim
 import numpy as np
@@ -21,7 +21,6 @@ from .._core._pathsim import NamedRegister, port_names, show, values
 from .._core.callers import warn_user
 from .._core.checks import flag, number, one_of, positive, refuse, whole
 from .._core.continuous import Matrices
-from .._core.docs import filler
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
 from .._core.wiring import name_of
@@ -69,96 +68,6 @@ _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
 Write = Callable[[list[float]], None]
 Read = Callable[[], list[float]]
-
-# what the manual pages of the aircraft blocks share
-fill = filler(
-    start="""
-    aircraft : str
-        name of the JSBSim model
-    altitude : float
-        ft above mean sea level
-    speed : float
-        KCAS; not used if ``mach`` is given
-    mach : float, optional
-        Mach number instead of ``speed``
-    gamma : float
-        flight path angle in deg
-    heading : float
-        true heading in deg
-    """,
-    configuration="""
-    gear : float, optional
-        0 (up) to 1 (down); default is the model's own setting
-    flaps : float, optional
-        0 (up) to 1 (fully down); default is the model's own setting
-    """,
-    written="""
-    setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
-    properties : dict, optional
-        properties written after the trim (turbulence)
-    """,
-    surroundings="""
-    create : dict, optional
-        properties that the model expects from its environment (FlightGear), with their values
-    record_inputs : bool
-        keep the inputs flown (8 bytes per input and sample), which checkpoints need
-    allow_network : bool
-        let the model open the sockets that its XML asks for, and send and listen there
-    allow_files : bool
-        let the model write the files that its XML asks for
-    integrators : str or dict
-        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
-        the same T; less stable on the ground below 120 Hz), or methods by state:
-        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
-        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
-        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
-        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
-        "local linearization"
-    planet : str or dict, optional
-        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
-        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
-        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
-    gravity : str, optional
-        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
-    flightgear : str, optional
-        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
-        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
-    """,
-    motion="""
-    theta, phi, psi
-        pitch, roll and heading angle, deg; `Aircraft` shows a heading in [0, 360)
-    p, q, r
-        body rates, deg/s
-    alpha, beta, gamma
-        angle of attack, sideslip angle, flight path angle, deg
-    h
-        altitude above mean sea level, ft
-    hdot
-        rate of climb, ft/s
-    vc
-        calibrated airspeed, kt
-    vt
-        true airspeed, ft/s
-    mach
-        Mach number
-    nx, nz
-        load factors, g; nz is +1 in level flight
-    lat, lon
-        geodetic latitude and longitude, deg
-    """,
-    raises="""
-    Raises
-    ------
-    AircraftError, PropertyError, ParameterError, TrimError
-        when the block is built: unknown names and values that cannot be, or no trim
-    FlightError
-        in flight, when an input or the state is not finite, the aircraft has crashed or is under
-        the ground, or something else runs or holds it; of `Aircraft` also at a contact with the
-        ground beyond ``sink_max`` or ``scrape_max``
-    """,
-)
-
 
 # called with each block that has taken off: when it is built, and again after a reset
 at_take_off: list[Callable[[FlightBlock], None]] = []
@@ -546,12 +455,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not isfinite(value):
-                    self._fail(
-                        f"input {port!r}",
-                        port,
-                        value,
-                        self.clock.start + self.samples * self.clock.period,
-                    )
+                    self._fail(f"input {port!r}", port, value, self._time(self.samples))
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:
@@ -578,9 +482,9 @@ class FlightBlock(NamedPorts, SampledPlant):
         y = read()
         above = height()
         if above < reach and (broken := touch()):
-            self._fail(*broken, clock.start + index * clock.period)
+            self._fail(*broken, self._time(index))
         if not (isfinite(sum(y) + speed()) and above >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
-            self._check(y, self.clock.start + index * self.clock.period)
+            self._check(y, self._time(index))
         if index >= self._fuel_at:
             self._check_fuel(index)
         if self.__dict__["record_inputs"] is True:
@@ -589,17 +493,20 @@ class FlightBlock(NamedPorts, SampledPlant):
                 self._flown[before:] = array("d", u)
         return y
 
+    def _time(self, index: int) -> float:
+        """Time of an instant in s."""
+        return self.clock.start + index * self.clock.period
+
     def _check_fuel(self, index: int) -> None:
         """Warn of engines that have stopped for want of fuel since the last look."""
-        clock, before = self.clock, self._starved
-        self._fuel_at = index + _FUEL_CHECK / clock.period
-        self._starved = self.airframe.starved()
+        before, self._starved = self._starved, self.airframe.starved()
+        self._fuel_at = index + _FUEL_CHECK / self.clock.period
         engines = [str(i) for i in self._starved if i not in before]
         if engines:
             warn_user(
                 f"{self.airframe.aircraft}: engine{'s' * (len(engines) > 1)} {', '.join(engines)} "
-                f"stopped for want of fuel by t = {clock.start + index * clock.period:.4g} s: the "
-                "tanks that feed them are empty"
+                f"stopped for want of fuel by t = {self._time(index):.4g} s: the tanks that feed "
+                "them are empty"
             )
 
     def _steps_since(self, index: int) -> int:
@@ -607,28 +514,26 @@ class FlightBlock(NamedPorts, SampledPlant):
         time = self.fdm.get_sim_time() - self._time_zero
         return round(time / self._step) - index * self._substeps
 
-    def _fail_step(self, index: int, error: Exception) -> None:
-        """End a flight where an input has no possible value, or JSBSim gives up."""
-        t = self.clock.start + (index - 1) * self.clock.period
-        raise FlightError(
-            f"aircraft {self.airframe.aircraft!r} at t = {t:.9g} s: {' '.join(str(error).split())}",
-            aircraft=self.airframe.aircraft,
-            time=t,
-            name=getattr(error, "parameter", ""),
-            value=getattr(error, "value", nan),
-        ) from None
+    def _end(self, why: str, name: str, value: float, t: float) -> NoReturn:
+        aircraft = self.airframe.aircraft
+        message = f"aircraft {aircraft!r}{why}"
+        raise FlightError(message, aircraft=aircraft, time=t, name=name, value=value) from None
 
-    def _fail_time(self, index: int) -> None:
-        clock, time = self.clock, self.fdm.get_sim_time() - self._time_zero
-        raise FlightError(
-            f"aircraft {self.airframe.aircraft!r}: its clock shows {time:.9g} s after "
-            f"{index} periods of {clock.period:.9g} s: something else runs or holds it. "
-            "Fly on after a reset",
-            aircraft=self.airframe.aircraft,
-            time=clock.start + index * clock.period,
-            name="simulation/sim-time-sec",
-            value=time,
-        )
+    def _fail(self, what: str, name: str, value: float, t: float) -> NoReturn:
+        """End a flight where a quantity makes it impossible."""
+        self._end(f": {what} is {value:.6g} at t = {t:.9g} s", name, value, t)
+
+    def _fail_step(self, index: int, error: Exception) -> NoReturn:
+        """End a flight where an input has no possible value, or JSBSim gives up."""
+        t, name = self._time(index - 1), getattr(error, "parameter", "")
+        why = f" at t = {t:.9g} s: {' '.join(str(error).split())}"
+        self._end(why, name, getattr(error, "value", nan), t)
+
+    def _fail_time(self, index: int) -> NoReturn:
+        time = self.fdm.get_sim_time() - self._time_zero
+        why = f": its clock shows {time:.9g} s after {index} periods of {self.clock.period:.9g} s: "
+        why += "something else runs or holds it. Fly on after a reset"
+        self._end(why, "simulation/sim-time-sec", time, self._time(index))
 
     def _check(self, y: list[float], t: float) -> None:
         """End the flight at ``t`` if the aircraft cannot be flown on."""
@@ -640,21 +545,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not -_CRASH < watched[nz] < _CRASH:
             self._fail(f"crashed, load factor {nz!r}", nz, watched[nz], t)
         if watched[height] < _UNDERGROUND:
-            self._fail(
-                f"under the ground, height of the centre of gravity {height!r}",
-                height,
-                watched[height],
-                t,
-            )
-
-    def _fail(self, what: str, name: str, value: float, t: float) -> None:
-        raise FlightError(
-            f"aircraft {self.airframe.aircraft!r}: {what} is {value:.6g} at t = {t:.9g} s",
-            aircraft=self.airframe.aircraft,
-            time=t,
-            name=name,
-            value=value,
-        )
+            what = f"under the ground, height of the centre of gravity {height!r}"
+            self._fail(what, height, watched[height], t)
 
     def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from .._core._pathsim import port_names
 from .._core.parameters import Parametric, parameter
-from .block import FlightBlock, Read, Write, fill
+from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
+from .manual import fill
 from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0

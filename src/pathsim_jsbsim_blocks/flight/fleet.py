@@ -8,12 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pathsim import Simulation
-
 from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
 from .airframe import Airframe
-from .fdm import JSBSimFDM
 from .model_files import aircraft_names, has_retractable_gear
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
@@ -28,9 +25,6 @@ GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2))
 
 # s of flight that every aircraft should have fuel for
 _FUEL_FOR = 60.0
-
-# ft; a larger drift means an unstable aircraft, or thrust that had not settled at the trim
-_STEADY = 20.0
 
 
 @dataclass(frozen=True)
@@ -84,11 +78,16 @@ def level_flight(
     TrimError
         if it trims at none of these; the residuals are those of the first
     """
-    return _first(aircraft, root, TRIES[: whole("tries", tries, low=1)], mode="full", solver=solver)
+    tries = whole("tries", tries, low=1)
+    return _first(aircraft, root, TRIES[:tries], mode="full", solver=solver)
 
 
 def _first(
-    aircraft: str, root: str | None, tries: Sequence[tuple[float, float]], **said: Any
+    aircraft: str,
+    root: str | None,
+    tries: Sequence[tuple[float, float]],
+    fly: float = 0.0,
+    **said: Any,
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
     airframe, create, clean = prepared(aircraft, root)
@@ -98,11 +97,12 @@ def _first(
         condition = replace(clean, altitude=altitude, speed=speed, **said)
         try:
             # a failed search affects the next one, so each has its own airframe
-            found = trim(Airframe(aircraft, root=root, create=create), condition, hint=False)
+            fresh = Airframe(aircraft, root=root, create=create)
+            return LevelFlight(
+                aircraft, condition, create, trim(fresh, condition, hint=False, fly=fly)
+            )
         except TrimError as error:
             first = first or error
-        else:
-            return LevelFlight(aircraft, condition, create, found)
     assert first is not None
     others = len(tries) - 1
     elsewhere = f" and at {others} other conditions" if others else ""
@@ -147,9 +147,6 @@ class FleetRow:
         number of engines; None if the model does not load
     flight : LevelFlight or None
         where it trims; None if it does not
-    drift : float
-        distance in ft above the trimmed path after the flight with controls fixed; NaN if it does
-        not fly
     error : BlocksError or None
         why it does not load, trim or fly
     starved : tuple of int
@@ -159,9 +156,14 @@ class FleetRow:
     aircraft: str
     engines: int | None
     flight: LevelFlight | None
-    drift: float
     error: BlocksError | None
     starved: tuple[int, ...] = ()
+
+    @property
+    def drift(self) -> float:
+        """Distance in ft above the trimmed path after a flight with controls fixed, or NaN."""
+        drift = self.flight.trim.drift if self.flight else None
+        return drift.height if drift else math.nan
 
     @property
     def verdict(self) -> str:
@@ -172,15 +174,15 @@ class FleetRow:
             return f"no trim: {self.error.reason}"
         if self.error is not None:
             return f"no flight: {type(self.error).__name__}"
-        created = ", ".join(f"`{name}`" for name in self.flight.create) if self.flight else ""
-        steady = "trims"
-        if self.flight is not None and self.flight.condition.mode == "glide":
-            steady = f"glides at {self.flight.trim.gamma:.1f} deg"
-        if not abs(self.drift) < _STEADY:
-            steady += ", not steady"
+        assert self.flight is not None
+        created, found = ", ".join(f"`{n}`" for n in self.flight.create), self.flight.trim
+        glides = self.flight.condition.mode == "glide"
+        said = f"glides at {found.gamma:.1f} deg" if glides else "trims"
+        if not found.steady:
+            said += ", not steady"
         if self.starved:
-            steady += f", engines out of fuel within {_FUEL_FOR:.0f} s"
-        return steady + (f" with {created} created" if created else "")
+            said += f", engines out of fuel within {_FUEL_FOR:.0f} s"
+        return said + (f" with {created} created" if created else "")
 
 
 def fleet_table(
@@ -208,35 +210,21 @@ def _row(name: str, duration: float, tries: int) -> FleetRow:
     flight: LevelFlight | None = None
     try:
         engines = Airframe(name).engines
-        flight = _level_or_glide(name, tries)
-        return FleetRow(name, engines, flight, _drift(flight, duration), None, _starved(flight))
+        flight = _level_or_glide(name, tries, duration)
+        return FleetRow(name, engines, flight, None, _starved(flight))
     except BlocksError as error:
-        return FleetRow(name, engines, flight, math.nan, error)
+        return FleetRow(name, engines, flight, error)
 
 
-def _level_or_glide(aircraft: str, tries: int) -> LevelFlight:
-    """Level flight by JSBSim's search, by the Newton search, or a glide."""
+def _level_or_glide(aircraft: str, tries: int, fly: float) -> LevelFlight:
+    """Level flight by JSBSim's search, by the Newton search, or a glide; flown for a time in s."""
     try:
-        return level_flight(aircraft, tries=tries)
+        return _first(aircraft, None, TRIES[:tries], fly, mode="full")
     except TrimError as error:
         for mode, further in (("full", TRIES[:tries]), ("glide", GLIDES)):
             with contextlib.suppress(TrimError):
-                return _first(aircraft, None, further, mode=mode, solver="newton")
+                return _first(aircraft, None, further, fly, mode=mode, solver="newton")
         raise error
-
-
-def _drift(flight: LevelFlight, duration: float) -> float:
-    fdm = JSBSimFDM(
-        aircraft_model=flight.aircraft,
-        condition=flight.condition,
-        create=flight.create,
-        output_properties=["position/h-sl-ft", "velocities/h-dot-fps"],
-    )
-    start, climb = map(float, fdm.outputs.to_array())
-    # a level trim of JSBSim climbs a little; that counts
-    expected = climb * duration if flight.condition.mode == "glide" else 0.0
-    Simulation([fdm], dt=fdm.T, log=False).run(duration)
-    return float(fdm.outputs[0]) - start - expected
 
 
 def _starved(flight: LevelFlight) -> tuple[int, ...]:

@@ -5,25 +5,38 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
-from ..._core.checks import known_keywords, mapping, number, one_of, whole
-from ...errors import ParameterError
+from ..._core.checks import known_keywords, mapping, number, one_of, refuse, whole
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
 SOLVERS = ("jsbsim", "newton")
 
-# upper limits: US Standard Atmosphere, 1976 (84.852 km); without a trim, where JSBSim flies too
-_TOP_OF_THE_AIR = 278_386.0  # ft
-_HIGHEST = 1e6  # ft
+# ft; without a trim, where JSBSim flies above the air too
+_HIGHEST = 1e6
 
-# beyond any aircraft: the Shuttle's orbit is Mach 25
-_FASTEST = 2000.0  # KCAS
-_MOST_MACH = 30.0
+# bounds of the fields that are numbers, as `number` has them
+_BOUNDS: Mapping[str, Mapping[str, Any]] = {
+    name: bounds
+    for names, bounds in (
+        # US Standard Atmosphere, 1976 (84.852 km)
+        ("altitude", {"low": -2000.0, "high": 278_386.0}),
+        # beyond any aircraft: the Shuttle's orbit is Mach 25
+        ("speed", {"low": 0.0, "high": 2000.0}),
+        ("mach", {"above": 0.0, "high": 30.0}),
+        ("gamma alpha_min alpha_max latitude", {"low": -90.0, "high": 90.0}),
+        ("bank", {"low": -89.0, "high": 89.0}),
+        ("beta", {"low": -30.0, "high": 30.0}),
+        ("longitude", {"low": -180.0, "high": 360.0}),
+        ("gear flaps throttle", {"low": 0.0, "high": 1.0}),
+        ("heading load_factor wind_north wind_east empty_cg_x thrust", {}),
+    )
+    for name in names.split()
+}
 
 # what can balance the forces along the flight path
 FREE = ("throttle", "gamma", "speed")
@@ -166,97 +179,71 @@ class TrimCondition:
     engines_off: tuple[int, ...] | list[int] | str = ()
 
     def __post_init__(self) -> None:
-        put = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731 (frozen)
         one_of("mode", self.mode, [*MODES, "glide", "none"])
-        highest = _HIGHEST if self.mode == "none" else _TOP_OF_THE_AIR
-        put("altitude", number("altitude", self.altitude, low=-2000.0, high=highest))
-        on_ground = self.mode in ("ground", "none")
-        if self.mach is not None:
-            put("mach", number("mach", self.mach, above=0.0, high=_MOST_MACH))
-        else:
-            above = None if on_ground else 0.0
-            put("speed", number("speed", self.speed, low=0.0, above=above, high=_FASTEST))
-        put("gamma", number("gamma", self.gamma, low=-90.0, high=90.0))
-        put("heading", number("heading", self.heading))
-        put("bank", number("bank", self.bank, low=-89.0, high=89.0))
-        put("load_factor", number("load_factor", self.load_factor))
-        for name, low, high in (
-            ("gear", 0.0, 1.0),
-            ("flaps", 0.0, 1.0),
-            ("alpha_min", -90.0, 90.0),
-            ("alpha_max", -90.0, 90.0),
-            ("throttle", 0.0, 1.0),
-            ("latitude", -90.0, 90.0),
-            ("longitude", -180.0, 360.0),
-        ):
-            if getattr(self, name) is not None:
-                put(name, number(name, getattr(self, name), low=low, high=high))
-        if None not in (self.alpha_min, self.alpha_max) and self.alpha_min >= self.alpha_max:  # type: ignore[operator]
-            raise ParameterError(
-                f"alpha_min must be below alpha_max, not {self.alpha_min:g} and "
-                f"{self.alpha_max:g} deg",
-                parameter="alpha_min",
-                value=self.alpha_min,
-            )
-        for name in ("wind_north", "wind_east"):
-            put(name, number(name, getattr(self, name)))
-        if self.empty_cg_x is not None:
-            put("empty_cg_x", number("empty_cg_x", self.empty_cg_x))
-        put("payload", _weights("payload", self.payload))
-        put("fuel", _weights("fuel", self.fuel))
-        put("setup", FixedMapping(mapping("setup", self.setup)))
-        if self.bank != 0.0 and self.mode not in ("turn", "none"):
-            raise ParameterError(
-                f"a bank of {self.bank:g} deg needs mode='turn', not {self.mode!r}",
-                parameter="bank",
-                value=self.bank,
-            )
-        if self.load_factor != 1.0 and self.mode != "pull-up":
-            raise ParameterError(
-                f"a load factor of {self.load_factor:g} g needs mode='pull-up', not {self.mode!r}",
-                parameter="load_factor",
-                value=self.load_factor,
-            )
-
+        for f in dataclasses.fields(self):
+            value = getattr(self, f.name)
+            bounds = _BOUNDS.get(f.name)
+            if bounds is None or value is f.default is None:
+                continue
+            if f.name == "altitude" and self.mode == "none":
+                bounds = {**bounds, "high": _HIGHEST}
+            if f.name == "speed" and self.mach is not None:
+                continue
+            if f.name == "speed" and self.mode not in ("ground", "none"):
+                bounds = {**bounds, "above": 0.0}
+            self._put(f.name, number(f.name, value, **bounds))
+        low, high = self.alpha_min, self.alpha_max
+        if low is not None and high is not None and low >= high:
+            why = f"alpha_min must be below alpha_max, not {low:g} and {high:g} deg"
+            refuse("alpha_min", low, why)
+        self._put("payload", _weights("payload", self.payload))
+        self._put("fuel", _weights("fuel", self.fuel))
+        self._put("setup", FixedMapping(mapping("setup", self.setup)))
         if not (isinstance(self.engines_off, str) and self.engines_off == "all"):
-            put("engines_off", _indices("engines_off", self.engines_off))
-        self._check_balance(put)
+            self._put("engines_off", _indices("engines_off", self.engines_off))
+        self._check_mode()
+        self._check_balance()
 
-    def _check_balance(self, put: Any) -> None:
+    def _put(self, name: str, value: Any) -> None:
+        # frozen for all others
+        object.__setattr__(self, name, value)
+
+    def _refuse(self, name: str, why: str) -> NoReturn:
+        value = getattr(self, name)
+        refuse(name, value, f"{name}={value!r} {why}")
+
+    def _check_mode(self) -> None:
+        """Check what goes with some modes only."""
+        if self.bank != 0.0 and self.mode not in ("turn", "none"):
+            why = f"a bank of {self.bank:g} deg needs mode='turn', not {self.mode!r}"
+            refuse("bank", self.bank, why)
+        if self.load_factor != 1.0 and self.mode != "pull-up":
+            why = f"a load factor of {self.load_factor:g} g needs mode='pull-up', not {self.mode!r}"
+            refuse("load_factor", self.load_factor, why)
+        if self.beta != 0.0 and self.mode not in ("full", "longitudinal", "glide"):
+            self._refuse("beta", f"needs mode 'full', 'longitudinal' or 'glide', not {self.mode!r}")
+
+    def _check_balance(self) -> None:
         """Check what the search may move, and which search can move it."""
-        put("beta", number("beta", self.beta, low=-30.0, high=30.0))
-        if self.thrust is not None:
-            put("thrust", number("thrust", self.thrust))
         for name, known in (("free", FREE), ("solver", SOLVERS)):
             if getattr(self, name) is not None:
                 one_of(name, getattr(self, name), known)
-
-        def refuse(name: str, why: str) -> None:
-            value = getattr(self, name)
-            raise ParameterError(f"{name}={value!r} {why}", parameter=name, value=value)
-
-        if self.beta != 0.0 and self.mode not in ("full", "longitudinal", "glide"):
-            refuse("beta", f"needs mode 'full', 'longitudinal' or 'glide', not {self.mode!r}")
         given = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
         if given and (self.mode in ("ground", "glide", "none") or len(given) == 2):
-            refuse(given[0], f"does not go with {'thrust' if given[1:] else f'mode={self.mode!r}'}")
+            other = "thrust" if given[1:] else f"mode={self.mode!r}"
+            self._refuse(given[0], f"does not go with {other}")
         powered = self.mode != "glide" and not given
         if self.free is not None and (self.free == "throttle") != powered:
-            refuse(
-                "free",
-                "needs a throttle or thrust to hold, or mode='glide'"
-                if powered
-                else "does not go with a throttle or thrust that is given: free gamma or speed",
-            )
+            why = "does not go with a throttle or thrust that is given: free gamma or speed"
+            if powered:
+                why = "needs a throttle or thrust to hold, or mode='glide'"
+            self._refuse("free", why)
         if self.solver == "newton" and self.mode in ("ground", "none"):
-            refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
+            self._refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
         dead = self.engines_off and self.mode not in ("ground", "none")
         if self.solver == "jsbsim" and (self.beta or not powered or dead):
-            refuse(
-                "solver",
-                "cannot trim a glide, a sideslip, a given throttle or with an engine out: use "
-                "'newton'",
-            )
+            why = "cannot trim a glide, a sideslip, a given throttle or with an engine out: use "
+            self._refuse("solver", f"{why}'newton'")
 
     @property
     def balance(self) -> str:
@@ -291,20 +278,13 @@ class TrimCondition:
 def check_condition(condition: Any) -> None:
     """Refuse what is no `TrimCondition`."""
     if not isinstance(condition, TrimCondition):
-        raise ParameterError(
-            f"condition must be a TrimCondition, not {condition!r}",
-            parameter="condition",
-            value=condition,
-        )
+        refuse("condition", condition, f"condition must be a TrimCondition, not {condition!r}")
 
 
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
     if isinstance(value, str) or not np.iterable(value):
-        raise ParameterError(
-            f"{parameter} must be 'all' or a list of engines from 0, not {value!r}",
-            parameter=parameter,
-            value=value,
-        )
+        why = f"{parameter} must be 'all' or a list of engines from 0, not {value!r}"
+        refuse(parameter, value, why)
     return tuple(sorted({whole(parameter, i, low=0) for i in value}))
 
 
@@ -315,11 +295,8 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
     if isinstance(value, (list, tuple)):
         value = dict(enumerate(value))
     if not isinstance(value, Mapping):
-        raise ParameterError(
-            f"{parameter} must be a list or a dict of weights in lb, not {value!r}",
-            parameter=parameter,
-            value=value,
-        )
+        why = f"{parameter} must be a list or a dict of weights in lb, not {value!r}"
+        refuse(parameter, value, why)
     return FixedMapping(
         {
             whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
