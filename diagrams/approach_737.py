@@ -99,7 +99,7 @@ def figure():
     axes[0].axhline(ELEVATION + DECISION_HEIGHT, color="C3", linewidth=1.0, label="decision height")
     axes[0].set(ylabel="altitude [ft]", ylim=(400.0, 2900.0))
     axes[1].set(ylabel="deviation [ft]", ylim=(-700.0, 700.0))
-    axes[2].set(ylabel="[deg]")
+    axes[2].set(ylabel="direction [deg]")
     axes[3].set(ylabel="airspeed [KCAS]", xlabel="distance to the threshold [nmi]")
     axes[3].set_xlim(path[::-1])
     for ax in axes:
