@@ -5,6 +5,7 @@ python docs/generate.py
 
 import ast
 import contextlib
+import inspect
 import io
 import json
 import os
@@ -22,8 +23,9 @@ import numpy as np
 matplotlib.use("agg")
 
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope
+from pathsim.blocks import Block, Scope
 
+import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks import (
     Aircraft,
     BlocksError,
@@ -178,6 +180,22 @@ def drawn_in_pathview():
     """The diagrams with a picture of their model: one of each kind of check case."""
     kinds = ("check_case_01", "check_case_13_3")
     return [n for n in diagram_names() if not n.startswith("check_case_") or n in kinds]
+
+
+def blocks_page():
+    """A line for each block, from its docstring, and the file that has the docstring."""
+    rows = ["| block | |\n|---|---|\n"]
+    for name in package.__all__:
+        block = getattr(package, name)
+        if isinstance(block, type) and issubclass(block, Block):
+            file = Path(inspect.getfile(block)).relative_to(DOCS.parent).as_posix()
+            summary = inspect.getdoc(block).partition("\n")[0].replace("``", "`")
+            rows.append(f"| [`{name}`](../../{file}) | {summary} |\n")
+    return (
+        "# All blocks\n\nThe docstring of a block is its manual page: equation, parameters, ports, "
+        "units, signs.\n`pathsim-jsbsim help NAME` prints it, and a double click shows it in "
+        f"PathView.\n\n{''.join(rows)}"
+    )
 
 
 def fleet_page():
@@ -501,6 +519,7 @@ def main():
     put(DOCS / "scale.md", "batches", scale_table())
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
+    (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
     for name in diagram_names():
         picture(name)
     page_picture("approach")

@@ -39,11 +39,16 @@ def write_diagram_pages(app):
             page.write_text(text, encoding="utf-8")
 
 
-def link_diagram_pages(app, name, source):
-    """In the repository a link to a diagram leads to its script, on the site to its page."""
+def link_pages(app, name, source):
+    """In the repository a link leads to a script or a source, on the site to its page."""
     up = "../" * name.count("/")
     source[0] = re.sub(
         rf"\({re.escape(up)}\.\./diagrams/(\w+)\.py\)", rf"({up}gallery/\1.rst)", source[0]
+    )
+    source[0] = re.sub(
+        r"\[`(\w+)`\]\([./]*src/pathsim_jsbsim_blocks/[\w/]+\.py\)",
+        r"{py:obj}`\1 <pathsim_jsbsim_blocks.\1>`",
+        source[0],
     )
     if name == "gallery":
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\ngallery/*\n```\n"
@@ -60,6 +65,6 @@ def open_in_full(app, doctree):
 def setup(app):
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("builder-inited", write_diagram_pages)
-    app.connect("source-read", link_diagram_pages)
+    app.connect("source-read", link_pages)
     app.connect("doctree-read", open_in_full)
     return {"parallel_read_safe": True}

@@ -249,6 +249,8 @@ def test_generated_pages_are_current(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     generate = importlib.import_module("generate")
     assert generate.gallery() == (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    blocks = (ROOT / "docs" / "reference" / "blocks.md").read_text(encoding="utf-8")
+    assert generate.blocks_page() == blocks
     assert generate.scale_table() in (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
 
 
