@@ -6,11 +6,11 @@ steady-heading sideslip.
 
 Expected: the sideslip angle overshoots to 14.8 deg at 4.2 s and stays near 13.5 deg. The bank
 takes longer: 18.7 deg after 20 s, where the published flight ends, with a heading of 339.5 deg, and
-23.3 deg after 40 s. Until then the heading turns back at 338.7 deg. (The figure draws it from 0
+23.3 deg after 40 s. The heading falls to 338.7 deg, then turns back. (The figure draws it from 0
 downwards, without the jump to 360.)
 
-Source: RudderKick.py of JSBSim and the published JSBSim/PathSim notebook. The limits of alpha are
-those of the trim there.
+Source: RudderKick.py of JSBSim and the published JSBSim/PathSim notebook. Alpha is
+limited to -4 to 12 deg, as published.
 """
 
 from pathsim import Connection, Simulation

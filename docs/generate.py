@@ -74,10 +74,12 @@ def page_picture(name):
     text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
     code = "".join(re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S))
     with tempfile.TemporaryDirectory() as folder:
-        drawn = Path(folder, f"{name}.png")
+        os.chdir(folder)
+        drawn = Path(f"{name}.png")
         with saving_to(drawn), contextlib.redirect_stdout(io.StringIO()):
             exec(compile(code, f"{name}.md", "exec"), {})
         shrink(drawn, DOCS / "pictures" / drawn.name)
+        os.chdir(DOCS)
 
 
 def study_pictures():
@@ -522,7 +524,8 @@ def main():
     (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
     for name in diagram_names():
         picture(name)
-    page_picture("approach")
+    for name in ("approach", "own-controller", "own-study", "tutorial"):
+        page_picture(name)
     study_pictures()
     climbs()
 
