@@ -3,6 +3,7 @@
 import json
 import os
 import runpy
+import subprocess
 import sys
 import textwrap
 import warnings
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from pathsim import Simulation
 
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
@@ -1131,3 +1133,13 @@ def test_a_comparison_that_ends_before_the_run_says_so(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         export_script(tmp_path / "a.py", check=np.inf)
+
+
+@pytest.mark.long
+def test_a_process_that_has_imported_no_block_exports_a_script_with_blocks(tmp_path):
+    # what this package changes in PathSim is no change of the script
+    out, script = tmp_path / "hello.pvm", find_diagram("hello_jsbsim")
+    command = ["-m", "pathsim_jsbsim_blocks.cli", "export", str(script), "-o", str(out)]
+    done = subprocess.run([sys.executable, *command], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert out.exists()

@@ -36,7 +36,8 @@ class Libraries:
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             for name in filter(_of_diagrams, names):
                 with contextlib.suppress(ImportError):
-                    importlib.import_module(name)
+                    # a package may load its parts when it is asked for a name
+                    dir(importlib.import_module(name))
         self._before = {name: (holder, dict(vars(holder))) for name, holder in _holders()}
 
     def __enter__(self) -> Libraries:
