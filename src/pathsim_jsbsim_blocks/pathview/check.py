@@ -37,51 +37,40 @@ def complete(content: Json) -> Json:
     ``StepSource``.
     """
 
-    def events(old: Json) -> list[Json]:
-        return [{**e, "params": e.get("params") or {}} for e in old.get("events") or []]
+    def part(old: Json) -> Json:
+        new = {**old, "params": old.get("params") or {}}
+        inside = new.pop("graph", None)
+        return {**new, "graph": graph(inside)} if inside else new
+
+    def node(old: Json) -> Json:
+        own = old["type"].startswith("pathsim.")
+        return part({**old, "type": old["type"].rpartition(".")[2]} if own else old)
 
     def graph(old: Json) -> Json:
-        nodes = []
-        for node in old.get("nodes") or []:
-            new = {**node, "params": node.get("params") or {}}
-            if new["type"].startswith("pathsim."):
-                new["type"] = new["type"].rpartition(".")[2]
-            inside = new.pop("graph", None)
-            nodes.append({**new, "graph": graph(inside)} if inside else new)
         return {
             **old,
-            "nodes": nodes,
+            "nodes": [node(n) for n in old.get("nodes") or []],
             "connections": old.get("connections") or [],
-            "events": events(old),
+            "events": [part(e) for e in old.get("events") or []],
         }
 
     return {
         **content,
         "graph": graph(content["graph"]),
-        "events": events(content),
+        "events": [part(e) for e in content.get("events") or []],
         "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
         "simulationSettings": content.get("simulationSettings") or {},
     }
 
 
 class Check:
-    """Checks that every part of a model reaches its script.
-
-    Attributes
-    ----------
-    assigned : set of str
-        names that the model's code binds
-    used : set of str
-        names that the code and parameters refer to
-    called_later : set of str
-        those of them that functions refer to
-    """
+    """Checks that every part of a model reaches its script."""
 
     def __init__(self, content: Json, registry: Json, path: Path):
         self.content, self.registry, self.path = content, registry, path
-        self.assigned: set[str] = set()
-        self.used: set[str] = set()
-        self.called_later: set[str] = set()
+        self.assigned: set[str] = set()  # names that the model's code binds
+        self.used: set[str] = set()  # names that the code and parameters refer to
+        self.called_later: set[str] = set()  # those of them that functions refer to
 
     def all(self) -> None:
         settings = self.content["simulationSettings"]
@@ -140,24 +129,9 @@ class Check:
                 f"{' and '.join(map(repr, interfaces))}; it can have one"
             )
         for node in graph["nodes"]:
-            if node["type"] != "Subsystem" and node.get("graph"):
-                self._refuse(
-                    f"block {node['name']!r} has blocks inside but is not a Subsystem: "
-                    f"{node['type']!r}"
-                )
-            if node["type"] in _EDITOR_BLOCKS:
-                if node.get("graph"):
-                    self._graph(node["graph"], node)
-                continue
-            entry = self.registry["blocks"].get(node["type"])
-            if entry is None:
-                self._refuse(
-                    f"block {node['name']!r}: " + unknown_block(node["type"], self.registry)
-                )
-            self._parameters(f"block {node['name']!r}", node["params"], entry["params"])
+            self._node(node)
         for event in graph["events"]:
-            if parent is not None:
-                self._event(event)
+            self._event(event)
         ends = set()
         for connection in graph["connections"]:
             self._end(graph, parent, connection, "source", "output")
@@ -170,29 +144,37 @@ class Check:
                 )
             ends.add(end)
 
+    def _node(self, node: Json) -> None:
+        what, kind, known = f"block {node['name']!r}", node["type"], self.registry["blocks"]
+        if kind != "Subsystem" and node.get("graph"):
+            self._refuse(f"{what} has blocks inside but is not a Subsystem: {kind!r}")
+        if node.get("graph"):
+            self._graph(node["graph"], node)
+        elif kind not in _EDITOR_BLOCKS:
+            if kind not in known:
+                self._refuse(f"{what}: {unknown_block(kind, self.registry)}")
+            self._parameters(what, node["params"], known[kind]["params"])
+
     def _end(self, graph: Json, parent: Json | None, connection: Json, end: str, side: str) -> None:
+        what = f"connection {connection['id']!r}"
         name, port = connection[f"{end}NodeId"], connection[f"{end}PortIndex"]
         node = next((n for n in graph["nodes"] if n["id"] == name), None)
         if node is None:
-            self._refuse(f"connection {connection['id']!r}: no block {name!r}")
+            self._refuse(f"{what}: no block {name!r}")
         ports = node[f"{side}s"]
         if node["type"] == "Interface" and parent is not None:
             # the ports of an interface are those of its subsystem, seen from inside
             ports = parent["inputs" if side == "output" else "outputs"]
         if not isinstance(port, int) or not 0 <= port < len(ports):
-            self._refuse(
-                f"connection {connection['id']!r}: {node['name']!r} has no {side} {port!r}"
-            )
+            self._refuse(f"{what}: {node['name']!r} has no {side} {port!r}")
 
     def _event(self, event: Json) -> None:
-        name = event["type"].rpartition(".")[2]
-        entry = self.registry["events"].get(name)
-        if entry is None:
-            self._refuse(
-                f"event {event['name']!r}: PathView does not know {event['type']!r}"
-                + did_you_mean(nearest(name, self.registry["events"]))
-            )
-        self._parameters(f"event {event['name']!r}", event["params"], entry["params"])
+        what, kind, known = f"event {event['name']!r}", event["type"], self.registry["events"]
+        name = kind.rpartition(".")[2]
+        if name not in known:
+            hint = did_you_mean(nearest(name, known))
+            self._refuse(f"{what}: PathView does not know {kind!r}{hint}")
+        self._parameters(what, event["params"], known[name]["params"])
 
     def _parameters(self, what: str, params: Json, known: Sequence[str]) -> None:
         for name, value in params.items():

@@ -25,18 +25,9 @@ def without_clashes(
 ) -> Json:
     """A complete model with new names where a variable would be bound twice.
 
-    The outer block or event keeps its name; within one level, the first does.
-
-    Parameters
-    ----------
-    content : dict
-        the model
-    assigned : collection of str
-        names that the code binds, and built-in functions that it uses
-    called_later : collection of str
-        names that functions refer to, in the code and in parameters
-    path : Path
-        the model's file, for errors
+    The outer block or event keeps its name; within one level, the first does. ``assigned`` are
+    names that the code binds, and built-in functions that it uses; ``called_later`` are names to
+    which functions refer.
 
     Raises
     ------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,10 +24,7 @@ class Wire(NamedTuple):
 
 @dataclass
 class Node:
-    """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem.
-
-    ``line`` is where the script builds it, ``part`` the ``id`` of the block there.
-    """
+    """One block. ``params`` are Python expressions; ``graph`` is what is inside a subsystem."""
 
     name: str
     type: str
@@ -33,8 +32,6 @@ class Node:
     inputs: list[str] = field(default_factory=list)
     outputs: list[str] = field(default_factory=list)
     graph: Graph | None = None
-    line: int | None = None
-    part: int | None = None
 
 
 @dataclass
@@ -56,23 +53,29 @@ class Graph:
 
 
 @dataclass
-class Diagram:
-    """All of a diagram script that PathView can represent.
+class Part:
+    """A block or an event of the script on its way to a node."""
 
-    ``log`` tells whether the simulation logs; ``code_values`` has, as texts, what the
-    script has under the names that its code needs.
-    ``parts`` has, by the variable in PathView's script, each block and event of the script, and of
-    each of its parameters whether an expression of the source gives it. ``places`` has lines of
-    the script by lines of ``context``.
-    """
+    target: Node | Event
+    value: Any
+    kind: type  # the class that PathView knows
+    parent: Part | None = None  # the subsystem around it
+    known: Sequence[str] = ()  # parameters that PathView knows
+    arguments: dict[str, ast.expr] = field(default_factory=dict)  # for the model
+    variable: str = ""  # in PathView's script
+
+
+@dataclass
+class Diagram:
+    """All of a diagram script that PathView can represent."""
 
     path: Path
     docstring: str
     graph: Graph
-    context: str
+    context: str  # the model's code
     settings: dict[str, str]
     toolboxes: list[Toolbox]
-    log: bool = True
-    code_values: dict[str, str] = field(default_factory=dict)
-    places: dict[int, int] = field(default_factory=dict)
-    parts: dict[str, tuple[Any, dict[str, bool]]] = field(default_factory=dict)
+    log: bool = True  # whether the simulation logs
+    code_values: dict[str, str] = field(default_factory=dict)  # of the code's names, as texts
+    places: dict[int, int] = field(default_factory=dict)  # lines of the script by those of context
+    parts: dict[str, Part] = field(default_factory=dict)  # by their variables

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import threading
 import time
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,14 +15,14 @@ from .._core.checks import as_path, number
 from ..errors import DiagramError
 from ..scripts.first_run import FirstRun
 from . import pvm
-from .diagram import Diagram, Graph, Node
+from .diagram import Diagram
 from .frozen import Frozen
 from .plain import attributes
 from .proof import Proof, Rehearsal
 from .reader import Live, read_diagram
 from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
 from .settings import setting_values
-from .shape import Json
+from .shape import Json, shortened
 from .toolboxes import required_toolboxes
 
 _CHECKED = 60.0  # s of processing
@@ -122,19 +122,7 @@ class _Export:
 
     def proven(self, existing: Json | None, check: float) -> tuple[Json, Proof]:
         script = self.script
-        if type(script.simulation) is not Simulation:
-            script.refuse(
-                f"the simulation is a {type(script.simulation).__name__}; "
-                "PathView has PathSim's Simulation only",
-                script.built_at(script.simulation),
-            )
-        for name, value in vars(script.simulation).items():
-            if callable(value) and hasattr(Simulation, name):
-                script.refuse(
-                    f"{name} of the simulation is replaced; PathView has PathSim's own",
-                    script.storing(name),
-                )
-        self._refuse_changed_libraries()
+        self._refuse_own_simulation()
         settings = setting_values(script)
         run = {
             "duration": float(settings["duration"]),
@@ -142,7 +130,7 @@ class _Export:
             "adaptive": True,
         }
         content, diagram = self._equal(existing, settings, run)
-        parts = {name: part for name, (part, _) in diagram.parts.items()}
+        parts = {name: part.value for name, part in diagram.parts.items()}
         self.frozen.begin()
         outcome = self.rehearsal.fly(script.simulation, run, list(blocks_of(parts).values()), check)
         if isinstance(outcome, Parting):
@@ -180,8 +168,7 @@ class _Export:
         self, content: Json, diagram: Diagram, settings: dict[str, str], run: dict[str, Any]
     ) -> Job:
         script = self.script
-        parts = {name: part for name, (part, _) in diagram.parts.items()}
-        variables = {id(part): name for name, part in parts.items()}
+        parts = {name: part.value for name, part in diagram.parts.items()}
         given = {k: v for k, v in diagram.settings.items() if k != "solver" and v}
         return Job(
             text=pvm.text(content),
@@ -194,7 +181,7 @@ class _Export:
             now=self.frozen.now,
             parts={name: attributes(part) for name, part in parts.items()},
             parameters={
-                **{variables[n.part]: n.params for n in _nodes(diagram.graph) if n.part},
+                **{name: diagram.parts[name].target.params for name in blocks_of(parts)},
                 SETTINGS: given,
             },
             settings=settings,
@@ -210,18 +197,32 @@ class _Export:
             return {(None, name)}
         if difference.variable not in diagram.parts:
             return set()
-        part, parameters = diagram.parts[difference.variable]
-        names = [name] if name in parameters else [n for n, given in parameters.items() if given]
-        return {(id(part), n) for n in names}
+        part = diagram.parts[difference.variable]
+        computed = [n for n, e in part.arguments.items() if not isinstance(e, ast.Constant)]
+        named = name in {*part.known, *part.arguments}
+        return {(id(part.value), n) for n in ([name] if named else computed)}
 
     # what cannot be written -----------------------------------------------------------------------
 
-    def _refuse_changed_libraries(self) -> None:
-        for name in self.script.changed_libraries():
-            self.script.refuse(
+    def _refuse_own_simulation(self) -> None:
+        script, simulation = self.script, self.script.simulation
+        if type(simulation) is not Simulation:
+            script.refuse(
+                f"the simulation is a {type(simulation).__name__}; "
+                "PathView has PathSim's Simulation only",
+                script.built_at(simulation),
+            )
+        for name, value in vars(simulation).items():
+            if callable(value) and hasattr(Simulation, name):
+                script.refuse(
+                    f"{name} of the simulation is replaced; PathView has PathSim's own",
+                    script.storing(name),
+                )
+        for name in script.changed_libraries():
+            script.refuse(
                 f"{name} is changed, and PathView has its own: a class or function of a library "
                 "cannot be replaced",
-                self.script.storing(name.rpartition(".")[2]),
+                script.storing(name.rpartition(".")[2]),
             )
 
     def _refuse_failed(self) -> None:
@@ -232,46 +233,43 @@ class _Export:
             )
 
     def _refuse(self, difference: Difference, diagram: Diagram) -> NoReturn:
-        script, name = self.script, difference.name
-        part, _ = diagram.parts.get(difference.variable, (None, None))
-        what = script.called(part) if part is not None else repr(name)
-        here, there = _short(difference.here, difference.there)
-        values = f"{here}, and {there} in the model"
         self._refuse_failed()
+        script, name = self.script, difference.name
+        part = getattr(diagram.parts.get(difference.variable), "value", None)
+        what = repr(name) if part is None else script.called(part)
+        here, there = _short(difference.here, difference.there)
+        values, place = f"{here}, and {there} in the model", script.last_mention(name)
         if difference.error:
-            owner = f"parameter {name!r} of {what}" if part is not None else name
-            script.refuse(
-                f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}",
-                script.built_at(part),
-            )
-        if name in diagram.code_values:
-            script.refuse(
+            owner = name if part is None else f"parameter {name!r} of {what}"
+            reason = f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}"
+            place = script.built_at(part)
+        elif name in diagram.code_values:
+            reason = (
                 f"{what} is changed by a statement that the model does not have: it is {values}; "
-                "give it its value where it is made, or change it by a call on a line of its own",
-                script.last_mention(name) or script.run_call,
+                "give it its value where it is made, or change it by a call on a line of its own"
             )
-        if part is None:
+        elif part is None:
+            reason = f"{what} changes before the run: {values}; PathView cannot represent that"
             wires = [n for n, v in script.namespace.items() if isinstance(v, Connection)]
-            script.refuse(
-                f"{what} changes before the run: {values}; PathView cannot represent that",
-                script.last_mention(name, *wires) or script.run_call,
+            place = script.last_mention(name, *wires)
+        else:
+            reason = (
+                f"{what} is changed after it is built: {name} is {values}; "
+                "PathView cannot represent that"
             )
-        script.refuse(
-            f"{what} is changed after it is built: {name} is {values}; "
-            "PathView cannot represent that",
-            script.last_mention(*self._names(part)) or script.built_at(part),
-        )
+            place = script.last_mention(*self._names(part)) or script.built_at(part)
+        script.refuse(reason, place or (script.run_call if not difference.error else None))
 
     def _refuse_parting(self, parting: Parting, diagram: Diagram) -> NoReturn:
-        script = self.script
         self._refuse_failed()
+        script = self.script
         if not parting.variable:
             script.refuse(
                 f"at t = {parting.time!r} s the script {parting.here}, and the model "
                 f"{parting.there}",
                 script.run_call,
             )
-        part, _ = diagram.parts[parting.variable]
+        part = diagram.parts[parting.variable].value
         place = script.last_mention(*self._names(part))
         if script.states:
             method, line = script.states[-1]
@@ -303,12 +301,4 @@ def _short(here: str, there: str) -> list[str]:
     """Texts of at most 60 characters, around the place where they differ."""
     pairs = enumerate(zip(here, there, strict=False))
     start = max(0, next((i for i, (a, b) in pairs if a != b), 0) - 20)
-    cut = [f"...{text[start:]}" if start else text for text in (here, there)]
-    return [text if len(text) <= 60 else f"{text[:57]}..." for text in cut]
-
-
-def _nodes(graph: Graph) -> Iterator[Node]:
-    for node in graph.nodes:
-        yield node
-        if node.graph is not None:
-            yield from _nodes(node.graph)
+    return [shortened(f"...{text[start:]}" if start else text) for text in (here, there)]

@@ -143,34 +143,14 @@ def _bands(
 
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
-    """Groups of nodes on common loops: strongly connected components (Tarjan)."""
-    after = defaultdict(list)
-    for a, b in sorted(edges):
-        after[a].append(b)
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    stack: list[int] = []
-    found: list[set[int]] = []
-
-    def visit(v: int) -> None:
-        index[v] = low[v] = len(index)
-        stack.append(v)
-        for w in after[v]:
-            if w not in index:
-                visit(w)
-                low[v] = min(low[v], low[w])
-            elif w in stack:
-                low[v] = min(low[v], index[w])
-        if low[v] == index[v]:
-            at = stack.index(v)
-            if len(stack) > at + 1:
-                found.append(set(stack[at:]))
-            del stack[at:]
-
-    for v in nodes:
-        if v not in index:
-            visit(v)
-    return found
+    """Groups of nodes on common loops, from what each of them reaches (Warshall)."""
+    reached = {i: {b for a, b in edges if a == i} for i in nodes}
+    for middle, further in reached.items():
+        for after in reached.values():
+            if middle in after:
+                after |= further
+    groups = {frozenset(j for j in reached[i] if i in reached[j]) for i in reached}
+    return [set(group) for group in sorted(map(sorted, groups)) if group]
 
 
 def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: set[int]) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..scripts.names import arguments, bound, references
+from .shape import shortened
 
 _FUNCTIONS = (ast.FunctionDef, ast.Lambda)
 # arithmetic with these rounds and divides by zero in ways of its own
@@ -23,13 +24,7 @@ class Unwritable(Exception):
 
 
 def literal(value: Any) -> str:
-    """An expression for a number, text, array, collection or built-in function.
-
-    Raises
-    ------
-    Unwritable
-        for anything else
-    """
+    """An expression for a number, text, array, collection or built-in function."""
     if type(value) in _SCALARS:
         return f"np.{type(value).__name__}({literal(value.item())})"
     if value is None or value is ... or type(value) in (bool, int, str, bytes):
@@ -46,11 +41,9 @@ def literal(value: Any) -> str:
         return f"np.array({literal(value.tolist())}{dtype}){shape}"
     if type(value) in (list, tuple, set):
         items = ", ".join(map(literal, value))
-        if type(value) is list:
-            return f"[{items}]"
         if type(value) is tuple:
             return f"({items},)" if len(value) == 1 else f"({items})"
-        return f"{{{items}}}" if value else "set()"
+        return f"[{items}]" if type(value) is list else f"{{{items}}}" if value else "set()"
     if type(value) is dict:
         return "{" + ", ".join(f"{literal(k)}: {literal(v)}" for k, v in value.items()) + "}"
     if isinstance(value, np.ufunc):
@@ -58,8 +51,7 @@ def literal(value: Any) -> str:
     name = getattr(value, "__name__", "")
     if name and getattr(builtins, name, None) is value:
         return str(name)
-    text = " ".join(repr(value).split())
-    raise Unwritable(f"{text if len(text) <= 60 else text[:57] + '...'} is not a plain value")
+    raise Unwritable(f"{shortened(' '.join(repr(value).split()))} is not a plain value")
 
 
 def memories(value: Any) -> Iterator[int]:
@@ -102,25 +94,11 @@ class Functions:
         part_name: Callable[[Any], str | None],
         value_of: Callable[[str, Any], ast.expr],
     ) -> ast.FunctionDef | ast.Lambda:
-        """A function of the script as one of the top level.
+        """A function of the script as one of the top level; `Unwritable` if it cannot be one.
 
-        Values of variables around it become default values of further parameters.
-
-        Parameters
-        ----------
-        function : function
-            the function
-        source : ast.expr
-            the argument that it was; a lambda is its own definition
-        part_name : callable
-            gives the name of a part of the diagram to which it refers
-        value_of : callable
-            gives an expression for the value of a variable
-
-        Raises
-        ------
-        Unwritable
-            for a function that is not in the script, or one with variables that have no literal
+        Values of variables around it become default values of further parameters. ``source`` is the
+        argument that it was (a lambda is its own definition); ``part_name`` gives the name of a
+        part of the diagram, ``value_of`` an expression for the value of a variable.
         """
         node = source if isinstance(source, ast.Lambda) else self.node(function)
         if node is None:
@@ -128,27 +106,22 @@ class Functions:
         if any(isinstance(n, ast.Nonlocal) for n in ast.walk(node)):
             raise Unwritable(f"{function.__name__!r} changes a variable of the function around it")
         new = copy.deepcopy(node)
-        values = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
-        renamed = {}
-        for name, cell in values.items():
-            part = part_name(cell.cell_contents)
-            if part is not None:
-                renamed[name] = part
-                continue
-            new.args.kwonlyargs.append(ast.arg(name))
-            new.args.kw_defaults.append(value_of(name, cell.cell_contents))
-        defaults, names = (
-            function.__defaults__ or (),
-            [a.arg for a in (*node.args.posonlyargs, *node.args.args)],
-        )
-        new.args.defaults = [
-            value_of(*pair)
-            for pair in zip(names[len(names) - len(defaults) :], defaults, strict=True)
-        ]
         given = function.__kwdefaults__ or {}
         for i, argument in enumerate(node.args.kwonlyargs):
             if argument.arg in given:
                 new.args.kw_defaults[i] = value_of(argument.arg, given[argument.arg])
+        defaults = function.__defaults__ or ()
+        names = [a.arg for a in (*node.args.posonlyargs, *node.args.args)][-len(defaults) :]
+        new.args.defaults = [value_of(*pair) for pair in zip(names, defaults, strict=False)]
+        renamed = {}
+        cells = function.__closure__ or ()
+        for name, cell in zip(function.__code__.co_freevars, cells, strict=True):
+            part = part_name(cell.cell_contents)
+            if part is not None:
+                renamed[name] = part
+            else:
+                new.args.kwonlyargs.append(ast.arg(name))
+                new.args.kw_defaults.append(value_of(name, cell.cell_contents))
         body = new.body if isinstance(new.body, list) else [new.body]
         local = bound(body) | {a.arg for a in arguments(new)}
         for part_of_body in body:

@@ -2,49 +2,42 @@
 
 from __future__ import annotations
 
-import atexit
 import contextlib
+import multiprocessing
 import os
-import signal
-import subprocess
 import sys
 import time
+import types
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
+from unittest.mock import patch
 
 from pathsim import Simulation
 from pathsim.blocks import Block
 
 from .._core._pathsim import each_sample
 from ..errors import DiagramError
-from .rehearsal import Difference, Ended, Job, Parting, Row, receive, row, send, serve
+from .rehearsal import Difference, Ended, Job, Parting, Row, rehearse, row
 
 _AT_ONCE = 200  # rows
-_FORKS = hasattr(os, "fork")
+# processes that know nothing of this one; where there are forks, with the imports made
+if "forkserver" in multiprocessing.get_all_start_methods():
+    _PROCESSES: Any = multiprocessing.get_context("forkserver")
+    _PROCESSES.set_forkserver_preload([rehearse.__module__, "pathview.converter"])
+else:
+    _PROCESSES = multiprocessing.get_context("spawn")
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What was compared, and found equal, bit for bit.
-
-    Attributes
-    ----------
-    steps : int
-        steps of the simulation
-    signals : int
-        outputs of blocks
-    time : float
-        until when, s
-    whole : bool
-        whether the run was flown to its end
-    """
+    """What was compared, and found equal, bit for bit."""
 
     steps: int
-    signals: int
-    time: float
-    whole: bool
+    signals: int  # outputs of blocks
+    time: float  # until when, s
+    whole: bool  # the run was flown to its end
 
     def __str__(self) -> str:
         return f"same for {self.steps:,} steps, {self.signals} signals" + (
@@ -53,14 +46,10 @@ class Proof:
 
 
 class Rehearsal:
-    """A process that builds the model of a script and flies it beside the script.
+    """Builds the models of a script and flies the last beside it, each in a process of its own.
 
-    It is started before the script, of which it knows nothing but the model. As a context: where
-    it is left by another error than a refusal, the process ends; otherwise it waits for the next
-    model.
+    These know nothing of the script but the model. As a context: they end with it.
     """
-
-    _idle: ClassVar[subprocess.Popen[bytes] | None] = None
 
     def __init__(self, script: str | Path) -> None:
         self.script = script
@@ -70,40 +59,27 @@ class Rehearsal:
             "folder": os.getcwd(),
             "path": list(sys.path),
         }
+        self._process: Any = None
 
     def __enter__(self) -> Rehearsal:
-        self._process, Rehearsal._idle = Rehearsal._idle or self._started(), None
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *details: Any) -> None:
-        # a refusal comes before the flight or after its end
-        if _FORKS and (kind is None or issubclass(kind, DiagramError)):
-            Rehearsal._idle = self._process
-        else:
-            # the model flies in a copy of the process, which is in its group
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL) if _FORKS else self._process.kill()
-            self._process.communicate()
-
-    def _started(self) -> subprocess.Popen[bytes]:
-        program = (
-            f"import sys; sys.path[:] = {sys.path!r}; from {serve.__module__} import serve; serve()"
-        )
-        process = subprocess.Popen(
-            [sys.executable, "-c", program],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for this process, which ends the other
-        )
-        # it ends where its input does
-        atexit.register(process.communicate)
-        return process
+    def __exit__(self, *_: Any) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._pipe.close()
 
     def differences(self, job: Job) -> list[Difference]:
         """Build a model; where it is not as its script's diagram is."""
-        if self._process.poll() is not None:
-            self._process = self._started()
-        return self._answer(job)
+        self.__exit__()
+        self._pipe, theirs = _PROCESSES.Pipe()
+        self._process = _PROCESSES.Process(target=rehearse, args=(theirs, job))
+        # the process would import the main program
+        with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
+            self._process.start()
+        theirs.close()
+        return self._answer()
 
     def fly(
         self, simulation: Simulation, run: Mapping[str, Any], blocks: Sequence[Block], limit: float
@@ -119,8 +95,8 @@ class Rehearsal:
             if len(rows) >= _AT_ONCE:
                 self._send(rows)
                 rows.clear()
-                if time.process_time() > end:
-                    raise Ended
+            if time.process_time() > end:
+                raise Ended
 
         try:
             with each_sample(simulation, take):
@@ -130,20 +106,19 @@ class Rehearsal:
             whole = False
         if rows:
             self._send(rows)
-        parting = self._answer(whole)
+        self._send(whole)
+        parting = self._answer()
         signals = sum(len(block.outputs) for block in blocks)
         return parting or Proof(steps, signals, reached, whole)
 
     def _send(self, value: Any) -> None:
-        with contextlib.suppress(BrokenPipeError):  # its answer is missing then
-            send(self._process.stdin, value)  # type: ignore[arg-type]
+        with contextlib.suppress(ConnectionError):  # its answer is missing then
+            self._pipe.send(value)
 
-    def _answer(self, value: Any) -> Any:
-        self._send(value)
+    def _answer(self) -> Any:
         try:
-            return receive(self._process.stdout)  # type: ignore[arg-type]
-        except EOFError:
-            self._process.wait()
+            return self._pipe.recv()
+        except (EOFError, ConnectionError):
             raise DiagramError(
                 "the model ends the process in which it flies: its code must not", path=self.script
             ) from None

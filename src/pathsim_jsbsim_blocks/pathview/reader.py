@@ -13,7 +13,6 @@ import itertools
 import keyword
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from pathsim import Connection, Interface, Subsystem
@@ -22,9 +21,8 @@ from pathsim.blocks import Block
 from .._core._pathsim import own_events, port_names, port_number
 from ..scripts.first_run import FirstRun, named_arguments
 from ..scripts.names import used
-from ..scripts.script import Construction
 from .code import Code
-from .diagram import Diagram, Event, Graph, Node, Wire
+from .diagram import Diagram, Event, Graph, Node, Part, Wire
 from .literals import Functions, Unwritable, literal, memories
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
@@ -51,20 +49,6 @@ def read_diagram(script: FirstRun, live: Live, without: Collection[int] = ()) ->
     return _Reader(script, live, without).diagram()
 
 
-@dataclass
-class _Part:
-    """A block or an event on its way to a node."""
-
-    target: Node | Event
-    value: Any
-    kind: type
-    known: Sequence[str] = ()
-    made: Construction | None = None
-    arguments: dict[str, ast.expr] = field(default_factory=dict)
-    parent: _Part | None = None
-    variable: str = ""
-
-
 class _Reader:
     def __init__(self, script: FirstRun, live: Live, without: Collection[int]):
         self.script = script
@@ -76,7 +60,7 @@ class _Reader:
         self.memories: dict[int, Any] = {}
         self.functions = Functions(script.tree, str(script.path))
         self.registry = core_registry()
-        self.parts: dict[int, _Part] = {}
+        self.parts: dict[int, Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
 
     def diagram(self) -> Diagram:
@@ -114,16 +98,7 @@ class _Reader:
             log=bool(sim.log),
             code_values=code.values(),
             places=self.code.places,
-            parts={
-                p.variable: (
-                    p.value,
-                    {
-                        **dict.fromkeys(p.known, False),
-                        **{k: not isinstance(e, ast.Constant) for k, e in p.arguments.items()},
-                    },
-                )
-                for p in self.parts.values()
-            },
+            parts={part.variable: part for part in self.parts.values()},
         )
 
     def _settings(self) -> dict[str, ast.expr]:
@@ -142,7 +117,7 @@ class _Reader:
         blocks: Sequence[Block],
         connections: Sequence[Connection],
         events: Sequence[Any],
-        parent: _Part | None,
+        parent: Part | None,
     ) -> Graph:
         index = {id(b): i for i, b in enumerate(blocks)}
         wires = [w for c in connections for w in self._wires(c, index)]
@@ -166,20 +141,19 @@ class _Reader:
                     port_number(target.block.inputs, into),
                 )
 
-    def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: _Part | None) -> Node:
+    def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: Part | None) -> Node:
         kind = _built_in(type(block))
-        node = Node(
-            "", kind.__name__, line=getattr(self._node(block), "lineno", None), part=id(block)
-        )
+        node = Node("", kind.__name__)
         n_in = max((w.input + 1 for w in wires if w.target == i), default=0)
         n_out = max((w.output + 1 for w in wires if w.source == i), default=0)
-        part = self._add(_Part(node, block, kind, parent=parent))
+        part = self._add(Part(node, block, kind, parent=parent))
         node.inputs = _port_names(block, kind, "input", n_in)
         node.outputs = _port_names(block, kind, "output", n_out)
         if kind is Interface:
             return node
         if kind is Subsystem:
             self._construction(part, ["blocks", "connections", "events"])
+            part.known, part.arguments = (), {}  # they are read from the live subsystem
             inside = [block.interface, *block.blocks]
             node.graph = self._graph(inside, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
@@ -222,18 +196,18 @@ class _Reader:
             )
         return parameters
 
-    def _event(self, event: Any, parent: _Part | None) -> Event:
+    def _event(self, event: Any, parent: Part | None) -> Event:
         name = type(event).__name__
         entry = self.registry["events"].get(name)
         part = self._add(
-            _Part(Event("", f"pathsim.events.{name}", {}), event, type(event), parent=parent)
+            Part(Event("", f"pathsim.events.{name}", {}), event, type(event), parent=parent)
         )
         if entry is None or not type(event).__module__.startswith("pathsim."):
             self.refuse(f"PathView does not know the event {name!r}", self._node(event))
         self._construction(part, entry["params"])
         return part.target  # type: ignore[return-value]
 
-    def _add(self, part: _Part) -> _Part:
+    def _add(self, part: Part) -> Part:
         if id(part.value) in self.parts:
             self.refuse(
                 f"{self.script.called(part.value)} is in the diagram twice", self._node(part.value)
@@ -247,48 +221,42 @@ class _Reader:
         made = self.script.construction(value) or self.script.construction(self.script.simulation)
         return made.node if made else None
 
-    def _construction(self, part: _Part, known: Sequence[str]) -> None:
+    def _construction(self, part: Part, known: Sequence[str]) -> None:
         """The arguments of a part, by parameter name, as the source gives them."""
-        part.known = () if part.kind is Subsystem else known
-        made = part.made = self.script.construction(part.value)
-        parameters = _parameters(part.kind)
-        names = [
-            n
-            for n, p in parameters.items()
-            if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
-        ][1:]
-        plain = made and made.given is not None and part.kind is type(part.value)
-        arguments = _plain_arguments(made.node, names) if made and plain else None
-        if made and made.given is not None and arguments is not None:
-            part.arguments = arguments
-            for name in list(part.arguments):
-                if name not in known or name.startswith("_"):
-                    self.refuse(
-                        f"PathView cannot represent parameter {name!r} of {part.kind.__name__}",
-                        self._node(part.value),
-                    )
-                now = getattr(part.value, name, None)
-                if self._is_own(now) and made.given.get(name, now) is not now:
-                    self.live.add((id(part.value), name))  # replaced
-                    del part.arguments[name]
-        if part.kind is Subsystem:  # its contents are read from the live subsystem
-            part.arguments = {}
-        elif arguments is None:
+        part.known = known
+        made, parameters = self.script.construction(part.value), _parameters(part.kind)
+        arguments = None
+        if made and made.given is not None and part.kind is type(part.value):
+            arguments = _plain_arguments(made.node, parameters)
+        if made is None or made.given is None or arguments is None:
             for name in known:
                 default = parameters[name].default if name in parameters else ...
                 if not _is_default(getattr(part.value, name, default), default):
                     self.live.add((id(part.value), name))
+            return
+        for name, node in arguments.items():
+            if name not in known or name.startswith("_"):
+                self.refuse(
+                    f"PathView cannot represent parameter {name!r} of {part.kind.__name__}",
+                    self._node(part.value),
+                )
+            now = getattr(part.value, name, None)
+            if self._is_own(now) and made.given.get(name, now) is not now:
+                self.live.add((id(part.value), name))  # replaced
+            else:
+                part.arguments[name] = node
 
     def _is_own(self, value: Any) -> bool:
         """Whether a value is a function of the script."""
         return inspect.isfunction(value) and value.__code__.co_filename == str(self.script.path)
 
-    def _settle(self, part: _Part) -> None:
+    def _settle(self, part: Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
         for name in part.known:
             if (id(part.value), name) in self.live:
                 part.arguments[name] = self._written(part, name)
-        local = self.script.local_names(part.made.node) if part.made else set[str]()
+        made = self.script.construction(part.value)
+        local = self.script.local_names(made.node) if made else set[str]()
         for name, node in part.arguments.items():
             if not self._stands_alone(node, local):
                 part.arguments[name] = node = self._written(part, name)
@@ -300,10 +268,10 @@ class _Reader:
         active = (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)
         return not used(node) & local and not any(isinstance(n, active) for n in ast.walk(node))
 
-    def _written(self, part: _Part, name: str) -> ast.expr:
+    def _written(self, part: Part, name: str) -> ast.expr:
         """An expression for the value of a parameter."""
-        node, given = part.arguments.get(name), part.made.given if part.made else None
-        value = getattr(part.value, name, (given or {}).get(name, ...))
+        node, made = part.arguments.get(name), self.script.construction(part.value)
+        value = getattr(part.value, name, ((made and made.given) or {}).get(name, ...))
         what = f"parameter {name!r} of {self.script.called(part.value)}"
         where = node if hasattr(node, "lineno") else self._node(part.value)
         if value is ...:
@@ -318,11 +286,8 @@ class _Reader:
             self.refuse(f"{what}: {unwritable}; write it at the top level, under a name", where)
         if isinstance(function, ast.Lambda):
             return function
-        function.name, function.decorator_list, function.returns = (
-            self._free(function.name, "_function"),
-            [],
-            None,
-        )
+        function.name = self._free(function.name, "_function")
+        function.decorator_list, function.returns = [], None
         return self._made(function.name, function)
 
     def _free(self, name: str, more: str = "_") -> str:
@@ -409,7 +374,7 @@ class _Reader:
                 }
         return names
 
-    def _told(self, part: _Part) -> str:
+    def _told(self, part: Part) -> str:
         """A name for a part that no variable of the module holds: its key or its original name."""
         for value in self.script.namespace.values():
             if isinstance(value, dict):
@@ -513,8 +478,12 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
     return inspect.signature(constructor).parameters
 
 
-def _plain_arguments(call: ast.expr, names: Sequence[str]) -> dict[str, ast.expr] | None:
+def _plain_arguments(
+    call: ast.expr, parameters: Mapping[str, inspect.Parameter]
+) -> dict[str, ast.expr] | None:
     """The arguments of a call in which each corresponds to one parameter; None of others."""
+    named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    names = [n for n, p in parameters.items() if p.kind in named][1:]
     if (
         not isinstance(call, ast.Call)
         or any(isinstance(a, ast.Starred) for a in call.args)
@@ -534,7 +503,7 @@ def _is_default(value: Any, default: Any) -> bool:
         return False
 
 
-def _prefix(parent: _Part | None) -> str:
+def _prefix(parent: Part | None) -> str:
     """What PathView puts before the variables of the blocks of a part."""
     if parent is None:
         return ""

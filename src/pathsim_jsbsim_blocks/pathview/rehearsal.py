@@ -1,6 +1,6 @@
 """Build a model in a process of its own, and fly it beside its script.
 
-`serve` is the program of that process; `proof` is the other side.
+`rehearse` is the program of that process; `proof` is the other side.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ import io
 import json
 import logging
 import os
-import pickle
-import struct
+import signal
 import sys
 import traceback
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -39,60 +39,31 @@ SETTINGS = "settings"
 
 @dataclass
 class Job:
-    """A model, and what its script has when its first run begins.
+    """A model, and what its script has when its first run begins, as texts."""
 
-    Attributes
-    ----------
-    text : str
-        the model file's text
-    path : str
-        the script, for messages
-    toolboxes : list of str
-        what the model may import
-    process : dict
-        environment, folder and import path of the script's process before the script ran
-    now : float
-        time at which the clock is frozen
-    parts : dict
-        the attributes of each block and event as texts, by its variable in PathView's script
-    parameters : dict
-        expressions by part, or SETTINGS, and name
-    settings, names : dict
-        settings of the solver, and what the model's code needs, as texts
-    structure : dict
-        see `structure`
-    run : dict
-        arguments of the run
-    """
-
-    text: str
-    path: str
-    toolboxes: list[str]
-    process: dict[str, Any]
-    now: float
-    parts: dict[str, dict[str, str]]
-    parameters: dict[str, dict[str, str]]
-    settings: dict[str, str]
-    names: dict[str, str]
-    structure: dict[str, str]
-    run: dict[str, Any]
+    text: str  # of the model file
+    path: str  # the script, for messages
+    toolboxes: list[str]  # what the model may import
+    process: dict[str, Any]  # environment, folder and import path before the script ran
+    now: float  # time at which the clock is frozen
+    parts: dict[str, dict[str, str]]  # attributes of blocks and events, by PathView's variables
+    parameters: dict[str, dict[str, str]]  # expressions by part, or SETTINGS, and name
+    settings: dict[str, str]  # of the solver
+    names: dict[str, str]  # what the model's code needs
+    structure: dict[str, str]  # see `structure`
+    run: dict[str, Any]  # arguments of the run
 
 
 @dataclass
 class Difference:
-    """Where the model is not as the script's diagram is.
+    """Where the model is not as the script's diagram is, or what of it cannot be evaluated."""
 
-    ``variable`` is a part of the diagram, SETTINGS, or empty; ``name`` an attribute or parameter
-    of it, a part of the structure or a name of the code. ``error`` says what cannot be evaluated,
-    ``line`` which line of the code.
-    """
-
-    variable: str
-    name: str
+    variable: str  # a part of the diagram, SETTINGS, or empty
+    name: str  # an attribute or parameter, a part of the structure, or a name of the code
     here: str = ""
     there: str = ""
     error: str = ""
-    line: int = 0
+    line: int = 0  # of the code
 
 
 @dataclass
@@ -111,27 +82,6 @@ class Ended(BaseException):
 
 
 # both sides ---------------------------------------------------------------------------------------
-
-
-def send(stream: BinaryIO, value: Any) -> None:
-    data = pickle.dumps(value)
-    stream.write(struct.pack("<Q", len(data)) + data)
-    stream.flush()
-
-
-def receive(stream: BinaryIO) -> Any:
-    """The next value; EOFError where the other side has gone."""
-
-    def exactly(size: int) -> bytes:
-        parts = []
-        while size:
-            parts.append(stream.read(size))
-            if not parts[-1]:
-                raise EOFError
-            size -= len(parts[-1])
-        return b"".join(parts)
-
-    return pickle.loads(exactly(struct.unpack("<Q", exactly(8))[0]))
 
 
 def blocks_of(parts: Mapping[str, Any]) -> dict[str, Block]:
@@ -174,31 +124,10 @@ def structure(simulation: Simulation, parts: Mapping[str, Any]) -> dict[str, str
 # the model's side ---------------------------------------------------------------------------------
 
 
-def serve() -> None:
-    """Rehearse one model after the other, each in a copy of this process that knows no other."""
-    # what a model prints must not come between the replies
-    replies = os.fdopen(os.dup(1), "wb")
-    requests = os.fdopen(os.dup(0), "rb", buffering=0)
-    for standard, flag in ((0, os.O_RDONLY), (1, os.O_WRONLY)):
-        os.dup2(os.open(os.devnull, flag), standard)
-    from pathview import converter as converter  # loaded before the copies are made
-
-    while True:
-        try:
-            job = receive(requests)
-        except EOFError:
-            return
-        child = os.fork() if hasattr(os, "fork") else 0
-        if child:
-            _, status = os.waitpid(child, 0)
-            if status:  # where the requests stand is not known
-                return
-        else:
-            _rehearse(job, requests, replies)
-            os._exit(0)
-
-
-def _rehearse(job: Job, requests: BinaryIO, replies: BinaryIO) -> None:
+def rehearse(pipe: Connection, job: Job) -> None:
+    """The program of the model's process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the script's process ends this one
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.environ.clear()
     os.environ.update(job.process["environment"])
     sys.path[:] = job.process["path"]
@@ -215,10 +144,10 @@ def _rehearse(job: Job, requests: BinaryIO, replies: BinaryIO) -> None:
                 differences = _compared(namespace, job)
             except Exception as error:
                 differences = [Difference("", "", error=said(error))]
-        send(replies, differences)
+        pipe.send(differences)
         if not differences:
-            rows = _rows(requests)
-            send(replies, _flown(namespace, job, frozen, rows))
+            rows = _rows(pipe)
+            pipe.send(_flown(namespace, job, frozen, rows))
             with contextlib.suppress(Ended):
                 for _ in rows:
                     pass
@@ -307,25 +236,19 @@ def _flown(
 def _parting(blocks: Mapping[str, Block], theirs: Row, mine: Row) -> Parting:
     if theirs[0] != mine[0]:
         return Parting("", "", theirs[0], "samples then", f"samples at {mine[0]!r}")
-    name = next(n for n, a, b in zip(blocks, theirs[1], mine[1], strict=True) if a != b)
-    i = list(blocks).index(name)
-    here, there = (np.frombuffer(r[1][i]) for r in (theirs, mine))
+    pairs = zip(blocks.items(), theirs[1], mine[1], strict=True)
+    (name, block), *both = next(pair for pair in pairs if pair[1] != pair[2])
+    here, there = map(np.frombuffer, both)
     if len(here) != len(there):
         return Parting(name, "", theirs[0], f"has {len(here)} outputs", f"has {len(there)}")
-    port = next(k for k, (x, y) in enumerate(zip(here, there, strict=True)) if repr(x) != repr(y))
-    labels = {k: label for label, k in port_names(blocks[name].outputs).items()}
-    return Parting(
-        name,
-        labels.get(port, str(port)),
-        theirs[0],
-        repr(float(here[port])),
-        repr(float(there[port])),
-    )
+    port = int(np.flatnonzero(here.view("i8") != there.view("i8"))[0])
+    label = next((n for n, k in port_names(block.outputs).items() if k == port), str(port))
+    return Parting(name, label, theirs[0], repr(float(here[port])), repr(float(there[port])))
 
 
-def _rows(requests: BinaryIO) -> Iterator[Row]:
+def _rows(pipe: Connection) -> Iterator[Row]:
     """The script's rows as they come; `Ended` where its flight is not to go on."""
-    while not isinstance(message := receive(requests), bool):
+    while not isinstance(message := pipe.recv(), bool):
         yield from message
     if not message:
         raise Ended

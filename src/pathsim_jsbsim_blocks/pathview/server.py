@@ -10,8 +10,8 @@ from types import TracebackType
 from typing import Any
 from urllib.parse import quote, unquote
 
-from .._core.checks import whole
-from ..errors import MissingExtraError, ParameterError
+from .._core.checks import refuse, whole
+from ..errors import MissingExtraError
 from . import page, pvm
 from .access import HOST, Access
 from .shape import Json
@@ -191,14 +191,10 @@ def _bound(app: Any, port: int | None) -> Any:
     # silences its warnings about a full queue and about requests dropped at shutdown
     logging.getLogger("waitress").setLevel(logging.ERROR)
     if port is not None and whole("port", port, low=0) > 65535:
-        raise ParameterError(
-            f"port must be at most 65535, not {port}", parameter="port", value=port
-        )
+        refuse("port", port, f"port must be at most 65535, not {port}")
     try:
         return create_server(app, map={}, host=HOST, threads=8, port=PORT if port is None else port)
     except OSError as error:
         if port is None:
             return _bound(app, 0)
-        raise ParameterError(
-            f"port {port} cannot be used ({error.strerror})", parameter="port", value=port
-        ) from error
+        refuse("port", port, f"port {port} cannot be used ({error.strerror})")

@@ -36,11 +36,8 @@ def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
         found["duration"] = given["duration"]
     elif script.begun is None and "DURATION" in script.namespace:
         found["duration"] = ast.Name("DURATION", ast.Load())
-    if (
-        script.begun
-        and script.simulation.engine.is_adaptive
-        and (script.begun.arguments.get("adaptive") is False)
-    ):
+    stays = script.begun is not None and script.begun.arguments.get("adaptive") is False
+    if stays and script.simulation.engine.is_adaptive:
         script.refuse(
             "run(adaptive=False) with an adaptive solver; PathView always adapts the step",
             script.run_call,
@@ -50,21 +47,21 @@ def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
 
 def setting_values(script: FirstRun) -> dict[str, str]:
     """All settings from the live simulation: PathView's defaults differ from PathSim's."""
-    sim = script.simulation
-    made = script.construction(sim)
-    where = made.node if made else None
-    if sim.iterations_max != inspect.signature(Simulation).parameters["iterations_max"].default:
-        script.refuse("PathView cannot represent iterations_max", where)
-    if unknown := sorted(set(sim.solver_kwargs) - _SETTINGS.keys()):
-        script.refuse(f"PathView cannot represent the solver's {', '.join(unknown)}", where)
+    sim, kwargs = script.simulation, script.simulation.solver_kwargs
     solver: type = sim.Solver
-    name = solver.__name__
-    if getattr(pathsim.solvers, name, None) is not solver:
-        script.refuse(f"solver {name!r} is not one of pathsim.solvers", where)
-    defaults = solver()
-    duration = (
-        script.begun.arguments.get("duration") if script.begun else script.namespace.get("DURATION")
+    name, reason = solver.__name__, ""
+    if sim.iterations_max != inspect.signature(Simulation).parameters["iterations_max"].default:
+        reason = "PathView cannot represent iterations_max"
+    elif unknown := sorted(set(kwargs) - _SETTINGS.keys()):
+        reason = f"PathView cannot represent the solver's {', '.join(unknown)}"
+    elif getattr(pathsim.solvers, name, None) is not solver:
+        reason = f"solver {name!r} is not one of pathsim.solvers"
+    if reason:
+        script.refuse(reason, script.built_at(sim))
+    given = (
+        script.begun.arguments if script.begun else {"duration": script.namespace.get("DURATION")}
     )
+    duration, defaults = given.get("duration"), solver()
     if duration is None:
         duration = inspect.signature(sim.run).parameters["duration"].default
     live = {
@@ -72,8 +69,8 @@ def setting_values(script: FirstRun) -> dict[str, str]:
         "dt": sim.dt,
         "dt_min": sim.dt_min,
         "dt_max": sim.dt_max,
-        "rtol": sim.solver_kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
-        "atol": sim.solver_kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
+        "rtol": kwargs.get("tolerance_lte_rel", defaults.tolerance_lte_rel),
+        "atol": kwargs.get("tolerance_lte_abs", defaults.tolerance_lte_abs),
         "ftol": sim.tolerance_fpi,
     }
     return {"solver": name, **{k: "" if v is None else repr(float(v)) for k, v in live.items()}}

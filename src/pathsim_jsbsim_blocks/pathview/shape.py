@@ -48,13 +48,7 @@ _MODEL = {
     "requiredToolboxes?": [dict],
 }
 
-_KINDS = {
-    str: "text",
-    int: "a whole number",
-    float: "a coordinate",
-    list: "a list",
-    dict: "an object",
-}
+_KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list"}
 _FAR = 1e9  # px
 _DEEP = 100  # levels of lists and objects: 30 nested subsystems
 
@@ -88,7 +82,9 @@ def _check_depth(content: Any, path: Path) -> None:
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:
     kind = spec if isinstance(spec, type) else type(spec)
     if not _is(value, kind):
-        _refuse(f"{place} must be {_KINDS[kind]}, not {_short(value)}", path)
+        _refuse(
+            f"{place} must be {_KINDS.get(kind, 'an object')}, not {shortened(repr(value))}", path
+        )
     if isinstance(spec, list):
         for i, item in enumerate(value):
             _check(item, spec[0], f"{place}[{i}]", path)
@@ -108,8 +104,8 @@ def _is(value: Any, kind: type) -> bool:
     return isinstance(value, kind) and not isinstance(value, bool)
 
 
-def _short(value: Any) -> str:
-    text = repr(value)
+def shortened(text: str) -> str:
+    """A text of at most 60 characters."""
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

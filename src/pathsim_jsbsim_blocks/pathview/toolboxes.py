@@ -14,7 +14,7 @@ from typing import Any
 
 from pathsim.blocks import Block
 
-from .._core.checks import did_you_mean, nearest
+from .._core.checks import did_you_mean, nearest, refuse
 from ..errors import DiagramError, MissingExtraError, ParameterError
 from .shape import Json
 
@@ -23,18 +23,10 @@ _PYPI_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?")
 
 @dataclass(frozen=True)
 class Toolbox:
-    """An installed package whose blocks PathView can offer.
+    """An installed package whose blocks PathView can offer."""
 
-    Attributes
-    ----------
-    package : str
-        name on PyPI
-    import_path : str
-        the module in which PathView looks for blocks
-    """
-
-    package: str
-    import_path: str
+    package: str  # name on PyPI
+    import_path: str  # the module in which PathView looks for blocks
 
     @classmethod
     def parse(cls, text: str) -> Toolbox:
@@ -44,11 +36,7 @@ class Toolbox:
         if not _PYPI_NAME.fullmatch(package) or not all(
             map(str.isidentifier, toolbox.import_path.split("."))
         ):
-            raise ParameterError(
-                f"a toolbox is PACKAGE or PACKAGE:IMPORT.PATH, not {text!r}",
-                parameter="toolbox",
-                value=text,
-            )
+            refuse("toolbox", text, f"a toolbox is PACKAGE or PACKAGE:IMPORT.PATH, not {text!r}")
         return toolbox
 
     @property
@@ -67,38 +55,23 @@ class Toolbox:
         return importlib.util.find_spec(self.import_path.partition(".")[0]) is None
 
     def blocks(self) -> dict[str, type[Block]]:
-        """Its blocks by class name, found by PathView's own rule: public, and defined there.
-
-        Raises
-        ------
-        ParameterError
-            if the module cannot be imported
-        """
+        """Its blocks by class name, found by PathView's own rule: public, and defined there."""
         try:
             module = importlib.import_module(self.import_path)
         except ImportError as error:
-            raise ParameterError(
-                f"toolbox {self.package!r} is not installed ({error}); pip install {self.package}",
-                parameter="toolbox",
-                value=self.package,
-            ) from error
+            why = f"is not installed ({error}); pip install {self.package}"
+            refuse("toolbox", self.package, f"toolbox {self.package!r} {why}")
         except (Exception, SystemExit) as error:
-            raise ParameterError(
-                f"toolbox {self.package!r} cannot be imported: {type(error).__name__}: {error}",
-                parameter="toolbox",
-                value=self.package,
-            ) from error
-        found = {}
-        for name in dir(module):
-            value = getattr(module, name)
-            if (
-                not name.startswith("_")
-                and isinstance(value, type)
-                and issubclass(value, Block)
-                and f"{value.__module__}.".startswith(f"{module.__name__}.")
-            ):
-                found[value.__name__] = value
-        return found
+            why = f"cannot be imported: {type(error).__name__}: {error}"
+            refuse("toolbox", self.package, f"toolbox {self.package!r} {why}")
+        public = (getattr(module, name) for name in dir(module) if not name.startswith("_"))
+        return {
+            value.__name__: value
+            for value in public
+            if isinstance(value, type)
+            and issubclass(value, Block)
+            and f"{value.__module__}.".startswith(f"{module.__name__}.")
+        }
 
     def requirement(self) -> dict[str, Any]:
         """Its entry in ``requiredToolboxes`` of a model.
@@ -117,13 +90,8 @@ OURS = Toolbox("pathsim-jsbsim-blocks", "pathsim_jsbsim_blocks")
 FLIGHT = Toolbox("pathsim-flight", "pathsim_flight")
 
 # the toolboxes of PathSim's own project, as PathView's catalogue lists them
-_KNOWN = [
-    OURS,
-    *(
-        Toolbox.parse(f"pathsim-{name}")
-        for name in ("batt", "chem", "flight", "fmi", "rf", "vehicle")
-    ),
-]
+_PROJECT = ("batt", "chem", "flight", "fmi", "rf", "vehicle")
+_KNOWN = [OURS, *(Toolbox.parse(f"pathsim-{name}") for name in _PROJECT)]
 
 
 def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
@@ -131,13 +99,6 @@ def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
 
     An import runs the module's code, so the file may name only modules of known toolboxes, unless
     the user trusts the package.
-
-    Parameters
-    ----------
-    toolbox : Toolbox
-        the toolbox that the file requires
-    trusted : sequence of Toolbox
-        the toolboxes that the user trusts
     """
     if toolbox in (OURS, FLIGHT, *trusted):
         return ""
