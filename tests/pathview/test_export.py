@@ -13,6 +13,7 @@ import pytest
 from pathsim import Simulation
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
+from pathsim_jsbsim_blocks.cli import editor, main
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
@@ -1143,3 +1144,10 @@ def test_a_process_that_has_imported_no_block_exports_a_script_with_blocks(tmp_p
     done = subprocess.run([sys.executable, *command], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert out.exists()
+
+
+def test_a_script_that_does_not_end_is_told_of(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(editor, "_LONG", 0.05)
+    (tmp_path / "a.py").write_text(HEAD + "import time\ntime.sleep(0.5)\n" + LOOP, encoding="utf-8")
+    assert main(["export", str(tmp_path / "a.py"), "-o", str(tmp_path / "a.pvm")]) == 0
+    assert "still runs after 0 s; Ctrl-C ends the export" in capsys.readouterr().err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -13,6 +14,7 @@ from ..errors import UntrustedModelError
 from .arguments import Commands, add_command, repeatable, trust_option, trust_toolbox_option
 
 _Opened = TypeVar("_Opened")
+_LONG = 60.0  # s
 
 
 def add_view(commands: Commands) -> None:
@@ -107,7 +109,18 @@ def export(args: argparse.Namespace) -> None:
     script = find_diagram(args.script)
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
-    model, proof = export_with_proof(script, output, args.check)
+    waiting = threading.Timer(
+        _LONG,
+        print,
+        [f"pathsim-jsbsim: {script} still runs after {_LONG:.0f} s; Ctrl-C ends the export"],
+        {"file": sys.stderr},
+    )
+    waiting.daemon = True
+    waiting.start()
+    try:
+        model, proof = export_with_proof(script, output, args.check)
+    finally:
+        waiting.cancel()
     # all code in the model comes from the script, which has just run here
     remember(digest(read(model)))
     print(f"model saved: {model} ({proof})")

@@ -90,26 +90,14 @@ def add_run(commands: Commands) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from .._core._pathsim import keep_warnings_visible
-    from .._core.checks import positive, refuse
+    from .._core.checks import positive
     from .._core.running import with_duration, with_progress
     from ..catalogue import find_diagram
     from ..scripts.script import Script, main_program
 
     keep_warnings_visible()  # those of a script without a block of ours too
     if args.name in studies():
-        for option, reason in (
-            ("track", "flies no aircraft"),
-            ("flightgear", "flies no aircraft"),
-            ("set", "is no script"),
-            ("duration", "is no script"),
-            ("csv_rate", "has no time"),
-        ):
-            if getattr(args, option) not in (None, []):
-                refuse(
-                    option,
-                    str(getattr(args, option)),
-                    f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}",
-                )
+        _refuse_options_of_scripts(args)
         run_study(args.name, args.save, args.csv)
         return 0
     settings, duration, source = _settings(args.set), args.duration, None
@@ -157,6 +145,24 @@ def run(args: argparse.Namespace) -> int:
     return status
 
 
+def _refuse_options_of_scripts(args: argparse.Namespace) -> None:
+    from .._core.checks import refuse
+
+    for option, reason in (
+        ("track", "flies no aircraft"),
+        ("flightgear", "flies no aircraft"),
+        ("set", "is no script"),
+        ("duration", "is no script"),
+        ("csv_rate", "has no time"),
+    ):
+        if getattr(args, option) not in (None, []):
+            refuse(
+                option,
+                str(getattr(args, option)),
+                f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}",
+            )
+
+
 def _settings(items: Sequence[str]) -> dict[str, Any]:
     """The values of ``--set NAME=VALUE``, as texts."""
     from .._core.checks import refuse
@@ -187,7 +193,7 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     import linecache
 
     from ..pathview import pvm
-    from ..pathview.opening import trusted_code
+    from ..pathview.trusted_models import trusted_code
 
     def code(trust: bool) -> str:
         return trusted_code(pvm.read(path), path, trust, args.trust_toolbox)

@@ -18,9 +18,9 @@ from ..catalogue import find_diagram
 from . import pvm
 from .export import script_model
 from .markup import refuse_markup
-from .opening import trusted_code
 from .server import Server
 from .shape import Json
+from .trusted_models import trusted_code
 
 
 def view(

@@ -29,29 +29,15 @@ class Code:
     """The statements of a script that the expressions of its diagram need.
 
     These are the statements, as written, that bind a needed name or stand alone with it
-    (``table.append(1)``), and neither build nor use a part of the diagram.
-
-    Parameters
-    ----------
-    script : FirstRun
-        the script
-    without : collection of int
-        lines of statements that PathView cannot execute
-
-    Attributes
-    ----------
-    parts : set of str
-        blocks, events and the simulation to which functions refer
-    made : dict
-        functions and values to add, by their name
-    places : dict
-        lines of the script by lines of the text
+    (``table.append(1)``), and neither build nor use a part of the diagram. ``without`` are lines of
+    statements that PathView cannot execute.
     """
 
     def __init__(self, script: FirstRun, without: Collection[int] = ()):
         self.script = script
-        self.parts: set[str] = set()
-        self.made: dict[str, ast.stmt] = {}
+        self.parts: set[str] = set()  # parts of the diagram to which functions refer
+        self.made: dict[str, ast.stmt] = {}  # functions and values to add, by their name
+        self.places: dict[int, int] = {}  # lines of the script by lines of the text
         usable = [s for s in script.statements if not self._has_parts(s)]
         self._of_parts = bound(s for s in script.statements if s not in usable)
         self._statements = [s for s in usable if s.lineno not in without]
@@ -60,13 +46,7 @@ class Code:
         self._kept: set[ast.stmt] = set()
 
     def need(self, node: ast.AST) -> None:
-        """Add all that an expression or a function needs.
-
-        Raises
-        ------
-        DiagramError
-            for what has no meaning in PathView
-        """
+        """Add all that an expression or a function needs; refuse what PathView lacks."""
         todo = used(node)
         while todo := todo - self._needed:
             self._needed |= todo
@@ -102,19 +82,17 @@ class Code:
         value = self.script.namespace.get(name)
         if isinstance(value, PARTS):
             self.parts.add(name)
-        elif _holds_parts(value):
+        elif _is_part(value):
             self.script.refuse(f"{name!r} holds blocks; PathView's code has no such name", where)
         elif name in _MEANINGLESS:
             self.script.refuse(f"{name} has no meaning in PathView", where)
 
     def _has_parts(self, statement: ast.stmt) -> bool:
         """Whether a statement builds or changes parts of the diagram."""
-        values = self.script.namespace
-        if any(_is_part(values.get(n)) for n in bound([statement])):
-            return True
-        if isinstance(statement, (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)):
-            return False
-        return any(_is_part(values.get(n)) for n in used(statement))
+        names = set(bound([statement]))
+        if not isinstance(statement, (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)):
+            names |= used(statement)
+        return any(_is_part(self.script.namespace.get(n)) for n in names)
 
     def _touches(self, statement: ast.stmt) -> set[str]:
         """Names that a statement binds, or may change where it stands alone."""
@@ -155,7 +133,6 @@ class Code:
         """Source of the context, as written, with parts of the diagram under their new names."""
         statements = sorted(self._kept, key=lambda s: (s.lineno, s.col_offset))
         pieces = [*extra]
-        self.places: dict[int, int] = {}
         end = 0
         for statement in statements:
             text = self._statement(statement, renamed)
@@ -211,13 +188,10 @@ class Code:
 
 
 def _is_part(value: Any) -> bool:
-    return isinstance(value, PARTS) or _holds_parts(value)
-
-
-def _holds_parts(value: Any) -> bool:
-    if isinstance(value, Mapping):
-        value = list(value.values())
-    return isinstance(value, (list, tuple, set)) and any(isinstance(v, PARTS) for v in value)
+    """Whether a value is a part of a diagram, or a collection that holds one."""
+    inside = value.values() if isinstance(value, Mapping) else value
+    collection = isinstance(value, (Mapping, list, tuple, set))
+    return isinstance(value, PARTS) or (collection and any(isinstance(v, PARTS) for v in inside))
 
 
 def _one_line(text: str) -> str:

@@ -33,6 +33,7 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
     old = existing or {}
     graph, box = _graph(diagram.graph, "", old.get("graph") or {})
     events = _events(diagram.graph.events, "", box, old.get("events") or [])
+    toolboxes = [t.requirement() for t in diagram.toolboxes]
     notes = _annotations(diagram.docstring, box, (old.get("graph") or {}).get("annotations") or [])
     return {
         "version": VERSION,
@@ -47,11 +48,7 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
             "plotResults": True,
             **({} if diagram.log else {"log": False}),
         },
-        **(
-            {"requiredToolboxes": [t.requirement() for t in diagram.toolboxes]}
-            if diagram.toolboxes
-            else {}
-        ),
+        **({"requiredToolboxes": toolboxes} if toolboxes else {}),
     }
 
 
@@ -75,22 +72,8 @@ def read(path: Path) -> dict[str, Any]:
         raise DiagramError(f"cannot be read ({error.strerror})", path=path) from error
     except (ValueError, RecursionError) as error:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
-    if not isinstance(content, dict):
-        raise DiagramError("not a PathView model: no JSON object", path=path)
-    if content.get("type") in ("block", "subsystem"):
-        raise DiagramError(
-            f"a PathView {content['type']}, not a model; open it in PathView and save the model",
-            path=path,
-        )
-    if not isinstance(content.get("graph"), dict) or not isinstance(
-        content["graph"].get("nodes"), list
-    ):
-        raise DiagramError("not a PathView model: it has no graph", path=path)
-    version = content.get("version")
-    if not isinstance(version, str) or version.split(".")[0] != VERSION.split(".")[0]:
-        raise DiagramError(
-            f"a model of version {version!r}; this package reads {VERSION}", path=path
-        )
+    if reason := _no_model(content):
+        raise DiagramError(reason, path=path)
     check_shape(content, path)
     try:
         # the page cannot read what only Python's JSON has: NaN, half of a surrogate pair
@@ -98,6 +81,20 @@ def read(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
     return content
+
+
+def _no_model(content: Any) -> str:
+    """Why a file's content is no model of a version that this package reads; else empty."""
+    if not isinstance(content, dict):
+        return "not a PathView model: no JSON object"
+    if content.get("type") in ("block", "subsystem"):
+        return f"a PathView {content['type']}, not a model; open it in PathView and save the model"
+    graph, version = content.get("graph"), content.get("version")
+    if not isinstance(graph, dict) or not isinstance(graph.get("nodes"), list):
+        return "not a PathView model: it has no graph"
+    if not isinstance(version, str) or version.split(".")[0] != VERSION.split(".")[0]:
+        return f"a model of version {version!r}; this package reads {VERSION}"
+    return ""
 
 
 def write(path: Path, content: str) -> None:
@@ -142,7 +139,7 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
     # PathView routes feedback wires around the blocks, mostly above them
-    first = min((centres[i][1] + sizes[i][1] / 2 for i in range(len(centres))), default=0.0)
+    first = min((y + sizes[i][1] / 2 for i, (_, y) in enumerate(centres)), default=0.0)
     box.top -= GRID * len(
         {
             (w.source, w.output)
@@ -271,16 +268,10 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
     kept = next((a for a in old if a.get("id") == NOTE), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
-    height = GRID * math.ceil(
-        (
-            _NOTE_TITLE
-            + sum(
-                _NOTE_SPACE + _NOTE_LINE * math.ceil(len(p) * _NOTE_CHARACTER / (width - 20))
-                for p in content.split("\n\n")[1:]
-            )
-        )
-        / GRID
-    )
+    paragraphs = content.split("\n\n")[1:]
+    lines = (math.ceil(len(p) * _NOTE_CHARACTER / (width - 20)) for p in paragraphs)
+    text_height = _NOTE_TITLE + sum(_NOTE_SPACE + _NOTE_LINE * n for n in lines)
+    height = GRID * math.ceil(text_height / GRID)
     note = {
         "id": NOTE,
         "position": {

@@ -13,7 +13,7 @@ import itertools
 import keyword
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
@@ -52,7 +52,7 @@ def read_diagram(script: FirstRun, live: Live, without: Collection[int] = ()) ->
 class _Reader:
     def __init__(self, script: FirstRun, live: Live, without: Collection[int]):
         self.script = script
-        self.refuse = script.refuse
+        self.refuse, self._called = script.refuse, script.called
         self.live = live
         self.code = Code(script, without)
         self.stand_ins: dict[str, Any] = {}
@@ -129,10 +129,8 @@ class _Reader:
         for target in connection.targets:
             for end in (source, target):
                 if id(end.block) not in index:
-                    self.refuse(
-                        f"{self.script.called(end.block)} is wired but not in the list of blocks",
-                        self._node(end.block),
-                    )
+                    reason = f"{self._called(end.block)} is wired but not in the list of blocks"
+                    self._refuse(end.block, reason)
             for out, into in zip(source.ports, target.ports, strict=True):
                 yield Wire(
                     index[id(source.block)],
@@ -180,19 +178,17 @@ class _Reader:
             toolbox = toolbox_of(kind)
             parameters = list(kind.info()["parameters"]) if toolbox else None
         if parameters is None:
-            where = (
-                ""
-                if kind.__module__.startswith("pathsim.")
-                else "; its class must be exported by an installed package"
-            )
+            hint = ""
             if _steps_jsbsim(block):
-                where = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
-            self.refuse(unknown_block(name, self.registry) + where, self._node(block))
+                hint = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
+            elif not kind.__module__.startswith("pathsim."):
+                hint = "; its class must be exported by an installed package"
+            self._refuse(block, unknown_block(name, self.registry) + hint)
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:
-            self.refuse(
+            self._refuse(
+                block,
                 f"two blocks of the same class name {name!r} from different packages; "
                 "PathView knows blocks by class name only",
-                self._node(block),
             )
         return parameters
 
@@ -203,23 +199,23 @@ class _Reader:
             Part(Event("", f"pathsim.events.{name}", {}), event, type(event), parent=parent)
         )
         if entry is None or not type(event).__module__.startswith("pathsim."):
-            self.refuse(f"PathView does not know the event {name!r}", self._node(event))
+            self._refuse(event, f"PathView does not know the event {name!r}")
         self._construction(part, entry["params"])
         return part.target  # type: ignore[return-value]
 
     def _add(self, part: Part) -> Part:
         if id(part.value) in self.parts:
-            self.refuse(
-                f"{self.script.called(part.value)} is in the diagram twice", self._node(part.value)
-            )
+            self._refuse(part.value, f"{self._called(part.value)} is in the diagram twice")
         self.parts[id(part.value)] = part
         return part
 
     # source -------------------------------------------------------------------------------------
 
-    def _node(self, value: Any) -> ast.AST | None:
-        made = self.script.construction(value) or self.script.construction(self.script.simulation)
-        return made.node if made else None
+    def _refuse(self, value: Any, reason: str, node: ast.AST | None = None) -> NoReturn:
+        """Refuse a part, by default with the line that builds it."""
+        built_at = self.script.built_at
+        node = node or built_at(value) or built_at(self.script.simulation)
+        self.refuse(reason, node)
 
     def _construction(self, part: Part, known: Sequence[str]) -> None:
         """The arguments of a part, by parameter name, as the source gives them."""
@@ -236,10 +232,8 @@ class _Reader:
             return
         for name, node in arguments.items():
             if name not in known or name.startswith("_"):
-                self.refuse(
-                    f"PathView cannot represent parameter {name!r} of {part.kind.__name__}",
-                    self._node(part.value),
-                )
+                reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
+                self._refuse(part.value, reason)
             now = getattr(part.value, name, None)
             if self._is_own(now) and made.given.get(name, now) is not now:
                 self.live.add((id(part.value), name))  # replaced
@@ -272,10 +266,10 @@ class _Reader:
         """An expression for the value of a parameter."""
         node, made = part.arguments.get(name), self.script.construction(part.value)
         value = getattr(part.value, name, ((made and made.given) or {}).get(name, ...))
-        what = f"parameter {name!r} of {self.script.called(part.value)}"
-        where = node if hasattr(node, "lineno") else self._node(part.value)
+        what = f"parameter {name!r} of {self._called(part.value)}"
+        where = node if hasattr(node, "lineno") else None
         if value is ...:
-            self.refuse(f"{what} cannot be read from the block", where)
+            self._refuse(part.value, f"{what} cannot be read from the block", where)
         try:
             if not inspect.isfunction(value):
                 return _without_places(ast.parse(literal(value), mode="eval").body)
@@ -283,7 +277,8 @@ class _Reader:
                 self.functions.written(value, node, self._stand_in, self._value)
             )
         except Unwritable as unwritable:
-            self.refuse(f"{what}: {unwritable}; write it at the top level, under a name", where)
+            reason = f"{what}: {unwritable}; write it at the top level, under a name"
+            self._refuse(part.value, reason, where)
         if isinstance(function, ast.Lambda):
             return function
         function.name = self._free(function.name, "_function")
@@ -358,21 +353,17 @@ class _Reader:
 
     def _locals(self, code: Code) -> set[str]:
         """Variables of the functions that refer to parts; they would shadow a part of that name."""
-        names: set[str] = set()
-        nodes = [
-            *code.nodes(),
-            *(e for p in self.parts.values() for e in p.arguments.values()),
-        ]
+        expressions = (e for p in self.parts.values() for e in p.arguments.values())
         parts = code.parts | self.stand_ins.keys()
-        for node in (n for top in nodes for n in ast.walk(top)):
-            if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts:
-                names |= {n.arg for n in ast.walk(node) if isinstance(n, ast.arg)}
-                names |= {
-                    n.id
-                    for n in ast.walk(node)
-                    if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-                }
-        return names
+        functions = [
+            node
+            for top in (*code.nodes(), *expressions)
+            for node in ast.walk(top)
+            if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts
+        ]
+        inside = [n for function in functions for n in ast.walk(function)]
+        stored = {n.id for n in inside if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        return stored | {n.arg for n in inside if isinstance(n, ast.arg)}
 
     def _told(self, part: Part) -> str:
         """A name for a part that no variable of the module holds: its key or its original name."""
@@ -423,22 +414,17 @@ def _steps_jsbsim(block: Block) -> bool:
     if not inspect.isfunction(function):
         return False
     seen = inspect.getclosurevars(function)
-    return any(
-        type(value).__module__ in ("jsbsim", "_jsbsim")
-        for value in {**seen.globals, **seen.nonlocals}.values()
-    )
+    values = (*seen.globals.values(), *seen.nonlocals.values())
+    return any(type(value).__module__ in ("jsbsim", "_jsbsim") for value in values)
 
 
 def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
     """Names of a block's ports: its labels, names derived from its parameters, or ``in 0``."""
     register = block.inputs if side == "input" else block.outputs
     labels = kind.info()[f"{side}_port_labels"]
-    if kind in (Interface, Subsystem):
-        n = wired
-    elif labels is not None:
-        n = max(len(labels), wired)
-    else:
-        n = max(len(register), wired)
+    n = wired
+    if kind not in (Interface, Subsystem):
+        n = max(len(register if labels is None else labels), wired)
     # PathView shows eight characters, so keep the last part of a path
     names = {
         i: name.rpartition("/")[2] or name

@@ -98,7 +98,7 @@ class Server:
     def _app(self) -> Any:
         try:
             import pathview
-            from flask import abort, make_response, request, send_from_directory
+            from flask import make_response, request
             from pathview.app import create_app
         except ImportError as error:
             raise MissingExtraError("pathview", "pathview") from error
@@ -154,6 +154,12 @@ class Server:
                 self._access.set_cookie(request, response)
             return response
 
+        self._add_routes(app)
+        return app
+
+    def _add_routes(self, app: Any) -> None:
+        from flask import abort, send_from_directory
+
         @app.after_request
         def harden(response: Any) -> Any:
             for name, value in _HEADERS.items():
@@ -172,8 +178,6 @@ class Server:
         @app.get("/katex/<path:name>")
         def katex(name: str) -> Any:
             return send_from_directory(page.KATEX, name)
-
-        return app
 
 
 def _end_run(session: str) -> None:

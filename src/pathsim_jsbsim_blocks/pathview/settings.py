@@ -58,10 +58,8 @@ def setting_values(script: FirstRun) -> dict[str, str]:
         reason = f"solver {name!r} is not one of pathsim.solvers"
     if reason:
         script.refuse(reason, script.built_at(sim))
-    given = (
-        script.begun.arguments if script.begun else {"duration": script.namespace.get("DURATION")}
-    )
-    duration, defaults = given.get("duration"), solver()
+    constant, defaults = script.namespace.get("DURATION"), solver()
+    duration = script.begun.arguments.get("duration") if script.begun else constant
     if duration is None:
         duration = inspect.signature(sim.run).parameters["duration"].default
     live = {

@@ -10,15 +10,40 @@ import json
 import os
 import sys
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..catalogue import diagram_folder
 from ..errors import UntrustedModelError
 from . import pvm
+from .generate import to_python
 from .shape import Json
+from .toolboxes import registry_for
 
 _remembered: set[str] = set()  # in this process; the file may be read-only
+
+
+def trusted_code(
+    content: Json, path: Path, trust: bool = False, trust_toolboxes: Sequence[str] = ()
+) -> str:
+    """The script of a model that is to run; none of its code is executed here.
+
+    ``content`` is as `pvm.read` gives it: what is checked is what runs. ``trust`` trusts it now and
+    later.
+
+    Raises
+    ------
+    DiagramError
+        if the model has unknown parts, or code that is not Python
+    UntrustedModelError
+        if the model is from another source and not trusted
+    """
+    code = to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
+    if trust:
+        remember(digest(content))
+    require_trust(content, path)
+    return code
 
 
 def digest(content: Json) -> str:

@@ -32,37 +32,18 @@ _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
 class FirstRun(Script):
     """A script at the beginning of its first run, or at its end if it runs nothing.
 
-    Parameters
-    ----------
-    path : str or Path
-        the script
-    capture : callable, optional
-        called with this object at that point, before any cleanup such as ``finally``
-
-    Attributes
-    ----------
-    result : object
-        what ``capture`` returns
-    namespace : dict
-        the names that the script has bound
-    simulation : Simulation
-        the diagram
-    begun : Beginning or None
-        the first run; None if the script runs nothing
-    lines : list of int
-        lines of the script in the frames around the run, outermost first
-    run_call : ast.Call or None
-        the call that runs the simulation, if it is in the script itself
-    states : list of tuple
-        method and line of calls before the run that change the simulation's state
-    statements : list of ast.stmt
-        the statements that come before the run, those of the main guard included
+    ``capture`` is called with this object at that point, before any cleanup such as ``finally``;
+    ``result`` is what it returns.
 
     Raises
     ------
     DiagramError
         for a script that cannot be read, fails, or has no simulation, with its line
     """
+
+    simulation: Simulation
+    run_call: ast.Call | None  # that runs the simulation, if it is in the script itself
+    statements: list[ast.stmt]  # before the run, those of the main guard included
 
     def __init__(self, path: str | Path, capture: Callable[[FirstRun], Any] | None = None):
         path = self.path = Path(path)
@@ -75,8 +56,9 @@ class FirstRun(Script):
         except ValueError as error:  # not in the declared encoding, null bytes
             self.refuse(f"not a Python script ({error})")
         self.namespace: dict[str, Any] = {}
-        self.begun: Beginning | None = None
-        self.lines: list[int] = []
+        self.begun: Beginning | None = None  # the first run
+        self.lines: list[int] = []  # of the script in the frames around the run, outermost first
+        # method and line of calls before the run that change the simulation's state
         self.states: list[tuple[str, int | None]] = []
         self.result: Any = None
         self._parents = {

@@ -28,20 +28,11 @@ _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 
 @dataclass
 class Construction:
-    """The call that made an object.
+    """The call that made an object."""
 
-    Attributes
-    ----------
-    node : ast.expr
-        the call, or the decorator of a function
-    value : object
-        the resulting object
-    given : dict or None
-        the arguments by parameter; None where a function of the script builds the object
-    """
-
-    node: ast.expr
+    node: ast.expr  # or the decorator of a function
     value: Any
+    # the arguments by parameter; None where a function of the script builds the object
     given: dict[str, Any] | None
 
 

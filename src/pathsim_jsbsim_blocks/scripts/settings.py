@@ -88,15 +88,6 @@ class Settings:
         argument of the call from which it assigns a block (or anything else) to NAME, at any
         level, whether the script gives it or leaves it at its default
 
-    Attributes
-    ----------
-    constants : dict
-        names of variables by the expressions that they are assigned
-    calls : dict
-        names of blocks by the calls that make them
-    seeding : set of ast.Call
-        calls with a ``seed`` that follows from the values
-
     Raises
     ------
     SettingError
@@ -116,18 +107,21 @@ class Settings:
             if block:
                 parameters.setdefault(block, {})[parameter] = values[name]
         self._parameters = parameters
+        # names of variables by the expressions that they are assigned
         self.constants = {
             value: target.id
             for node in own(tree.body)
             for target, value in assignments(node)
             if target.id in values
         }
+        # names of blocks by the calls that make them
         self.calls = {
             value: target.id
             for node in ast.walk(tree)
             for target, value in assignments(node)
             if target.id in parameters and isinstance(value, ast.Call)
         }
+        # calls with a seed that follows from the values
         self.seeding = {c for c, block in self.calls.items() if "seed" in parameters[block]}
         following = _following(self.constants.values(), tree)
         for node in ast.walk(tree):

@@ -18,7 +18,6 @@ import numpy as np
 from .._core.checks import did_you_mean, nearest, positive, refuse, whole
 from .._core.extras import required
 from ..catalogue import find_diagram
-from ..errors import ParameterError
 from .grid import cell, expand, plain
 from .identity import code, imported
 from .workers import WORKER_DIED, run_parts
@@ -274,12 +273,8 @@ def _check_sent(parameter: str, function: Any) -> None:
     try:
         pickle.dumps(joblib.wrap_non_picklable_objects(function))
     except Exception as error:
-        raise ParameterError(
-            f"{parameter} cannot be sent to other processes: {error}; create everything it needs "
-            "inside it",
-            parameter=parameter,
-            value=function,
-        ) from error
+        why = f"cannot be sent to other processes: {error}; create everything it needs inside it"
+        refuse(parameter, function, f"{parameter} {why}")
 
 
 def _run_cases(run: Callable[..., Any], cases: list[dict[str, Any]]) -> list[dict[str, Any]]:
