@@ -37,6 +37,7 @@ REFUSED = {
     "--engines-off": ("9", "engines_off=(9,): aircraft 'c172p' has the engines 0 to 0"),
     "--solver": ("newtn", "did you mean 'newton'?"),
     "--gear": ("2", "gear must lie in [0, 1], not 2"),
+    "--jobs": ("0", "jobs must be"),
     "--flaps": ("2", "flaps must lie in [0, 1], not 2"),
 }
 

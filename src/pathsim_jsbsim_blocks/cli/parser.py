@@ -8,7 +8,7 @@ from .. import __version__
 from .editor import add_convert, add_export, add_view
 from .learning import add_course, add_help
 from .planes import add_aircraft, add_gains, add_modes, add_properties, add_trim
-from .results import add_check, add_daveml, add_study
+from .results import add_chart, add_check, add_daveml, add_study
 from .runs import add_list, add_run
 
 _COMMANDS = (
@@ -22,6 +22,7 @@ _COMMANDS = (
     add_modes,
     add_gains,
     add_study,
+    add_chart,
     add_check,
     add_daveml,
     add_view,

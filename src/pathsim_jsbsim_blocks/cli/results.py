@@ -1,4 +1,4 @@
-"""``study``, ``check`` and ``daveml``."""
+"""``study``, ``chart``, ``check`` and ``daveml``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import FileError
-from .arguments import Commands, add_command, values_in_range
+from .arguments import Commands, add_command, root_option, values_in_range
 from .saving import csv_path, saving_figures
 
 
@@ -69,7 +69,6 @@ def study(args: argparse.Namespace) -> None:
 def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
     """Compute a study, print its result and show its figure; options that are None are left out."""
     from .._core.checks import one_of, refuse
-    from .._core.files import replacing
     from ..plots import show
     from ..studies import STUDIES
 
@@ -91,16 +90,95 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
         trimmed = int(table["trimmed"].sum())
         print(f"{name}: {trimmed} of {len(table)} points trim")
         if csv_file is not None:
-            try:
-                with replacing(csv_file) as file:
-                    table.to_csv(file, index=False)
-            except OSError as error:
-                raise FileError("write", csv_file, error) from None
-            print(f"table saved: {csv_file}")
+            _save_table(table, csv_file)
         figure = study.figure(table)
         if "aircraft" in options:
             figure.suptitle(f"{options['aircraft']}: {figure.get_suptitle()}")
         show(figure, name)
+
+
+def add_chart(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "chart",
+        chart,
+        "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n",
+    )
+    sub.add_argument("aircraft")
+    for name, unit in (("altitude", "ft"), ("weight", "lb"), ("flaps", "0 to 1")):
+        help_text = f"{unit}, one or several"
+        sub.add_argument(f"--{name}", metavar=name.upper(), type=float, nargs="+", help=help_text)
+    sub.add_argument(
+        "--save",
+        metavar="FILE",
+        type=Path,
+        action="append",
+        default=[],
+        help="write the page (.pdf, .png, .svg) or the table (.csv) to this file (repeatable)",
+    )
+    sub.add_argument(
+        "--handbook",
+        metavar="FILE.csv",
+        type=Path,
+        help="compare with these values of a handbook, at their conditions",
+    )
+    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
+    root_option(sub)
+
+
+def chart(args: argparse.Namespace) -> None:
+    from .._core.checks import ending, refuse, writable
+    from ..plots import show
+    from ..studies import against_handbook, performance, performance_chart
+
+    for path in args.save:
+        ending("save", writable("save", path), ".pdf", ".png", ".svg", ".csv")
+    options = {"root": args.root, "jobs": args.jobs}
+    if args.handbook is not None:
+        for name in ("altitude", "weight", "flaps"):
+            if getattr(args, name) is not None:
+                refuse(name, getattr(args, name), f"--handbook has its own: leave out --{name}")
+        written, table = against_handbook(args.aircraft, args.handbook, **options)
+        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "value", "model"]
+        columns += ["unit", "difference_percent", "reason"]
+        _print_table(written[columns])
+        terms = written.columns[written.columns.get_loc("reason") + 1 : -1]
+        _print_table(written[["altitude_ft", "weight_lb", *terms]].drop_duplicates())
+    else:
+        written = table = performance(
+            args.aircraft,
+            altitudes=args.altitude,
+            weights=args.weight,
+            flaps=args.flaps,
+            **options,
+        )
+        # a curve is drawn, its best value is printed
+        single = ~table.duplicated(["chart", "quantity", "altitude_ft", "weight_lb"], keep=False)
+        kept = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
+        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "load_factor"]
+        columns += ["speed_kcas", "value", "unit", "difference_percent", "reason"]
+        _print_table(table[kept][columns])
+    for path in args.save:
+        if path.suffix.lower() == ".csv":
+            _save_table(written, path)
+        else:
+            with saving_figures(path):
+                show(performance_chart(table), "")
+
+
+def _print_table(table: Any) -> None:
+    print(table.to_string(index=False, na_rep="", float_format=lambda x: f"{x:.4g}"), "\n")
+
+
+def _save_table(table: Any, path: Path) -> None:
+    from .._core.files import replacing
+
+    try:
+        with replacing(path) as file:
+            table.to_csv(file, index=False)
+    except OSError as error:
+        raise FileError("write", path, error) from None
+    print(f"table saved: {path}")
 
 
 def add_check(commands: Commands) -> None:

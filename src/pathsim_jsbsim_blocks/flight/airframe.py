@@ -30,6 +30,7 @@ from .property_tree import PropertyTree
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
+_MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
 _GROUND = "ic/terrain-elevation-ft"
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
@@ -293,12 +294,16 @@ class Airframe(PropertyTree):
         """Start the engines, but stop those in `stopped`."""
         if self.engines and not self.stopped:
             self.fdm["propulsion/set-running"] = -1
-            return
-        for i in range(self.engines):
-            if i in self.stopped:
-                self._stop_engine(i)
-            else:
-                self.fdm["propulsion/set-running"] = i
+        else:
+            for i in range(self.engines):
+                if i in self.stopped:
+                    self._stop_engine(i)
+                else:
+                    self.fdm["propulsion/set-running"] = i
+        # JSBSim starts them with the mixture full rich
+        for name, value in self._written.items():
+            if _MIXTURE.match(name):
+                self.fdm[name] = value
 
     def _stop_engine(self, i: int) -> None:
         """Stop an engine so that the wind does not start it again: no ignition, no fuel."""

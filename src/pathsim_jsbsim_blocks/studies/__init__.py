@@ -4,8 +4,17 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 """
 
 from .batch import run_batch
-from .figures import alpha_elevator_chart, climb_chart, envelope_map, modes_chart, thrust_chart
+from .figures import (
+    alpha_elevator_chart,
+    climb_chart,
+    envelope_map,
+    modes_chart,
+    performance_chart,
+    thrust_chart,
+)
+from .handbook import against_handbook
 from .modes import modes_over_speed
+from .performance import performance
 from .published import (
     STUDIES,
     Study,
@@ -20,6 +29,7 @@ from .sweep import trim_sweep
 __all__ = [
     "STUDIES",
     "Study",
+    "against_handbook",
     "alpha_elevator_chart",
     "aoa_vs_cas",
     "aoa_vs_cas_loading",
@@ -28,6 +38,8 @@ __all__ = [
     "envelope_map",
     "modes_chart",
     "modes_over_speed",
+    "performance",
+    "performance_chart",
     "run_batch",
     "thrust_chart",
     "thrust_vectoring",

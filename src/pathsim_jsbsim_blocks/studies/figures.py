@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from ..plots import subplots
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _MARKERS = "osD^vPX*"
@@ -346,3 +347,104 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
         title or f"Modes in level flight at {table.requested_altitude_ft.iloc[0]:.0f} ft"
     )
     return figure
+
+
+def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
+    """What an aircraft can do on one page; a panel without values says why.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of `performance`
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table is none of `performance`
+    """
+    from .performance import COLUMNS
+
+    if [*getattr(table, "columns", ())] != [*COLUMNS]:
+        refuse("table", table, "performance_chart draws a table (DataFrame) of performance")
+    found = table.dropna(subset=["value"])
+    pull = "power" if (found.quantity == "power required").any() else "thrust"
+    over_speed = {
+        (0, 2): ("level", f"{pull} available", f"{pull} required"),
+        (1, 0): ("climb", "rate of climb"),
+        (1, 2): ("glide", "sink rate"),
+        (2, 0): ("turn", "instantaneous load factor", "sustained load factor"),
+        (2, 1): ("range", "specific range"),
+    }
+    figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
+    _stall_speeds(axes[0, 0], found[found.quantity == "stall speed"])
+    _load_factors(axes[0, 1], found[found.chart == "V-n"])
+    speeds = ("stall speed, throttle closed", "lowest level speed", "highest level speed")
+    _over_altitude(axes[1, 1], found, speeds, "true airspeed [kt]")
+    _over_altitude(axes[2, 2], found, ["best rate of climb"], "best rate of climb [ft/min]")
+    for place, (_, *quantities) in over_speed.items():
+        _over_speed(axes[place], found, quantities)
+    axes[1, 2].invert_yaxis()
+    charts = ("stall", "V-n", "level", "climb", "level", "glide", "turn", "range", "climb")
+    for chart, ax in zip(charts, axes.flat, strict=True):
+        if ax.lines:
+            ax.grid(alpha=0.4)
+            ax.legend(fontsize="x-small")
+            continue
+        why = table[(table.chart == chart) & table.value.isna()].reason.unique()
+        ax.set_axis_off()
+        ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
+    worst = table.difference_percent.abs()
+    checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
+    figure.suptitle(title or _of(table, f"performance; {checked}"))
+    return figure
+
+
+def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
+    """Quantities against airspeed, one line for each altitude and weight."""
+    for quantity, style in zip(quantities, "-:", strict=False):
+        rows = table[table.quantity == quantity]
+        for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
+            label = f"{height:,.0f} ft, {weight:,.0f} lb" if style == "-" else None
+            ax.plot(line.speed_kcas, line.value, style, color=f"C{i}", label=label)
+        for unit in rows.unit[:1]:
+            ax.set_ylabel(f"{', dotted: '.join(quantities)} [{unit}]")
+    ax.set_xlabel("calibrated airspeed [kt]")
+
+
+def _stall_speeds(ax: Axes, rows: pd.DataFrame) -> None:
+    for flaps, line in rows.sort_values("weight_lb").groupby("flaps_norm"):
+        ax.plot(line.weight_lb, line.value, "o-", label=f"flaps {flaps:g}")
+    ax.set(xlabel="weight [lb]", ylabel="stall speed, throttle closed [KCAS]")
+
+
+def _load_factors(ax: Axes, rows: pd.DataFrame) -> None:
+    """Manoeuvre and gust lines of a V-n diagram."""
+    limit = rows[rows.quantity == "speed at the lift limit"]
+    end = rows[rows.quantity.isin(["VC", "VD"])].value.max()
+    for line in (limit[limit.load_factor > 0.0], limit[limit.load_factor < 0.0]):
+        line = line.sort_values("load_factor", key=abs)
+        speed, n = [0.0, *line.value], [0.0, *line.load_factor]
+        if len(line):
+            label = "lift limit, limit load factor" if n[-1] > 0.0 else None
+            ax.plot([*speed, max(end, speed[-1])], [*n, n[-1]], "C0", label=label)
+    for i, name in enumerate(("VC", "VD"), 1):
+        gust = rows[rows.quantity == f"gust load factor at {name}"].value
+        if len(gust):
+            jump, speed = gust.iloc[0] - 1.0, rows[rows.quantity == name].value.iloc[0]
+            ends = [speed, 0.0, speed], [1.0 + jump, 1.0, 1.0 - jump]
+            ax.plot(*ends, f"C{i}--", label=f"gust at {name}")
+    ax.set(xlabel="equivalent airspeed [kt]", ylabel="load factor [g]")
+
+
+def _over_altitude(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str], label: str) -> None:
+    """Quantities and ceilings against altitude."""
+    for i, quantity in enumerate(quantities):
+        for weight, line in rows[rows.quantity == quantity].groupby("weight_lb"):
+            name = f"{quantity}, {weight:,.0f} lb"
+            ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
+    for ceiling, style in (("absolute ceiling", "-"), ("service ceiling", ":")):
+        for height in rows[rows.quantity == ceiling].value if ax.lines else ():
+            ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:,.0f} ft")
+    ax.set(xlabel=label, ylabel="altitude [ft]")

@@ -1,0 +1,301 @@
+"""Flight tests of one aircraft: searches by trims, and flights that check what they find.
+
+A climb is a trim at full throttle with the path angle free, a glide one with the throttle closed.
+Both hold their true airspeed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from .._core.checks import refuse
+from .._core.units import FOOT, GRAVITY, KNOT
+from ..air import isa
+from ..errors import TrimError
+from ..flight import Airframe, TrimState, trim
+from ..flight.fleet import prepared
+
+Row = dict[str, Any]
+Find = Callable[[float], TrimState | None]
+
+RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
+
+_FINEST = 1.001  # ratio to which the ends of a range of speeds are found
+_GUESSES = (0.4, 0.6, 0.25, 0.8)  # lift coefficients of the first trims
+
+_FLIGHT = 60.0  # s that a value is flown for
+_DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of the condition
+_TIME = 20.0  # s of processor time for one part of the charts, so that twelve take two minutes
+_LEAST_FUEL = 0.05  # of full tanks
+_HEAVIEST = 1.5  # times the weight with full tanks and the model's payload
+
+# at sea level an aircraft would otherwise roll on the ground
+_NO_GROUND = {"ic/terrain-elevation-ft": -5000.0}
+
+_RECORDED = {
+    "h": "position/h-sl-ft",
+    "v": "velocities/vt-fps",
+    "vc": "velocities/vc-kts",
+    "alpha": "aero/alpha-rad",
+    "nx": "accelerations/Nx",
+    "nz": "accelerations/Nz",
+    "psi": "attitude/psi-deg",
+    "q": "aero/qbar-psf",
+    "w": "inertia/weight-lbs",
+    "g": "accelerations/gravity-ft_sec2",
+}
+
+
+class Plane:
+    """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found."""
+
+    def __init__(self, task: Mapping[str, Any]):
+        self.airframe, create, base = prepared(task["aircraft"], task["root"])
+        self.flyer = partial(Airframe, task["aircraft"], root=task["root"], create=create)
+        self.rows: list[Row] = []
+        self.reason = ""
+        self._twin: Airframe | None = None
+        self._deadline = time.process_time() + _TIME
+        fdm = self.airframe.fdm
+        self.area, self.chord = (fdm[f"metrics/{name}"] for name in ("Sw-sqft", "cbarw-ft"))
+        self.kind = "propeller" if self.airframe.of_engines("propeller-rpm") else "jet"
+        self.weight = fdm["inertia/weight-lbs"]
+        # a flight that burns fuel would otherwise leave the next one lighter
+        mass: dict[str, Any] = {"fuel": [fdm[name] for name in self.airframe.tanks]}
+        if task["weight"] is not None:
+            self.weight, mass = task["weight"], loading(self.airframe, task["weight"])
+        self.base = replace(base, flaps=task["flaps"], solver="newton", **mass)
+        self.climb_to(task["altitude"])
+
+    def climb_to(self, altitude: float) -> None:
+        """Take another altitude, with piston engines leaned in proportion to the air density."""
+        self.light = float(isa(altitude * FOOT).density / isa(0.0).density)
+        engines = range(self.airframe.engines if self.airframe.of_engines("map-inhg") else 0)
+        lean = {f"fcs/mixture-cmd-norm[{i}]": min(self.light, 1.0) for i in engines}
+        setup = {**self.base.setup, **_NO_GROUND, **lean}
+        self.base = replace(self.base, altitude=altitude, setup=setup)
+
+    def put(self, chart: str, quantity: str, unit: str, value: float | None, **more: Any) -> None:
+        """Keep a value; without one its reason."""
+        self.rows.append(
+            {
+                **{"chart": chart, "quantity": quantity, "altitude_ft": self.base.altitude},
+                **{"weight_lb": self.weight, "flaps_norm": self.base.flaps or 0.0},
+                **{"value": math.nan if value is None else value, "unit": unit},
+                **{"reason": self.reason if value is None else "", **more},
+            }
+        )
+
+    def trim(self, speed: float, **fields: Any) -> TrimState | None:
+        """The trim at an airspeed in KCAS; None without one, with ``reason`` set."""
+        if time.process_time() > self._deadline:
+            self.reason = "out of time"
+            return None
+        try:
+            condition = replace(self.base, speed=speed, **fields)
+            return trim(self.airframe, condition, hint=False, warm=True)
+        except TrimError as error:
+            self.reason = error.reason
+            return None
+
+    def climb(self, speed: float) -> TrimState | None:
+        return self.trim(speed, throttle=1.0)
+
+    def glide(self, speed: float) -> TrimState | None:
+        return self.trim(speed, mode="glide")
+
+    def fly(
+        self, state: TrimState, duration: float, elevator: float = 0.0, **fields: Any
+    ) -> dict[str, np.ndarray] | None:
+        """A flight from the condition of a trim, the elevator moving by so much in a second."""
+        self._twin = plane = self._twin or self.flyer()
+        try:
+            trim(plane, replace(state.condition, **fields), hint=False, warm=True)
+        except TrimError:
+            return None
+        fdm, rows = plane.fdm, []
+        read = plane.reader_of([*_RECORDED.values(), *plane.of_engines("fuel-flow-rate-pps")])
+        start = fdm["fcs/elevator-cmd-norm"]
+        for step in range(round(duration / plane.dt)):
+            if elevator:
+                fdm["fcs/elevator-cmd-norm"] = max(start + elevator * step * plane.dt, -1.0)
+            fdm.run()
+            rows.append(read())
+        signals = np.array(rows).T
+        if not np.isfinite(signals).all():
+            return None
+        record = dict(zip(_RECORDED, signals, strict=False))
+        return {**record, "fuel": signals[len(_RECORDED) :].sum(axis=0)}
+
+
+def _masses(airframe: Airframe) -> tuple[float, list[float], list[float]]:
+    """Weight without fuel and payload, contents of full tanks, and payload of the model, in lb."""
+    fdm = airframe.fdm
+    fuel = [fdm[name] for name in airframe.tanks]
+    percent = [fdm[name.replace("contents-lbs", "pct-full")] for name in airframe.tanks]
+    full = [100.0 * x / p if p > 0.0 else 0.0 for x, p in zip(fuel, percent, strict=True)]
+    names = map("inertia/pointmass-weight-lbs[{}]".format, itertools.count())
+    payload = [fdm[name] for name in itertools.takewhile(airframe.has, names)]
+    return fdm["inertia/weight-lbs"] - sum(fuel) - sum(payload), full, payload
+
+
+def extremes(airframe: Airframe) -> list[float | None]:
+    """Gross weights in lb: almost without fuel and payload, the model's own (None), full tanks."""
+    empty, full, payload = _masses(airframe)
+    own = airframe.fdm["inertia/weight-lbs"]
+    light, heavy = empty + _LEAST_FUEL * sum(full), empty + sum(full) + sum(payload)
+    return [x for x in (light, None, heavy) if x is None or abs(x / own - 1.0) > 0.02]
+
+
+def loading(airframe: Airframe, weight: float) -> dict[str, Any]:
+    """Fuel, then payload, that make up a gross weight in lb: fields of a `TrimCondition`.
+
+    Raises
+    ------
+    ParameterError
+        for a weight that the model cannot have, with those that it can
+    """
+    empty, full, payload = _masses(airframe)
+    tanks, carried = sum(full), sum(payload)
+    low, high = empty + _LEAST_FUEL * tanks, empty + tanks
+    if payload:
+        high = _HEAVIEST * (high + carried)
+    if not low - 0.5 <= weight <= high + 0.5:
+        refuse(
+            "weight",
+            weight,
+            f"{airframe.aircraft} weighs from {low:,.0f} lb, almost without fuel and payload, to "
+            f"{high:,.0f} lb in a chart, not {weight:,.0f} lb",
+        )
+    part = min(max((weight - empty - carried) / tanks, _LEAST_FUEL), 1.0) if tanks else 0.0
+    fields: dict[str, Any] = {"fuel": [part * x for x in full]} if tanks else {}
+    if payload:
+        shares = [x / carried if carried else 1.0 / len(payload) for x in payload]
+        fields["payload"] = [(weight - empty - part * tanks) * share for share in shares]
+    return fields
+
+
+def climb_rate(state: TrimState) -> float:
+    """Rate of climb in ft/min."""
+    return 60.0 * state.tas * math.sin(math.radians(state.gamma))
+
+
+def path_angle(state: TrimState) -> float:
+    return state.gamma
+
+
+def _lift(state: TrimState) -> float:
+    """Lift over weight and square of the Mach number: a lift coefficient."""
+    return math.cos(math.radians(state.gamma)) / state.mach**2
+
+
+def first(plane: Plane, find: Find) -> TrimState | None:
+    """The first trim near a speed at which the wing lifts the weight."""
+    lifts = (2.0 * plane.weight / (RHO0 * max(plane.area, 1.0) * c) for c in _GUESSES)
+    return next(filter(None, (find(math.sqrt(x) / KNOT) for x in lifts)), None)
+
+
+def last(find: Find, good: TrimState, ratio: float, size: Any = None) -> TrimState:
+    """The last trim in steps of a ratio of speed, ever finer; its size must grow, if there is one.
+
+    It ends for the reason of the last search.
+    """
+    while abs(math.log(ratio)) > math.log(_FINEST):
+        nearer = find(good.speed * ratio)
+        if nearer is not None and (size is None or size(nearer) > size(good)):
+            good = nearer
+        else:
+            ratio = math.sqrt(ratio)
+    return good
+
+
+def slowest(plane: Plane) -> TrimState | None:
+    """The glide with the largest lift coefficient."""
+    start = first(plane, plane.glide)
+    if start is None:
+        return None
+    plane.reason = "largest lift"
+    return last(plane.glide, start, 0.93, _lift)
+
+
+def best_of(find: Find, size: Any, start: TrimState, ratio: float = 1.05) -> TrimState:
+    """The trim with the largest size at the speeds around ``start``."""
+    best = start
+    while ratio > _FINEST**2:
+        up, down = find(best.speed * ratio), find(best.speed / ratio)
+        top = max(filter(None, (best, up, down)), key=size)
+        if top is not best:
+            best = top
+            continue
+        bend = size(up) + size(down) - 2.0 * size(best) if up and down else 0.0
+        if up and down and bend < 0.0:
+            # the vertex of the parabola through the three
+            vertex = find(best.speed * ratio ** (0.5 * (size(down) - size(up)) / bend))
+            best = max(filter(None, (best, vertex)), key=size)
+        ratio = ratio**0.3
+    return best
+
+
+def flown(value: float, found: float | None) -> Row:
+    """What a flight has found for a value, and the difference in percent."""
+    if found is None:
+        return {"reason": "the flight does not stay at the condition"}
+    return {"flown": found, "difference_percent": 100.0 * (found - value) / value}
+
+
+def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Force across the flight path over the weight."""
+    along, across = np.sin(flight["alpha"]), np.cos(flight["alpha"])
+    return (flight["nx"] * along + flight["nz"] * across) * GRAVITY / flight["g"]
+
+
+def energy_rate(plane: Plane, state: TrimState, climb: float) -> float | None:
+    """Rate of change of the energy height in ft/min in a flight with controls fixed.
+
+    It passes the altitude in its middle, climbing so many ft/min; the last of three starts at an
+    airspeed with which it has that of the trim there. A phugoid leaves the energy as it is, but for
+    the drag of its load factor: that is reduced to the trim's, by a trim with that load factor.
+    """
+    altitude = max(state.condition.altitude - 0.5 * climb * _FLIGHT / 60.0, -1500.0)
+    speed = state.speed
+    for _ in range(3 if climb else 1):
+        flight = plane.fly(state, _FLIGHT, altitude=altitude, speed=speed)
+        if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
+            return None
+        middle = len(flight["h"]) // 2
+        there = abs(flight["h"] - state.condition.altitude).argmin() if climb else middle
+        speed *= state.speed / flight["vc"][there]
+    assert flight is not None
+    height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
+    at = np.linspace(-0.5, 0.5, len(height))
+    slope = np.polyder(np.polyfit(at, height, 5))
+    rate = float(np.polyval(slope, at[there])) * 60.0 / _FLIGHT
+    load, throttle = float(_load_factor(flight)[there]), max(state.throttle, default=0.0)
+    curved = plane.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
+    return rate + climb_rate(state) - climb_rate(curved) if curved else rate
+
+
+def lift_flown(plane: Plane, start: TrimState, limit: TrimState, seconds: float) -> float | None:
+    """Largest lift coefficient in a pull to the limit's elevator, relative to that of the limit.
+
+    The pull takes so many s; what counts is flown below the limit's angle of attack.
+    """
+    up = [state.pitch_trim + state.elevator for state in (start, limit)]
+    flight = plane.fly(start, 2.0 * seconds, (up[1] - up[0]) / seconds)
+    if flight is None:
+        return None
+    stalled = flight["alpha"] >= math.radians(limit.alpha)
+    end = max(int(stalled.argmax()), 1) if stalled.any() else len(stalled)
+    lift = (_load_factor(flight)[:end] / flight["q"][:end]).max()
+    pressure = flight["q"][0] * (limit.tas / flight["v"][0]) ** 2
+    pulls = limit.condition.mode == "pull-up"
+    load = limit.condition.load_factor if pulls else math.cos(math.radians(limit.gamma))
+    return float(lift * pressure / load)

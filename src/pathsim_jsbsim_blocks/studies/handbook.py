@@ -1,0 +1,118 @@
+"""A model's performance against a handbook's, value by value."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .._core.checks import as_path, did_you_mean, nearest, refuse
+from .._core.extras import required
+from ..errors import FileError
+from .performance import performance
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_GIVEN = ("quantity", "altitude_ft", "weight_lb", "flaps_norm", "value", "unit", "source")
+_TERMS = ("lift slope", "drag at zero lift", "induced drag factor", "full thrust at Vy")
+
+
+def against_handbook(
+    aircraft: str, handbook: str | Path | pd.DataFrame, **options: Any
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The performance of a model at the conditions of a handbook, and the difference.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model
+    handbook : Path or DataFrame
+        CSV with the columns ``quantity`` (as `performance` names it), ``altitude_ft``,
+        ``weight_lb``, ``flaps_norm``, ``value``, ``unit`` and ``source`` (document and page). An
+        altitude that is left open is 0 ft, a weight the model's own, flaps are up
+    **options
+        ``root``, ``jobs`` and ``progress`` of `performance`
+
+    Returns
+    -------
+    compared : pandas.DataFrame
+        the handbook with ``model``, ``difference_percent`` of the model, its ``reason`` where it
+        has no value, and the terms that make the value at this altitude and weight: lift slope,
+        drag at zero lift, induced drag, full thrust
+    table : pandas.DataFrame
+        that of `performance` at these conditions
+
+    Raises
+    ------
+    FileError
+        for a file that cannot be read
+    ParameterError
+        for a missing column, and for a quantity or unit that the charts do not have
+    """
+    rows = _rows(handbook)
+    weights = rows.weight_lb.dropna().unique().tolist()
+    table = performance(
+        aircraft,
+        altitudes=sorted(rows.altitude_ft.unique().tolist()),
+        weights=weights or None,
+        flaps=sorted(rows.flaps_norm.unique().tolist()),
+        **options,
+    )
+    pd = required("pandas", "studies")
+    compared = pd.DataFrame([_compared(row, table) for row in rows.to_dict("records")])
+    return compared, table
+
+
+def _rows(handbook: Any) -> pd.DataFrame:
+    """The rows of a handbook, its columns checked."""
+    pd = required("pandas", "studies")
+    if not hasattr(handbook, "columns"):
+        path = as_path("handbook", handbook)
+        try:
+            handbook = pd.read_csv(path, comment="#", skipinitialspace=True)
+        except OSError as error:
+            raise FileError("read", path, error) from None
+        except ValueError as error:
+            refuse("handbook", str(path), f"{str(path)!r} is no CSV file: {error}")
+    for name in _GIVEN:
+        if name not in handbook.columns:
+            refuse("handbook", [*handbook.columns], f"the handbook has no column {name!r}")
+    if handbook.empty:
+        refuse("handbook", handbook, "the handbook has no rows")
+    open_ones = {"altitude_ft": 0.0, "flaps_norm": 0.0}
+    return handbook.fillna(open_ones)
+
+
+def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
+    """A handbook's value with the model's."""
+    name, unit = row["quantity"], row["unit"]
+    named = table[table.quantity == name]
+    failed = table[table.quantity.str.startswith("all of ")]
+    if named.empty and failed.empty:
+        close = nearest(str(name), table.quantity.unique())
+        refuse("quantity", name, f"no chart has {name!r}{did_you_mean(close)}")
+    # a quantity without unit has an empty one
+    if len(named) and not named.unit.eq(unit if isinstance(unit, str) else "").all():
+        refuse("unit", unit, f"{name} is in {named.unit.iloc[0]}, not {unit!r}")
+
+    def at(column: str, rows: pd.DataFrame, within: float = 1.0) -> pd.DataFrame:
+        is_open = math.isnan(row[column])
+        return rows if is_open else rows[(rows[column] - row[column]).abs() < within]
+
+    here = at("weight_lb", table)
+    same = at("flaps_norm", here[here.quantity == name], 1e-6)
+    level = at("altitude_ft", here)
+    if "ceiling" not in name:
+        same = at("altitude_ft", same)
+    terms = {term: level.value[level.quantity == term].max() for term in _TERMS}
+    model = same.value.iloc[0] if len(same) else math.nan
+    why = failed.reason.iloc[0] if len(failed) else "not at these conditions"
+    return {
+        **{column: row[column] for column in _GIVEN[:-1]},
+        "model": model,
+        "difference_percent": 100.0 * (model / row["value"] - 1.0),
+        "reason": same.reason.iloc[0] if len(same) else why,
+        **terms,
+        "source": row["source"],
+    }

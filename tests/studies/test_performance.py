@@ -1,0 +1,151 @@
+"""Performance charts: values against plain JSBSim loops and printed formulas; bad input."""
+
+import math
+
+import jsbsim
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks import ParameterError, TrimCondition
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.studies import against_handbook, performance, performance_chart
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
+from pathsim_jsbsim_blocks.studies.performance import COLUMNS, _gusts, _stall, _work
+
+pandas = pytest.importorskip("pandas")
+
+C172P = {"aircraft": "c172p", "root": None, "altitude": 5000.0, "weight": None, "flaps": None}
+
+
+def plain_flight(state, seconds, elevator=0.0):
+    """Rows of a plain JSBSim loop from a trim: altitude, true speed, lift factor, qbar, alpha."""
+    jsbsim.FGJSBBase().debug_lvl = 0
+    fdm = jsbsim.FGFDMExec(None)
+    fdm.disable_output()
+    fdm.set_output_path("/nonexistent")
+    fdm.load_model("c172p")
+    fdm["propulsion/fuel_freeze"] = 1.0
+    fdm["ic/terrain-elevation-ft"] = -5000.0
+    fdm["ic/h-sl-ft"] = state.altitude
+    fdm["ic/vc-kts"] = state.speed
+    fdm["ic/gamma-deg"], fdm["ic/alpha-deg"] = state.gamma, state.alpha
+    fdm["ic/phi-deg"] = state.phi
+    fdm["propulsion/set-running"] = -1
+    fdm.run_ic()
+    for name in ("pitch_trim", "elevator", "aileron", "rudder"):
+        fdm[f"fcs/{name.replace('_', '-')}-cmd-norm"] = getattr(state, name)
+    fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
+    fdm["fcs/mixture-cmd-norm"] = state.condition.setup["fcs/mixture-cmd-norm[0]"]
+    rows = []
+    for i in range(round(120 * seconds)):
+        fdm["fcs/elevator-cmd-norm"] = state.elevator + elevator * i / 120
+        fdm.run()
+        a, g = fdm["aero/alpha-rad"], fdm["accelerations/gravity-ft_sec2"]
+        n = fdm["accelerations/Nx"] * math.sin(a) + fdm["accelerations/Nz"] * math.cos(a)
+        h, v = fdm["position/h-sl-ft"], fdm["velocities/vt-fps"]
+        rows.append([h + v**2 / (2 * g), n * 32.174 / g, fdm["aero/qbar-psf"], a])
+    return np.array(rows).T
+
+
+def test_climb_is_that_of_a_plain_loop():
+    state = Plane(C172P).climb(80.0)
+    energy = plain_flight(state, 30.0)[0]
+    # from 5 s on, when the engine that JSBSim starts turns fast; over the climb the rate falls
+    rate = 60.0 * (energy[-1] - energy[600]) / 25.0
+    assert climb_rate(state) == pytest.approx(rate, rel=0.03)
+    assert climb_rate(state) > 1000.0
+
+
+def test_stall_is_that_of_a_plain_deceleration():
+    plane = Plane(C172P)
+    _stall(plane)
+    (row,) = plane.rows
+    start = plane.glide(57.0)
+    _, n, q, alpha = plain_flight(start, 40.0, elevator=-0.02)
+    # without the engine's start, up to the model's limit of the angle of attack
+    before = slice(600, int((alpha > 0.28).argmax()))
+    lift = (n[before] / q[before]).max()
+    knots = math.sqrt(1.0 / lift / 0.5 / 0.0023769) / 1.68781
+    assert row["value"] == pytest.approx(knots, rel=0.01)
+    assert row["flown"] == pytest.approx(row["value"], rel=0.01)
+
+
+def test_gust_lines_are_those_of_the_printed_formula():
+    plane = Plane({**C172P, "altitude": 0.0})
+    _gusts(plane, plane.glide(55.0))
+    found = {row["quantity"]: row["value"] for row in plane.rows}
+    speed = next(r["speed_kcas"] for r in plane.rows if r["quantity"].endswith("factor at VC"))
+    one, more = (plane.trim(speed, mode="pull-up", throttle=0.0, load_factor=n) for n in (1.0, 1.2))
+    wing = 1880.0 / 174.0
+    slope = 0.2 * wing / (0.5 * 0.0023769 * one.tas**2) / math.radians(more.alpha - one.alpha)
+    mu = 2.0 * wing / (0.0023769 * 4.9 * slope * 32.2)
+    # CS 23.341 in the units of 14 CFR 23.341 (1996): knots, ft/s, lb/ft2
+    n = 1.0 + 0.88 * mu / (5.3 + mu) * 50.0 * found["VC"] * slope / (498.0 * wing)
+    assert found["gust load factor at VC"] == pytest.approx(n, rel=0.005)
+
+
+def test_a_trim_keeps_the_mixture_that_it_is_given():
+    plane = Airframe("c172p")
+    rich = trim(plane, TrimCondition(altitude=9000, speed=75, throttle=1.0))
+    setup = {"fcs/mixture-cmd-norm": 0.77}
+    lean = trim(plane, TrimCondition(altitude=9000, speed=75, throttle=1.0, setup=setup))
+    assert plane.fdm["fcs/mixture-cmd-norm"] == 0.77
+    # JSBSim's engine drowns in full rich mixture at this altitude
+    assert lean.thrust > 2.0 * rich.thrust
+
+
+@pytest.mark.parametrize("weight", [1550.0, 1880.0, 2400.0])
+def test_loading_makes_up_a_weight(weight):
+    plane = Plane({**C172P, "weight": weight})
+    state = plane.glide(75.0)
+    assert state.weight == pytest.approx(weight, abs=0.01)
+
+
+def test_a_weight_that_no_model_has_is_a_reason_in_the_table():
+    with pytest.raises(ParameterError, match=r"c172p weighs from 1,5\d\d lb"):
+        loading(Plane(C172P).airframe, 500.0)
+    ((row,),) = [x["rows"] for x in _work([{**C172P, "weight": 9e9, "part": "stall"}])]
+    assert "not 9,000,000,000 lb" in row["reason"]
+
+
+def test_without_engines_charts_say_so():
+    glider = {**C172P, "aircraft": "SGS"}
+    (ceiling,) = _work([{**glider, "part": "ceiling"}])
+    assert {row["reason"] for row in ceiling["rows"]} == {"no engine"}
+
+
+def test_bad_numbers_are_refused_at_once():
+    with pytest.raises(ParameterError, match="weight must be"):
+        performance("c172p", weights=-1.0)
+    with pytest.raises(ParameterError, match="flaps"):
+        performance("c172p", flaps=[0.0, 2.0])
+
+
+def test_the_page_of_a_table_without_values_shows_the_reasons():
+    rows = [{"chart": "turn", "quantity": "sustained load factor", "reason": "no engine"}]
+    figure = performance_chart(pandas.DataFrame(rows, columns=list(COLUMNS)))
+    texts = [text.get_text() for ax in figure.axes for text in ax.texts]
+    assert "no turn chart:\nno engine" in texts
+    with pytest.raises(ParameterError, match="performance_chart draws a table"):
+        performance_chart(pandas.DataFrame({"a": [1]}))
+
+
+def test_handbook_without_a_column_is_refused(tmp_path, capsys):
+    file = tmp_path / "handbook.csv"
+    file.write_text("quantity,value\nstall speed,51\n", encoding="utf-8")
+    with pytest.raises(ParameterError, match="no column 'altitude_ft'"):
+        against_handbook("c172p", file)
+    assert main(["chart", "c172p", "--handbook", str(file), "--flaps", "1"]) == 1
+    assert "leave out --flaps" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_c172p_against_its_handbook(tmp_path):
+    file = tmp_path / "handbook.csv"
+    head = "quantity,altitude_ft,weight_lb,flaps_norm,value,unit,source\n"
+    rows = "stall speed,0,2400,0,51,KCAS,Specifications\nservice ceiling,,2400,,13000,ft,same\n"
+    file.write_text(head + rows, encoding="utf-8")
+    compared, table = against_handbook("c172p", file, progress=False)
+    assert compared.model.between([50.0, 12000.0], [60.0, 20000.0]).all()
+    assert (table.difference_percent.abs().dropna() < 1.0).all()
