@@ -35,7 +35,7 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
 
 
 # test_workers has sweeps, a cluster and a batch in each run of the tests
-BATCHES = ("studies", "own-study", "monte-carlo")
+BATCHES = ("studies", "own-study", "monte-carlo", "performance")
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def commands():
 
 
 # test_published and tests/design compute these in each run of the tests
-LONG = ("trim_envelope", "thrust_vectoring", "gains c172p")
+LONG = ("trim_envelope", "thrust_vectoring", "gains c172p", " chart ")
 CHECK = "pathsim-jsbsim check"  # flies all 18 cases
 COMMANDS = [
     pytest.param(

@@ -21,7 +21,6 @@ from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
 from .flight_tests import (
-    KNOT,
     RHO0,
     Plane,
     Row,
