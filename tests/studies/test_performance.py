@@ -9,7 +9,7 @@ import pytest
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.studies import against_handbook, performance, performance_chart
+from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
 from pathsim_jsbsim_blocks.studies.performance import COLUMNS, _gusts, _stall, _work
 
@@ -117,9 +117,9 @@ def test_without_engines_charts_say_so():
 
 def test_bad_numbers_are_refused_at_once():
     with pytest.raises(ParameterError, match="weight must be"):
-        performance("c172p", weights=-1.0)
+        performance_table("c172p", weights=-1.0)
     with pytest.raises(ParameterError, match="flaps"):
-        performance("c172p", flaps=[0.0, 2.0])
+        performance_table("c172p", flaps=[0.0, 2.0])
 
 
 def test_the_page_of_a_table_without_values_shows_the_reasons():

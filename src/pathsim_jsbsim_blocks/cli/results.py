@@ -129,7 +129,7 @@ def add_chart(commands: Commands) -> None:
 def chart(args: argparse.Namespace) -> None:
     from .._core.checks import ending, refuse, writable
     from ..plots import show
-    from ..studies import against_handbook, performance, performance_chart
+    from ..studies import against_handbook, performance_chart, performance_table
 
     for path in args.save:
         ending("save", writable("save", path), ".pdf", ".png", ".svg", ".csv")
@@ -145,7 +145,7 @@ def chart(args: argparse.Namespace) -> None:
         terms = written.columns[written.columns.get_loc("reason") + 1 : -1]
         _print_table(written[["altitude_ft", "weight_lb", *terms]].drop_duplicates())
     else:
-        written = table = performance(
+        written = table = performance_table(
             args.aircraft,
             altitudes=args.altitude,
             weights=args.weight,

@@ -14,7 +14,7 @@ from .figures import (
 )
 from .handbook import against_handbook
 from .modes import modes_over_speed
-from .performance import performance
+from .performance import performance_table
 from .published import (
     STUDIES,
     Study,
@@ -38,8 +38,8 @@ __all__ = [
     "envelope_map",
     "modes_chart",
     "modes_over_speed",
-    "performance",
     "performance_chart",
+    "performance_table",
     "run_batch",
     "thrust_chart",
     "thrust_vectoring",

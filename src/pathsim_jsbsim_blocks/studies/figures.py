@@ -355,19 +355,19 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     Parameters
     ----------
     table : DataFrame
-        of `performance`
+        of `performance_table`
     title : str
         headline
 
     Raises
     ------
     ParameterError
-        if the table is none of `performance`
+        if the table is none of `performance_table`
     """
     from .performance import COLUMNS
 
     if [*getattr(table, "columns", ())] != [*COLUMNS]:
-        refuse("table", table, "performance_chart draws a table (DataFrame) of performance")
+        refuse("table", table, "performance_chart draws a table (DataFrame) of performance_table")
     found = table.dropna(subset=["value"])
     pull = "power" if (found.quantity == "power required").any() else "thrust"
     over_speed = {

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .._core.checks import as_path, did_you_mean, nearest, refuse
 from .._core.extras import required
 from ..errors import FileError
-from .performance import performance
+from .performance import performance_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,11 +28,11 @@ def against_handbook(
     aircraft : str
         name of the model
     handbook : Path or DataFrame
-        CSV with the columns ``quantity`` (as `performance` names it), ``altitude_ft``,
+        CSV with the columns ``quantity`` (as `performance_table` names it), ``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``value``, ``unit`` and ``source`` (document and page). An
         altitude that is left open is 0 ft, a weight the model's own, flaps are up
     **options
-        ``root``, ``jobs`` and ``progress`` of `performance`
+        ``root``, ``jobs`` and ``progress`` of `performance_table`
 
     Returns
     -------
@@ -41,7 +41,7 @@ def against_handbook(
         has no value, and the terms that make the value at this altitude and weight: lift slope,
         drag at zero lift, induced drag, full thrust
     table : pandas.DataFrame
-        that of `performance` at these conditions
+        that of `performance_table` at these conditions
 
     Raises
     ------
@@ -52,7 +52,7 @@ def against_handbook(
     """
     rows = _rows(handbook)
     weights = rows.weight_lb.dropna().unique().tolist()
-    table = performance(
+    table = performance_table(
         aircraft,
         altitudes=sorted(rows.altitude_ft.unique().tolist()),
         weights=weights or None,

@@ -391,7 +391,7 @@ def _place(task: Mapping[str, Any]) -> Row:
     return {"chart": task["part"], **{column: task[name] for name, column in names.items()}}
 
 
-def performance(
+def performance_table(
     aircraft: str,
     *,
     altitudes: float | Iterable[float] | None = None,
