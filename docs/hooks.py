@@ -17,7 +17,8 @@ from pathsim_jsbsim_blocks.catalogue import diagram_names
 def mathml(writer, node):
     """Write a formula, in the text or on a line of its own."""
     block = isinstance(node, nodes.math_block)
-    tex = node.astext()
+    # docutils would take both digits of \frac12 for the numerator
+    tex = re.sub(r"(\\[td]?frac)\s*(\d)\s*(\d)", r"\1{\2}{\3}", node.astext())
     if r"\\" in tex:
         tex = rf"\begin{{aligned}}{tex}\end{{aligned}}"
     try:

@@ -273,10 +273,12 @@ def test_formulas_of_the_site_need_no_script(monkeypatch):
     class Writer:
         body = []
 
-    for node in (nodes.math_block("", r"a &= \frac{b}{c} \\ d &= e"), nodes.math("", r"\alpha")):
+    aligned, word, half = r"a &= \frac{b}{c} \\ d &= e", r"\alpha", r"\tfrac12 \rho"
+    for node in (nodes.math_block("", aligned), nodes.math("", word), nodes.math("", half)):
         with pytest.raises(nodes.SkipNode):
             hooks.mathml(Writer, node)
-    lines, word = Writer.body
+    lines, word, half = (re.sub(r"\s", "", text) for text in Writer.body)
     assert lines.count("<mtr>") == 2
     assert "<mfrac>" in lines
     assert "<mi>\N{GREEK SMALL LETTER ALPHA}</mi>" in word
+    assert "<mn>1</mn><mn>2</mn></mfrac>" in half
