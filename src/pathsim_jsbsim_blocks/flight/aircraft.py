@@ -54,19 +54,6 @@ _SURFACES = {
     "aileron": "fcs/aileron-cmd-norm",
     "rudder": "fcs/rudder-cmd-norm",
 }
-_TRIM = [
-    "altitude",
-    "speed",
-    "mach",
-    "gamma",
-    "heading",
-    "bank",
-    "mode",
-    "gear",
-    "flaps",
-    "latitude",
-    "longitude",
-]
 _WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
 
 
@@ -191,7 +178,6 @@ class Aircraft(FlightBlock, Parametric):
     output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
 
     _short = SHORT_INPUTS, SHORT_OUTPUTS
-    _trim_keywords = dict(zip(_TRIM, _TRIM, strict=True))
     _warned_of_units = False
 
     def _model(self) -> str:

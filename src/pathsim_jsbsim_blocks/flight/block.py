@@ -7,6 +7,7 @@ import inspect
 import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from math import inf, isfinite, nan
 from threading import get_ident
 from typing import Any, NoReturn
@@ -63,6 +64,9 @@ _UNDERGROUND = -1.0
 # parameters that are those of the airframe
 _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", "empty_cg_x"}
 
+# parameters that are those of its trim condition: a block's own setup is written after its
+_OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
+
 # parameters that act at once, and those that a reset refuses to change
 _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
@@ -101,8 +105,8 @@ class FlightBlock(NamedPorts, SampledPlant):
     sink_max: float = inf
     scrape_max: float = inf
 
-    # trim keywords of the block, which a condition replaces, and the condition's names of them
-    _trim_keywords: Mapping[str, str]
+    # parameters that are fields of a condition under another name
+    _trim_names: Mapping[str, str] = {}
     # names that stand for properties, at inputs and at outputs
     _short: tuple[Mapping[str, tuple[str, ...]], Mapping[str, tuple[str, ...]]] = ({}, {})
 
@@ -161,12 +165,14 @@ class FlightBlock(NamedPorts, SampledPlant):
         ParameterError
             for a condition next to flat trim keywords that are not at their defaults
         """
-        given = {name: getattr(self, name) for name in self._trim_keywords}
-        if self.condition is None:
-            return TrimCondition(**{self._trim_keywords[n]: v for n, v in given.items()})
-        check_condition(self.condition)
         parameters = inspect.signature(self._class()).parameters
-        for name, value in given.items():
+        names = {name: self._trim_names.get(name, name) for name in parameters}
+        given = {name: field for name, field in names.items() if field in _OF_CONDITION}
+        if self.condition is None:
+            return TrimCondition(**{field: getattr(self, name) for name, field in given.items()})
+        check_condition(self.condition)
+        for name in given:
+            value = getattr(self, name)
             if np.any(value != parameters[name].default):  # an array is refused here too
                 refuse(
                     name,
@@ -177,7 +183,7 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _class(self) -> type[FlightBlock]:
         """The aircraft block itself: a user's subclass may have other parameters."""
-        return next(c for c in type(self).__mro__ if "_trim_keywords" in vars(c))
+        return next(c for c in type(self).__mro__ if "_fields" in vars(c))
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         """Inputs and outputs as properties."""

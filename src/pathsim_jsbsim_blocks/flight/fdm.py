@@ -109,14 +109,12 @@ class JSBSimFDM(FlightBlock, Parametric):
     output_port_labels = None
 
     # pathsim-flight's names
-    _trim_keywords = {
+    _trim_names = {
         "trim_airspeed": "speed",
         "trim_altitude": "altitude",
         "trim_gamma": "gamma",
         "trim_heading": "heading",
         "trim_mode": "mode",
-        "gear": "gear",
-        "flaps": "flaps",
     }
 
     def _model(self) -> str:

@@ -187,15 +187,26 @@ class _Responses:
 
     def judged(self, found: Realisation) -> tuple[np.ndarray, np.ndarray]:
         """Kinks and errors of a model, which is refused if it does not fit."""
-        pulsed, rigid = self._flights.pulsed, self._rigid
-        odd, even, predicted = (x[:, pulsed:] for x in (self._odd, self._even, self._predicted))
-        doublets = _Doublets(odd, even, predicted, self._meant)
-        upwards, downwards, uneven = doublets.missed(1), doublets.missed(-1), doublets.uneven()
+        n, rigid = self._flights.pulsed, self._rigid
+        odd, even, predicted = (x[:, n:] for x in (self._odd, self._even, self._predicted))
+        size = _rms(odd)
+        largest = size.max(axis=0, initial=0.0)
+        hardly = ((size < _HARDLY * largest) & ~self._meant) | (size == 0.0)
+
+        def ratio(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+            """Shape (signals, inputs); NaN where a signal hardly responds."""
+            return np.where(hardly, np.nan, part / np.where(hardly, 1.0, whole)).T
+
+        # after doublets that begin upwards and downwards
+        upwards = ratio(_rms(odd + even - predicted), _rms(odd + even))
+        downwards = ratio(_rms(odd - even - predicted), _rms(odd - even))
+        uneven = ratio(_rms(even), size)
         upwards[self._mute] = downwards[self._mute] = uneven[self._mute] = np.nan
         self._judge_fit(found.error[rigid])
         # an unstable aircraft is far from its trim by now
         if np.linalg.eigvals(found.A).real.max(initial=0.0) * _DURATION < _GROWTH:
-            self._judge_fit(doublets.missed_of_largest()[rigid])
+            missed = _rms(odd - predicted)
+            self._judge_fit(ratio(missed, np.broadcast_to(largest, size.shape))[rigid])
         kinked, error = np.fmax(self._kinked, uneven), np.fmax(found.error, upwards)
         limit = np.where(self._meant.T, _MISSED, _MISSED_ELSEWHERE)
         beyond = np.fmax(kinked / _KINKED, error / limit)
@@ -228,37 +239,6 @@ class _Responses:
                     "motions; see its kinks and fit",
                     once=True,
                 )
-
-
-class _Doublets:
-    """Responses to the doublets, and what the model predicts: shape (inputs, samples, signals)."""
-
-    def __init__(self, odd: np.ndarray, even: np.ndarray, predicted: np.ndarray, meant: np.ndarray):
-        self._odd, self._even, self._predicted = odd, even, predicted
-        size = _rms(odd)
-        hardly = (size < _HARDLY * size.max(axis=0, initial=0.0)) & ~meant
-        self._hardly = hardly | (size == 0.0)
-
-    def missed(self, sign: int) -> np.ndarray:
-        """Error over response, shape (signals, inputs); NaN where a signal hardly responds.
-
-        The response is that to the doublet that begins upwards (1) or downwards (-1), with its even
-        part.
-        """
-        even = sign * self._even
-        return self._over(_rms(self._odd + even - self._predicted), _rms(self._odd + even))
-
-    def missed_of_largest(self) -> np.ndarray:
-        """Error over the signal's largest response to any input, likewise."""
-        largest = np.broadcast_to(_rms(self._odd).max(axis=0, initial=0.0), self._hardly.shape)
-        return self._over(_rms(self._odd - self._predicted), largest)
-
-    def uneven(self) -> np.ndarray:
-        """Even part over odd part, likewise."""
-        return self._over(_rms(self._even), _rms(self._odd))
-
-    def _over(self, part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-        return np.where(self._hardly, np.nan, part / np.where(self._hardly, 1.0, whole)).T
 
 
 class _Flights:

@@ -12,6 +12,7 @@ import numpy as np
 from ..airframe import Airframe
 from .condition import TrimCondition
 from .failure import alpha_range
+from .state import STATE
 
 
 class _Range(NamedTuple):
@@ -46,15 +47,10 @@ _CAUSES = ("alpha", "throttle", "gamma", "speed", *list(_RANGES)[2:])
 # deg, first guesses of alpha
 _ALPHAS = (3.0, 9.0, -1.0)
 
-# what is to vanish: the accelerations and their tolerances in ft/s2 and rad/s2
-RESIDUALS = {
-    "udot": ("accelerations/udot-ft_sec2", 1e-4),
-    "vdot": ("accelerations/vdot-ft_sec2", 1e-4),
-    "wdot": ("accelerations/wdot-ft_sec2", 1e-4),
-    "pdot": ("accelerations/pdot-rad_sec2", 1e-5),
-    "qdot": ("accelerations/qdot-rad_sec2", 1e-5),
-    "rdot": ("accelerations/rdot-rad_sec2", 1e-5),
-}
+# what is to vanish, and to which tolerance in ft/s2 and rad/s2
+RESIDUALS = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
+    ("pdot", "qdot", "rdot"), 1e-5
+)
 _LONGITUDINAL = ("udot", "wdot", "qdot")
 _THRUST_TOLERANCE = 1e-3  # lbf
 
@@ -199,8 +195,8 @@ class Search:
         self._limits = np.array([[r.low, r.high] for r in self._ranges.values()]).T
         self._strides = np.array([r.stride for r in self._ranges.values()])
         self._used = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
-        tolerances = {name: tolerance for name, (_, tolerance) in RESIDUALS.items()}
-        readers = {name: airframe.reader(source) for name, (source, _) in RESIDUALS.items()}
+        tolerances = dict(RESIDUALS)
+        readers = {name: airframe.reader(STATE[name]) for name in RESIDUALS}
         # zero but for turns in wind and a thrust
         self._targets = dict.fromkeys(RESIDUALS, 0.0)
         if condition.thrust is not None:

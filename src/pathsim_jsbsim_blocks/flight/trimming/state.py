@@ -74,7 +74,12 @@ UNITS = {
 }
 
 
-@dataclass(frozen=True)
+def _read(name: str) -> Any:
+    """A field of the state, and the property that it is read from."""
+    return dataclasses.field(metadata={"property": name})
+
+
+@dataclass(frozen=True, kw_only=True)
 class TrimState:
     """The trimmed state found, with its residuals.
 
@@ -119,40 +124,40 @@ class TrimState:
 
     aircraft: str
     condition: TrimCondition
-    altitude: float
-    speed: float
-    mach: float
-    tas: float
-    alpha: float
-    beta: float
-    theta: float
-    phi: float
-    psi: float
-    gamma: float
+    altitude: float = _read("position/h-sl-ft")
+    speed: float = _read("velocities/vc-kts")
+    mach: float = _read("velocities/mach")
+    tas: float = _read("velocities/vt-fps")
+    alpha: float = _read("aero/alpha-deg")
+    beta: float = _read("aero/beta-deg")
+    theta: float = _read("attitude/theta-deg")
+    phi: float = _read("attitude/phi-deg")
+    psi: float = _read("attitude/psi-deg")
+    gamma: float = _read("flight-path/gamma-deg")
     throttle: tuple[float, ...]
     thrust: float
-    pitch_trim: float
-    elevator: float
-    aileron: float
-    rudder: float
-    elevator_rad: float
-    elevator_norm: float
-    udot: float
-    vdot: float
-    wdot: float
-    pdot: float
-    qdot: float
-    rdot: float
-    weight: float
-    cg_x: float
-    cg_y: float
-    cg_z: float
+    pitch_trim: float = _read("fcs/pitch-trim-cmd-norm")
+    elevator: float = _read("fcs/elevator-cmd-norm")
+    aileron: float = _read("fcs/aileron-cmd-norm")
+    rudder: float = _read("fcs/rudder-cmd-norm")
+    elevator_rad: float = _read("fcs/elevator-pos-rad")
+    elevator_norm: float = _read("fcs/elevator-pos-norm")
+    udot: float = _read("accelerations/udot-ft_sec2")
+    vdot: float = _read("accelerations/vdot-ft_sec2")
+    wdot: float = _read("accelerations/wdot-ft_sec2")
+    pdot: float = _read("accelerations/pdot-rad_sec2")
+    qdot: float = _read("accelerations/qdot-rad_sec2")
+    rdot: float = _read("accelerations/rdot-rad_sec2")
+    weight: float = _read("inertia/weight-lbs")
+    cg_x: float = _read("inertia/cg-x-in")
+    cg_y: float = _read("inertia/cg-y-in")
+    cg_z: float = _read("inertia/cg-z-in")
     p: float
     q: float
     r: float
-    nz: float
-    gear: float
-    flaps: float
+    nz: float = _read("accelerations/Nz")
+    gear: float = _read("gear/gear-pos-norm")
+    flaps: float = _read("fcs/flap-pos-norm")
     free: tuple[str, ...]
     drift: Drift | None = None
 
@@ -229,36 +234,8 @@ class TrimState:
 
 
 # field: property
-STATE = {
-    "altitude": "position/h-sl-ft",
-    "speed": "velocities/vc-kts",
-    "mach": "velocities/mach",
-    "tas": "velocities/vt-fps",
-    "alpha": "aero/alpha-deg",
-    "beta": "aero/beta-deg",
-    "theta": "attitude/theta-deg",
-    "phi": "attitude/phi-deg",
-    "psi": "attitude/psi-deg",
-    "gamma": "flight-path/gamma-deg",
-    "pitch_trim": "fcs/pitch-trim-cmd-norm",
-    "elevator": "fcs/elevator-cmd-norm",
-    "aileron": "fcs/aileron-cmd-norm",
-    "rudder": "fcs/rudder-cmd-norm",
-    "elevator_rad": "fcs/elevator-pos-rad",
-    "elevator_norm": "fcs/elevator-pos-norm",
-    "udot": "accelerations/udot-ft_sec2",
-    "vdot": "accelerations/vdot-ft_sec2",
-    "wdot": "accelerations/wdot-ft_sec2",
-    "pdot": "accelerations/pdot-rad_sec2",
-    "qdot": "accelerations/qdot-rad_sec2",
-    "rdot": "accelerations/rdot-rad_sec2",
-    "weight": "inertia/weight-lbs",
-    "cg_x": "inertia/cg-x-in",
-    "cg_y": "inertia/cg-y-in",
-    "cg_z": "inertia/cg-z-in",
-    "nz": "accelerations/Nz",
-    "gear": "gear/gear-pos-norm",
-    "flaps": "fcs/flap-pos-norm",
+STATE: dict[str, str] = {
+    f.name: f.metadata["property"] for f in dataclasses.fields(TrimState) if f.metadata
 }
 
 _NUMBERS = [f.name for f in dataclasses.fields(TrimState) if f.name in UNITS]
