@@ -19,15 +19,15 @@ from ._pathsim import before_runs, check_diagrams, port_names
 from .callers import frames, is_users, warn_user
 from .checks import refuse
 
-_told: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
+_warned: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
 
 
 def warn_of_wiring(sim: Simulation, reset: bool) -> None:
     """Warn of each mistake once in the life of a diagram, at the user's line."""
-    told = _told.setdefault(sim, set())
+    warned = _warned.setdefault(sim, set())
     for message in dict.fromkeys(_mistakes(sim)):
-        if message not in told:
-            told.add(message)
+        if message not in warned:
+            warned.add(message)
             warn_user(message)
 
 

@@ -22,8 +22,9 @@ Stevens, Lewis, Johnson: Aircraft Control and Simulation, 3rd ed., Wiley 2016, c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from inspect import cleandoc
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,39 +33,76 @@ from .._core.docs import filler
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
+Rotation = TypeVar("Rotation", bound=Callable[..., Components])
 
 INCHES_PER_FOOT = 12.0
 
+RAISES = """\
+Raises
+------
+ParameterError
+    for a value that is not real, shapes that do not broadcast{more}"""
+
 _fill = filler(
-    raises_reference="""
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a reference not of three parts
-    """,
-    raises="""
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
-    """,
+    raises_reference=RAISES.format(more=", a reference not of three parts"),
+    raises=RAISES.format(more=""),
     flow_angles="""
     alpha, beta : array_like
         angle of attack and sideslip angle, deg
     """,
-    beta="""
-    beta : array_like
-        sideslip angle, deg, positive with the air from the right
-    """,
-    alpha="""
-    alpha : array_like
-        angle of attack, deg
-    """,
-    euler_angles="""
-    phi, theta, psi : array_like
-        roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg
-    """,
 )
+
+_ANGLES = {
+    "alpha": ("alpha", "angle of attack, deg"),
+    "beta": ("beta", "sideslip angle, deg, positive with the air from the right"),
+    "flow": ("alpha, beta", "angle of attack and sideslip angle, deg"),
+    "euler": (
+        "phi, theta, psi",
+        "roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg",
+    ),
+}
+
+_ROTATION = """\
+{text}
+
+Parameters
+----------
+{given} : array_like
+    components along the {source} axes
+{angles} : array_like
+    {meaning}
+
+Returns
+-------
+{found} : float or ndarray
+    components along the {target} axes
+
+{raises}"""
+
+
+def rotation(
+    source: str, target: str, angles: str, meaning: str, more: str = ""
+) -> Callable[[Rotation], Rotation]:
+    """A decorator that completes the docstring of a rotation between axes."""
+
+    def names(axes: str) -> str:
+        return "north, east, down" if "NED" in axes else "x, y, z"
+
+    def complete(function: Rotation) -> Rotation:
+        if function.__doc__:  # absent under python -OO
+            function.__doc__ = _ROTATION.format(
+                text=cleandoc(function.__doc__),
+                given=names(source),
+                source=source,
+                angles=angles,
+                meaning=meaning,
+                found=names(target),
+                target=target,
+                raises=RAISES.format(more=more),
+            )
+        return function
+
+    return complete
 
 
 def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
@@ -157,138 +195,56 @@ def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:
     return np.rad2deg(np.arctan2(w, u)), np.rad2deg(np.arctan2(v, uw)), np.hypot(uw, v)
 
 
-@_fill
+@rotation("body", "stability", *_ANGLES["alpha"])
 def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from body to stability axes, about the y axis.
 
     x_S = x cos alpha + z sin alpha,  y_S = y,  z_S = z cos alpha - x sin alpha
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the body axes
-    %(alpha)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the stability axes
-
-    %(raises)s
     """
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
     x, z = turn(x, z, alpha)
     return x, y, z
 
 
-@_fill
+@rotation("stability", "body", *_ANGLES["alpha"])
 def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Components:
-    """Turn a vector from stability to body axes: the inverse of `body_to_stability`.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the stability axes
-    %(alpha)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the body axes
-
-    %(raises)s
-    """
+    """Turn a vector from stability to body axes: the inverse of `body_to_stability`."""
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
     x, z = turn(x, z, -alpha)
     return x, y, z
 
 
-@_fill
+@rotation("stability", "wind", *_ANGLES["beta"])
 def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from stability to wind axes, about the z axis.
 
     x_W = x cos beta + y sin beta,  y_W = y cos beta - x sin beta,  z_W = z
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the stability axes
-    %(beta)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the wind axes: forward, right, down
-
-    %(raises)s
     """
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
     x, y = turn(x, y, beta)
     return x, y, z
 
 
-@_fill
+@rotation("wind", "stability", *_ANGLES["beta"])
 def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Components:
-    """Turn a vector from wind to stability axes: the inverse of `stability_to_wind`.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the wind axes: forward, right, down
-    %(beta)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the stability axes
-
-    %(raises)s
-    """
+    """Turn a vector from wind to stability axes: the inverse of `stability_to_wind`."""
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
     x, y = turn(x, y, -beta)
     return x, y, z
 
 
-@_fill
+@rotation("body", "wind", *_ANGLES["flow"])
 def body_to_wind(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
-    """Turn a vector from body to wind axes: through alpha, then through beta.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the body axes
-    %(flow_angles)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the wind axes: forward, right, down
-
-    %(raises)s
-    """
+    """Turn a vector from body to wind axes: through alpha, then through beta."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
     x, z = turn(x, z, alpha)
     x, y = turn(x, y, beta)
     return x, y, z
 
 
-@_fill
+@rotation("wind", "body", *_ANGLES["flow"])
 def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
-    """Turn a vector from wind to body axes: the inverse of `body_to_wind`.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the wind axes: forward, right, down
-    %(flow_angles)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the body axes
-
-    %(raises)s
-    """
+    """Turn a vector from wind to body axes: the inverse of `body_to_wind`."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
     x, y = turn(x, y, -beta)
     x, z = turn(x, z, -alpha)
@@ -347,26 +303,13 @@ def drag_side_lift_to_body(
     return x, y, z
 
 
-@_fill
+@rotation("local NED", "body", *_ANGLES["euler"])
 def ned_to_body(
     north: Values, east: Values, down: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:
     """Turn a vector from local NED to body axes by the 3-2-1 Euler angles.
 
     Through psi about z (down), then theta about y, then phi about x.
-
-    Parameters
-    ----------
-    north, east, down : array_like
-        components along the local NED axes
-    %(euler_angles)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the body axes
-
-    %(raises)s
     """
     x, y, z, phi, theta, psi = arrays(
         north=north, east=east, down=down, phi=phi, theta=theta, psi=psi
@@ -377,25 +320,11 @@ def ned_to_body(
     return x, y, z
 
 
-@_fill
+@rotation("body", "local NED", *_ANGLES["euler"])
 def body_to_ned(
     x: Values, y: Values, z: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:
-    """Turn a vector from body to local NED axes: the inverse of `ned_to_body`.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the body axes
-    %(euler_angles)s
-
-    Returns
-    -------
-    north, east, down : float or ndarray
-        components along the local NED axes
-
-    %(raises)s
-    """
+    """Turn a vector from body to local NED axes: the inverse of `ned_to_body`."""
     x, y, z, phi, theta, psi = arrays(x=x, y=y, z=z, phi=phi, theta=theta, psi=psi)
     y, z = turn(y, z, -phi)
     z, x = turn(z, x, -theta)

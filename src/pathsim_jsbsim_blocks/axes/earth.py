@@ -29,24 +29,23 @@ import numpy as np
 
 from .._core.checks import arrays, refuse
 from .._core.docs import filler
-from .aircraft import Components, Values, turn
+from .aircraft import RAISES, Components, Values, rotation, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3
 SEMI_MINOR_AXIS = 20855486.5951  # ft, JSBSim 1.3.3
 
+_LATITUDE = ", a latitude beyond 90 deg"
+_NED = "lat, lon", "geodetic latitude and longitude of the NED axes, deg"
+_EARTH_ANGLE = (
+    "earth_angle",
+    (
+        "angle that the Earth has turned since the two axes coincided, deg;\n    "
+        "JSBSim's ``position/epa-rad``"
+    ),
+)
+
 _fill = filler(
-    raises_latitude="""
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a latitude beyond 90 deg
-    """,
-    raises="""
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast
-    """,
+    raises_latitude=RAISES.format(more=_LATITUDE),
     reference="""
     lat0, lon0, h0 : array_like
         geodetic latitude and longitude (deg) and height (ft) of the reference
@@ -237,24 +236,9 @@ def ned_to_geodetic(
     return ecef_to_geodetic(*ned_to_ecef(north, east, down, lat0, lon0, h0))
 
 
-@_fill
+@rotation("ECEF", "NED", *_NED, _LATITUDE)
 def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values) -> Components:
-    """Turn a vector, such as a velocity, from Earth-centred to local NED axes.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the ECEF axes
-    lat, lon : array_like
-        geodetic latitude and longitude of the NED axes, deg
-
-    Returns
-    -------
-    north, east, down : float or ndarray
-        components along the NED axes
-
-    %(raises_latitude)s
-    """
+    """Turn a vector, such as a velocity, from Earth-centred to local NED axes."""
     x, y, z, lat, lon = arrays(x=x, y=y, z=z, lat=lat, lon=lon)
     _check_latitude("lat", lat)
     outward, east = turn(x, y, lon)
@@ -262,26 +246,11 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values
     return north, east, -up
 
 
-@_fill
+@rotation("NED", "ECEF", *_NED, _LATITUDE)
 def ned_vector_to_ecef(
     north: Values, east: Values, down: Values, lat: Values, lon: Values
 ) -> Components:
-    """Turn a vector from local NED to Earth-centred axes: inverse of `ecef_vector_to_ned`.
-
-    Parameters
-    ----------
-    north, east, down : array_like
-        components along the NED axes
-    lat, lon : array_like
-        geodetic latitude and longitude of the NED axes, deg
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the ECEF axes
-
-    %(raises_latitude)s
-    """
+    """Turn a vector from local NED to Earth-centred axes: inverse of `ecef_vector_to_ned`."""
     north, east, down, lat, lon = arrays(north=north, east=east, down=down, lat=lat, lon=lon)
     _check_latitude("lat", lat)
     outward, z = turn(-down, north, -lat)
@@ -289,48 +258,17 @@ def ned_vector_to_ecef(
     return x, y, z
 
 
-@_fill
+@rotation("ECI", "ECEF", *_EARTH_ANGLE)
 def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
-    """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the ECI axes
-    earth_angle : array_like
-        angle that the Earth has turned since the two axes coincided, deg;
-        JSBSim's ``position/epa-rad``
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the ECEF axes
-
-    %(raises)s
-    """
+    """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis."""
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
     x, y = turn(x, y, earth_angle)
     return x, y, z
 
 
-@_fill
+@rotation("ECEF", "ECI", *_EARTH_ANGLE)
 def ecef_to_eci(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
-    """Turn a vector from Earth-fixed to Earth-centred inertial axes: inverse of `eci_to_ecef`.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        components along the ECEF axes
-    earth_angle : array_like
-        angle that the Earth has turned since the two axes coincided, deg
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        components along the ECI axes
-
-    %(raises)s
-    """
+    """Turn a vector from Earth-fixed to Earth-centred inertial axes: inverse of `eci_to_ecef`."""
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
     x, y = turn(x, y, -earth_angle)
     return x, y, z
