@@ -435,3 +435,24 @@ def test_the_integral_is_led_back_in_two_samples_at_the_quickest():
     pid = PID(T, Kp=1e-9, Ki=1.0, high=1.0)
     _, state = pid.sample(PIDState(True, True, integral=3.0), 0.0, 0.0)
     assert state.integral == pytest.approx(2.0, abs=1e-6)  # half of the 2 above the limit
+
+
+def test_a_subclass_may_add_to_the_law():
+    class Doubled(DiscretePID):
+        def law(self, u, state):
+            (y,), state = super().law(u, state)
+            return [2.0 * y], state
+
+    u = [0.3, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+    plain, doubled = DiscretePID(Kp=1.0), Doubled(Kp=1.0)
+    for _ in range(3):
+        (y,), _ = plain.law(u, plain.initial_state())
+        assert doubled.law(u, doubled.initial_state())[0] == [2.0 * y] == [pytest.approx(0.4)]
+
+
+def test_other_gains_take_effect_at_once():
+    u = [0.3, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+    pid = DiscretePID(Kp=1.0)
+    for gain in (1.0, 2.0, 3.0):
+        pid.Kp = gain
+        assert pid.law(u, pid.initial_state())[0] == [pytest.approx(0.2 * gain)]
