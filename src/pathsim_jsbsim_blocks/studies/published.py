@@ -265,18 +265,17 @@ def climb_schedule(
 
 
 class Study(NamedTuple):
-    """A study of the catalogue: its table, the table's figure, and whether it takes ``wide``."""
+    """A study of the catalogue: its table, and the table's figure."""
 
     table: Callable[..., pd.DataFrame]
     figure: Callable[[pd.DataFrame], Any]
-    wide: bool
 
 
 STUDIES = {
-    "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart, False),
-    "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart, True),
-    "climb_schedule": Study(climb_schedule, figures.climb_chart, False),
-    "modes_over_speed": Study(modes_over_speed, figures.modes_chart, False),
-    "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart, False),
-    "trim_envelope": Study(trim_envelope, figures.envelope_map, True),
+    "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart),
+    "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart),
+    "climb_schedule": Study(climb_schedule, figures.climb_chart),
+    "modes_over_speed": Study(modes_over_speed, figures.modes_chart),
+    "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart),
+    "trim_envelope": Study(trim_envelope, figures.envelope_map),
 }
