@@ -163,6 +163,12 @@ def test_the_readme_names_every_block():
     assert missing == []
 
 
+def test_the_map_of_the_source_has_every_folder():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    folders = [m.name for m in pkgutil.iter_modules(package.__path__) if m.ispkg]
+    assert [name for name in folders if f"`{name}/`" not in text] == []
+
+
 def test_the_page_on_autopilots_has_every_hold():
     text = (ROOT / "docs" / "autopilots.md").read_text(encoding="utf-8")
     assert [n for n in holds.__all__ if f"| `{n}` |" not in text] == []

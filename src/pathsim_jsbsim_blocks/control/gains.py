@@ -1,4 +1,4 @@
-"""Gains of the autopilot loops: tables, schedules over altitude and airspeed, numbers, files."""
+"""Gains of the autopilot loops: the numbers of each loop, and schedules over the flight envelope."""
 
 from __future__ import annotations
 
