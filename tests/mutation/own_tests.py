@@ -77,6 +77,7 @@ OWN_TESTS = {
     "flight/property_ports": ["test_property_ports.py", "test_limits.py"],
     "flight/recording": ["test_recording.py"],
     "linear/": ["test_modes.py", "test_model.py", "test_diagrams.py"],
+    "linear/charts": ["test_plots_of_models.py"],
     "linear/identification": ["test_model.py"],
     "studies/journal": ["test_journal.py"],
     "studies/batch": ["test_batch.py"],

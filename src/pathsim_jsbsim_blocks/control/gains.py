@@ -1,4 +1,4 @@
-"""Gains of the autopilot loops: the numbers of each loop, and schedules over the flight envelope."""
+"""Gains of the autopilot loops: numbers for each loop, and schedules over altitude and airspeed."""
 
 from __future__ import annotations
 
