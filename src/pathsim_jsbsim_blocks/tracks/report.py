@@ -35,7 +35,10 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
     data = {"aircraft": [_aircraft(track, origin) for track in shown]}
     title = ", ".join(track.name for track in tracks)
     head = [
-        (track.name, ", ".join([track.aircraft, *(f"{k} {v}" for k, v in track.about.items())]))
+        (
+            "aircraft" if track.aircraft == track.name else track.name,
+            ", ".join([track.aircraft, *(f"{k} {v}" for k, v in track.about.items())]),
+        )
         for track in tracks
     ]
     thin = [len(t.time) < len(whole.time) for t, whole in zip(shown, tracks, strict=True)]
