@@ -7,8 +7,6 @@ import ast
 import inspect
 import re
 import shutil
-import subprocess
-import sys
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -37,20 +35,21 @@ def chapters() -> Path:
     return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
 
 
-def course(args: argparse.Namespace) -> int:
+def course(args: argparse.Namespace) -> None:
     from .._core.extras import required
 
     kept = _copied(args.folder)
     print(f"the course is in {args.folder.resolve()}")
     if kept:
-        print(
-            f"kept as you left them: {', '.join(kept)}; to get a chapter anew, rename yours first"
-        )
+        print(f"kept as you left them: {', '.join(kept)}; to get one anew, rename yours first")
     if args.no_open:
-        return 0
+        return
     required("jupyterlab", "course")
+    from jupyterlab.labapp import LabApp
+
     first = min(path.name for path in chapters().glob("*.ipynb"))
-    return subprocess.run([sys.executable, "-m", "jupyterlab", first], cwd=args.folder).returncode
+    # in this process, so that to end the command ends the server
+    LabApp.launch_instance([str(args.folder / first)])
 
 
 # a link to a page of the documentation, which is not beside the copy
