@@ -1,5 +1,8 @@
 """Figures: the right curves in the right panels, and what `show` does without a display."""
 
+import contextlib
+import io
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -208,6 +211,19 @@ def test_curves_keep_their_points():
     for line in (exact, ours):
         assert line.get_path().simplify_threshold == pytest.approx(1 / 9)
     assert plt.rcParams["path.simplify_threshold"] == 1.0
+
+
+def test_a_long_curve_drawn_later_is_exact_too():
+    # of more than 1000 points matplotlib makes a path when it draws, as a notebook does by itself
+    x = np.linspace(0.0, 1.0, 5000)
+    figures = [phase_portrait(x, np.sin(20 * x), ("x", "y")) for _ in range(2)]
+    pictures = []
+    for figure, exact in zip(figures, (True, False), strict=True):
+        with exact_curves() if exact else contextlib.nullcontext():
+            file = io.BytesIO()
+            figure.savefig(file, format="raw", dpi=100)
+        pictures.append(file.getvalue())
+    assert pictures[0] == pictures[1]
 
 
 def test_show_writes_a_file_where_there_is_no_display(scope, tmp_path, monkeypatch, capsys):

@@ -67,7 +67,7 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(20.0)
-time_histories(scope, title="damped oscillator: wn = 2 rad/s, zeta = 0.25")
+time_histories(scope, title=f"damped oscillator: wn = {wn:g} rad/s, zeta = {zeta:g}")
 
 # %% [markdown]
 # Half a period after the start, $x = -e^{-\pi \zeta / \sqrt{1 - \zeta^2}}$:
@@ -117,7 +117,7 @@ time, (u, y) = scope.read()
 print(
     f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant, exact {1 - math.exp(-1):.4f}"
 )
-time_histories(scope, title="first-order lag: tau = 2 s")
+time_histories(scope, title=f"first-order lag: tau = {tau:g} s")
 
 # %% [markdown]
 # ## Van der Pol's oscillator
@@ -159,7 +159,7 @@ sim.run(40.0)
 time, (x, v) = scope.read()
 print(f"amplitude {abs(x[time > 15.0]).max():.3f}")
 phase_portrait(
-    x, v, ("position x [-]", "velocity v [1/s]"), title="Van der Pol's oscillator: mu = 1.5"
+    x, v, ("position x [-]", "velocity v [1/s]"), title=f"Van der Pol's oscillator: mu = {mu:g}"
 )
 
 # %% [markdown]

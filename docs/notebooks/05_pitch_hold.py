@@ -62,7 +62,7 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(30.0)
-time_histories(pitch, flight, title="c172p: pitch hold at 3 deg")
+time_histories(pitch, flight, title=f"c172p: pitch hold at {hold.theta_ref:g} deg")
 
 # %% [markdown]
 # The aircraft climbs, and slows down: the throttle does not move.

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
+from matplotlib.figure import Figure
 
 from ._core.checks import did_you_mean, nearest, one_of, refuse, writable
 from ._core.files import replacing
@@ -25,7 +26,6 @@ from .errors import FileError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
     from pathsim.blocks import Scope
 
@@ -51,11 +51,20 @@ def exact_curves() -> Iterator[None]:
     """Context, and decorator, in which curves are drawn without visible simplification.
 
     PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, which
-    moves the corners of a curve by pixels. A curve keeps the threshold with which it was plotted:
-    plot inside the context.
+    moves the corners of a curve by pixels. A curve keeps the threshold with which it was plotted,
+    or with which it was drawn if it has more than 1000 points: plot inside the context, on
+    figures of `subplots`, which draw inside it.
     """
     with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
         yield
+
+
+class _Exact(Figure):
+    """A figure that draws its curves exactly."""
+
+    @exact_curves()
+    def draw(self, renderer: Any) -> None:
+        super().draw(renderer)
 
 
 def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
@@ -76,7 +85,7 @@ def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
     """
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(*args, **options)
+    figure, axes = plt.subplots(*args, FigureClass=_Exact, **options)
     figure.align_ylabels()
     if _inline():
         plt.close(figure)
