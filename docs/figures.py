@@ -431,7 +431,7 @@ SEATS = ("pilot", "co-pilot", "left passenger", "right passenger", "baggage")
 NEAR = {
     "centre of gravity": "CG",
     "empty-weight CG": "empty-weight CG",
-    "visual reference point": "visual\nreference point",
+    "visual reference point": "visual reference point",
 }
 
 
@@ -443,10 +443,10 @@ def points():
     chord = 12 * airframe.fdm["metrics/cbarw-ft"]
     figure, axes = plt.subplot_mosaic(
         [["side", "near"], ["top", "cabin"]],
-        figsize=(9.5, 8.5),
+        figsize=(9.5, 8.3),
         layout="constrained",
-        height_ratios=(1, 2.2),
-        width_ratios=(1.35, 1),
+        height_ratios=(1, 4),  # the left panels have one scale: their width limits them
+        width_ratios=(1, 1.75),
     )
     side, near, top, cabin = (axes[name] for name in ("side", "near", "top", "cabin"))
     (x0, _, z0), half = found["aerodynamic reference point"][0], found["other contact points"][3][1]
@@ -478,7 +478,7 @@ def points():
         name(cabin, seat, x, y, y < 0)
     for kind, text in NEAR.items():
         name(near, text, found[kind][0][0], found[kind][0][2])
-    near.set(xlim=(40.2, 43.8), ylim=(35.8, 39.4), title="around the CG, from the left")
+    near.set(xlim=(40.2, 43.8), ylim=(35.8, 39.6), title="around the CG, from the left")
     near.set(xlabel="x [in]", ylabel="z [in]")
     cabin.set(xlim=(20, 112), ylim=(-34, 34), title="the cabin, from above")
     cabin.set(xlabel="x [in]", ylabel="y [in]", anchor="N")
