@@ -32,7 +32,7 @@ def main(names):
             command(["run", name, "--save", str(figure)])
             generate.shrink(figure, generate.DOCS / "pictures" / figure.name)
     screenshots.main(names)
-    (generate.DOCS / "gallery.md").write_text(generate.gallery(), encoding="utf-8")
+    generate.write_pages()
 
 
 if __name__ == "__main__":

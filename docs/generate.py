@@ -1,6 +1,7 @@
 """Make what is generated in the documentation: the gallery, its figures, the tables.
 
 python docs/generate.py
+python docs/generate.py --pages     the gallery and the table of blocks, and nothing else
 """
 
 import ast
@@ -11,6 +12,7 @@ import json
 import os
 import re
 import runpy
+import sys
 import tempfile
 import warnings
 from concurrent.futures import ProcessPoolExecutor
@@ -515,13 +517,17 @@ def flown(plane, u):
     return np.array(y + [block.advance(k, row + wind) for k, row in enumerate(u.tolist(), 1)])
 
 
+def write_pages():
+    (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
+    (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
+
+
 def main():
     (EVIDENCE / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
     accuracy()
     put(DOCS / "scale.md", "batches", scale_table())
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
-    (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
-    (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
+    write_pages()
     for name in diagram_names():
         picture(name)
     for name in ("approach", "own-controller", "own-study", "tutorial"):
@@ -532,4 +538,4 @@ def main():
 
 if __name__ == "__main__":
     os.environ.setdefault("MPLBACKEND", "agg")
-    main()
+    write_pages() if sys.argv[1:] == ["--pages"] else main()

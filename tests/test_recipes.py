@@ -79,6 +79,7 @@ def test_a_hold(tree):
         "test_the_readme_names_every_block",
         "test_the_block_reference_has_every_public_name",
         "test_the_page_on_autopilots_has_every_hold",
+        "test_generated_pages_are_current",
     }
     promise(tree, "BankHold")
     edit(tree / "README.md", "[`RollHold`]", "`BankHold`, [`RollHold`]")
@@ -90,7 +91,9 @@ def test_a_hold(tree):
     page = tree / "docs" / "autopilots.md"
     (row,) = [line for line in page.read_text("utf-8").splitlines() if "| `RollHold` |" in line]
     edit(page, row, f"{row}\n{row.replace('RollHold', 'BankHold')}")
-    places = ("BankHold", "table", "readme", "reference", "autopilots", "imports")
+    status, said = python(tree, "docs/generate.py", "--pages")
+    assert status == 0, said
+    places = ("BankHold", "table", "readme", "reference", "autopilots", "imports", "generated")
     again = ("tests/control/test_gains.py", "tests/linear/test_every_block.py", *GUARDS)
     run_tests(tree, *again, "-k", " or ".join(places))
 
