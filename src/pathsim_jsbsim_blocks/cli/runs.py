@@ -131,12 +131,12 @@ def run(args: argparse.Namespace) -> int:
                 diagram.run(module)
                 objects = list(vars(module).values())
                 if not runs.begun:
-                    _no_run(objects, duration, constant)
+                    _report_no_run(objects, duration, constant)
             except SystemExit as error:  # a script may end normally with sys.exit
-                save(args.save, signals, recording_scopes(_left_by(error)))
+                save(args.save, signals, recording_scopes(_variables_at(error)))
                 raise
             except BaseException as error:
-                status = _stopped(error, script, args.save, signals)
+                status = _report_failure(error, script, args.save, signals)
                 raise
             save(args.save, signals, recording_scopes(objects))
     except BaseException:
@@ -281,7 +281,7 @@ def _to_flightgear(address: str | None) -> Iterator[None]:
             print(pace)
 
 
-def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> None:
+def _report_no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> None:
     """Say that a script made no run; an error if the duration had no effect.
 
     ``constant`` tells whether the script has a constant for the duration.
@@ -294,21 +294,21 @@ def _no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> N
     resting = bool(simulations) and all(x.time == 0.0 for x in simulations)
     if not resting and (duration is None or constant):
         return
-    said = (
+    message = (
         "the script makes no run with sim.run or fly"
         + (" that --duration could set" if duration is not None else "")
         + (': add sim.run(10) under if __name__ == "__main__":' if resting else "")
     )
     if duration is not None:
-        refuse("duration", duration, said)
-    print(f"pathsim-jsbsim: {said}", file=sys.stderr)
+        refuse("duration", duration, message)
+    print(f"pathsim-jsbsim: {message}", file=sys.stderr)
 
 
-def _stopped(
+def _report_failure(
     error: BaseException, script: Path, figure: Path | None, signals: SignalsWriter | None
 ) -> int:
     """Save what a script recorded before it stopped, and print the reason."""
-    scopes = recording_scopes(_left_by(error))
+    scopes = recording_scopes(_variables_at(error))
     saved = ""
     if scopes and (figure is not None or signals is not None):
         until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
@@ -338,7 +338,7 @@ def _stopped(
     return status
 
 
-def _left_by(error: BaseException) -> list[Any]:
+def _variables_at(error: BaseException) -> list[Any]:
     """Variables of the script that an exception ended, those of its functions included."""
     return [
         x

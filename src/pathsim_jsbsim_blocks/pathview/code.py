@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import copy
-import io
+import re
 import sys
-import tokenize
 from collections.abc import Collection, Iterable, Mapping
 from textwrap import dedent
 from typing import Any
@@ -195,23 +195,18 @@ def _is_part(value: Any) -> bool:
 
 
 def _one_line(text: str) -> str:
-    """An expression without line breaks and comments."""
+    """An expression without line breaks and comments, otherwise as written where that will do."""
     if "\n" not in text:
         return text
-    out, end = "", (1, 0)
-    for token in tokenize.generate_tokens(io.StringIO(f"({text})").readline):
-        if token.type in (tokenize.NL, tokenize.COMMENT, tokenize.NEWLINE, tokenize.ENDMARKER):
-            continue
-        if token.start[0] > end[0]:
-            space = "" if out[-1] in "([{" or token.string in ")]}" else " "
-            if token.string in ("]", "}"):
-                out = out.rstrip(",")
-        else:
-            space = " " * (token.start[1] - end[1])
-        out, end = out + space + token.string, token.end
-    # a significant comma, as in a one-element tuple, may have been removed
-    tree, same = (ast.parse(t, mode="eval") for t in (f"({text})", out))
-    return out[1:-1] if ast.dump(tree) == ast.dump(same) else ast.unparse(tree)
+    out = re.sub(r"[ \t]*#.*", "", text)
+    out = re.sub(r"([\[({])\s*\n\s*", r"\1", out)
+    out = re.sub(r",?\s*\n\s*([\]}])", r"\1", out)
+    out = re.sub(r"\s*\n\s*", " ", out).replace(" )", ")")
+    meant = ast.parse(f"({text}\n)", mode="eval")
+    with contextlib.suppress(SyntaxError):
+        if ast.dump(ast.parse(out, mode="eval")) == ast.dump(meant):
+            return out
+    return ast.unparse(meant)
 
 
 def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:

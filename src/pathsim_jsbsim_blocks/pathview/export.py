@@ -19,7 +19,7 @@ from .diagram import Diagram
 from .frozen import Frozen
 from .plain import attributes
 from .proof import Proof, Rehearsal
-from .reader import Live, read_diagram
+from .reader import ByValue, read_diagram
 from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
 from .settings import setting_values
 from .shape import Json, shortened
@@ -99,18 +99,20 @@ def script_model(
     """
     frozen = Frozen(time.time())
     with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal, frozen.applied():
-        live = FirstRun(script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check))
-    if rest := live.left_out():
-        first = live.lines[-1]
+        first_run = FirstRun(
+            script, lambda s: _Export(s, rehearsal, frozen).proven(existing, check)
+        )
+    if rest := first_run.left_out():
+        first = first_run.lines[-1]
         # at the script's line: the caller's would be of the command line
         warnings.warn_explicit(
             f"the model is the diagram of the first run (line {first}); not in it: "
             + ", ".join(f"line {line}: {what}" for line, what in rest),
             UserWarning,
-            str(live.path),
+            str(first_run.path),
             first,
         )
-    return live.result
+    return first_run.result
 
 
 class _Export:
@@ -145,10 +147,10 @@ class _Export:
         Parameters are as in the source; those that differ then are written with their values.
         Statements that fail in PathView are left out.
         """
-        live: Live = set()
+        by_value: ByValue = set()
         while True:
             try:
-                diagram = read_diagram(self.script, live, self._failed)
+                diagram = read_diagram(self.script, by_value, self._failed)
             except DiagramError:
                 self._refuse_failed()
                 raise
@@ -156,13 +158,13 @@ class _Export:
             differences = self.rehearsal.differences(self._job(content, diagram, settings, run))
             if not differences:
                 return content, diagram
-            more = {p for d in differences for p in self._parameters(d, diagram)} - live
+            more = {p for d in differences for p in self._parameters(d, diagram)} - by_value
             line = diagram.places.get(differences[0].line)
             if line is not None:
                 self._failed[line] = differences[0].error
             elif not more:
                 self._refuse(differences[0], diagram)
-            live |= more
+            by_value |= more
 
     def _job(
         self, content: Json, diagram: Diagram, settings: dict[str, str], run: dict[str, Any]
@@ -190,7 +192,7 @@ class _Export:
             run=run,
         )
 
-    def _parameters(self, difference: Difference, diagram: Diagram) -> Live:
+    def _parameters(self, difference: Difference, diagram: Diagram) -> ByValue:
         """Parameters that may be written with their values for a difference to vanish."""
         name = difference.name
         if difference.variable == SETTINGS:

@@ -56,7 +56,9 @@ class Frozen:
                 (np.random, "seed"),
                 (np.random, "set_state"),
             ):
-                stack.enter_context(patch.object(module, name, self._noted(getattr(module, name))))
+                stack.enter_context(
+                    patch.object(module, name, self._recording_seeds(getattr(module, name)))
+                )
             stack.enter_context(patch.object(time, "time", self._time))
             stack.enter_context(patch.object(time, "time_ns", lambda: int(self._time() * 1e9)))
             try:
@@ -74,13 +76,13 @@ class Frozen:
             random._inst.seed(_ENTROPY)  # type: ignore[attr-defined]
             np.random.mtrand._rand.seed(_ENTROPY)
 
-    def _noted(self, usual: Callable[..., Any]) -> Callable[..., Any]:
-        def noted(*args: Any, **kwargs: Any) -> Any:
+    def _recording_seeds(self, usual: Callable[..., Any]) -> Callable[..., Any]:
+        def seed(*args: Any, **kwargs: Any) -> Any:
             given = [*args, *kwargs.values()]
             self.seeded = bool(given) and given[0] is not None
             return usual(*args, **kwargs) if self.seeded else usual(_ENTROPY)
 
-        return noted
+        return seed
 
     def _time(self) -> float:
         return self.now + _TICK * next(self._looks)

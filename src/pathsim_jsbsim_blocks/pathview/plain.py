@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copyreg
-import functools
 import random
 import sys
 import types
@@ -53,10 +52,6 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, types.GeneratorType):
         begun = value.gi_frame and (value.gi_frame.f_lasti >= 0, value.gi_frame.f_locals)
         return f"generator{text_of(begun, inside)}"
-    if isinstance(value, types.MethodType):
-        return f"{value.__name__} of {text_of(value.__self__, inside)}"
-    if isinstance(value, functools.partial):
-        return f"partial{text_of([value.func, value.args, value.keywords], inside)}"
     if isinstance(value, type):
         if value.__module__ not in _OWN:
             return f"{value.__module__}.{value.__qualname__}"

@@ -1,7 +1,7 @@
 """Read a diagram script: structure from the live diagram, expressions from the source.
 
 A parameter keeps its expression if the model's code can evaluate it. Otherwise, or if the result
-differs from the diagram's value (``Live``), that value is written.
+differs from the diagram's value (``ByValue``), that value is written.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
 # parameters to write with their values: the ``id`` of a part, or None for a setting, and the name
-Live = set[tuple[int | None, str]]
+ByValue = set[tuple[int | None, str]]
 
 
-def read_diagram(script: FirstRun, live: Live, without: Collection[int] = ()) -> Diagram:
+def read_diagram(script: FirstRun, by_value: ByValue, without: Collection[int] = ()) -> Diagram:
     """Everything in a diagram script that a model file can represent.
 
     Raises
@@ -46,14 +46,14 @@ def read_diagram(script: FirstRun, live: Live, without: Collection[int] = ()) ->
     DiagramError
         for what PathView cannot represent, with file, line and reason
     """
-    return _Reader(script, live, without).diagram()
+    return _Reader(script, by_value, without).diagram()
 
 
 class _Reader:
-    def __init__(self, script: FirstRun, live: Live, without: Collection[int]):
+    def __init__(self, script: FirstRun, by_value: ByValue, without: Collection[int]):
         self.script = script
         self.refuse, self._called = script.refuse, script.called
-        self.live = live
+        self.by_value = by_value
         self.code = Code(script, without)
         self.stand_ins: dict[str, Any] = {}
         self.values: dict[int, str] = {}  # of functions' variables: what can change, by id
@@ -105,7 +105,7 @@ class _Reader:
         found = {}
         for name, node in setting_expressions(self.script).items():
             local = self.script.local_names(node)
-            if (None, name) not in self.live and self._stands_alone(node, local):
+            if (None, name) not in self.by_value and self._stands_alone(node, local):
                 found[name] = node
                 self.code.need(node)
         return found
@@ -228,7 +228,7 @@ class _Reader:
             for name in known:
                 default = parameters[name].default if name in parameters else ...
                 if not _is_default(getattr(part.value, name, default), default):
-                    self.live.add((id(part.value), name))
+                    self.by_value.add((id(part.value), name))
             return
         for name, node in arguments.items():
             if name not in known or name.startswith("_"):
@@ -236,7 +236,7 @@ class _Reader:
                 self._refuse(part.value, reason)
             now = getattr(part.value, name, None)
             if self._is_own(now) and made.given.get(name, now) is not now:
-                self.live.add((id(part.value), name))  # replaced
+                self.by_value.add((id(part.value), name))  # replaced
             else:
                 part.arguments[name] = node
 
@@ -247,7 +247,7 @@ class _Reader:
     def _settle(self, part: Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
         for name in part.known:
-            if (id(part.value), name) in self.live:
+            if (id(part.value), name) in self.by_value:
                 part.arguments[name] = self._written(part, name)
         made = self.script.construction(part.value)
         local = self.script.local_names(made.node) if made else set[str]()
@@ -335,7 +335,9 @@ class _Reader:
             if isinstance(part.value, Interface):
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
-                wish = (variables[0] if variables else self._told(part)) or part.kind.__name__
+                wish = (
+                    variables[0] if variables else self._original_name(part)
+                ) or part.kind.__name__
                 for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
                     wish = wish.removeprefix(start) or wish
                 for name in _display_names(wish, part.kind.__name__, other):
@@ -365,7 +367,7 @@ class _Reader:
         stored = {n.id for n in inside if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
         return stored | {n.arg for n in inside if isinstance(n, ast.arg)}
 
-    def _told(self, part: Part) -> str:
+    def _original_name(self, part: Part) -> str:
         """A name for a part that no variable of the module holds: its key or its original name."""
         for value in self.script.namespace.values():
             if isinstance(value, dict):

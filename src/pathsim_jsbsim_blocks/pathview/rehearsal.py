@@ -143,7 +143,7 @@ def rehearse(pipe: Connection, job: Job) -> None:
                 namespace = _built(content, job, frozen)
                 differences = _compared(namespace, job)
             except Exception as error:
-                differences = [Difference("", "", error=said(error))]
+                differences = [Difference("", "", error=error_text(error))]
         pipe.send(differences)
         if not differences:
             rows = _rows(pipe)
@@ -164,7 +164,7 @@ def _evaluated(content: Json, job: Job) -> list[Difference]:
             for frame, line in traceback.walk_tb(error.__traceback__)
             if frame.f_code.co_filename == "code" and frame.f_code.co_name == "<module>"
         ]
-        return [Difference("", "the code", error=said(error), line=lines[0] if lines else 0)]
+        return [Difference("", "the code", error=error_text(error), line=lines[0] if lines else 0)]
     found = []
     for variable, parameters in job.parameters.items():
         for name, expression in parameters.items():
@@ -173,7 +173,7 @@ def _evaluated(content: Json, job: Job) -> list[Difference]:
                 if variable == SETTINGS and repr(float(value)) != job.settings[name]:
                     found.append(Difference(variable, name, job.settings[name], repr(value)))
             except (Exception, SystemExit) as error:
-                found.append(Difference(variable, name, error=said(error)))
+                found.append(Difference(variable, name, error=error_text(error)))
     return found
 
 
@@ -229,7 +229,7 @@ def _flown(
     except Parting as parting:
         return parting
     except BaseException as error:
-        return Parting("", "", simulation.time, "goes on", f"fails: {said(error)}")
+        return Parting("", "", simulation.time, "goes on", f"fails: {error_text(error)}")
     return rest and Parting("", "", rest[0], "goes on", "has ended")
 
 
@@ -254,7 +254,7 @@ def _rows(pipe: Connection) -> Iterator[Row]:
         raise Ended
 
 
-def said(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
 

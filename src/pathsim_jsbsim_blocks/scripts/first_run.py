@@ -8,9 +8,11 @@ import itertools
 import logging
 import math
 import os
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any, NoReturn, TypeGuard
 from unittest.mock import patch
 
@@ -21,7 +23,7 @@ from pathsim.events._event import Event
 from .._core.running import Beginning, fly, intercepted_runs
 from ..errors import DiagramError
 from .libraries import Libraries
-from .names import arguments, bound, root
+from .names import arguments, assignments, bound, root
 from .script import Script, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")
@@ -97,7 +99,7 @@ class FirstRun(Script):
     def _begin(self, run: Beginning) -> None:
         if self._capturing:  # `capture` makes the first run itself
             return
-        lines = [line for _, line in self._frames()][::-1]
+        lines = self._own_lines(traceback.walk_stack(None))[::-1]
         if run.method in _STATES:
             self.states.append((run.method, lines[-1] if lines else None))
             return
@@ -107,14 +109,6 @@ class FirstRun(Script):
                 run.simulation.reset()
             self._capture()
         raise _RunReached
-
-    def _frames(self) -> Iterator[tuple[Any, int]]:
-        """Frames of the script and their lines, the innermost first."""
-        frame = inspect.currentframe()
-        while frame is not None:
-            if frame.f_code.co_filename == str(self.path):
-                yield frame, frame.f_lineno
-            frame = frame.f_back
 
     def _capture(self) -> None:
         """Read the finished diagram; errors are stored, because the script could catch them."""
@@ -175,16 +169,15 @@ class FirstRun(Script):
         raise DiagramError(reason, path=self.path, line=getattr(node, "lineno", None))
 
     def _refuse_failure(self, error: BaseException, hint: str = "") -> NoReturn:
-        lines, trace = [], error.__traceback__
-        while trace is not None:
-            if trace.tb_frame.f_code.co_filename == str(self.path):
-                lines.append(trace.tb_lineno)
-            trace = trace.tb_next
+        lines = self._own_lines(traceback.walk_tb(error.__traceback__))
         raise DiagramError(
             f"the script fails: {type(error).__name__}: {error}{hint}",
             path=self.path,
             line=lines[-1] if lines else None,
         ) from error
+
+    def _own_lines(self, frames: Iterator[tuple[FrameType, int]]) -> list[int]:
+        return [line for frame, line in frames if frame.f_code.co_filename == str(self.path)]
 
     def changed_libraries(self) -> list[str]:
         """What the script has changed in PathSim, its toolboxes and numpy so far."""
@@ -240,25 +233,18 @@ class FirstRun(Script):
         return names
 
     def target(self, value: Any) -> str:
-        """The variable, attribute or key to which the call that built an object assigns it."""
+        """The variable, attribute or key to which the call that built an object is assigned."""
         node: Any = self.built_at(value)
         parent: Any = self._parents.get(node)
-        target: Any = None
-        if isinstance(parent, ast.Assign):
-            target = parent.targets[0]
-        elif isinstance(parent, (ast.AnnAssign, ast.NamedExpr)):
-            target = parent.target
-        elif isinstance(parent, ast.Dict) and node in parent.values:
+        for around in filter(None, (parent, self._parents.get(parent))):  # ``a, b = f(), g()``
+            for name, made in assignments(around):
+                if made is node:
+                    return name.id
+        target = getattr(parent, "targets", [None])[0]
+        if isinstance(parent, ast.Dict) and node in parent.values:
             target = parent.keys[parent.values.index(node)]
-        elif isinstance(parent, ast.Tuple) and isinstance(self._parents.get(parent), ast.Assign):
-            targets = self._parents[parent].targets[0]  # type: ignore[attr-defined]
-            if isinstance(targets, ast.Tuple) and len(targets.elts) == len(parent.elts):
-                target = targets.elts[parent.elts.index(node)]
-        if isinstance(target, ast.Subscript):
-            target = target.slice
-        if isinstance(target, ast.Constant) and isinstance(target.value, str):
-            return target.value
-        return getattr(target, "attr", getattr(target, "id", ""))
+        key = getattr(getattr(target, "slice", target), "value", "")
+        return getattr(target, "attr", key if isinstance(key, str) else "")
 
     def left_out(self) -> list[tuple[int, str]]:
         """What the script does after its first run, by line."""
