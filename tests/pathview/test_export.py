@@ -1151,3 +1151,15 @@ def test_a_script_that_does_not_end_is_told_of(tmp_path, monkeypatch, capsys):
     (tmp_path / "a.py").write_text(HEAD + "import time\ntime.sleep(0.5)\n" + LOOP, encoding="utf-8")
     assert main(["export", str(tmp_path / "a.py"), "-o", str(tmp_path / "a.pvm")]) == 0
     assert "still runs after 0 s; Ctrl-C ends the export" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_the_models_process_does_not_import_the_program_that_exports(tmp_path):
+    (tmp_path / "a.py").write_text(HEAD + LOOP, encoding="utf-8")
+    program = tmp_path / "program.py"  # without a main guard
+    program.write_text(
+        "from pathsim_jsbsim_blocks.pathview import export_script\nprint('once')\n"
+        f"export_script({str(tmp_path / 'a.py')!r})\n"
+    )
+    done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "once\n"), done.stderr

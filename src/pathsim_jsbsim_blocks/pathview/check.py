@@ -14,7 +14,7 @@ import pathsim.solvers
 from .._core.checks import did_you_mean, nearest
 from ..errors import DiagramError
 from ..scripts.names import bound, used
-from .shape import Json
+from .shape import Json, with_parts
 from .toolboxes import unknown_block
 
 BUSES = {"BusCreator", "BusSelector"}
@@ -38,26 +38,13 @@ def complete(content: Json) -> Json:
     """
 
     def part(old: Json) -> Json:
-        new = {**old, "params": old.get("params") or {}}
-        inside = new.pop("graph", None)
-        return {**new, "graph": graph(inside)} if inside else new
-
-    def node(old: Json) -> Json:
-        own = old["type"].startswith("pathsim.")
-        return part({**old, "type": old["type"].rpartition(".")[2]} if own else old)
-
-    def graph(old: Json) -> Json:
-        return {
-            **old,
-            "nodes": [node(n) for n in old.get("nodes") or []],
-            "connections": old.get("connections") or [],
-            "events": [part(e) for e in old.get("events") or []],
-        }
+        kind = old["type"]
+        if kind.startswith("pathsim.") and not kind.startswith("pathsim.events."):
+            kind = kind.rpartition(".")[2]
+        return {**old, "type": kind, "params": old.get("params") or {}}
 
     return {
-        **content,
-        "graph": graph(content["graph"]),
-        "events": [part(e) for e in content.get("events") or []],
+        **with_parts(content, part),
         "codeContext": {"code": (content.get("codeContext") or {}).get("code") or ""},
         "simulationSettings": content.get("simulationSettings") or {},
     }

@@ -12,7 +12,7 @@ from ..errors import DiagramError
 from .check import BUSES, NUMBERS, Check, compiling, complete
 from .clashes import without_clashes
 from .diagram import NOTE
-from .shape import Json
+from .shape import Json, with_parts
 from .variables import printable
 
 
@@ -81,32 +81,14 @@ def _spliceable(content: Json) -> Json:
     """
 
     def part(old: Json) -> Json:
-        new = {
-            **old,
-            "name": printable(old["name"]),
-            "params": {
-                k: v if k.startswith("_") else _argument(v) for k, v in old["params"].items()
-            },
-        }
-        return {**new, "graph": graph(old["graph"])} if "graph" in old else new
-
-    def graph(old: Json) -> Json:
-        return {
-            **old,
-            "nodes": [n if n["type"] in BUSES else part(n) for n in old["nodes"]],
-            "events": [part(e) for e in old["events"]],
-        }
+        if old["type"] in BUSES:
+            return old
+        params = {k: v if k.startswith("_") else _argument(v) for k, v in old["params"].items()}
+        return {**old, "name": printable(old["name"]), "params": params}
 
     settings = content["simulationSettings"]
-    return {
-        **content,
-        "graph": graph(content["graph"]),
-        "events": [part(e) for e in content["events"]],
-        "simulationSettings": {
-            **settings,
-            **{name: _argument(settings[name]) for name in NUMBERS if name in settings},
-        },
-    }
+    numbers = {name: _argument(settings[name]) for name in NUMBERS if name in settings}
+    return {**with_parts(content, part), "simulationSettings": {**settings, **numbers}}
 
 
 def _argument(value: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import os
 import sys
@@ -22,12 +23,6 @@ from ..errors import DiagramError
 from .rehearsal import Difference, Ended, Job, Parting, Row, rehearse, row
 
 _AT_ONCE = 200  # rows
-# processes that know nothing of this one; where there are forks, with the imports made
-if "forkserver" in multiprocessing.get_all_start_methods():
-    _PROCESSES: Any = multiprocessing.get_context("forkserver")
-    _PROCESSES.set_forkserver_preload([rehearse.__module__, "pathview.converter"])
-else:
-    _PROCESSES = multiprocessing.get_context("spawn")
 
 
 @dataclass(frozen=True)
@@ -65,6 +60,9 @@ class Rehearsal:
         return self
 
     def __exit__(self, *_: Any) -> None:
+        self._end()
+
+    def _end(self) -> None:
         if self._process is not None:
             self._process.kill()
             self._process.join()
@@ -72,9 +70,9 @@ class Rehearsal:
 
     def differences(self, job: Job) -> list[Difference]:
         """Build a model; where it is not as its script's diagram is."""
-        self.__exit__()
-        self._pipe, theirs = _PROCESSES.Pipe()
-        self._process = _PROCESSES.Process(target=rehearse, args=(theirs, job))
+        self._end()
+        self._pipe, theirs = _processes().Pipe()
+        self._process = _processes().Process(target=rehearse, args=(theirs, job))
         # the process would import the main program
         with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
             self._process.start()
@@ -122,3 +120,13 @@ class Rehearsal:
             raise DiagramError(
                 "the model ends the process in which it flies: its code must not", path=self.script
             ) from None
+
+
+@functools.cache
+def _processes() -> Any:
+    """Makes processes that know nothing of this one; where there are forks, with imports made."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([rehearse.__module__, "pathview.converter"])
+    return context

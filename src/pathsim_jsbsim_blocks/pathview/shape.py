@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -51,6 +52,28 @@ _MODEL = {
 _KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list"}
 _FAR = 1e9  # px
 _DEEP = 100  # levels of lists and objects: 30 nested subsystems
+
+
+def with_parts(content: Json, part: Callable[[Json], Json]) -> Json:
+    """A model with ``part(old)`` in place of each block and event, on all levels."""
+
+    def node(old: Json) -> Json:
+        new = dict(part(old))
+        inside = new.pop("graph", None)
+        return {**new, "graph": graph(inside)} if inside else new
+
+    def events(old: Json) -> list[Json]:
+        return [part(event) for event in old.get("events") or []]
+
+    def graph(old: Json) -> Json:
+        return {
+            **old,
+            "nodes": [node(n) for n in old.get("nodes") or []],
+            "connections": old.get("connections") or [],
+            "events": events(old),
+        }
+
+    return {**content, "graph": graph(content["graph"]), "events": events(content)}
 
 
 def check_shape(content: Any, path: Path) -> None:

@@ -9,16 +9,8 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-_OF_DIAGRAMS = {
-    "builtins",
-    "jsbsim",
-    "math",
-    "numpy",
-    "pathsim",
-    "random",
-    "scipy",
-    __name__.partition(".")[0],
-}
+_OURS = __name__.partition(".")[0]
+_OF_DIAGRAMS = {_OURS, "builtins", "jsbsim", "math", "numpy", "pathsim", "random", "scipy"}
 
 
 class Libraries:
