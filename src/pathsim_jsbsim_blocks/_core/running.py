@@ -116,25 +116,24 @@ def intercepted_runs(begin: Callable[[Beginning], None], *methods: str) -> Itera
     methods : str
         further methods of ``Simulation``; calls of one by another do not count
     """
-    inside = False
+    running: list[Simulation] = []
 
     def intercepted(name: str) -> Callable[..., Any]:
         usual = getattr(Simulation, name)
         signature = inspect.signature(usual)
 
         @functools.wraps(usual)
-        def method(*args: Any, **kwargs: Any) -> Any:
-            nonlocal inside
-            if inside:
-                return usual(*args, **kwargs)
-            call = signature.bind(*args, **kwargs)
+        def method(sim: Simulation, *args: Any, **kwargs: Any) -> Any:
+            if sim in running:
+                return usual(sim, *args, **kwargs)
+            call = signature.bind(sim, *args, **kwargs)
             call.apply_defaults()
-            begin(Beginning(call.args[0], name, call.arguments))
-            inside = True
+            begin(Beginning(sim, name, call.arguments))
+            running.append(sim)
             try:
                 return usual(*call.args, **call.kwargs)
             finally:
-                inside = False
+                running.remove(sim)
 
         return method
 
