@@ -29,6 +29,19 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from pathsim.blocks import Scope
 
+__all__ = [
+    "against",
+    "aircraft_points",
+    "exact_curves",
+    "ground_track",
+    "phase_portrait",
+    "saving_to",
+    "show",
+    "signal",
+    "subplots",
+    "time_histories",
+]
+
 _save_to: list[Iterator[Path]] = []
 
 _DASHES = ("-", "--", "-.", ":")
