@@ -293,7 +293,7 @@ before_runs: list[Callable[[Simulation, bool], None]] = []
 
 def _announce_runs() -> None:
     loop = Simulation._run_loop
-    if hasattr(loop, "__wrapped__"):  # this package was imported anew
+    if hasattr(loop, "__wrapped__"):  # the package was imported again
         loop = loop.__wrapped__
 
     @functools.wraps(loop)
@@ -345,7 +345,7 @@ def check_diagrams(
 def _before(owner: type, name: str, check: Callable[..., None]) -> None:
     """Call ``check`` with the arguments of a method, and then the method."""
     method = getattr(owner, name)
-    method = getattr(method, "__wrapped__", method)  # this package was imported anew
+    method = getattr(method, "__wrapped__", method)  # the package was imported again
 
     @functools.wraps(method)
     def checked(*args: Any, **kwargs: Any) -> Any:

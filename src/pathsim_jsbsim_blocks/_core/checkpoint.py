@@ -128,8 +128,8 @@ def _base(path: str | os.PathLike[str]) -> str:
 
 def _digest(data: dict[str, Any], arrays: bytes) -> str:
     """Digest of the JSON file's data, whatever its formatting, and of the NPZ file's bytes."""
-    said = {key: value for key, value in data.items() if key != "digest"}
-    digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+    content = {key: value for key, value in data.items() if key != "digest"}
+    digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode())
     digest.update(arrays)
     return digest.hexdigest()
 

@@ -13,7 +13,7 @@ from pathsim.blocks import Block, Function
 from pathsim.optim.operator import Operator
 
 from ..errors import BlocksError, ParameterError
-from . import wiring  # noqa: F401  (mistakes in the wiring of blocks are told)
+from . import wiring  # noqa: F401  (warns of mistakes in the wiring)
 from ._pathsim import NamedRegister, port_names
 from .checks import did_you_mean, known_keywords, nearest_ports, refuse_unknown
 
@@ -92,13 +92,13 @@ class NamedPorts(Block):
         super().__setattr__(name, value)
 
     def __repr__(self) -> str:
-        said = []
+        given = []
         for name, parameter in inspect.signature(type(self)).parameters.items():
             value = getattr(self, name, parameter.default)
             # by its text, because arrays do not compare to one value
             if repr(value) != repr(parameter.default):
-                said.append(f"{name}={reprlib.repr(value)}")
-        return f"{type(self).__name__}({', '.join(said)})"
+                given.append(f"{name}={reprlib.repr(value)}")
+        return f"{type(self).__name__}({', '.join(given)})"
 
     @classmethod
     def info(cls) -> dict[str, Any]:

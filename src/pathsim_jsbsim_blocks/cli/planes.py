@@ -161,10 +161,10 @@ def _in_state(args: argparse.Namespace) -> Airframe:
 @contextlib.contextmanager
 def _warnings_last() -> Iterator[None]:
     """Print what is warned of after the result: there is no line of the user's to show."""
-    with warnings.catch_warnings(record=True) as said:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
         yield
-    for warning in said:
+    for warning in caught:
         print(f"  {warning.message}")
 
 
@@ -340,7 +340,7 @@ def print_gains(args: argparse.Namespace) -> int:
             root=args.root,
             create=create,
         )
-    except (DesignError, TrimError):  # at no condition: told already
+    except (DesignError, TrimError):  # at no condition: reported already
         return 1
     if args.save is not None:
         found.save(args.save)

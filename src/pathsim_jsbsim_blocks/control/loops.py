@@ -176,8 +176,8 @@ class HeadingLoop:
         error = wrap((found if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
         # an integral of 0
-        anew = PID.holding(proportional + self.bank)
-        law = select(law.engaged & (abs(proportional) < self.pid.high), law, anew)
+        afresh = PID.holding(proportional + self.bank)
+        law = select(law.engaged & (abs(proportional) < self.pid.high), law, afresh)
         phi, law = self.pid.sample(law, error, 0.0, feed=self.bank)
         return phi, HeadingState(found, law)
 

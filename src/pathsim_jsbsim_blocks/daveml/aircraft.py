@@ -121,8 +121,8 @@ def write_aircraft(
         for a name that JSBSim would not accept
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        said = f"name must be letters, digits, _, . and -, the first a letter or _, not {name!r}"
-        refuse("name", name, said)
+        why = f"name must be letters, digits, _, . and -, the first a letter or _, not {name!r}"
+        refuse("name", name, why)
     air, mass, thrust = DaveModel(aero), DaveModel(inertia), ""
     engine = None if propulsion is None else DaveModel(propulsion)
     given = _given(properties, [air, *filter(None, [engine])])

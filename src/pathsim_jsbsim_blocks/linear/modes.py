@@ -81,14 +81,14 @@ class Mode:
         return -math.log(2) * self.time_constant if self.pole.real > 0.0 else math.nan
 
     def __str__(self) -> str:
-        said = [f"{self.frequency:.4g} rad/s"] if self.pole else ["at the origin"]
+        parts = [f"{self.frequency:.4g} rad/s"] if self.pole else ["at the origin"]
         if self.oscillatory:
-            said += [f"damping ratio {self.damping:.3f}", f"period {self.period:.3g} s"]
+            parts += [f"damping ratio {self.damping:.3f}", f"period {self.period:.3g} s"]
         if self.pole.real:
             time = math.log(2) * abs(self.time_constant)
-            said.append(f"{'halves' if self.pole.real < 0.0 else 'doubles'} in {time:.3g} s")
+            parts.append(f"{'halves' if self.pole.real < 0.0 else 'doubles'} in {time:.3g} s")
         states = (name for name, share in self.participation.items() if share > 0.1)
-        return f"{self.name}: {', '.join(said)} ({', '.join(states)})"
+        return f"{self.name}: {', '.join(parts)} ({', '.join(states)})"
 
 
 def natural_modes(A: np.ndarray, states: Sequence[str]) -> list[Mode]:

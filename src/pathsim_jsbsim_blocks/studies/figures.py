@@ -113,7 +113,7 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
     for group, rows in table.groupby(keys, sort=False):
         at = dict(zip(keys, group, strict=True))
         index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
-        said = [
+        parts = [
             f"{at['weight_case']}" if "weight_case" in at else "",
             _cg_travel(rows) if "cg_shift_percent" in at else "",
             f"{at['requested_altitude_ft']:.0f} ft",
@@ -125,7 +125,7 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
             "marker": _MARKERS[index.get("cg_shift_percent", 0) % len(_MARKERS)],
             "linestyle": ("-", "--", "-.", ":")[index["requested_altitude_ft"] % 4],
         }
-        yield ", ".join(filter(None, said)), style, rows
+        yield ", ".join(filter(None, parts)), style, rows
 
 
 def _cg_travel(rows: pd.DataFrame) -> str:

@@ -140,7 +140,7 @@ def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
         row: dict[str, Any] = {"trimmed": True, "reason": "", "warning": ""}
         rows.append(row)
         try:
-            with warnings.catch_warnings(record=True) as said:
+            with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", RuntimeWarning)
                 modes = linear_model(point["aircraft"], condition).modes()
         except TrimError as error:
@@ -148,7 +148,7 @@ def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
         except LinearisationError as error:
             row["reason"] = str(error)
         else:
-            row["warning"] = "; ".join(str(x.message) for x in said)
+            row["warning"] = "; ".join(str(x.message) for x in caught)
             for mode in modes:  # the fastest first
                 name = column(mode.name)
                 if name == "short_period" and f"{name}_real" in row:
