@@ -24,7 +24,7 @@ for package in ("jsbsim", "pathsim", "pathsim-flight"):
 import jsbsim
 
 jsbsim.FGJSBBase().debug_lvl = 0  # no messages
-fdm = jsbsim.FGFDMExec(None)  # None: the aircraft that come with the package
+fdm = jsbsim.FGFDMExec(None)  # the aircraft of the package
 fdm.load_model("c172p")
 fdm["ic/h-sl-ft"] = 3000.0
 fdm["ic/vc-kts"] = 80.0
@@ -79,7 +79,8 @@ for name, value in alone.items():
 # %%
 from pathsim_jsbsim_blocks import Aircraft
 
-plane = Aircraft("c172p", altitude=3000.0, speed=80.0, heading=45.0)  # ft, KCAS, deg
+# ft, KCAS, deg
+plane = Aircraft("c172p", altitude=3000.0, speed=80.0, heading=45.0)
 plane.trim
 
 # %% [markdown]
@@ -91,7 +92,12 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
 flight = Scope(
-    labels=["altitude [ft]", "true airspeed [ft/s]", "pitch angle [deg]", "roll angle [deg]"]
+    labels=[
+        "altitude [ft]",
+        "true airspeed [ft/s]",
+        "pitch angle [deg]",
+        "roll angle [deg]",
+    ]
 )
 heading = Scope(labels=["heading [deg]"])
 sim = Simulation(
@@ -114,10 +120,16 @@ sim = Simulation(
 sim.run(1.0)
 time, recorded = flight.read()
 print(f"{'':22} {'JSBSim':>9} {'Aircraft':>9}")
-ours = [100 * plane.trim.throttle[0], 100 * plane.trim.pitch_trim, plane.trim.alpha]
+ours = [
+    100 * plane.trim.throttle[0],
+    100 * plane.trim.pitch_trim,
+    plane.trim.alpha,
+]
 for (name, value), block in zip(trimmed.items(), ours):
     print(f"{name:22} {value:9.4f} {block:9.4f}")
-for (name, value), block in zip(alone.items(), [*recorded[:, -1], plane.outputs["psi"]]):
+for (name, value), block in zip(
+    alone.items(), [*recorded[:, -1], plane.outputs["psi"]]
+):
     print(f"{name:22} {value:9.4f} {block:9.4f}")
 
 # %% [markdown]
@@ -127,7 +139,9 @@ for (name, value), block in zip(alone.items(), [*recorded[:, -1], plane.outputs[
 # %%
 from pathsim_jsbsim_blocks.plots import time_histories
 
-time_histories(flight, heading, title="c172p, trimmed: 1 s of nothing happening")
+time_histories(
+    flight, heading, title="c172p, trimmed: 1 s of nothing happening"
+)
 
 # %% [markdown]
 # ## Properties
@@ -158,7 +172,9 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 diagram = load_diagram("hello_jsbsim")
 diagram.sim.run(diagram.DURATION)
-print(f"{diagram.aircraft.outputs['h']:.4f} ft after {diagram.sim.time:.0f} s")
+print(
+    f"{diagram.aircraft.outputs['h']:.4f} ft after {diagram.sim.time:.0f} s"
+)
 
 # %% [markdown]
 # Next: [a minute of trimmed flight, and a turn](02_trimmed_flight.ipynb).

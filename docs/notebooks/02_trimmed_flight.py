@@ -23,8 +23,9 @@ trim = plane.trim
 print(f"angle of attack {trim.alpha:7.4f} deg")
 print(f"throttle        {trim.throttle[0]:7.4f}")
 print(f"roll angle      {trim.phi:7.4f} deg")
-true_airspeed = plane.outputs["vt"] * 3600 * 0.3048 / 1852  # from ft/s to knots
-print(f"{trim.speed:.1f} KCAS are {true_airspeed:.1f} KTAS at {trim.altitude:.0f} ft")
+knots = 3600 * 0.3048 / 1852  # of 1 ft/s
+true_airspeed = knots * plane.outputs["vt"]
+print(f"{trim.speed:.1f} KCAS are {true_airspeed:.1f} KTAS here")
 
 # %% [markdown]
 # The aircraft advances at 120 Hz; its motion is slow, so the scopes record at 10 Hz: `sampling_period=0.1`. Signals with
@@ -34,12 +35,21 @@ print(f"{trim.speed:.1f} KCAS are {true_airspeed:.1f} KTAS at {trim.altitude:.0f
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
-flight = Scope(sampling_period=0.1, labels=["altitude [ft]", "calibrated airspeed [kt]"])
+flight = Scope(
+    sampling_period=0.1,
+    labels=["altitude [ft]", "calibrated airspeed [kt]"],
+)
 attitude = Scope(
     sampling_period=0.1,
-    labels=["angle of attack [deg]", "pitch angle [deg]", "roll angle [deg]"],
+    labels=[
+        "angle of attack [deg]",
+        "pitch angle [deg]",
+        "roll angle [deg]",
+    ],
 )
-track = Scope(sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"])
+track = Scope(
+    sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"]
+)
 sim = Simulation(
     [plane, flight, attitude, track],
     [
@@ -67,7 +77,9 @@ time_histories(flight, attitude, title="c172p: trimmed flight")
 
 # %%
 time, (latitude, longitude) = track.read()
-ground_track(time, latitude, longitude, title="c172p: trimmed flight, ground track")
+ground_track(
+    time, latitude, longitude, title="c172p: trimmed flight, ground track"
+)
 
 # %% [markdown]
 # The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force that comes with
@@ -110,9 +122,16 @@ fdm = JSBSimFDM(
 )
 response = Scope(
     sampling_period=0.1,
-    labels=["aileron command [-]", "roll angle [deg]", "altitude [ft]", "heading [deg]"],
+    labels=[
+        "aileron command [-]",
+        "roll angle [deg]",
+        "altitude [ft]",
+        "heading [deg]",
+    ],
 )
-track = Scope(sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"])
+track = Scope(
+    sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"]
+)
 sim = Simulation(
     [aileron, fdm, response, track],
     [
@@ -131,7 +150,9 @@ time_histories(response, title="c172p: aileron -0.15 for 5 s")
 
 # %%
 time, (latitude, longitude) = track.read()
-ground_track(time, latitude, longitude, title="c172p: aileron turn, ground track")
+ground_track(
+    time, latitude, longitude, title="c172p: aileron turn, ground track"
+)
 
 # %% [markdown]
 # A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to 57 deg, and goes on turning and descending when

@@ -67,7 +67,9 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(20.0)
-time_histories(scope, title=f"damped oscillator: wn = {wn:g} rad/s, zeta = {zeta:g}")
+time_histories(
+    scope, title=f"damped oscillator: wn = {wn:g} rad/s, zeta = {zeta:g}"
+)
 
 # %% [markdown]
 # Half a period after the start, $x = -e^{-\pi \zeta / \sqrt{1 - \zeta^2}}$:
@@ -76,8 +78,9 @@ time_histories(scope, title=f"damped oscillator: wn = {wn:g} rad/s, zeta = {zeta
 import math
 
 _, (x, v) = scope.read()
+exact = -math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
 print(f"first swing to the other side {x.min():.4f}")
-print(f"exact                         {-math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2)):.4f}")
+print(f"exact                         {exact:.4f}")
 
 # %% [markdown]
 # ## A step response
@@ -115,7 +118,8 @@ sim = Simulation(
 sim.run(15.0)
 time, (u, y) = scope.read()
 print(
-    f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant, exact {1 - math.exp(-1):.4f}"
+    f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant, "
+    f"exact {1 - math.exp(-1):.4f}"
 )
 time_histories(scope, title=f"first-order lag: tau = {tau:g} s")
 
@@ -159,7 +163,10 @@ sim.run(40.0)
 time, (x, v) = scope.read()
 print(f"amplitude {abs(x[time > 15.0]).max():.3f}")
 phase_portrait(
-    x, v, ("position x [-]", "velocity v [1/s]"), title=f"Van der Pol's oscillator: mu = {mu:g}"
+    x,
+    v,
+    ("position x [-]", "velocity v [1/s]"),
+    title=f"Van der Pol's oscillator: mu = {mu:g}",
 )
 
 # %% [markdown]
@@ -173,7 +180,9 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 for name in ("damped_oscillator", "step_response", "van_der_pol"):
     diagram = load_diagram(name)
     diagram.sim.run(diagram.DURATION)
-    print(f"{name}: {len(diagram.sim.blocks)} blocks, {diagram.sim.time:.0f} s")
+    print(
+        f"{name}: {len(diagram.sim.blocks)} blocks, {diagram.sim.time:.0f} s"
+    )
 
 # %% [markdown]
 # `pathsim-jsbsim view van_der_pol` opens the diagram in the editor. A model becomes a script again, by the editor's own
@@ -187,7 +196,9 @@ from pathsim_jsbsim_blocks.catalogue import diagram_folder
 from pathsim_jsbsim_blocks.pathview import convert_model
 
 with tempfile.TemporaryDirectory() as folder:
-    script = convert_model(diagram_folder() / "van_der_pol.pvm", Path(folder, "van_der_pol.py"))
+    script = convert_model(
+        diagram_folder() / "van_der_pol.pvm", Path(folder, "van_der_pol.py")
+    )
     lines = script.read_text(encoding="utf-8").splitlines()
 start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
 print("\n".join(lines[start : start + 6]))

@@ -70,7 +70,9 @@ print(fdm["fcs/elevator-cmd-norm"], fdm["fcs/pitch-trim-cmd-norm"])
 # %%
 from pathsim_jsbsim_blocks import DoubletSource
 
-doublet = DoubletSource(amplitude=0.1, start=10.0, width=1.0, gap=1.0, polarity=-1)
+doublet = DoubletSource(
+    amplitude=0.1, start=10.0, width=1.0, gap=1.0, polarity=-1
+)
 
 # %% [markdown]
 # The scope shows the command in per cent, which an `Amplifier` makes of it.
@@ -96,11 +98,16 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(40.0)
-time_histories(scope, title="Global 5000: elevator doublet at 15,000 ft, 250 KCAS")
+time_histories(
+    scope, title="Global 5000: elevator doublet at 15,000 ft, 250 KCAS"
+)
 
 # %%
 time, (command, alpha) = scope.read()
-print(f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, {alpha[-1]:.2f} deg at the end")
+print(
+    f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
+    f"{alpha[-1]:.2f} deg at the end"
+)
 
 # %% [markdown]
 # ## The shorter way

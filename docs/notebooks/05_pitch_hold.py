@@ -42,7 +42,13 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
 pitch = Scope(labels=["pitch angle [deg]", "reference [deg]"])
-flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "elevator increment [-]"])
+flight = Scope(
+    labels=[
+        "altitude [ft]",
+        "calibrated airspeed [kt]",
+        "elevator increment [-]",
+    ]
+)
 sim = Simulation(
     [plane, hold, pitch, flight],
     [
@@ -62,7 +68,9 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(30.0)
-time_histories(pitch, flight, title=f"c172p: pitch hold at {hold.theta_ref:g} deg")
+time_histories(
+    pitch, flight, title=f"c172p: pitch hold at {hold.theta_ref:g} deg"
+)
 
 # %% [markdown]
 # The aircraft climbs, and slows down: the throttle does not move.
@@ -90,7 +98,11 @@ from pathsim.blocks import Adder, Amplifier, Constant
 
 
 def flight_with(gain):
-    plane, reference, error = Aircraft("c172p", altitude=5000, speed=90), Constant(3.0), Adder("+-")
+    plane, reference, error = (
+        Aircraft("c172p", altitude=5000, speed=90),
+        Constant(3.0),
+        Adder("+-"),
+    )
     controller = Amplifier(gain)
     scope = Scope(labels=["pitch angle [deg]"])
     sim = Simulation(
@@ -113,6 +125,8 @@ for gain in (0.01, -0.01):
     print(f"gain {gain:+.2f}: {theta[-1]:5.2f} deg after 8 s")
 
 # %% [markdown]
+# The published flight has the wrong sign, and its panel "Elevator command" shows the pitch error in degrees.
+#
 # With the right sign the pitch angle moves towards 3 deg, but so small a gain never gets it there: that takes the integral
 # action of [`PitchHold`](../autopilots.md).
 #
@@ -129,14 +143,19 @@ from pathsim_jsbsim_blocks import DoubletSource
 def alpha_at(rate):
     plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / rate)
     doublet, scope = DoubletSource(amplitude=0.1, start=1.0), Scope()
-    wires = [Connection(doublet, plane["elevator"]), Connection(plane["alpha"], scope)]
-    Simulation([plane, doublet, scope], wires, dt=1 / rate, log=False).run(6.0)
+    wires = [
+        Connection(doublet, plane["elevator"]),
+        Connection(plane["alpha"], scope),
+    ]
+    sim = Simulation([plane, doublet, scope], wires, dt=1 / rate, log=False)
+    sim.run(6.0)
     return scope.read()[1][0][:: rate // 60]
 
 
 fine = alpha_at(960)
 for rate in (60, 120):
-    print(f"{rate} Hz: off by at most {abs(alpha_at(rate) - fine).max():.3f} deg")
+    error = abs(alpha_at(rate) - fine).max()
+    print(f"{rate} Hz: off by at most {error:.3f} deg")
 
 # %% [markdown]
 # ## The standard atmosphere
@@ -159,7 +178,15 @@ from pathsim_jsbsim_blocks.plots import subplots
 
 altitude = Source(lambda t: 100.0 * t)  # m
 air = ISAtmosphere()
-scope = Scope(labels=["altitude", "pressure", "density", "temperature", "speed of sound"])
+scope = Scope(
+    labels=[
+        "altitude",
+        "pressure",
+        "density",
+        "temperature",
+        "speed of sound",
+    ]
+)
 sim = Simulation(
     [altitude, air, scope],
     [
@@ -174,7 +201,9 @@ sim = Simulation(
 )
 sim.run(110.0)
 _, (height, pressure, density, temperature, sound) = scope.read()
-figure, axes = subplots(2, 2, sharey=True, layout="constrained", figsize=(8, 6))
+figure, axes = subplots(
+    2, 2, sharey=True, layout="constrained", figsize=(8, 6)
+)
 panels = {
     "pressure [hPa]": pressure / 100,
     "density [kg/m³]": density,
@@ -212,7 +241,10 @@ for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
     here = isa(level * foot)
     true = cas_to_tas(120 * knot, here) / knot
     wrong = eas_to_tas(120 * knot, here) / knot
-    print(f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  {wrong:22.1f}")
+    print(
+        f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  "
+        f"{wrong:22.1f}"
+    )
 
 # %% [markdown]
 # ## The shorter way
@@ -225,7 +257,9 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 diagram = load_diagram("pitch_hold")
 diagram.sim.run(diagram.DURATION)
-print(f"{diagram.aircraft.outputs['theta']:.3f} deg after {diagram.sim.time:.0f} s")
+print(
+    f"{diagram.aircraft.outputs['theta']:.3f} deg after {diagram.sim.time:.0f} s"
+)
 
 # %% [markdown]
 # Next: [angle of attack against airspeed](06_alpha.ipynb).

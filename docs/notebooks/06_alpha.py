@@ -15,9 +15,8 @@
 from pathsim_jsbsim_blocks import studies
 
 table = studies.aoa_vs_cas(jobs=1, progress=False)
-table[["requested_speed_kcas", "trimmed", "alpha_deg", "elevator_norm", "reason"]].iloc[::6].round(
-    3
-)
+columns = ["requested_speed_kcas", "alpha_deg", "elevator_norm", "reason"]
+table[columns].iloc[::6].round(3)
 
 # %%
 studies.alpha_elevator_chart(table)
@@ -38,7 +37,10 @@ fails.groupby("reason").requested_speed_kcas.agg(["count", "min", "max"])
 # engines cannot balance the drag. To the 10 knots of the table:
 
 # %%
-print(f"V_min {trims.speed_kcas.min():.0f} KCAS, V_max {trims.speed_kcas.max():.0f} KCAS")
+print(
+    f"V_min {trims.speed_kcas.min():.0f} KCAS, "
+    f"V_max {trims.speed_kcas.max():.0f} KCAS"
+)
 
 # %% [markdown]
 # ## Weight and CG
@@ -57,7 +59,11 @@ studies.alpha_elevator_chart(loading)
 
 # %%
 cessna = studies.aoa_vs_cas(
-    aircraft="c172p", altitude=3000, speeds=range(60, 130, 10), jobs=1, progress=False
+    aircraft="c172p",
+    altitude=3000,
+    speeds=range(60, 130, 10),
+    jobs=1,
+    progress=False,
 )
 cessna[["speed_kcas", "alpha_deg", "weight_lb", "cg_x_in"]].round(2)
 

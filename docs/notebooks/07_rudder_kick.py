@@ -65,14 +65,17 @@ sim = Simulation(
 from pathsim_jsbsim_blocks.plots import signal, time_histories
 
 sim.run(20.0)  # as long as the published flight
-time_histories(commands, response, heading, title="737: rudder kick at 200 KCAS")
+time_histories(
+    commands, response, heading, title="737: rudder kick at 200 KCAS"
+)
 
 # %%
 for label in ("aileron command", "rudder command"):
     print(f"{label}: at most {signal(commands, label)[1].max():.4f}")
 outputs = plane.outputs
 print(
-    f"bank {outputs['phi']:.1f} deg, heading {outputs['psi']:.1f} deg, sideslip {outputs['beta']:.1f} deg"
+    f"bank {outputs['phi']:.1f} deg, heading {outputs['psi']:.1f} deg, "
+    f"sideslip {outputs['beta']:.1f} deg"
 )
 
 # %% [markdown]
@@ -88,7 +91,9 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 diagram = load_diagram("rudder_kick")
 diagram.sim.run(diagram.DURATION)
-print(f"bank {diagram.aircraft.outputs['phi']:.1f} deg after {diagram.sim.time:.0f} s")
+print(
+    f"bank {diagram.aircraft.outputs['phi']:.1f} deg after {diagram.sim.time:.0f} s"
+)
 
 # %% [markdown]
 # Next: [thrust vectoring](08_thrust_vectoring.ipynb).

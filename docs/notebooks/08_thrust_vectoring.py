@@ -17,7 +17,8 @@ for case, rows in table.groupby("case", sort=False):
     least = rows.loc[rows.thrust_lb.idxmin()]
     saved = 100 * (1 - least.thrust_lb / rows.thrust_lb.iloc[0])
     print(
-        f"{case}: {least.thrust_lb:,.0f} lbf at about {least.thrust_angle_deg:.0f} deg, {saved:.2f} % saved"
+        f"{case}: {least.thrust_lb:,.0f} lbf at about "
+        f"{least.thrust_angle_deg:.0f} deg, {saved:.2f} % saved"
     )
 
 # %% [markdown]
@@ -43,8 +44,14 @@ conditions = {
     "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0},
 }
 for case, condition in conditions.items():
-    engines = {f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(4.0) for i in (0, 1)}
-    grid = [{**condition, **engines, "fuel": [fuel] * 3} for fuel in range(6000, 11000, 1000)]
+    engines = {
+        f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(4.0)
+        for i in (0, 1)
+    }
+    grid = [
+        {**condition, **engines, "fuel": [fuel] * 3}
+        for fuel in range(6000, 11000, 1000)
+    ]
     trims = studies.trim_sweep(
         "737",
         grid,
@@ -55,12 +62,14 @@ for case, condition in conditions.items():
     drag, lift = (abs(trims[f"forces/fw{axis}-aero-lbs"]) for axis in "xz")
     weight = table[table.case == case].weight_lb.iloc[0]
     slope = np.polyval(
-        np.polyder(np.polyfit(lift, drag, 2)), np.interp(weight, trims.weight_lb, lift)
+        np.polyder(np.polyfit(lift, drag, 2)),
+        np.interp(weight, trims.weight_lb, lift),
     )
     alpha = np.interp(weight, trims.weight_lb, trims.alpha_deg)
     angle = math.degrees(math.atan(slope))
     print(
-        f"{case}: dD/dL {slope:.3f}, {angle:.1f} deg to the path, {angle - alpha:.1f} deg to the body axis"
+        f"{case}: dD/dL {slope:.3f}, {angle:.1f} deg to the path, "
+        f"{angle - alpha:.1f} deg to the body axis"
     )
 
 # %% [markdown]

@@ -15,7 +15,9 @@
 # %%
 from pathsim_jsbsim_blocks import studies
 
-table = studies.trim_envelope(speeds=range(120, 460, 20), jobs=1, progress=False)
+table = studies.trim_envelope(
+    speeds=range(120, 460, 20), jobs=1, progress=False
+)
 studies.envelope_map(table)
 
 # %% [markdown]

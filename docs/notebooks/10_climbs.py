@@ -29,9 +29,15 @@ setup = {
     "aero/alpha-min-rad": math.radians(-4.0),
     "aero/alpha-max-rad": math.radians(12.0),
 }
-labels = ["altitude [ft]", "calibrated airspeed [kt]", "flight path angle [deg]"]
+labels = [
+    "altitude [ft]",
+    "calibrated airspeed [kt]",
+    "flight path angle [deg]",
+]
 
-plane = Aircraft("A4", altitude=1000.0, speed=300.0, gamma=5.0, gear=1.0, setup=setup)
+plane = Aircraft(
+    "A4", altitude=1000.0, speed=300.0, gamma=5.0, gear=1.0, setup=setup
+)
 held = Scope(sampling_period=1.0, labels=labels)
 top = Condition(
     func_evt=lambda t: plane.outputs["h"] >= 20000.0,
@@ -50,7 +56,10 @@ sim = Simulation(
 )
 fly(sim, 900.0, progress=False)
 _, (h, speed, gamma) = held.read()
-print(f"{h[-1]:.1f} ft after {sim.time:.1f} s at {speed[-1]:.1f} KCAS and {gamma[-1]:.2f} deg")
+print(
+    f"{h[-1]:.1f} ft after {sim.time:.1f} s at {speed[-1]:.1f} KCAS "
+    f"and {gamma[-1]:.2f} deg"
+)
 
 # %% [markdown]
 # `fly` runs a diagram as `sim.run` does, in less time per step. The path flattens: the engine has less thrust in thinner air.
@@ -63,7 +72,9 @@ print(f"{h[-1]:.1f} ft after {sim.time:.1f} s at {speed[-1]:.1f} KCAS and {gamma
 from pathsim_jsbsim_blocks import studies
 
 table = studies.climb_schedule(jobs=1, progress=False)
-table[["altitude_ft", "throttle_norm", "pitch_trim_norm"]].iloc[::4].round(4)
+table[["altitude_ft", "throttle_norm", "pitch_trim_norm"]].iloc[::4].round(
+    4
+)
 
 # %%
 studies.climb_chart(table)
@@ -79,11 +90,21 @@ from pathsim.blocks import LUT1D
 
 from pathsim_jsbsim_blocks import JSBSimFDM
 
-throttle = LUT1D(points=table.altitude_ft.to_numpy(), values=table.throttle_norm.to_numpy())
-pitch_trim = LUT1D(points=table.altitude_ft.to_numpy(), values=table.pitch_trim_norm.to_numpy())
+throttle = LUT1D(
+    points=table.altitude_ft.to_numpy(),
+    values=table.throttle_norm.to_numpy(),
+)
+pitch_trim = LUT1D(
+    points=table.altitude_ft.to_numpy(),
+    values=table.pitch_trim_norm.to_numpy(),
+)
 fdm = JSBSimFDM(
     input_properties=["fcs/throttle-cmd-norm", "fcs/pitch-trim-cmd-norm"],
-    output_properties=["position/h-sl-ft", "velocities/vc-kts", "flight-path/gamma-deg"],
+    output_properties=[
+        "position/h-sl-ft",
+        "velocities/vc-kts",
+        "flight-path/gamma-deg",
+    ],
     aircraft_model="A4",
     trim_airspeed=300.0,
     trim_altitude=1000.0,
@@ -99,7 +120,9 @@ top = Condition(
 climb = Simulation(
     [fdm, throttle, pitch_trim, scheduled],
     [
-        Connection(fdm["position/h-sl-ft"], throttle, pitch_trim, scheduled[0]),
+        Connection(
+            fdm["position/h-sl-ft"], throttle, pitch_trim, scheduled[0]
+        ),
         Connection(fdm["velocities/vc-kts"], scheduled[1]),
         Connection(fdm["flight-path/gamma-deg"], scheduled[2]),
         Connection(throttle, fdm["fcs/throttle-cmd-norm"]),
@@ -112,7 +135,10 @@ climb = Simulation(
 fly(climb, 450.0, progress=False)
 _, (h, speed, gamma) = scheduled.read()
 h_end = fdm.outputs["position/h-sl-ft"]
-print(f"{h_end:.1f} ft after {climb.time:.1f} s at {speed[-1]:.1f} KCAS and {gamma[-1]:.2f} deg")
+print(
+    f"{h_end:.1f} ft after {climb.time:.1f} s at {speed[-1]:.1f} KCAS "
+    f"and {gamma[-1]:.2f} deg"
+)
 
 # %%
 from pathsim_jsbsim_blocks.plots import against
@@ -167,8 +193,14 @@ sim = Simulation(
     log=False,
 )
 sim.run(1350.0)
-print(f"crossover altitude {crossover_altitude(250 * knot, 0.70) / foot:,.0f} ft")
-against("true airspeed", {"climb": speeds}, title="climb at 250 KCAS / Mach 0.70")
+print(
+    f"crossover altitude {crossover_altitude(250 * knot, 0.70) / foot:,.0f} ft"
+)
+against(
+    "true airspeed",
+    {"climb": speeds},
+    title="climb at 250 KCAS / Mach 0.70",
+)
 
 # %% [markdown]
 # ## The shorter way
