@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .airframe import Airframe
+from .fleet import LevelFlight, level_flight
 from .model_files import aircraft_names, empty_weight_cg, has_retractable_gear
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
@@ -11,15 +12,12 @@ from .trimming.condition import TrimCondition
 if TYPE_CHECKING:
     from .aircraft import Aircraft
     from .fdm import JSBSimFDM
-    from .fleet import LevelFlight, level_flight
     from .linear import linear_model
 else:
     # loaded at first use: without PathSim a worker that trims starts in a fifth of the time
     _WITH_PATHSIM = {
         "Aircraft": "aircraft",
         "JSBSimFDM": "fdm",
-        "LevelFlight": "fleet",
-        "level_flight": "fleet",
         "linear_model": "linear",
     }
 

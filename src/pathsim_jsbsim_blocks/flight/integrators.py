@@ -51,12 +51,7 @@ PRESETS: Mapping[str, Mapping[str, str]] = {
 
 
 def integrator_properties(integrators: Any) -> dict[str, int]:
-    """JSBSim's properties for integrators, with their values.
-
-    Parameters
-    ----------
-    integrators : str or dict
-        a preset, or methods by state; a state not named keeps JSBSim's own
+    """JSBSim's properties for a preset or methods by state, with their values.
 
     Raises
     ------

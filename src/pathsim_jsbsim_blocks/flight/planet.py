@@ -38,13 +38,7 @@ GRAVITY: Mapping[str, int] = {"point mass": 0, "J2": 1}
 
 
 def planet_xml(planet: Any) -> str:
-    """A planet as JSBSim reads it.
-
-    Parameters
-    ----------
-    planet : str or dict
-        a name of `PLANETS`, or what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis``
-        (ft), ``rotation_rate`` (rad/s), ``GM`` (ft3/s2), ``J2``
+    """A planet, a name of `PLANETS` or what differs from WGS-84, as JSBSim reads it.
 
     Raises
     ------
@@ -83,11 +77,5 @@ def planet_xml(planet: Any) -> str:
 
 
 def gravity_properties(gravity: Any) -> dict[str, int]:
-    """JSBSim's property for a gravity model, with its value.
-
-    Raises
-    ------
-    ParameterError
-        for an unknown model
-    """
+    """JSBSim's property for a gravity model, with its value."""
     return {"simulation/gravity-model": GRAVITY[one_of("gravity", gravity, GRAVITY)]}

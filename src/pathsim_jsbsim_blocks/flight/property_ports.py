@@ -58,20 +58,9 @@ def check_ports(
 ) -> None:
     """Refuse what cannot be the ports of a block.
 
-    Parameters
-    ----------
-    parameter : str
-        name of the list, for messages
-    names : list of str
-        the list
-    ports : sequence of str
-        the names of the block's ports; a list that has changed since is refused
-    airframe : Airframe
-        the aircraft
-    short : dict
-        names that stand for properties
-    taken : dict
-        ports that write properties already, by the property
+    ``ports`` are the names that the block has after its fixed ones: a list that has changed since
+    is refused. ``short`` are names that stand for properties, ``taken`` the ports that write
+    properties already, by the property.
 
     Raises
     ------

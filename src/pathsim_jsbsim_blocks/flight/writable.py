@@ -53,15 +53,7 @@ _NUMBERED = {
 
 
 def why_not(name: str, has: Callable[[str], bool]) -> str:
-    """Why a property is never written; empty for others.
-
-    Parameters
-    ----------
-    name : str
-        the property in the spelling of JSBSim's catalogue
-    has : callable
-        whether the aircraft has a property
-    """
+    """Why a property, as JSBSim's catalogue spells it, is never written; empty for others."""
     engine = _INJECTION.fullmatch(name)
     if engine and not has(f"{engine[1]}/Injection"):
         return "this engine has no table of the thrust with injection, which JSBSim would read"
@@ -86,17 +78,7 @@ def why_no_input(name: str) -> str:
 
 
 def value_check(name: str, aircraft: str, engines: int) -> Check | None:
-    """What refuses values of a property; None for a property of which JSBSim takes any.
-
-    Parameters
-    ----------
-    name : str
-        the property in the spelling of JSBSim's catalogue
-    aircraft : str
-        the model's name, for messages
-    engines : int
-        number of the model's engines
-    """
+    """What refuses values of a property; None for a property of which JSBSim takes any."""
     for pattern, (low, high) in _RANGES.items():
         if re.fullmatch(pattern, name):
             return lambda said, value: number(said, value, low=low, high=high)

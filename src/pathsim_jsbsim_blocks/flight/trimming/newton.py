@@ -102,51 +102,29 @@ _ROWS_AT_FIXED_PITCH = 10
 
 
 class Seed(NamedTuple):
-    """Where a search found its trim, for the next one near it.
+    """Where a search found its trim, for the next one near it."""
 
-    Attributes
-    ----------
-    free : dict
-        as of `Found`
-    slopes : array
-        of the residuals by these, in tolerances
-    has_memory : bool
-        whether the flight control system takes more than one reading to settle
-    in_time : bool
-        as of `Search`
-    near : bool
-        whether the last search found its trim; otherwise the next one starts from its own
-        guesses
-    """
-
+    # as of `Found`, and the slopes of the residuals by these, in tolerances
     free: Mapping[str, float]
     slopes: np.ndarray
+    # whether the flight control system takes more than one reading to settle
     has_memory: bool
     in_time: bool
+    # whether the last search found its trim; otherwise the next one starts from its own guesses
     near: bool = True
 
 
 class Found(NamedTuple):
-    """Where a search ended.
+    """Where a search ended."""
 
-    Attributes
-    ----------
-    converged : bool
-        whether all residuals are within their tolerances
-    free : dict
-        what the search moved: rad, ft/s, fractions of a command's range
-    binding : str
-        the one at the end of its range that holds the search back; empty if none is
-    residuals : dict
-        ft/s2 and rad/s2
-    seed : Seed or None
-        for the next search, if this one has converged
-    """
-
+    # whether all residuals are within their tolerances
     converged: bool
+    # what the search moved: rad, ft/s, fractions of a command's range
     free: Mapping[str, float]
+    # the one at the end of its range that holds the search back; empty if none is
     binding: str
     residuals: Mapping[str, float]
+    # for the next search, if this one has converged
     seed: Seed | None
 
 
