@@ -2,11 +2,13 @@
 
 import copy
 import dataclasses
+import gc
 import math
 import pickle
 import subprocess
 import sys
 import warnings
+import weakref
 
 import pytest
 from how_many import first
@@ -607,3 +609,12 @@ def test_a_failed_search_with_an_infinite_property_warns_of_nothing():
         warnings.simplefilter("error")
         with pytest.raises(TrimError):
             trim(Airframe("p51d"), TrimCondition(altitude=5000, speed=40), hint=False)
+
+
+def test_an_airframe_that_was_trimmed_can_be_freed():
+    airframe = Airframe("737")
+    trim(airframe, TrimCondition(altitude=15000, speed=280, gear=0, solver="newton"))
+    gone = weakref.ref(airframe)
+    del airframe
+    gc.collect()
+    assert gone() is None
