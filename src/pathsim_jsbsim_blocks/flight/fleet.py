@@ -87,14 +87,14 @@ def _first(
     root: str | None,
     tries: Sequence[tuple[float, float]],
     fly: float = 0.0,
-    **said: Any,
+    **fields: Any,
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
     airframe, create, clean = prepared(aircraft, root)
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
         speed = level_speed(airframe, lift_coefficient)
-        condition = replace(clean, altitude=altitude, speed=speed, **said)
+        condition = replace(clean, altitude=altitude, speed=speed, **fields)
         try:
             # a failed search affects the next one, so each has its own airframe
             fresh = Airframe(aircraft, root=root, create=create)
@@ -106,7 +106,7 @@ def _first(
     assert first is not None
     others = len(tries) - 1
     elsewhere = f" and at {others} other conditions" if others else ""
-    sought = "glide" if said["mode"] == "glide" else "level flight"
+    sought = "glide" if fields["mode"] == "glide" else "level flight"
     raise first.reworded(f"no {sought}: {first} (tried there{elsewhere})")
 
 

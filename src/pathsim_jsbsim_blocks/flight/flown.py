@@ -46,7 +46,7 @@ _TURBINE_THROTTLE, _PISTON_THROTTLE = 1e-3, 1e-2
 _AMPLITUDES = {"norm": 5e-3, "deg": 0.1, "rad": 1e-3, "ft/s": 0.1, "kt": 0.1}
 
 # responses below this fraction of the largest one of an output have no meaningful shape
-_HARDLY = 0.3
+_SMALL_RESPONSE = 0.3
 
 # but these are judged however small: what each command is for
 _PURPOSES = {
@@ -61,11 +61,11 @@ _PURPOSES = {
 _WAY, _DOUBLET, _DOUBLET_THROTTLE = 1.0, 2.0, 0.01
 
 # relative to the size of a signal: no response at all
-_NOTHING = 1e-9
+_NO_RESPONSE = 1e-9
 
 # even over odd part of a response: worth a warning (above 10 %, in the whole percent that it is
 # told in), and no linear response at all
-_KINKED, _BROKEN = 0.105, 0.5
+_KINKED, _NOT_LINEAR = 0.105, 0.5
 
 # error after a doublet that is worth a warning, in what a command is for and in the rest: drag is
 # even, so that the airspeed follows no elevator within 5 %
@@ -81,7 +81,7 @@ _LONG = 0.1
 _LONGEST_FLIGHT = 60
 
 # largest error of a model that fits
-_WORST_FIT = 0.3
+_MAX_FIT_ERROR = 0.3
 
 
 def flown_model(
@@ -126,7 +126,7 @@ class _Responses:
         self._ports, self._names = subject.inputs, [c.name for c in subject.inputs]
         self.still = still
         self._odd, self._even = (up - down) / 2, (up + down) / 2 - still
-        nothing = _NOTHING * (1.0 + np.abs(still).max(axis=0))
+        nothing = _NO_RESPONSE * (1.0 + np.abs(still).max(axis=0))
         self._pulsed = self._odd[:, : flights.pulsed]
         size = _rms(self._pulsed)
         for name, height, rms in zip(self._names, flights.heights, size, strict=True):
@@ -139,12 +139,12 @@ class _Responses:
         even = _rms(self._even[:, : flights.pulsed])
         self._kinked = (even / np.maximum(size, nothing)).T
         # a signal that responds alike to up and down has no response of the first order
-        self._mute = [i for i, kinked in enumerate(self._kinked) if np.all(kinked > _BROKEN)]
+        self._mute = [i for i, kinked in enumerate(self._kinked) if np.all(kinked > _NOT_LINEAR)]
         motion = [i for i, c in enumerate(self._signals) if c in RIGID]
         self._rigid = [i for i in motion if i not in self._mute]
         kinked = np.where((size > nothing).T, self._kinked, np.nan)[motion]
         for name, kinks in zip(self._names, kinked.T, strict=True):
-            if np.any(kinks > _BROKEN) and not np.any(kinks <= _BROKEN):
+            if np.any(kinks > _NOT_LINEAR) and not np.any(kinks <= _NOT_LINEAR):
                 why = f"up and down are not opposite in any response to {name!r}: it is at the end "
                 why += "of its range, or the control system has a step there; leave that out of the"
                 raise no_model(self._plane, "limit", f"{why} inputs", name)
@@ -158,7 +158,7 @@ class _Responses:
         flights = self._flights
         g = self._pulsed / np.reshape(flights.heights, (-1, 1, 1))
         rms = _rms(g).T
-        self._kinked[rms < _HARDLY * rms.max(axis=1, keepdims=True)] = np.nan
+        self._kinked[rms < _SMALL_RESPONSE * rms.max(axis=1, keepdims=True)] = np.nan
         self._kinked[self._mute] = np.nan
         g[:, :, self._mute] = 0.0
         integrals = self._numbers(ignorable)
@@ -191,11 +191,11 @@ class _Responses:
         odd, even, predicted = (x[:, n:] for x in (self._odd, self._even, self._predicted))
         size = _rms(odd)
         largest = size.max(axis=0, initial=0.0)
-        hardly = ((size < _HARDLY * largest) & ~self._meant) | (size == 0.0)
+        small = ((size < _SMALL_RESPONSE * largest) & ~self._meant) | (size == 0.0)
 
         def ratio(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
             """Shape (signals, inputs); NaN where a signal hardly responds."""
-            return np.where(hardly, np.nan, part / np.where(hardly, 1.0, whole)).T
+            return np.where(small, np.nan, part / np.where(small, 1.0, whole)).T
 
         # after doublets that begin upwards and downwards
         upwards = ratio(_rms(odd + even - predicted), _rms(odd + even))
@@ -217,7 +217,7 @@ class _Responses:
     def _judge_fit(self, error: np.ndarray) -> None:
         """Raise where no model fits the response."""
         i, j = _worst(error)
-        if error.size and not error[i, j] < _WORST_FIT:
+        if error.size and not error[i, j] < _MAX_FIT_ERROR:
             signal, name = self._signals[self._rigid[i]].name, self._names[j]
             why = f"none fits the response of {signal} to {name} (error {error[i, j]:.0%}): it does"
             why += " not stay near its trim, or its response is noise"

@@ -81,14 +81,14 @@ def value_check(name: str, aircraft: str, engines: int) -> Check | None:
     """What refuses values of a property; None for a property of which JSBSim takes any."""
     for pattern, (low, high) in _RANGES.items():
         if re.fullmatch(pattern, name):
-            return lambda said, value: number(said, value, low=low, high=high)
+            return lambda label, value: number(label, value, low=low, high=high)
     if name in _NUMBERED:
-        return lambda said, value: _check_numbered(said, value, _NUMBERED[name])
+        return lambda label, value: _check_numbered(label, value, _NUMBERED[name])
 
-    def check_engine(said: str, value: float) -> None:
+    def check_engine(label: str, value: float) -> None:
         if value not in range(-1, engines):
             raise PropertyError(
-                f"{said} cannot be {value:g}: aircraft {aircraft!r} has "
+                f"{label} cannot be {value:g}: aircraft {aircraft!r} has "
                 + (f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none")
                 + "; engines_off of the trim condition stops engines",
                 aircraft=aircraft,
@@ -98,7 +98,7 @@ def value_check(name: str, aircraft: str, engines: int) -> Check | None:
     return check_engine if name == _RUN_ENGINES else None
 
 
-def _check_numbered(said: str, value: float, numbers: Mapping[str, int]) -> None:
+def _check_numbered(label: str, value: float, numbers: Mapping[str, int]) -> None:
     if value not in numbers.values():
         known = ", ".join(f"{number} ({name})" for name, number in numbers.items())
-        refuse(said, value, f"{said} must be one of {known}, not {value:g}")
+        refuse(label, value, f"{label} must be one of {known}, not {value:g}")

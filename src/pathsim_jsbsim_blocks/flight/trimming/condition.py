@@ -240,8 +240,8 @@ class TrimCondition:
             self._refuse("free", why)
         if self.solver == "newton" and self.mode in ("ground", "none"):
             self._refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
-        dead = self.engines_off and self.mode not in ("ground", "none")
-        if self.solver == "jsbsim" and (self.beta or not powered or dead):
+        engine_out = self.engines_off and self.mode not in ("ground", "none")
+        if self.solver == "jsbsim" and (self.beta or not powered or engine_out):
             why = "cannot trim a glide, a sideslip, a given throttle or with an engine out: use "
             self._refuse("solver", f"{why}'newton'")
 

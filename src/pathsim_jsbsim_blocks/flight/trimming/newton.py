@@ -70,8 +70,8 @@ _SETTLED = 1e-6
 
 # a step that promises to leave more than this of the residuals ends the search; with a quantity at
 # the end of its range, which is where most failures end, more is asked for
-_HOPE = 0.98
-_HOPE_AT_LIMIT = 0.9
+_MAX_LEFT = 0.98
+_MAX_LEFT_AT_LIMIT = 0.9
 
 _ITERATIONS = 30
 _READINGS = 30  # of one state, until a flight control system with memory has settled
@@ -399,8 +399,8 @@ class Search:
                     break
             full = self._step(x, r, slopes)
             left = r + slopes @ full
-            hope = _HOPE_AT_LIMIT if any(self._at_limit(x + full)) else _HOPE
-            if self._norm(left) > hope * norm:
+            most = _MAX_LEFT_AT_LIMIT if any(self._at_limit(x + full)) else _MAX_LEFT
+            if self._norm(left) > most * norm:
                 if fresh:
                     break
                 slopes = None

@@ -12,7 +12,7 @@ from .state import STATE, UNITS, Drift
 
 # what a short flight may show of an equilibrium: s; ft/s2 and rad/s2
 _SHORT_FLIGHT = 0.25
-_STAYS = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
+_MAX_ACCELERATION = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
 
 # of a surface's travel or of the weight in thrust: what is named as the cause moves by more
 _SMALL_MOTION = 0.01
@@ -37,10 +37,10 @@ def what_moves(airframe: Airframe, condition: TrimCondition) -> str:
     watched = [airframe.reader(name) for name in parts]
     before = [read() for read in watched]
     largest = _largest_accelerations(airframe)
-    axes = ["qdot"] if condition.mode == "longitudinal" else [*_STAYS]
-    if all(largest[name] < _STAYS[name] for name in axes):
+    axes = ["qdot"] if condition.mode == "longitudinal" else [*_MAX_ACCELERATION]
+    if all(largest[name] < _MAX_ACCELERATION[name] for name in axes):
         return ""
-    worst = max(axes, key=lambda name: largest[name] / _STAYS[name])
+    worst = max(axes, key=lambda name: largest[name] / _MAX_ACCELERATION[name])
     why = f"it does not stay: within {_SHORT_FLIGHT} s of flight {worst} reaches "
     why += f"{largest[worst]:.3g} {UNITS[worst]}"
     weight = airframe.fdm[STATE["weight"]]
@@ -64,4 +64,4 @@ def _largest_accelerations(airframe: Airframe) -> dict[str, float]:
         rows.append([read() for read in readers])
     flight = np.array(rows)
     flight[1:, 0] = np.diff(flight[:, 0]) / airframe.dt
-    return dict(zip(_STAYS, abs(flight[1:]).max(axis=0).tolist(), strict=True))
+    return dict(zip(_MAX_ACCELERATION, abs(flight[1:]).max(axis=0).tolist(), strict=True))

@@ -118,9 +118,9 @@ class Trimmer:
         airframe = self.airframe
         if condition.mode != "none":
             refuse_hopeless(airframe, condition)
-        dead = airframe.stopped and condition.solver is None
+        engine_out = airframe.stopped and condition.solver is None
         flies = condition.mode not in ("ground", "none")
-        if condition.searched_by == "newton" or (dead and flies):
+        if condition.searched_by == "newton" or (engine_out and flies):
             return self.by_newton(condition, seed, warm)
         if condition.mode in ("full", "longitudinal"):
             before = airframe.internal()
