@@ -2,15 +2,17 @@
 
 import math
 
-import jsbsim
 import numpy as np
 import pytest
+from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
+from pathsim_jsbsim_blocks.studies.field import field
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
+from pathsim_jsbsim_blocks.studies.handbook import _compared
 from pathsim_jsbsim_blocks.studies.performance import COLUMNS, _gusts, _stall, _work
 
 pandas = pytest.importorskip("pandas")
@@ -20,13 +22,8 @@ C172P = {"aircraft": "c172p", "root": None, "altitude": 5000.0, "weight": None, 
 
 def plain_flight(state, seconds, elevator=0.0):
     """Rows of a plain JSBSim loop from a trim: altitude, true speed, lift factor, qbar, alpha."""
-    jsbsim.FGJSBBase().debug_lvl = 0
-    fdm = jsbsim.FGFDMExec(None)
-    fdm.disable_output()
-    fdm.set_output_path("/nonexistent")
-    fdm.load_model("c172p")
-    fdm["propulsion/fuel_freeze"] = 1.0
-    fdm["ic/terrain-elevation-ft"] = -5000.0
+    setup = {"propulsion/fuel_freeze": 1.0, "ic/terrain-elevation-ft": -5000.0}
+    fdm = open_fdm("c172p", 1 / 120, setup)
     fdm["ic/h-sl-ft"] = state.altitude
     fdm["ic/vc-kts"] = state.speed
     fdm["ic/gamma-deg"], fdm["ic/alpha-deg"] = state.gamma, state.alpha
@@ -69,6 +66,39 @@ def test_stall_is_that_of_a_plain_deceleration():
     knots = math.sqrt(1.0 / lift / 0.5 / 0.0023769) / 1.68781
     assert row["value"] == pytest.approx(knots, rel=0.01)
     assert row["flown"] == pytest.approx(row["value"], rel=0.01)
+
+
+def test_take_off_run_is_that_of_a_plain_loop():
+    """With the nose wheel on the ground, from rest to the airspeed of the lift-off."""
+    plane = Plane({**C172P, "altitude": 0.0})
+    field(plane)
+    found = {row["quantity"]: row for row in plane.rows}
+    roll = found["take-off ground roll"]
+    fdm = open_fdm("c172p", 1 / 120, {"ic/vc-kts": 0.0, "ic/h-agl-ft": 4.4})
+    fdm["propulsion/set-running"] = -1
+    fdm.run_ic()
+    fdm["propulsion/set-running"] = -1
+    fdm["fcs/flap-cmd-norm"] = 0.5
+    way = 0.0
+    for _ in range(120 * 60):
+        # 4 s at rest for the engine
+        fdm["fcs/throttle-cmd-norm"] = fdm["fcs/mixture-cmd-norm"] = 1.0
+        held = float(fdm.get_sim_time() < 4.0)
+        fdm["fcs/left-brake-cmd-norm"] = fdm["fcs/right-brake-cmd-norm"] = held
+        fdm.run()
+        way += 0.0 if held else fdm["velocities/vg-fps"] / 120
+        if fdm["velocities/vc-kts"] > roll["speed_kcas"]:
+            break
+    assert roll["value"] == pytest.approx(way, rel=0.1)
+    assert found["take-off distance"]["value"] > roll["value"] + 200.0
+    assert 200.0 < found["landing ground roll"]["value"] < 700.0
+    assert 0.9 * 46 < found["landing ground roll"]["speed_kcas"] < 60.0
+
+
+def test_no_take_off_without_a_gain_table():
+    plane = Plane({**C172P, "aircraft": "DHC6"})
+    field(plane)
+    assert {row["reason"] for row in plane.rows} == {"no gain table"}
 
 
 def test_gust_lines_are_those_of_the_printed_formula():
@@ -138,6 +168,26 @@ def test_handbook_without_a_column_is_refused(tmp_path, capsys):
         against_handbook("c172p", file)
     assert main(["chart", "c172p", "--handbook", str(file), "--flaps", "1"]) == 1
     assert "leave out --flaps" in capsys.readouterr().err
+
+
+def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
+    rows = [
+        {"chart": "level", "quantity": "thrust required", "unit": "lbf", "altitude_ft": 0.0}
+        | {"weight_lb": 2400.0, "flaps_norm": 0.0, "speed_kcas": speed, "value": thrust}
+        for speed, thrust in ((80.0, 200.0), (100.0, 240.0))
+    ]
+    table = pandas.DataFrame(rows, columns=list(COLUMNS))
+    asked = {"quantity": "thrust required", "unit": "lbf", "altitude_ft": 0.0, "source": ""}
+    asked |= {"weight_lb": 2400.0, "flaps_norm": 0.0, "value": 200.0}
+    found = _compared({**asked, "speed_kcas": 90.0}, table)
+    assert (found["model"], found["difference_percent"]) == (220.0, pytest.approx(10.0))
+    beyond = _compared({**asked, "speed_kcas": 120.0}, table)
+    assert math.isnan(beyond["model"])
+    assert beyond["reason"] == "not at these conditions"
+    with pytest.raises(ParameterError, match="thrust required is in lbf, not 'N'"):
+        _compared({**asked, "unit": "N"}, table)
+    with pytest.raises(ParameterError, match="did you mean 'thrust required'"):
+        _compared({**asked, "quantity": "thrust requird"}, table)
 
 
 @pytest.mark.long

@@ -139,7 +139,8 @@ def chart(args: argparse.Namespace) -> None:
             if getattr(args, name) is not None:
                 refuse(name, getattr(args, name), f"--handbook has its own: leave out --{name}")
         written, table = against_handbook(args.aircraft, args.handbook, **options)
-        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "value", "model"]
+        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "speed_kcas"]
+        columns += ["value", "model"]
         columns += ["unit", "difference_percent", "reason"]
         _print_table(written[columns])
         terms = written.columns[written.columns.get_loc("reason") + 1 : -1]

@@ -397,7 +397,9 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
     worst = table.difference_percent.abs()
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
-    figure.suptitle(title or _of(table, f"performance; {checked}"))
+    field = found[found.quantity.isin(["take-off distance", "landing distance"])]
+    runs = [f"{row.quantity} {row.value:,.0f} ft" for row in field.itertuples()]
+    figure.suptitle(title or _of(table, f"performance; {'; '.join([*runs, checked])}"))
     return figure
 
 

@@ -33,7 +33,8 @@ _GUESSES = (0.4, 0.6, 0.25, 0.8)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s that a value is flown for
 _DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of the condition
-_TIME = 20.0  # s of processor time for one part of the charts, so that twelve take two minutes
+_TIME = 15.0  # s of processor time for one part of the charts, so that 16 take two minutes on 2
+LARGE = 19000.0  # lb, above which CS-25 applies
 _LEAST_FUEL = 0.05  # of full tanks
 _HEAVIEST = 1.5  # times the weight with full tanks and the model's payload
 
@@ -58,8 +59,8 @@ class Plane:
     """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found."""
 
     def __init__(self, task: Mapping[str, Any]):
-        self.airframe, create, base = prepared(task["aircraft"], task["root"])
-        self.flyer = partial(Airframe, task["aircraft"], root=task["root"], create=create)
+        self.airframe, self.create, base = prepared(task["aircraft"], task["root"])
+        self.flyer = partial(Airframe, task["aircraft"], root=task["root"], create=self.create)
         self.rows: list[Row] = []
         self.reason = ""
         self._twin: Airframe | None = None

@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .._core.checks import as_path, did_you_mean, nearest, refuse
 from .._core.extras import required
 from ..errors import FileError
@@ -29,8 +31,9 @@ def against_handbook(
         name of the model
     handbook : Path or DataFrame
         CSV with the columns ``quantity`` (as `performance_table` names it), ``altitude_ft``,
-        ``weight_lb``, ``flaps_norm``, ``value``, ``unit`` and ``source`` (document and page). An
-        altitude that is left open is 0 ft, a weight the model's own, flaps are up
+        ``weight_lb``, ``flaps_norm``, ``value``, ``unit`` and ``source`` (document and page), and
+        ``speed_kcas`` for values at an airspeed. An altitude that is left open is 0 ft, a weight
+        the model's own, flaps are up
     **options
         ``root``, ``jobs`` and ``progress`` of `performance_table`
 
@@ -105,14 +108,26 @@ def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
     level = at("altitude_ft", here)
     if "ceiling" not in name:
         same = at("altitude_ft", same)
+    speed = row.get("speed_kcas", math.nan)
+    if not math.isnan(speed):
+        same = _at_speed(same, speed)
     terms = {term: level.value[level.quantity == term].max() for term in _TERMS}
     model = same.value.iloc[0] if len(same) else math.nan
     why = failed.reason.iloc[0] if len(failed) else "not at these conditions"
     return {
         **{column: row[column] for column in _GIVEN[:-1]},
+        "speed_kcas": speed,
         "model": model,
         "difference_percent": 100.0 * (model / row["value"] - 1.0),
         "reason": same.reason.iloc[0] if len(same) else why,
         **terms,
         "source": row["source"],
     }
+
+
+def _at_speed(curve: pd.DataFrame, speed: float) -> pd.DataFrame:
+    """The value of a curve at an airspeed; nothing beyond its ends."""
+    curve = curve.dropna(subset=["value"]).sort_values("speed_kcas")
+    if curve.empty or not curve.speed_kcas.iloc[0] <= speed <= curve.speed_kcas.iloc[-1]:
+        return curve[:0]
+    return curve[:1].assign(value=np.interp(speed, curve.speed_kcas, curve.value), reason="")

@@ -20,7 +20,9 @@ from .._core.units import GRAVITY, KNOT
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
+from .field import field
 from .flight_tests import (
+    LARGE,
     RHO0,
     Plane,
     Row,
@@ -46,7 +48,6 @@ _FLAPS = (0.0, 0.5, 1.0)
 _SERVICE = {"propeller": 100.0, "jet": 500.0}  # ft/min of climb left at the service ceiling
 _HIGHEST = 90e3  # ft, where the search for a ceiling ends
 _STEEPEST = 9.0  # g, what pilots stand
-_LARGE = 19000.0  # lb, above which CS-25 applies
 _NMI = 6076.1155  # ft
 
 _GRID, _STEPS = 1.12, 22  # ratio of neighbouring airspeeds from the stall on, and their number
@@ -104,7 +105,7 @@ def _levels(plane: Plane) -> None:
             _thrust(plane, "available", climb)
         elif engines and step < _TRIES:
             why_climb = plane.reason
-        level = plane.trim(speed) if engines else None
+        level = plane.trim(speed) if engines and (levels or step < _TRIES) else None
         if level:
             levels.append(level)
             _thrust(plane, "required", level)
@@ -282,7 +283,7 @@ def _steepest(plane: Plane, speed: float, **fields: Any) -> TrimState | None:
 def _turns(plane: Plane) -> None:
     """Load factor, rate and radius of turns, sustained in level flight and at the lift limit."""
     slow = slowest(plane) if plane.airframe.engines else None
-    if slow is None:
+    if slow is None or plane.trim(1.6 * slow.speed) is None:
         plane.reason = plane.reason or "no engine"
         plane.put("turn", "sustained load factor", "g", None)
         return
@@ -314,15 +315,18 @@ def _load_factors(plane: Plane) -> None:
         return
     # limit load factors: CS 23.337 (amendment 4), CS 25.337, CS 22.337
     high = min(max(2.1 + 24000.0 / (plane.weight + 10000.0), 2.5), 3.8)
-    low = -1.0 if plane.weight > _LARGE else -0.4 * high
+    low = -1.0 if plane.weight > LARGE else -0.4 * high
     if not plane.airframe.engines:
         low, high = -2.65, 5.3
-    for n in (low, -0.5, 0.5, 1.0, 1.5, 2.0, 3.0, high):
+    for n in (1.0, 1.5, 2.0, 3.0, high, 0.5, -0.5, low):
         if not low <= n <= high:
             continue
         pull = partial(plane.trim, mode="pull-up", throttle=0.0, load_factor=n)
         usual = math.sqrt(abs(n)) * slow.speed
         start = next(filter(None, (pull(factor * usual) for factor in (1.2, 1.8, 3.0))), None)
+        if start is None and n == 1.0:
+            plane.put("V-n", "speed at the lift limit", "KEAS", None)
+            return
         least = start and last(pull, start, 0.93)
         keas = _keas(plane, least) if least else None
         more: Row = {"load_factor": n, "reason": plane.reason}
@@ -369,6 +373,7 @@ _PARTS: Mapping[str, Callable[[Plane], None]] = {
     "V-n": _load_factors,
     "ceiling": _ceilings,
     "stall": _stall,
+    "field": field,
 }
 
 
@@ -430,7 +435,7 @@ def performance_table(
         one row for each value: ``chart``, ``quantity``, its condition (``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``speed_kcas``, ``load_factor``), ``value`` and ``unit``,
         ``flown``, what a time history has found, ``difference_percent`` of it, and ``reason``: why
-        there is no value, or what limits it. Work on one part ends after 20 s of processor time,
+        there is no value, or what limits it. Work on one part ends after 15 s of processor time,
         with the reason "out of time"
 
     Raises
@@ -455,7 +460,7 @@ def performance_table(
         "weight": given[0],
     }
     parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in given for h in at]
-    parts += [{**common, "part": "turn"}, {**common, "part": "V-n"}]
+    parts += [{**common, "part": part} for part in ("turn", "V-n", "field")]
     parts += [{**common, "part": "ceiling", "weight": w} for w in given]
     loads = extremes(airframe) if weights is None else given
     parts += [{**common, "part": "stall", "weight": w, "flaps": f} for w in loads for f in settings]

@@ -1,0 +1,124 @@
+"""Make the charts of the fleet, and the page docs/evidence/performance.md from them.
+
+    python docs/performance_charts.py FOLDER
+
+writes a PDF page and a CSV table for each aircraft that trims into FOLDER, those that are not there
+yet. It takes half an hour on two cores.
+"""
+
+import re
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+
+from pathsim_jsbsim_blocks.plots import saving_to, show
+from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
+
+EVIDENCE = Path(__file__).parent / "evidence"
+
+# column: quantity and number format; the first altitude and the model's own weight count
+COLUMNS = {
+    "stall KCAS": ("stall speed", ".0f"),
+    "highest KTAS": ("highest level speed", ".0f"),
+    "climb ft/min": ("best rate of climb", ".0f"),
+    "Vy KCAS": ("Vy", ".0f"),
+    "service ceiling ft": ("service ceiling", ".0f"),
+    "glide ratio": ("best glide ratio", ".1f"),
+    "nmi/lb": ("best specific range", ".3f"),
+    "turn g": ("sustained load factor", ".1f"),
+    "gust g at VC": ("gust load factor at VC", ".1f"),
+    "take-off ft": ("take-off distance", ".0f"),
+    "landing ft": ("landing distance", ".0f"),
+}
+
+HEAD = """\
+# The fleet's performance
+
+The charts of the {count} aircraft that trim, with default settings of `pathsim-jsbsim chart`
+([definitions](../performance.md)): values at sea level and the model's own weight, flaps up; the
+sustained turn is the steepest of four airspeeds. `python docs/performance_charts.py FOLDER` makes
+the pages (PDF), the tables (CSV) and this page.
+
+{flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
+on the right have how many values of an aircraft were flown, the median of the differences, and the
+time that two shared cores took. Below the table stand the values that are missing, with their
+reasons.
+
+"""
+
+
+def fleet():
+    """Aircraft that trim, as the page on the fleet has it."""
+    page = (EVIDENCE / "fleet.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\S+) \|.*\| ([^|]*) \|$", page, re.M)
+    return [name for name, verdict in rows if verdict.startswith(("trims", "glides"))]
+
+
+def make(name, folder):
+    """The table of an aircraft, computed if it is not there."""
+    file = folder / f"{name}.csv"
+    if not file.exists():
+        start = time.time()
+        table = performance_table(name, progress=False)
+        table["seconds"] = time.time() - start
+        with saving_to(folder / f"{name}.pdf"):
+            show(performance_chart(table.drop(columns="seconds")), name)
+        table.to_csv(file, index=False)
+    return pd.read_csv(file, keep_default_na=True)
+
+
+def value(table, quantity):
+    """The first value of a quantity at the model's own weight, and why there is none."""
+    rows = table[table.quantity == quantity]
+    if quantity == "stall speed":
+        own = table.weight_lb[table.chart == "turn"].iloc[:1]
+        rows = rows[rows.weight_lb.isin(own) & (rows.flaps_norm == 0.0)]
+    if quantity == "sustained load factor" and rows.value.notna().any():
+        return rows.value.max(), ""
+    first = rows.iloc[0] if len(rows) else None
+    return (float("nan"), "no trim there") if first is None else (first.value, first.reason)
+
+
+def line(name, table):
+    cells, missing = [name], []
+    for quantity, form in COLUMNS.values():
+        number, reason = value(table, quantity)
+        cells.append("" if pd.isna(number) else f"{number:{form}}")
+        if pd.isna(number):
+            missing.append(f"{quantity} ({reason})")
+    differences = table.difference_percent.abs()
+    cells += [f"{differences.count()}", f"{differences.median():.2f} %"]
+    cells += [f"{table.seconds.iloc[0]:.0f}"]
+    late = (table.reason == "out of time").sum()
+    missing += [f"{late} values (out of time)"] * bool(late)
+    return f"| {' | '.join(cells)} |", f"- {name}: {', '.join(missing)}\n" if missing else ""
+
+
+def page(tables):
+    differences = pd.concat(table.difference_percent for table in tables.values()).dropna().abs()
+    head = HEAD.format(
+        count=len(tables),
+        flown=len(differences),
+        within=(differences <= 1.0).mean(),
+        five=(differences <= 5.0).mean(),
+    )
+    names = ["aircraft", *COLUMNS, "flown", "median", "time s"]
+    lines, missing = zip(*(line(name, table) for name, table in tables.items()), strict=True)
+    rows = [f"| {' | '.join(names)} |", f"|---|{'--:|' * (len(names) - 1)}", *lines]
+    return head + "\n".join(rows) + "\n\n" + "".join(missing)
+
+
+def main():
+    folder = Path(sys.argv[1])
+    folder.mkdir(exist_ok=True)
+    tables = {}
+    for name in fleet():
+        tables[name] = make(name, folder)
+        print(f"{name}: {tables[name].seconds.iloc[0]:.0f} s", flush=True)
+    (EVIDENCE / "performance.md").write_text(page(tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
