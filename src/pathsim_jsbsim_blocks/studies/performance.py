@@ -20,7 +20,6 @@ from .._core.units import GRAVITY, KNOT
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
-from .field import field
 from .flight_tests import (
     LARGE,
     RHO0,
@@ -367,13 +366,20 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
         plane.put("V-n", f"gust load factor at {name}", "g", 1.0 + jump, speed_kcas=speed)
 
 
+def _field(plane: Plane) -> None:
+    """Take-off and landing."""
+    from .field import field  # with PathSim, which no trim needs
+
+    field(plane)
+
+
 _PARTS: Mapping[str, Callable[[Plane], None]] = {
     "level": _levels,
     "turn": _turns,
     "V-n": _load_factors,
     "ceiling": _ceilings,
     "stall": _stall,
-    "field": field,
+    "field": _field,
 }
 
 
