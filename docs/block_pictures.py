@@ -17,7 +17,9 @@ matplotlib.rcParams["svg.hashsalt"] = "pathsim-jsbsim-blocks"
 
 # readable on white and on black
 WIRE, FILL, EDGE, INK = "#718096", "#e3edf8", "#2a78d6", "#16222e"
-WIDTH, HEIGHT, RADIUS = 1.3, 0.62, 0.17  # in
+HEIGHT, RADIUS = 0.66, 0.19  # in
+# pt; seven pixels on a telephone
+TEXT, NAME = 12.5, 11
 
 # of each picture: blocks as (x, y, text, name), one without a text adds; connections as a path from
 # a block or point to another, with a label: (block, x, y) is a place on its edge, -1 left or below
@@ -132,8 +134,8 @@ PICTURES = {
     },
     "rudder_kick": {
         "blocks": {
-            "a": (0.7, 0.42, "RampSource", "aileron"),
-            "r": (0.7, -0.48, "RampSource", "rudder"),
+            "a": (0.7, 0.52, "RampSource", "aileron"),
+            "r": (0.7, -0.52, "RampSource", "rudder"),
             "plane": (3.4, 0.0, "Aircraft", "plane"),
             "scope": (5.9, 0.0, "Scope", "scope"),
         },
@@ -152,7 +154,7 @@ PICTURES = {
         },
         "wires": [
             ("t", ("plane", -1, 0.55), r"$\delta_t(h)$"),
-            ("e", ("plane", -1, -0.55), r"$\delta_{trim}(h)$"),
+            ("e", ("plane", -1, -0.55), r"$\delta_p(h)$"),
             ("plane", "scope", r"$h,\ V,\ \gamma$"),
             ("plane", (4.6, 0.0), (4.6, -1.3), (-0.1, -1.3), (-0.1, -0.48), "e"),
             ((-0.1, -0.48), (-0.1, 0.48), "t"),
@@ -183,7 +185,7 @@ def size(text):
     """Half the width and height of a block in inches."""
     if not text:
         return RADIUS, RADIUS
-    return (2.2 if "x^2" in text else WIDTH) / 2, HEIGHT / 2
+    return (2.2 if "x^2" in text else 1.1 if "$" in text else 1.5) / 2, HEIGHT / 2
 
 
 def place(blocks, point, side):
@@ -217,10 +219,10 @@ def wire(ax, blocks, path):
         ax.plot(*points[1], "o", color=WIRE, ms=4)  # a branch
     if text == "-":
         x, y = points[-1]
-        ax.text(x + 0.12, y - 0.12, "$-$", color=WIRE, ha="left", va="center", fontsize=12)
+        ax.text(x + 0.12, y - 0.12, "$-$", color=WIRE, ha="left", va="center", fontsize=TEXT)
     else:
         (x0, y0), (x1, _) = points[:2]
-        ax.text((x0 + x1) / 2, y0 + 0.07, text, color=WIRE, ha="center", va="bottom", fontsize=11)
+        ax.text((x0 + x1) / 2, y0 + 0.07, text, color=WIRE, ha="center", va="bottom", fontsize=TEXT)
 
 
 def draw(picture):
@@ -242,10 +244,10 @@ def draw(picture):
             ax.add_patch(
                 plt.Rectangle((x - w, y - h), 2 * w, 2 * h, fc=FILL, ec=EDGE, lw=1.4, zorder=3)
             )
-            ax.text(x, y, text, color=INK, ha="center", va="center", fontsize=11, zorder=4)
+            ax.text(x, y, text, color=INK, ha="center", va="center", fontsize=TEXT, zorder=4)
         else:
             ax.add_patch(plt.Circle((x, y), w, fc=FILL, ec=EDGE, lw=1.4, zorder=3))
-            ax.text(x, y, "+", color=INK, ha="center", va="center", fontsize=11, zorder=4)
+            ax.text(x, y, "+", color=INK, ha="center", va="center", fontsize=TEXT, zorder=4)
         below = -1 if text else 1  # wires meet an adder from below
         ax.text(
             x,
@@ -254,10 +256,10 @@ def draw(picture):
             color=WIRE,
             ha="center",
             va="top" if text else "bottom",
-            fontsize=9,
+            fontsize=NAME,
         )
     for x, y, text in picture.get("notes", ()):
-        ax.text(x, y, text, color=WIRE, ha="center", va="bottom", fontsize=11)
+        ax.text(x, y, text, color=WIRE, ha="center", va="bottom", fontsize=TEXT)
     return figure
 
 

@@ -123,7 +123,7 @@ _, (_, half) = diagram.scope.read()
 print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
 
 # %% [markdown]
-# Half the command gives a little more than half the response: the aircraft is almost linear here.
+# Half the command gives half the response, to 0.01 deg: the aircraft is almost linear here.
 # [Linear models](../linear-models.md) go on from there, and the diagram `doublet_linear_nonlinear` draws both.
 #
 # Next: [a pitch hold](05_pitch_hold.ipynb).
