@@ -36,14 +36,18 @@ def test_the_course_is_copied_with_its_figures(tmp_path, capsys):
 def test_a_chapter_of_the_users_stays_and_is_named(tmp_path, capsys):
     main(["course", str(tmp_path), "--no-open"])
     first, *_, last = chapters(tmp_path)
-    (tmp_path / first).write_text("mine", encoding="utf-8")
+    figure = min((tmp_path / "figures").iterdir())
+    for edited in (tmp_path / first, figure):
+        edited.write_text("mine", encoding="utf-8")
     (tmp_path / last).unlink()
     capsys.readouterr()
     assert main(["course", str(tmp_path), "--no-open"]) == 0
-    assert (tmp_path / first).read_text(encoding="utf-8") == "mine"
+    for edited in (tmp_path / first, figure):
+        assert edited.read_text(encoding="utf-8") == "mine"
     assert (tmp_path / last).is_file()
     out = capsys.readouterr().out
     assert [name for name in chapters(tmp_path) if name in out] == [first]
+    assert figure.name in out
 
 
 def test_without_jupyterlab_the_extra_is_named_and_the_chapters_are_there(

@@ -6,7 +6,6 @@ import argparse
 import ast
 import inspect
 import re
-import shutil
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -59,16 +58,15 @@ _PAGE = re.compile(r"\[([^][\"\n]+)\]\(\.\./([\w/-]+)\.\w+(?:#[\w-]+)?\)")
 def _copied(folder: Path) -> list[str]:
     """Copy chapters and figures; the files that were there and differ, which stay."""
     kept = []
-    (folder / "figures").mkdir(parents=True, exist_ok=True)
-    for source in sorted(chapters().glob("*.ipynb")):
-        target = folder / source.name
-        text = _PAGE.sub(r"\1 (docs/\2)", source.read_text(encoding="utf-8"))
+    for source in sorted([*chapters().glob("*.ipynb"), *chapters().glob("figures/*.svg")]):
+        name = source.relative_to(chapters())
+        content = _PAGE.sub(r"\1 (docs/\2)", source.read_text(encoding="utf-8")).encode()
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
         if not target.exists():
-            target.write_text(text, encoding="utf-8", newline="\n")
-        elif target.read_text(encoding="utf-8") != text:
-            kept.append(source.name)
-    for picture in (chapters() / "figures").iterdir():
-        shutil.copy(picture, folder / "figures")
+            target.write_bytes(content)
+        elif target.read_bytes() != content:
+            kept.append(str(name))
     return kept
 
 
