@@ -6,7 +6,8 @@ and three airspeeds, where it trims there, in
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--fly`` the steps are flown with the existing tables, for
-`docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel.
+`docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel;
+with ``--cruise`` those of airliners at cruise altitudes.
 """
 
 import argparse
@@ -25,6 +26,13 @@ from pathsim_jsbsim_blocks.design import (
     design_gains,
     design_schedule,
 )
+from pathsim_jsbsim_blocks.design.requirements import (
+    ALTITUDE_KEPT,
+    ALTITUDE_KEPT_OFF,
+    MAX_SECONDS_AT_A_STOP,
+    MAX_SIDESLIP,
+    STEP_REQUIREMENTS,
+)
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
@@ -35,6 +43,11 @@ SPEEDS = (0.8, 1.0, 1.25)
 # ft
 LOWEST, HIGHER = 1000.0, 5000.0
 
+# ft, with the shares of the airspeed there: airliners on the way to their cruise, and in it
+CRUISE = {22_500.0: SPEEDS, 35_000.0: SPEEDS[:2]}
+CRUISE_FLOWN = (24_000.0, 33_000.0)
+AIRLINERS = ("737", "787-8", "A320", "fokker100", "global5000")
+
 
 def flight_of(name):
     """Level flight of an aircraft by JSBSim's search, or else by the Newton search."""
@@ -44,13 +57,13 @@ def flight_of(name):
         return level_flight(name, solver="newton")
 
 
-def altitudes(middle):
-    """Altitudes of a table in ft: for each of three, those to try until one has a trim."""
-    return (
-        (middle,),
-        (LOWEST, 0.5 * (LOWEST + middle)),
-        (middle + HIGHER, middle + 0.5 * HIGHER),
-    )
+def altitudes(name, middle):
+    """Altitudes of a table in ft, for each those to try until one has a trim, and the airspeeds."""
+    yield (middle,), SPEEDS
+    yield (LOWEST, 0.5 * (LOWEST + middle)), SPEEDS
+    yield (middle + HIGHER, middle + 0.5 * HIGHER), SPEEDS
+    if name in AIRLINERS:
+        yield from (((altitude,), speeds) for altitude, speeds in CRUISE.items())
 
 
 def designed(name):
@@ -63,14 +76,14 @@ def designed(name):
         print(f"{name}: {text}", flush=True)
 
     designs = []
-    for tries in altitudes(condition.altitude):
+    for tries, speeds in altitudes(name, condition.altitude):
         for altitude in tries:
             try:
                 found = design_schedule(
                     name,
                     condition,
                     [altitude],
-                    [float(round(share * condition.speed)) for share in SPEEDS],
+                    [float(round(share * condition.speed)) for share in speeds],
                     progress=said,
                     create=flight.create,
                 )
@@ -99,18 +112,6 @@ TUNED_AT = {
     "737": TrimCondition(altitude=10_000.0, speed=280.0, gear=0.0),
     "global5000": TrimCondition(altitude=15_000.0, speed=250.0, gear=0.0),
 }
-
-# what the steps are held to: settling in s, overshoot and error at the end in their unit
-LIMITS = {
-    "pitch": (4.0, 0.25, 0.05),
-    "roll": (5.0, math.inf, 0.05),
-    "heading": (math.inf, 0.5, 0.05),
-    "altitude": (math.inf, 5.0, 0.1),
-    "speed": (math.inf, math.inf, 0.15),
-}
-
-# ft: altitude kept in a step of the airspeed
-KEPT = 15.0
 
 # a step of the airspeed is one down where level flight at its end would need more throttle than
 # this, and more than before
@@ -162,17 +163,18 @@ def flights(name, gains, condition, create, predicted=None):
             missed.append(loop)
             continue
         quality = flown.quality
-        settling, overshoot, error = LIMITS[loop]
+        asked_for = STEP_REQUIREMENTS[loop]
         kept = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
-        fits = quality.settling <= settling and quality.overshoot <= overshoot
+        fits = quality.settling <= asked_for.settling and quality.overshoot <= asked_for.overshoot
         if loop == "speed":
-            fits = fits and kept <= KEPT
+            fits = fits and kept <= ALTITUDE_KEPT
         if not fits:
             missed.append(loop)
-        if not quality.steady_error <= error:
+        if not quality.steady_error <= asked_for.final_error:
             missed.append(f"{loop} error")
         text = f"{quality.settling:.1f}, {quality.overshoot:.2g}"
-        late.append((quality.steady_error / error, f"{loop} {quality.steady_error:.2g}"))
+        share = quality.steady_error / asked_for.final_error
+        late.append((share, f"{loop} {quality.steady_error:.2g}"))
         if predicted:
             if loop in ("altitude", "speed"):
                 # predicted are the gains of this point, which a table changes during these steps
@@ -208,12 +210,8 @@ def nominal(name):
     return schedule, condition, flight.create, predicted
 
 
-# what off-design steps are held to: settling in s, and the flight after the step in s
-OFF_LIMITS = {"pitch": 6.0, "roll": 7.5, "heading": math.inf, "altitude": math.inf, "speed": 75.0}
+# s of flight after off-design steps
 OFF_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0, "speed": 75.0}
-
-# ft of altitude kept in a step of the airspeed, s at the end of a command's travel, deg of sideslip
-OFF_KEPT, OFF_STOP, OFF_SLIP = 1.5 * KEPT, 1.0, 1.0
 
 # of the airspeed; ft; of the tanks
 OFF_SPEEDS, OFF_ALTITUDES, FUELS = (0.8, 1.2), (LOWEST, HIGHER), {"light": 0.2, "heavy": 1.0}
@@ -272,17 +270,17 @@ def off_point(name, schedule, condition, create):
         except FlightError:
             missed.append(f"{loop} ends")
             continue
-        if not flown.quality.settling <= OFF_LIMITS[loop]:
+        if not flown.quality.settling <= STEP_REQUIREMENTS[loop].settling_off:
             missed.append(f"{loop} {flown.quality.settling:.1f} s".replace("nan s", "not settled"))
-        if flown.stop > OFF_STOP:
+        if flown.stop > MAX_SECONDS_AT_A_STOP:
             missed.append(f"{loop} at a stop {flown.stop:.0f} s")
         if loop == "heading":
             slip = np.abs(flown.outputs["beta"] - flown.outputs["beta"][0]).max()
-            if slip > OFF_SLIP:
+            if slip > MAX_SIDESLIP:
                 missed.append(f"sideslip {slip:.1f} deg")
         elif loop == "speed":
             kept = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
-            if kept > OFF_KEPT:
+            if kept > ALTITUDE_KEPT_OFF:
                 missed.append(f"{kept:.0f} ft in speed")
     return "; ".join(missed) or "passes"
 
@@ -300,6 +298,22 @@ def fly_off(names):
             "off design",
             OFF_HEADER + "".join(rows).rstrip(),
         )
+
+
+def fly_cruise(names):
+    """Fly the steps of airliners at cruise altitudes between those of their tables."""
+    rows = []
+    for name in names or AIRLINERS:
+        schedule, condition, create, _ = nominal(name)
+        cells = [
+            off_point(name, schedule, replace(condition, altitude=altitude), create)
+            for altitude in CRUISE_FLOWN
+        ]
+        rows.append(f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} |\n")
+        print(rows[-1], end="", flush=True)
+    if not names:
+        header = "| aircraft | KCAS | 24,000 ft | 33,000 ft |\n|---|--:|---|---|\n"
+        put(EVIDENCE / "designed-gains.md", "cruise", header + "".join(rows).rstrip())
 
 
 def fly(names):
@@ -346,5 +360,6 @@ if __name__ == "__main__":
     do = parser.add_mutually_exclusive_group()
     do.add_argument("--fly", dest="do", action="store_const", const=fly, default=main)
     do.add_argument("--off", dest="do", action="store_const", const=fly_off)
+    do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     options = parser.parse_args()
     options.do(options.aircraft)

@@ -38,6 +38,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram, load_diagram
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
+from pathsim_jsbsim_blocks.design.requirements import requirements_table
 from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.flight.fleet import (
     HEADER,
@@ -526,6 +527,7 @@ def main():
     (EVIDENCE / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
     accuracy()
     put(DOCS / "scale.md", "batches", scale_table())
+    put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     write_pages()
     for name in diagram_names():

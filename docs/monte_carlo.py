@@ -9,8 +9,10 @@ wind and the seed of the turbulence are drawn anew for each case.
 import sys
 
 import numpy as np
-from gain_tables import KEPT, LIMITS, SECONDS, asked, at_point, no_throttle
+from gain_tables import SECONDS, asked, at_point, no_throttle
 from generate import EVIDENCE, put
+
+from pathsim_jsbsim_blocks.design.requirements import ALTITUDE_KEPT, STEP_REQUIREMENTS
 
 T = 1 / 60
 TABLES = ("c172p-designed", "737-designed", "A320", "T38")
@@ -38,15 +40,15 @@ TURBULENCE = {
 ENDLESS = sys.float_info.max  # s: it settles within the flight
 # what is measured, its row on the page, and the limit
 ROWS = {
-    "pitch_time": ("pitch 5 deg: settling [s]", OFF * LIMITS["pitch"][0]),
-    "pitch_over": ("pitch: overshoot [deg]", OFF * LIMITS["pitch"][1]),
-    "roll_time": ("roll 20 deg: settling [s]", OFF * LIMITS["roll"][0]),
+    "pitch_time": ("pitch 5 deg: settling [s]", OFF * STEP_REQUIREMENTS["pitch"].settling),
+    "pitch_over": ("pitch: overshoot [deg]", OFF * STEP_REQUIREMENTS["pitch"].overshoot),
+    "roll_time": ("roll 20 deg: settling [s]", OFF * STEP_REQUIREMENTS["roll"].settling),
     "heading_time": ("heading 30 deg: settling [s]", ENDLESS),
-    "heading_over": ("heading: overshoot [deg]", OFF * LIMITS["heading"][1]),
+    "heading_over": ("heading: overshoot [deg]", OFF * STEP_REQUIREMENTS["heading"].overshoot),
     "altitude_time": ("altitude 500 ft: settling [s]", ENDLESS),
-    "altitude_over": ("altitude: overshoot [ft]", OFF * LIMITS["altitude"][1]),
+    "altitude_over": ("altitude: overshoot [ft]", OFF * STEP_REQUIREMENTS["altitude"].overshoot),
     "speed_time": ("airspeed 10 kt: settling [s]", ENDLESS),
-    "speed_kept": ("airspeed 10 kt: change of altitude [ft]", OFF * KEPT),
+    "speed_kept": ("airspeed 10 kt: change of altitude [ft]", OFF * ALTITUDE_KEPT),
     "error": ("largest steady error, of its limit at the point", OFF),
     "alpha": ("angle of attack above its limit [deg]", 1.0),
     "gust_altitude": ("turbulence: altitude error [ft]", 60.0),
@@ -109,7 +111,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         flown = fly_step(fresh, gains, step, size, seconds)
         found[f"{loop}_time"] = flown.quality.settling
         found[f"{loop}_over"] = flown.quality.overshoot
-        errors.append(flown.quality.steady_error / LIMITS[loop][2])
+        errors.append(flown.quality.steady_error / STEP_REQUIREMENTS[loop].final_error)
         alpha = max(alpha, flown.outputs["alpha"].max())
         if loop == "speed":
             found["speed_kept"] = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()

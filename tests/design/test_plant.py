@@ -108,8 +108,10 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
         *(np.array([x]) for x in (GAINS.Kp, GAINS.Ki, GAINS.Kr, GAINS.b)),
         600 * T,
     )
-    assert y[:, 0] / loop.step == pytest.approx(expected[:, OUTPUTS.index(angle)], abs=1e-9)
-    assert peak[0] / loop.step == pytest.approx(np.abs(commands).max(), rel=1e-9)
+    assert y[:, 0] / loop.required.size == pytest.approx(
+        expected[:, OUTPUTS.index(angle)], abs=1e-9
+    )
+    assert peak[0] / loop.required.size == pytest.approx(np.abs(commands).max(), rel=1e-9)
 
 
 def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):

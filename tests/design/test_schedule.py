@@ -10,11 +10,12 @@ import pytest
 from fleet_conditions import BY_NEWTON, FLYING
 from hand_tuned import DESIGNED, GAINS
 
-from pathsim_jsbsim_blocks import Autopilot, ParameterError, PitchHold, TrimCondition
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, ParameterError, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks import design as design_package
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, tables
 from pathsim_jsbsim_blocks.design import design_gains, design_schedule, schedule
+from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import DesignError, FileError, KeywordError, TrimError
 
 SHIPPED = [path.stem for path in DESIGNED]
@@ -234,11 +235,6 @@ def test_a_schedule_has_the_gains_of_the_fleets_table(found):
     assert_in_table("A320", (5000.0, 281.0), found.designs[1].gains)
 
 
-# made before trims at full throttle were checked by a short flight, which gives another climb:
-# to be made again with the next tables
-OLDER_TRIM = pytest.mark.xfail(strict=True, raises=AssertionError)
-
-
 @pytest.mark.long  # found has one of these in each run of the tests
 @pytest.mark.parametrize(
     ("table", "place"),
@@ -246,11 +242,13 @@ OLDER_TRIM = pytest.mark.xfail(strict=True, raises=AssertionError)
         ("A320", (5000.0, 281.0)),
         ("c182", (7500.0, 98.0)),
         # full throttle does not trim at the first of these
-        pytest.param("c172p-designed", (1000.0, 111.0), marks=OLDER_TRIM),
+        ("c172p-designed", (1000.0, 111.0)),
         ("c172p-designed", (5000.0, 71.0)),
         ("J3Cub", (5000.0, 50.0)),
-        pytest.param("L17", (5000.0, 84.0), marks=OLDER_TRIM),
+        ("L17", (5000.0, 84.0)),
         ("OV10", (5000.0, 193.0)),
+        # a tighter airspeed loop than turbulence allows lower down
+        ("fokker100", (35_000.0, 231.0)),
     ],
 )
 def test_a_table_of_the_fleet_can_be_made_again(table, place):
@@ -261,3 +259,31 @@ def test_a_table_of_the_fleet_can_be_made_again(table, place):
     )
     made = design_gains(name, condition, create=dict.fromkeys(create, 0.0), check=False)
     assert_in_table(table, place, made)
+
+
+@pytest.mark.parametrize(
+    ("table", "altitude"),
+    [
+        ("737-designed", 33_000.0),
+        *(
+            pytest.param(table, altitude, marks=pytest.mark.long)
+            for table in ("737-designed", "787-8", "A320", "fokker100", "global5000-designed")
+            for altitude in (24_000.0, 33_000.0)
+            if (table, altitude) != ("737-designed", 33_000.0)
+        ),
+    ],
+)
+def test_a_step_of_the_airspeed_settles_at_cruise_altitude(table, altitude):
+    name = table.removesuffix("-designed")
+    _, speed, gear, create = FLYING[name]
+    condition = TrimCondition(
+        altitude=altitude, speed=speed, gear=gear, setup={"propulsion/fuel_freeze": 1.0}
+    )
+    flown = fly_step(
+        lambda: Aircraft(name, condition=condition, create=dict.fromkeys(create, 0.0)),
+        read_gains(TABLES / f"{table}.json"),
+        STEPS["speed"],
+        seconds=80.0,
+    )
+    assert flown.quality.settling <= 75.0
+    assert np.abs(flown.outputs["h"] - altitude).max() <= 22.5

@@ -19,6 +19,7 @@ from ..control.gains import (
     AttitudeGains,
     EnvelopeLimits,
     SpeedGains,
+    YawGains,
 )
 from ..errors import DesignError, FlightError, LinearisationError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
@@ -40,6 +41,7 @@ from .outer import (
     with_speed,
 )
 from .plant import Plant
+from .requirements import MAX_FINAL_ERROR, STEP_REQUIREMENTS
 from .search import PITCH, ROLL, Attitude, Found, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
@@ -60,12 +62,11 @@ _ROLL_RAMP, _ROLL_SLOW, _ROLL_SLIP = 10.0, 5.0, 1.2
 # ft/s, of the airspeed, of the excess climb
 _CLIMB, _CLIMB_OF_SPEED, _CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
 
-# kt of the step that is designed for, and share of the throttle's travel that may hold it
-_FASTER, _ENOUGH = 10.0, 0.7
+# share of the throttle's remaining travel that a step up in airspeed may hold
+_ENOUGH = 0.7
 
-# kt, ft: largest errors at the end of the steps in airspeed and altitude, and the weight of the
-# throttle's stops in turbulence where one is larger
-_LATE, _LESS = (0.14, 0.06), 0.05
+# weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
+RELAXED_STOP_WEIGHT = 0.05
 
 # ft/s, of the excess climb: rates of climb whose feed-forward may use all of the throttle's
 # remaining travel; the second where the steps are not finished at their end with the first, where
@@ -80,6 +81,7 @@ _NO_CLIMB = 2.0
 
 
 Held = tuple[SpeedGains, Outcome, AltitudeGains, Outcome]
+Refuse = Callable[[str, str], DesignError]
 
 
 @dataclass(frozen=True)
@@ -290,11 +292,12 @@ def design_gains(
     if not check:
         return designed
     designed = _flown(fresh, designed)
-    excess = designed.report[0].flown_overshoot / PITCH.overshoot
+    excess = designed.report[0].flown_overshoot / PITCH.required.overshoot
     if excess <= 1.0:
         return designed
     # a kink at the trim: ask the linear model for as much less
-    tighter = replace(PITCH, overshoot=0.9 * PITCH.overshoot / excess)
+    less = replace(PITCH.required, overshoot=0.9 * PITCH.required.overshoot / excess)
+    tighter = replace(PITCH, required=less)
     again = _flown(fresh, _loops(aircraft, condition, model, trim, vt, limits, tighter))
     return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
 
@@ -332,8 +335,6 @@ def _loops(
     pitching: Attitude,
 ) -> DesignedGains:
     """Shape one loop after the other."""
-    plant = in_turbulence(Plant.of(model), model, condition.altitude)
-    report: list[LoopReport] = []
 
     def refuse(loop: str, why: str) -> DesignError:
         return DesignError(
@@ -343,102 +344,23 @@ def _loops(
             loop=loop,
         )
 
-    def note(loop: str, found: Found | Outcome | None) -> None:
-        if found is not None and found.margins:
-            m = found.margins
-            report.append(
-                LoopReport(
-                    loop,
-                    m["crossover"],
-                    m["gain"],
-                    m["phase"],
-                    m["Ms"],
-                    m["Ms_delayed"],
-                    found.settling,
-                    found.overshoot,
-                    found.use,
-                    relaxed=found.relaxed,
-                )
-            )
-
-    ramp = min(max(math.degrees(_RAMP_LOAD * GRAVITY / vt), _RAMP_LOW), _RAMP_HIGH)
-    low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
-    found = design_attitude(plant, pitching, ramp, (low - trim.elevator, high - trim.elevator))
-    if found is None or not math.isfinite(found.settling):
-        raise refuse("pitch", "no gains of the elevator settle a step in pitch")
-    note("pitch", found)
-    pitch = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
-    plant = closed(plant, PITCH, found, "theta_cmd")
-
-    # the rudder is shaped for the turn, and the roll loop once more with the rudder's
-    slip = math.sin(math.radians(trim.alpha))  # per roll
-    slow = slip * _ROLL_RAMP > _ROLL_SLIP
-    roll_ramp = max(_ROLL_SLIP / slip, _ROLL_SLOW) if slow else _ROLL_RAMP
-    rudder = 1.0 - abs(trim.rudder)
-    travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
-    damper = yaw = design_yaw(plant, rudder)
-    for last in (False, True):
-        found = design_attitude(damped(plant, yaw), ROLL, roll_ramp, travel)
-        if found is None or not math.isfinite(found.settling):
-            raise refuse("roll", "no gains of the ailerons settle a step in roll")
-        if not last:
-            rolling = closed(plant, ROLL, found, "phi_cmd")
-            yaw, outcome = design_rudder(rolling, damper, rudder, vt, roll_ramp)
-    note("roll", found)
-    note("yaw", outcome)
-    roll = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, roll_ramp)
-    rolls_in = found.settling
-    plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
-
-    heading, outcome = design_heading(plant, roll_ramp, rolls_in, vt, trim.phi)
-    note("heading", outcome)
+    plant = in_turbulence(Plant.of(model), model, condition.altitude)
+    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, refuse)
+    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, refuse)
+    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi)
     if heading is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")
-
-    throttle = trim.throttle[0]
-    room = (-throttle, 1.0 - throttle)
-    climb_max = max(limits.climb_max, _NO_CLIMB)
-    feed, per_knot = design_feed(plant, room, _RISE)
-    step = _FASTER if per_knot * _FASTER < _ENOUGH * room[1] else -_FASTER
-    hdot_max = min(_CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * climb_max)
-
-    band = BAND if trim.speed > limits.vc_min + _NEAR else GUST
-
-    def hold(stops: float, feed: float) -> Held:
-        # the airspeed with the attitude held, the altitude, the airspeed with the altitude held
-        speed, outcome = design_speed(plant, room, feed, step, stops, band)
-        if speed is None:
-            raise refuse("speed", "no gains of the throttle hold the airspeed")
-        altitude, climbing = design_altitude(
-            with_speed(plant, speed), ramp, hdot_max, room=room, stops=stops
-        )
-        if altitude is None:
-            raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
-        level = with_altitude(plant, altitude)
-        speed, outcome = design_speed(level, room, feed, step, stops, band)
-        if speed is None or not math.isfinite(outcome.settling):
-            raise refuse("speed", f"no gains of the throttle settle a step of {step:g} kt")
-        altitude, climbing = design_altitude(
-            with_speed(plant, speed), ramp, hdot_max, room=room, stops=stops
-        )
-        if altitude is None or not math.isfinite(climbing.settling):
-            raise refuse("altitude", "no gains from the rate of climb to the pitch angle settle")
-        return speed, outcome, altitude, climbing
-
-    held = hold(1.0, feed)
-    if _done(held) < len(_LATE):
-        with contextlib.suppress(DesignError):
-            held = max(held, hold(_LESS, feed), key=_done)
-    rise = _RISE_OF_EXCESS * climb_max
-    if _done(held) < len(_LATE) and _LEAST_RISE <= rise < _RISE:
-        with contextlib.suppress(DesignError):
-            more = hold(_LESS, design_feed(plant, room, rise)[0])
-            if not any(step.relaxed for step in more[1::2]):
-                held = min(held, more, key=_excess)
-    speed, outcome, altitude, climbing = held
-    altitude = replace(altitude, theta_max=max(_THETA_MAX, trim.theta + _NOSE_UP))
-    note("speed", outcome)
-    note("altitude", climbing)
+    speed, quick, altitude, climbing = _speed_and_altitude(
+        plant, trim, vt, limits, pitch.ramp, refuse
+    )
+    report = {
+        "pitch": pitched,
+        "roll": rolled,
+        "yaw": coordinated,
+        "heading": steered,
+        "speed": quick,
+        "altitude": climbing,
+    }
     return DesignedGains(
         pitch=pitch,
         roll=roll,
@@ -449,18 +371,133 @@ def _loops(
         envelope=limits,
         aircraft=aircraft,
         condition=condition,
-        report=tuple(report),
+        report=tuple(
+            _row(loop, found)
+            for loop, found in report.items()
+            if found is not None and found.margins
+        ),
     )
 
 
-def _done(held: Held) -> int:
+def _row(loop: str, found: Found | Outcome) -> LoopReport:
+    m = found.margins
+    return LoopReport(
+        loop,
+        m["crossover"],
+        m["gain"],
+        m["phase"],
+        m["Ms"],
+        m["Ms_delayed"],
+        found.settling,
+        found.overshoot,
+        found.use,
+        relaxed=found.relaxed,
+    )
+
+
+def _pitch(
+    plant: Plant, pitching: Attitude, trim: TrimState, vt: float, refuse: Refuse
+) -> tuple[AttitudeGains, Found, Plant]:
+    """Gains of the pitch loop, how good they are, and the plant with it closed."""
+    ramp = min(max(math.degrees(_RAMP_LOAD * GRAVITY / vt), _RAMP_LOW), _RAMP_HIGH)
+    low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
+    found = design_attitude(plant, pitching, ramp, (low - trim.elevator, high - trim.elevator))
+    if found is None or not math.isfinite(found.settling):
+        raise refuse("pitch", "no gains of the elevator settle a step in pitch")
+    gains = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
+    return gains, found, closed(plant, PITCH, found, "theta_cmd")
+
+
+def _roll_and_yaw(
+    plant: Plant, trim: TrimState, vt: float, refuse: Refuse
+) -> tuple[AttitudeGains, Found, YawGains, Outcome | None, Plant]:
+    """The same of ailerons, and of the rudder, which is shaped for the turn; then roll again."""
+    slip = math.sin(math.radians(trim.alpha))  # per roll
+    slow = slip * _ROLL_RAMP > _ROLL_SLIP
+    ramp = max(_ROLL_SLIP / slip, _ROLL_SLOW) if slow else _ROLL_RAMP
+    rudder = 1.0 - abs(trim.rudder)
+
+    def rolled(yaw: YawGains) -> Found:
+        travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
+        found = design_attitude(damped(plant, yaw), ROLL, ramp, travel)
+        if found is None or not math.isfinite(found.settling):
+            raise refuse("roll", "no gains of the ailerons settle a step in roll")
+        return found
+
+    damper = design_yaw(plant, rudder)
+    rolling = closed(plant, ROLL, rolled(damper), "phi_cmd")
+    yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp)
+    found = rolled(yaw)
+    gains = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
+    plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
+    return gains, found, yaw, outcome, plant
+
+
+def _speed_and_altitude(
+    plant: Plant,
+    trim: TrimState,
+    vt: float,
+    limits: EnvelopeLimits,
+    ramp: float,
+    refuse: Refuse,
+) -> Held:
+    """Gains of throttle and rate of climb: those that finish the steps, if any do.
+
+    Where they do not, the throttle's stops in turbulence count for less, and then more throttle is
+    fed forward too.
+    """
+    room = (-trim.throttle[0], 1.0 - trim.throttle[0])
+    climb_max = max(limits.climb_max, _NO_CLIMB)
+    feed, per_knot = design_feed(plant, room, _RISE)
+    step = STEP_REQUIREMENTS["speed"].size
+    if per_knot * step >= _ENOUGH * room[1]:
+        step = -step
+    hdot_max = min(_CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * climb_max)
+    band = BAND if trim.speed > limits.vc_min + _NEAR else GUST
+
+    def shaped(level: Plant, stops: float, feed: float) -> Held:
+        speed, quick = design_speed(level, room, feed, step, stops, band)
+        if speed is None:
+            raise refuse("speed", "no gains of the throttle hold the airspeed")
+        held = with_speed(plant, speed)
+        altitude, climbing = design_altitude(held, ramp, hdot_max, room=room, stops=stops)
+        if altitude is None:
+            raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
+        return speed, quick, altitude, climbing
+
+    def hold(stops: float, feed: float) -> Held:
+        # the airspeed with the attitude held, the altitude, and both with the other held
+        first = shaped(plant, stops, feed)
+        held = shaped(with_altitude(plant, first[2]), stops, feed)
+        if not math.isfinite(held[1].settling):
+            raise refuse("speed", f"no gains of the throttle settle a step of {step:g} kt")
+        if not math.isfinite(held[3].settling):
+            raise refuse("altitude", "no gains from the rate of climb to the pitch angle settle")
+        return held
+
+    held = hold(1.0, feed)
+    if _finished(held) < len(MAX_FINAL_ERROR):
+        with contextlib.suppress(DesignError):
+            held = max(held, hold(RELAXED_STOP_WEIGHT, feed), key=_finished)
+    rise = _RISE_OF_EXCESS * climb_max
+    if _finished(held) < len(MAX_FINAL_ERROR) and _LEAST_RISE <= rise < _RISE:
+        with contextlib.suppress(DesignError):
+            more = hold(RELAXED_STOP_WEIGHT, design_feed(plant, room, rise)[0])
+            if not any(step.relaxed for step in more[1::2]):
+                held = min(held, more, key=_excess)
+    speed, quick, altitude, climbing = held
+    altitude = replace(altitude, theta_max=max(_THETA_MAX, trim.theta + _NOSE_UP))
+    return speed, quick, altitude, climbing
+
+
+def _finished(held: Held) -> int:
     """How many of the steps in airspeed and altitude are finished at their end."""
-    return sum(step.late <= late for step, late in zip(held[1::2], _LATE, strict=True))
+    return sum(step.late <= late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True))
 
 
 def _excess(held: Held) -> float:
     """Largest error at the end of these steps, in what it may be."""
-    return max(step.late / late for step, late in zip(held[1::2], _LATE, strict=True))
+    return max(step.late / late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True))
 
 
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:

@@ -16,7 +16,8 @@ from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
 from ..control.loops import BEYOND
 from .margins import Margins, margins
 from .plant import Plant
-from .search import OMEGA, REQUIREMENTS, at, at_the_end, integral, levels, said, settled
+from .requirements import MARGINS, STEP_REQUIREMENTS, relaxation_text, requirement_met
+from .search import OMEGA, at_the_end, integral, margins_of, settled
 from .turbulence import AIR, Rough, at_a_stop, rms
 
 # periods of the loop in one step of a slow response
@@ -59,7 +60,7 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
     if not len(K):
         return YawGains(K=0.0, tau=_TAU)
     found = margins(OMEGA, -K[:, None] * washed)
-    level = levels(found)
+    level = requirement_met(found)
     best = None
     for i in np.flatnonzero(level == 0):
         mode = dutch_roll(damped(plant, YawGains(K=float(K[i]), tau=_TAU)))
@@ -158,7 +159,7 @@ def design_rudder(
         + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
         + 0.5 * (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
     )
-    score[levels(found) > 0] = np.inf
+    score[requirement_met(found) > 0] = np.inf
     chosen = damper
     for i in np.argsort(score)[:30]:
         if not math.isfinite(score[i]):
@@ -174,7 +175,7 @@ def design_rudder(
         + abs(chosen.Kroll) * ramp
         + abs(chosen.Kbank) * _TURN
     ) / room
-    return chosen, Outcome(at(_of_rudder(plant, chosen), 0), use=use) if use else None
+    return chosen, Outcome(margins_of(_of_rudder(plant, chosen), 0), use=use) if use else None
 
 
 # s of a turn's entry, largest share of the rudder's remaining travel that it may need, and
@@ -221,7 +222,10 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
     most = max(_DIVERGES, 1.01 * damped(plant, yaw).growth())
     for share in _COORDINATED:
         gains = replace(yaw, Kroll=float(share * found[1][0]), Kbank=float(share * found[1][1]))
-        if levels(_of_rudder(plant, gains))[0] == 0 and damped(plant, gains).growth() < most:
+        if (
+            requirement_met(_of_rudder(plant, gains))[0] == 0
+            and damped(plant, gains).growth() < most
+        ):
             return gains
     return yaw
 
@@ -309,7 +313,7 @@ def design_heading(
     Kp = np.clip(fast / turn * np.geomspace(0.25, 1.6, 14), 0.3, 6.0)
     G = plant.response(OMEGA, "phi_cmd")["psi"]
     found = margins(OMEGA, Kp[:, None] * G)
-    level = levels(found)
+    level = requirement_met(found)
     p = plant.slower(_COARSE)
     T, seconds, step = p.T, 60.0, 30.0
     c, f, B = p.row("psi"), p.row("phi"), p.column("phi_cmd")[:, None]
@@ -329,14 +333,14 @@ def design_heading(
     score = time + 200.0 * np.maximum(over - 0.25, 0.0) + 10.0 * level
     score = np.where(np.isfinite(score), score, 1e6 + over)
     i = int(np.argmin(score))
-    if level[i] == len(REQUIREMENTS) or not math.isfinite(time[i]):
-        return None, Outcome(at(found, i), float(time[i]), float(over[i]))
+    if level[i] == len(MARGINS) or not math.isfinite(time[i]):
+        return None, Outcome(margins_of(found, i), float(time[i]), float(over[i]))
     return HeadingGains(Kp=float(Kp[i]), bank=straight), Outcome(
-        at(found, i),
+        margins_of(found, i),
         float(time[i]),
         float(over[i]),
         float(bank[i] / bank_max),
-        said(level[i], f"overshoot {over[i]:.1f} deg" if over[i] > 0.5 else ""),
+        relaxation_text(level[i], f"overshoot {over[i]:.1f} deg" if over[i] > 0.5 else ""),
     )
 
 
@@ -348,6 +352,8 @@ BAND = 4.0
 
 _TF = 0.5
 _SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
+# where turbulence is light, as at high altitude
+_HIGHER_SHARES = np.array([1.0, 1.4, 2.0, 2.8, 4.0])
 _SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
 _SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
 _SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
@@ -365,6 +371,7 @@ def design_speed(
     step: float,
     stops: float = 1.0,
     band: float = BAND,
+    shares: np.ndarray = _SPEED_SHARES,
 ) -> tuple[SpeedGains | None, Outcome]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
 
@@ -376,7 +383,7 @@ def design_speed(
     G = g["vc"]
     travel = min(-room[0], room[1])
     share, time_, rise = (
-        x.ravel() for x in np.meshgrid(_SPEED_SHARES, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
+        x.ravel() for x in np.meshgrid(shares, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
     )
     Kp = share * travel / GUST
     Ki = Kp / time_
@@ -387,10 +394,10 @@ def design_speed(
     law = Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)
     L = law * G - feed[:, None] * g["hdot"]
     found = margins(OMEGA, L)
-    level = levels(found)
-    pick = np.flatnonzero(level < len(REQUIREMENTS))
+    level = requirement_met(found)
+    pick = np.flatnonzero(level < len(MARGINS))
     if not len(pick):
-        return None, Outcome(at(found, 0))
+        return None, Outcome(margins_of(found, 0))
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     moved = [(feed[:, None] * gust["hdot"] - law * gust["vc"]) / (1.0 + L) for gust in air]
     none = np.zeros(len(Kp))
@@ -442,14 +449,19 @@ def design_speed(
         Kc=float(feed[j]),
         band=kept,
     )
-    return gains, Outcome(
-        at(found, j),
+    outcome = Outcome(
+        margins_of(found, j),
         time,
         over,
         peak / travel,
-        said(level[j], "" if math.isfinite(time) else "settling", *rough.said(j)),
+        relaxation_text(level[j], "" if math.isfinite(time) else "settling", *rough.said(j)),
         late,
     )
+    if air and shares is _SPEED_SHARES and not time <= STEP_REQUIREMENTS["speed"].settling_off:
+        more = design_speed(plant, room, Kc, step, stops, band, _HIGHER_SHARES)
+        if more[1].settling < time and not more[1].relaxed:
+            return more
+    return gains, outcome
 
 
 # s of settling; faster is worth nothing
@@ -585,7 +597,7 @@ def design_altitude(
     law = Kp[:, None] + Ki[:, None] * sums
     L = law * (g["hdot"] + Kh[:, None] * g["h"])
     found = margins(OMEGA, L)
-    level = levels(found)
+    level = requirement_met(found)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     moved = [-law * (gust["hdot"] + Kh[:, None] * gust["h"]) / (1.0 + L) for gust in air]
     off, pitch, throttle = (
@@ -600,9 +612,9 @@ def design_altitude(
     )
     rough = Rough(off, pitch, at_a_stop(throttle, room))
     cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
-    valid = level < len(REQUIREMENTS)
+    valid = level < len(MARGINS)
     if not valid.any():
-        return None, Outcome(at(found, 0))
+        return None, Outcome(margins_of(found, 0))
 
     def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
         time, over, late, speed, peak = _climbs(plant, Kh[j], Kp[j], Ki[j], ramp, hdot_max, step)
@@ -624,11 +636,11 @@ def design_altitude(
             break
     gains = AltitudeGains(Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max)
     return gains, Outcome(
-        at(found, j),
+        margins_of(found, j),
         time,
         over,
         peak / 10.0,
-        said(
+        relaxation_text(
             level[j],
             "" if math.isfinite(time) else "settling",
             f"overshoot {over:.1f} ft" if over > 5.0 else "",

@@ -9,64 +9,15 @@ import numpy as np
 
 from .margins import Margins, margins
 from .plant import Plant
-
-OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
-
-
-@dataclass(frozen=True)
-class Requirement:
-    """What the margins of a loop must be at least, and its sensitivity at most.
-
-    Attributes
-    ----------
-    Ms, Ms_delayed : float
-        largest sensitivity, and with 50 ms of delay more
-    gain : float
-        dB
-    phase : float
-        deg
-    """
-
-    Ms: float
-    Ms_delayed: float
-    gain: float
-    phase: float
-
-    def met(self, m: Margins) -> np.ndarray:
-        """Which of the loops meet it."""
-        return (
-            (m.Ms <= self.Ms)
-            & (m.Ms_delayed <= self.Ms_delayed)
-            & (m.gain >= self.gain)
-            & (m.phase >= self.phase)
-        )
-
-    def __str__(self) -> str:
-        return f"Ms {self.Ms:g}, {self.gain:g} dB, {self.phase:g} deg"
-
-
-# the first is what is asked for; the others are what is taken where it cannot be had
-REQUIREMENTS = (
-    Requirement(1.4, 1.8, 7.0, 45.0),
-    Requirement(1.5, 2.0, 6.5, 42.0),
-    Requirement(1.8, 2.3, 6.0, 35.0),
-    Requirement(2.2, 2.7, 5.0, 28.0),
-    Requirement(3.0, 3.6, 3.5, 20.0),
+from .requirements import (
+    MARGINS,
+    STEP_REQUIREMENTS,
+    StepRequirement,
+    relaxation_text,
+    requirement_met,
 )
 
-
-def levels(m: Margins) -> np.ndarray:
-    """Number of the first requirement that each loop meets."""
-    found = np.full(len(m.Ms), len(REQUIREMENTS))
-    for i, requirement in reversed(list(enumerate(REQUIREMENTS))):
-        found[requirement.met(m)] = i
-    return found
-
-
-def said(level: int, *more: str) -> str:
-    """What was relaxed, in words."""
-    margins_ = [] if level == 0 else [str(REQUIREMENTS[level])]
-    return "; ".join([*margins_, *(text for text in more if text)])
+OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
 
 
 @dataclass(frozen=True)
@@ -79,34 +30,21 @@ class Attitude:
         names in the plant
     sign : float
         -1 where a positive command lowers the angle
-    step : float
-        deg
-    tolerance : float
-        deg about the step; the response has settled when it stays within
-    settling : float
-        s within which it should settle
-    overshoot : float
-        deg, largest
+    required : StepRequirement
     cap : float
         highest crossover, rad/s
-    use : float
-        largest share of the command's remaining travel that the step may use
     """
 
     input: str
     angle: str
     rate: str
     sign: float
-    step: float
-    tolerance: float
-    settling: float
-    overshoot: float
-    cap: float
-    use: float
+    required: StepRequirement
+    cap: float = 6.0
 
 
-PITCH = Attitude("elevator", "theta", "q", -1.0, 5.0, 0.5, 4.0, 0.25, 6.0, 0.8)
-ROLL = Attitude("aileron", "phi", "p", 1.0, 20.0, 1.0, 5.0, 1.0, 6.0, 0.9)
+PITCH = Attitude("elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
+ROLL = Attitude("aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
 
 _CROSSOVERS = np.array(
     [0.25, 0.35, 0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 1.8, 2.2, 2.6, 3.0, 3.5, 4.0, 5.0, 6.0]
@@ -161,9 +99,9 @@ def design_attitude(
     Kp, Ki, Kr = _shaped(G, R, plant.T, loop.cap)
     L = (Kp[:, None] + Ki[:, None] * integral(OMEGA, plant.T)) * G + Kr[:, None] * R
     found = margins(OMEGA, L)
-    level = levels(found)
+    level = requirement_met(found)
     # no crossover above the cap: rate feedback alone may cross again
-    level[found.crossover > 1.6 * loop.cap] = len(REQUIREMENTS)
+    level[found.crossover > 1.6 * loop.cap] = len(MARGINS)
     best: tuple[float, Found] | None = None
     flown = np.zeros(len(Kp), dtype=bool)
     for allowed in (0, 1, 2, 3, 4):
@@ -179,10 +117,10 @@ def design_attitude(
             score += 1.5 * level[k] + 0.1 * found.crossover[k]
             if best is None or score < best[0]:
                 relaxed = []
-                if not data["settling"] <= loop.settling:
+                if not data["settling"] <= loop.required.settling:
                     relaxed.append(f"settling {data['settling']:.1f} s")
-                if data["overshoot"] > loop.overshoot:
-                    relaxed.append(f"overshoot {data['overshoot'] / loop.step:.0%}")
+                if data["overshoot"] > loop.required.overshoot:
+                    relaxed.append(f"overshoot {data['overshoot'] / loop.required.size:.0%}")
                 best = (
                     score,
                     Found(
@@ -190,8 +128,8 @@ def design_attitude(
                         float(Ki[k]),
                         float(Kr[k]),
                         float(b),
-                        at(found, k),
-                        relaxed=said(level[k], *relaxed),
+                        margins_of(found, k),
+                        relaxed=relaxation_text(level[k], *relaxed),
                         **data,
                     ),
                 )
@@ -202,7 +140,7 @@ def design_attitude(
     return None if best is None else best[1]
 
 
-def at(m: Margins, k: int) -> dict[str, float]:
+def margins_of(m: Margins, k: int) -> dict[str, float]:
     """The margins of one loop."""
     return {
         name: float(getattr(m, name)[k])
@@ -263,18 +201,18 @@ def _fly(
     n = len(Kp)
     index, b = (x.ravel() for x in np.meshgrid(np.arange(n), _WEIGHTS, indexing="ij"))
     y, peak = attitude_steps(plant, loop, ramp, room, Kp[index], Ki[index], Kr[index], b, _SECONDS)
-    error = y - loop.step
-    settling = settled(error, loop.tolerance, plant.T)
+    error = y - loop.required.size
+    settling = settled(error, loop.required.tolerance, plant.T)
     overshoot = np.maximum(error.max(axis=0), 0.0)
     late = at_the_end(error, plant.T)
     travel = np.minimum(-room[0], room[1])
     use = peak / travel
     score = (
         np.maximum(settling, _FAST)
-        + 20.0 * np.maximum(overshoot - 0.5 * loop.overshoot, 0.0) / loop.step
-        + 300.0 * np.maximum(overshoot - 0.7 * loop.overshoot, 0.0) / loop.step
-        + 200.0 * late / loop.step
-        + 20.0 * np.maximum(use - loop.use, 0.0)
+        + 20.0 * np.maximum(overshoot - 0.5 * loop.required.overshoot, 0.0) / loop.required.size
+        + 300.0 * np.maximum(overshoot - 0.7 * loop.required.overshoot, 0.0) / loop.required.size
+        + 200.0 * late / loop.required.size
+        + 20.0 * np.maximum(use - loop.required.use, 0.0)
         + 0.5 * use
     )
     order = [k for k in np.argsort(score) if np.isfinite(score[k])][:8]
@@ -334,7 +272,7 @@ def attitude_steps(
         for k in range(steps):
             recorded[k] = y
             if k:
-                r = min(r + ramp * T, loop.step)
+                r = min(r + ramp * T, loop.required.size)
             v = Kp * (b * r - y) + total - Kr * rate
             u = np.minimum(np.maximum(v, low), high)
             peak = np.maximum(peak, np.abs(v))

@@ -11,6 +11,7 @@ from ..control.autopilot import Autopilot
 from ..control.gains import AircraftGains, GainSchedule
 from ..control.response import ResponseQuality, response_quality
 from ..flight.aircraft import Aircraft
+from .requirements import STEP_REQUIREMENTS, StepRequirement
 
 # s of flight before the step: the first step after a trim disturbs turbines
 BEFORE = 2.0
@@ -26,8 +27,8 @@ class Step:
         of the `Autopilot`
     output : str
         of the `Aircraft`
-    size, tolerance : float
-        in the unit of the output
+    required : StepRequirement
+        with its size
     seconds : float
         of flight after the step
     modes : dict
@@ -36,18 +37,25 @@ class Step:
 
     port: str
     output: str
-    size: float
-    tolerance: float
+    required: StepRequirement
     seconds: float
     modes: dict[str, float]
 
+    @property
+    def size(self) -> float:
+        """In the unit of the output."""
+        return self.required.size
+
 
 STEPS = {
-    "pitch": Step("theta_ref", "theta", 5.0, 0.5, 30.0, {"pitch_mode": 1.0}),
-    "roll": Step("phi_ref", "phi", 20.0, 1.0, 30.0, {"roll_mode": 1.0}),
-    "heading": Step("psi_ref", "psi", 30.0, 0.5, 120.0, {}),
-    "altitude": Step("h_ref", "h", 500.0, 10.0, 120.0, {}),
-    "speed": Step("vc_ref", "vc", 10.0, 0.5, 150.0, {}),
+    loop: Step(port, output, STEP_REQUIREMENTS[loop], seconds, modes)
+    for loop, port, output, seconds, modes in (
+        ("pitch", "theta_ref", "theta", 30.0, {"pitch_mode": 1.0}),
+        ("roll", "phi_ref", "phi", 30.0, {"roll_mode": 1.0}),
+        ("heading", "psi_ref", "psi", 120.0, {}),
+        ("altitude", "h_ref", "h", 120.0, {}),
+        ("speed", "vc_ref", "vc", 150.0, {}),
+    )
 }
 
 
@@ -131,7 +139,7 @@ def fly_step(
         found += 360.0 * round((signal[0] - found) / 360.0)
     reference = np.full(len(time), found + size)
     reference[0] = found
-    quality = response_quality(time, signal, reference, tolerance=step.tolerance, last=5.0)
+    quality = response_quality(time, signal, reference, tolerance=step.required.tolerance, last=5.0)
     stops = [outputs[name] != 0.0 for name in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")]
     return Flown(quality, time, outputs, max(_longest(s) for s in stops) * T)
 

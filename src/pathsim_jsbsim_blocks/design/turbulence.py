@@ -12,6 +12,7 @@ from scipy.special import ndtr
 from ..linear.model import LinearModel
 from ..wind import dryden_field
 from .plant import Plant
+from .requirements import ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE
 
 AIR = ("along", "up")
 
@@ -72,9 +73,6 @@ def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
     return np.sqrt(trapezoid(power, omega, axis=-1) / np.pi)
 
 
-# what is asked for in turbulence: ft, deg of rms, share of the time with the throttle at a stop
-ALTITUDE, PITCH, STOP = 60.0, 5.0, 0.05
-
 # the largest altitude error of a flight of some minutes, in rms
 _PEAK = 3.3
 
@@ -106,19 +104,19 @@ class Rough:
 
     def cost(self, stops: float) -> np.ndarray:
         """In s of settling; ``stops`` is a weight of the throttle's stops."""
-        h = np.maximum(self.altitude * _PEAK / ALTITUDE - 1.0, 0.0)
-        theta = np.clip(self.pitch / (_PITCH_AIM * PITCH) - 1.0, 0.0, _PITCH_LOST)
-        stop = np.clip(self.stop / (_STOP_AIM * STOP) - 1.0, 0.0, _STOP_LOST)
+        h = np.maximum(self.altitude * _PEAK / ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
+        theta = np.clip(self.pitch / (_PITCH_AIM * PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST)
+        stop = np.clip(self.stop / (_STOP_AIM * STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
         return _ALTITUDE_COST * h + _PITCH_COST * theta + stops * _STOP_COST * stop
 
     def said(self, i: int) -> tuple[str, ...]:
         """What one of them does not meet, in words."""
         found = []
-        if self.altitude[i] * _PEAK > ALTITUDE:
+        if self.altitude[i] * _PEAK > ALTITUDE_IN_TURBULENCE:
             found.append(f"turbulence {self.altitude[i]:.0f} ft rms")
-        if self.pitch[i] > PITCH:
+        if self.pitch[i] > PITCH_IN_TURBULENCE:
             found.append(f"turbulence {self.pitch[i]:.1f} deg rms")
-        if self.stop[i] > STOP:
+        if self.stop[i] > STOP_IN_TURBULENCE:
             found.append(f"turbulence {self.stop[i]:.0%} at the throttle's stop")
         return tuple(found)
 

@@ -1,0 +1,158 @@
+"""What the loops are held to: one table, for the search, the flights and the documentation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .margins import Margins
+
+
+@dataclass(frozen=True)
+class MarginRequirement:
+    """What the margins of a loop must be at least, and its sensitivity at most.
+
+    Attributes
+    ----------
+    Ms, Ms_delayed : float
+        largest sensitivity, and with 50 ms of delay more
+    gain : float
+        dB
+    phase : float
+        deg
+    """
+
+    Ms: float
+    Ms_delayed: float
+    gain: float
+    phase: float
+
+    def met(self, m: Margins) -> np.ndarray:
+        """Which of the loops meet it."""
+        return (
+            (m.Ms <= self.Ms)
+            & (m.Ms_delayed <= self.Ms_delayed)
+            & (m.gain >= self.gain)
+            & (m.phase >= self.phase)
+        )
+
+    def __str__(self) -> str:
+        return f"Ms {self.Ms:g}, {self.gain:g} dB, {self.phase:g} deg"
+
+
+# the first is what is asked for; the others are what is taken where it cannot be had
+MARGINS = (
+    MarginRequirement(1.4, 1.8, 7.0, 45.0),
+    MarginRequirement(1.5, 2.0, 6.5, 42.0),
+    MarginRequirement(1.8, 2.3, 6.0, 35.0),
+    MarginRequirement(2.2, 2.7, 5.0, 28.0),
+    MarginRequirement(3.0, 3.6, 3.5, 20.0),
+)
+
+
+def requirement_met(m: Margins) -> np.ndarray:
+    """Number of the first of `MARGINS` that each loop meets; their count where it meets none."""
+    found = np.full(len(m.Ms), len(MARGINS))
+    for i, requirement in reversed(list(enumerate(MARGINS))):
+        found[requirement.met(m)] = i
+    return found
+
+
+def relaxation_text(level: int, *more: str) -> str:
+    """What was relaxed, in words."""
+    margins_ = [] if level == 0 else [str(MARGINS[level])]
+    return "; ".join([*margins_, *(text for text in more if text)])
+
+
+@dataclass(frozen=True)
+class StepRequirement:
+    """A step of a loop's reference, and what it is held to.
+
+    Attributes
+    ----------
+    size, tolerance : float
+        in the unit of the output; the response has settled when it stays within the tolerance
+    unit : str
+    settling, settling_off : float
+        s, at the design point and off it
+    overshoot, final_error : float
+        largest excess, and largest error in the last 5 s, in the unit of the output
+    use : float
+        largest share of the command's remaining travel that the step may use
+    """
+
+    size: float
+    tolerance: float
+    unit: str
+    settling: float = math.inf
+    settling_off: float = math.inf
+    overshoot: float = math.inf
+    final_error: float = math.inf
+    use: float = math.inf
+
+
+STEP_REQUIREMENTS = {
+    "pitch": StepRequirement(5.0, 0.5, "deg", 4.0, 6.0, 0.25, 0.05, 0.8),
+    "roll": StepRequirement(20.0, 1.0, "deg", 5.0, 7.5, 1.0, 0.05, 0.9),
+    "heading": StepRequirement(30.0, 0.5, "deg", overshoot=0.5, final_error=0.05),
+    "altitude": StepRequirement(500.0, 10.0, "ft", overshoot=5.0, final_error=0.1),
+    "speed": StepRequirement(10.0, 0.5, "kt", settling_off=75.0, final_error=0.15),
+}
+
+# kt and ft: errors at the end of the steps in airspeed and altitude that the search aims at
+MAX_FINAL_ERROR = (0.14, 0.06)
+
+# ft of altitude kept in a step of the airspeed, at the design point and off it
+ALTITUDE_KEPT, ALTITUDE_KEPT_OFF = 15.0, 22.5
+
+# off the design point: deg of sideslip in a turn, s at the end of a command's travel
+MAX_SIDESLIP, MAX_SECONDS_AT_A_STOP = 1.0, 1.0
+
+# moderate turbulence: ft, deg of rms, share of the time with the throttle at a stop
+ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE = 60.0, 5.0, 0.05
+
+
+def requirements_table() -> str:
+    """The requirements as tables in Markdown, for the documentation."""
+
+    def limit(value: float, unit: str) -> str:
+        return "" if math.isinf(value) else f"{value:g} {unit}".rstrip()
+
+    rows = ["| margins | Ms | with 50 ms more | gain | phase |", "|---|--:|--:|--:|--:|"]
+    for i, m in enumerate(MARGINS):
+        name = f"relaxed, {i}" if i else "asked for"
+        rows.append(f"| {name} | {m.Ms:g} | {m.Ms_delayed:g} | {m.gain:g} dB | {m.phase:g} deg |")
+    rows += [
+        "",
+        "| step | settles to | within | off the design point | overshoot | error at the end "
+        "| share of the travel |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    for loop, r in STEP_REQUIREMENTS.items():
+        cells = (
+            f"{loop}, {r.size:g} {r.unit}",
+            f"{r.tolerance:g} {r.unit}",
+            limit(r.settling, "s"),
+            limit(r.settling_off, "s"),
+            limit(r.overshoot, r.unit),
+            limit(r.final_error, r.unit),
+            limit(r.use, ""),
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    rows += [
+        "",
+        "| further | at the design point | off it |",
+        "|---|--:|--:|",
+        "| altitude kept in a step of the airspeed "
+        f"| {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |",
+        "| error at the end that the search aims at, speed and altitude "
+        f"| {MAX_FINAL_ERROR[0]:g} kt, {MAX_FINAL_ERROR[1]:g} ft | |",
+        f"| sideslip in the turn | | {MAX_SIDESLIP:g} deg |",
+        f"| a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |",
+        f"| altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |",
+        f"| pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |",
+        f"| throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |",
+    ]
+    return "\n".join(rows)
