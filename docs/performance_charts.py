@@ -1,9 +1,10 @@
 """Make the charts of the fleet, and the page docs/evidence/performance.md from them.
 
-    python docs/performance_charts.py FOLDER
+    python docs/performance_charts.py FOLDER [AIRCRAFT ...]
 
-writes a PDF page and a CSV table for each aircraft that trims into FOLDER, those that are not there
-yet. It takes half an hour on two cores.
+writes a PDF page and a CSV table into FOLDER for each of these aircraft (default: all that trim)
+that has none there yet, and the evidence page from all tables there. The fleet takes half an hour
+on two cores.
 """
 
 import re
@@ -36,9 +37,9 @@ COLUMNS = {
 HEAD = """\
 # The fleet's performance
 
-The charts of the {count} aircraft that trim, with default settings of `pathsim-jsbsim chart`
-([definitions](../performance.md)): values at sea level and the model's own weight, flaps up; the
-sustained turn is the steepest of four airspeeds. `python docs/performance_charts.py FOLDER` makes
+The charts of {count} of the {all} aircraft that trim, with default settings of
+`pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's
+own weight, flaps up; the sustained turn is the steepest of four airspeeds. `python docs/performance_charts.py FOLDER` makes
 the pages (PDF), the tables (CSV) and this page.
 
 {flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
@@ -100,6 +101,7 @@ def page(tables):
     differences = pd.concat(table.difference_percent for table in tables.values()).dropna().abs()
     head = HEAD.format(
         count=len(tables),
+        all=len(fleet()),
         flown=len(differences),
         within=(differences <= 1.0).mean(),
         five=(differences <= 5.0).mean(),
@@ -107,17 +109,22 @@ def page(tables):
     names = ["aircraft", *COLUMNS, "flown", "median", "time s"]
     lines, missing = zip(*(line(name, table) for name, table in tables.items()), strict=True)
     rows = [f"| {' | '.join(names)} |", f"|---|{'--:|' * (len(names) - 1)}", *lines]
+    later = [name for name in fleet() if name not in tables]
+    missing += (f"- not made yet: {', '.join(later)}\n",) * bool(later)
     return head + "\n".join(rows) + "\n\n" + "".join(missing)
 
 
 def main():
-    folder = Path(sys.argv[1])
+    folder, *names = sys.argv[1:]
+    folder = Path(folder)
     folder.mkdir(exist_ok=True)
-    tables = {}
-    for name in fleet():
-        tables[name] = make(name, folder)
-        print(f"{name}: {tables[name].seconds.iloc[0]:.0f} s", flush=True)
+    for name in names or fleet():
+        print(f"{name}: {make(name, folder).seconds.iloc[0]:.0f} s", flush=True)
+    tables = {name: make(name, folder) for name in fleet() if (folder / f"{name}.csv").exists()}
     (EVIDENCE / "performance.md").write_text(page(tables), encoding="utf-8")
+    if "c172p" in tables:
+        with saving_to(EVIDENCE.parent / "pictures" / "performance.png"):
+            show(performance_chart(tables["c172p"].drop(columns="seconds")), "performance")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """Performance charts: values against plain JSBSim loops and printed formulas; bad input."""
 
+import importlib
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -150,6 +152,8 @@ def test_bad_numbers_are_refused_at_once():
         performance_table("c172p", weights=-1.0)
     with pytest.raises(ParameterError, match="flaps"):
         performance_table("c172p", flaps=[0.0, 2.0])
+    with pytest.raises(ParameterError, match="no altitude"):
+        performance_table("c172p", altitudes=[])
 
 
 def test_the_page_of_a_table_without_values_shows_the_reasons():
@@ -199,3 +203,16 @@ def test_c172p_against_its_handbook(tmp_path):
     compared, table = against_handbook("c172p", file, progress=False)
     assert compared.model.between([50.0, 12000.0], [60.0, 20000.0]).all()
     assert (table.difference_percent.abs().dropna() < 1.0).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", ["A4", "SGS"])
+def test_the_page_of_the_fleet_is_current(aircraft, monkeypatch):
+    docs = Path(__file__).parents[2] / "docs"
+    monkeypatch.syspath_prepend(docs)
+    charts = importlib.import_module("performance_charts")
+    row, _ = charts.line(aircraft, performance_table(aircraft, progress=False).assign(seconds=0.0))
+    page = (docs / "evidence" / "performance.md").read_text(encoding="utf-8")
+    (printed,) = (line for line in page.splitlines() if line.startswith(f"| {aircraft} |"))
+    # but for the time
+    assert printed.split("|")[:-2] == row.split("|")[:-2]

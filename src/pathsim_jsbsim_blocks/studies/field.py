@@ -67,7 +67,7 @@ def _take_off(plane: Plane) -> tuple[float, float, float] | None:
         lambda speed, height, gear, ground: height > screen + on_wheels,
     )
     way, speed, height, gear, _ = track
-    if height[-1] < screen + on_wheels:
+    if height[-1] < screen + on_wheels or not gear.any():
         plane.reason = f"not at {screen:g} ft within {_LONGEST:g} s"
         return None
     off = int(np.flatnonzero(gear)[-1])

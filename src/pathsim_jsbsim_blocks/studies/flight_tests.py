@@ -19,7 +19,7 @@ import numpy as np
 from .._core.checks import refuse
 from .._core.units import FOOT, GRAVITY, KNOT
 from ..air import isa
-from ..errors import TrimError
+from ..errors import BlocksError
 from ..flight import Airframe, TrimState, trim
 from ..flight.fleet import prepared
 
@@ -103,8 +103,8 @@ class Plane:
         try:
             condition = replace(self.base, speed=speed, **fields)
             return trim(self.airframe, condition, hint=False, warm=True)
-        except TrimError as error:
-            self.reason = error.reason
+        except BlocksError as error:
+            self.reason = getattr(error, "reason", str(error))
             return None
 
     def climb(self, speed: float) -> TrimState | None:
@@ -120,7 +120,7 @@ class Plane:
         self._twin = plane = self._twin or self.flyer()
         try:
             trim(plane, replace(state.condition, **fields), hint=False, warm=True)
-        except TrimError:
+        except BlocksError:
             return None
         fdm, rows = plane.fdm, []
         read = plane.reader_of([*_RECORDED.values(), *plane.of_engines("fuel-flow-rate-pps")])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import positive
+from .._core.checks import positive, refuse
 from .._core.extras import required
 from .._core.units import GRAVITY, KNOT
 from ..errors import BlocksError
@@ -51,7 +51,7 @@ _NMI = 6076.1155  # ft
 
 _GRID, _STEPS = 1.12, 22  # ratio of neighbouring airspeeds from the stall on, and their number
 _DIVE = -20.0  # deg, a glide so steep that a chart above the ceiling ends
-_TRIES = 4  # speeds at which a climb is looked for in vain
+_TRIES = 6  # speeds at which a climb or level flight is looked for in vain
 
 _TURN = 10.0  # s, before a spiral grows
 _BURN = 20.0  # s in which the fuel flow of a turbine settles
@@ -151,7 +151,8 @@ def _farthest(plane: Plane) -> None:
         for name in ("fuel flow", "specific range")
     )
     if not flow:
-        why = "the model burns no fuel" if plane.airframe.engines else "no engine"
+        flies = any(row["quantity"] == "thrust required" for row in plane.rows)
+        why = "the model burns no fuel" if flies else "no level flight"
         plane.put("range", "best specific range", "nmi/lb", None, reason=why)
         return
     best = max(reach, key=lambda row: row["value"])
@@ -167,10 +168,10 @@ def _ends_of_level(plane: Plane, levels: Sequence[TrimState]) -> None:
             plane.put("level", f"{end} level speed", "KTAS", None)
             continue
         plane.reason = ""
-        end_speed = last(plane.trim, levels[i], ratio)
-        at = {"speed_kcas": end_speed.speed, "reason": plane.reason}
-        plane.put("level", f"{end} level speed", "KTAS", end_speed.tas / KNOT, **at)
-        plane.put("envelope", f"{end} level Mach number", "", end_speed.mach, **at)
+        edge = last(plane.trim, levels[i], ratio)
+        at = {"speed_kcas": edge.speed, "reason": plane.reason}
+        plane.put("level", f"{end} level speed", "KTAS", edge.tas / KNOT, **at)
+        plane.put("envelope", f"{end} level Mach number", "", edge.mach, **at)
     if levels:
         level = levels[len(levels) // 2]
         rate = energy_rate(plane, level, 0.0)
@@ -240,6 +241,8 @@ def _ceilings(plane: Plane) -> None:
 
     plane.reason = "no engine"
     rates = {-5000.0: math.inf, 0.0: climb(0.0) if plane.airframe.engines else -math.inf}
+    if math.isfinite(rates[0.0]):
+        plane.reason = "below 0 ft"
     while (top := max(rates)) < _HIGHEST and rates[top] > 0.0:
         rates[top + 5000.0] = climb(top + 5000.0)
     for name, limit in (("absolute", 0.0), ("service", _SERVICE[plane.kind])):
@@ -456,7 +459,9 @@ def performance_table(
     airframe, _, _ = prepared(aircraft, root)
     jet = bool(airframe.engines and not airframe.of_engines("propeller-rpm"))
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)
-    given = [None] if weights is None else [positive("weight", x) for x in _several(weights)]
+    given = (
+        [None] if weights is None else [positive("weight", x) for x in _several("weight", weights)]
+    )
     settings = _FLAPS if flaps is None else _axis("flaps", flaps)
     common = {
         "aircraft": aircraft,
@@ -486,12 +491,12 @@ def performance_table(
     return table
 
 
-def _several(values: Any) -> list[Any]:
+def _several(name: str, values: Any) -> list[Any]:
     """One value or several as a list, each once."""
     one = isinstance(values, str) or not np.iterable(values)
-    return list(dict.fromkeys([values] if one else values))
+    return list(dict.fromkeys([values] if one else values)) or refuse(name, values, f"no {name}")
 
 
 def _axis(name: str, values: Any) -> list[float]:
     """The values of a field of a condition."""
-    return [getattr(TrimCondition(**{name: value}), name) for value in _several(values)]
+    return [getattr(TrimCondition(**{name: value}), name) for value in _several(name, values)]
