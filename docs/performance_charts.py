@@ -39,8 +39,8 @@ HEAD = """\
 
 The charts of {count} of the {all} aircraft that trim, with default settings of
 `pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's
-own weight, flaps up; the sustained turn is the steepest of four airspeeds. `python docs/performance_charts.py FOLDER` makes
-the pages (PDF), the tables (CSV) and this page.
+own weight, flaps up; the sustained turn is the steepest of four airspeeds.
+`python docs/performance_charts.py FOLDER` makes the pages (PDF), the tables (CSV) and this page.
 
 {flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
 on the right have how many values of an aircraft were flown, the median of the differences, and the
@@ -67,7 +67,9 @@ def make(name, folder):
         with saving_to(folder / f"{name}.pdf"):
             show(performance_chart(table.drop(columns="seconds")), name)
         table.to_csv(file, index=False)
-    return pd.read_csv(file, keep_default_na=True)
+    table = pd.read_csv(file)
+    table.attrs["aircraft"] = name
+    return table
 
 
 def value(table, quantity):
@@ -123,8 +125,8 @@ def main():
     tables = {name: make(name, folder) for name in fleet() if (folder / f"{name}.csv").exists()}
     (EVIDENCE / "performance.md").write_text(page(tables), encoding="utf-8")
     if "c172p" in tables:
-        with saving_to(EVIDENCE.parent / "pictures" / "performance.png"):
-            show(performance_chart(tables["c172p"].drop(columns="seconds")), "performance")
+        page_of_cessna = performance_chart(tables["c172p"].drop(columns="seconds"))
+        page_of_cessna.savefig(EVIDENCE.parent / "pictures" / "performance.png", dpi=56)
 
 
 if __name__ == "__main__":
