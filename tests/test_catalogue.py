@@ -80,10 +80,10 @@ def test_run_saves_figure_and_signals(tmp_path, capsys):
     assert rows[0] == [
         "time [s]",
         "altitude [ft]",
-        "true airspeed [ft/s]",
         "pitch angle [deg]",
         "roll angle [deg]",
         "heading [deg]",
+        "true airspeed [ft/s]",
     ]
     assert len(rows) == 122
     assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)

@@ -102,13 +102,16 @@ def test_a_diagram(tree):
     pytest.importorskip("playwright")
     pytest.importorskip("pathview")
     folder = tree / "diagrams"
-    text = (folder / "pitch_hold.py").read_text(encoding="utf-8")
-    (folder / "pitch_trial.py").write_text(text.replace("pitch_hold", "pitch_trial"))
-    status, said = python(tree, "docs/add_diagram.py", "pitch_trial")
+    text = (folder / "heading_hold.py").read_text(encoding="utf-8")
+    (folder / "heading_trial.py").write_text(text.replace("heading_hold", "heading_trial"))
+    status, said = python(tree, "docs/add_diagram.py", "heading_trial")
     assert status == 0, said
-    assert (folder / "pitch_trial.pvm").is_file()
-    run_tests(tree, "tests/test_documentation.py", "tests/test_catalogue.py")
-    run_tests(tree, "tests/pathview/test_committed.py", "-k", "pitch_trial or every_model")
+    assert (folder / "heading_trial.pvm").is_file()
+    count = len(list(folder.glob("*.py")))
+    edit(tree / "README.md", f"of the {count - 1} diagrams", f"of the {count} diagrams")
+    guards = ("tests/test_documentation.py", "tests/test_catalogue.py")
+    run_tests(tree, *guards, "-k", "heading_trial or diagram or generated or links or readme")
+    run_tests(tree, "tests/pathview/test_committed.py", "-k", "heading_trial or every_model")
 
 
 def test_a_port(tree):
