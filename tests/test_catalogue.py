@@ -82,8 +82,8 @@ def test_run_saves_figure_and_signals(tmp_path, capsys):
         "altitude [ft]",
         "pitch angle [deg]",
         "roll angle [deg]",
-        "heading [deg]",
         "true airspeed [ft/s]",
+        "heading [deg]",
     ]
     assert len(rows) == 122
     assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)
