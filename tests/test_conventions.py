@@ -245,3 +245,16 @@ def test_foot_and_knot_stand_once():
             ):
                 found.add(file.relative_to(source).as_posix())
     assert found == {"_core/units.py"}
+
+
+def test_there_is_one_way_to_refuse_a_parameter():
+    source = Path(package.__file__).parent
+    raising = {
+        file.relative_to(source).as_posix()
+        for file in source.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Raise)
+        and isinstance(node.exc, ast.Call)
+        and getattr(node.exc.func, "id", "") == "ParameterError"
+    }
+    assert raising == {"_core/checks.py"}
