@@ -364,6 +364,45 @@ _SPEED_RISES = np.array([1.0, 0.5, 0.0])
 _UNFED = 20.0  # s of settling, for none of it
 
 
+@dataclass(frozen=True)
+class _SpeedCandidates:
+    """Airspeed loops, arrays of shape (loops,)."""
+
+    share: np.ndarray
+    time: np.ndarray
+    rise: np.ndarray
+    Kp: np.ndarray
+    Ki: np.ndarray
+    feed: np.ndarray
+    margins: Margins
+    level: np.ndarray
+    rough: Rough
+
+
+def _speed_candidates(
+    plant: Plant, room: tuple[float, float], Kc: float, shares: np.ndarray
+) -> _SpeedCandidates:
+    """All combinations of shares, integral times and shares of the feed-forward."""
+    T, g = plant.T, plant.response(OMEGA, "throttle")
+    share, time, rise = (
+        x.ravel() for x in np.meshgrid(shares, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
+    )
+    Kp = share * min(-room[0], room[1]) / GUST
+    Ki = Kp / time
+    feed = rise * Kc
+    alpha = -math.expm1(-T / _TF)
+    z = np.exp(1j * OMEGA * T)
+    slope = alpha / (1 - (1 - alpha) / z) * (1 - 1 / z) / T
+    law = Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)
+    L = law * g["vc"] - feed[:, None] * g["hdot"]
+    found = margins(OMEGA, L)
+    air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
+    moved = [(feed[:, None] * gust["hdot"] - law * gust["vc"]) / (1.0 + L) for gust in air]
+    none = np.zeros(len(Kp))
+    rough = Rough(none, none, at_a_stop(rms(OMEGA, *moved, np.zeros_like(L)), room))
+    return _SpeedCandidates(share, time, rise, Kp, Ki, feed, found, requirement_met(found), rough)
+
+
 def design_speed(
     plant: Plant,
     room: tuple[float, float],
@@ -378,38 +417,29 @@ def design_speed(
     ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some;
     the ``band`` is for steps that settle with it.
     """
-    T, dt = plant.T, _COARSE * plant.T
-    g = plant.response(OMEGA, "throttle")
-    G = g["vc"]
-    travel = min(-room[0], room[1])
-    share, time_, rise = (
-        x.ravel() for x in np.meshgrid(shares, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
-    )
-    Kp = share * travel / GUST
-    Ki = Kp / time_
-    feed = rise * Kc
-    alpha = -math.expm1(-T / _TF)
-    z = np.exp(1j * OMEGA * T)
-    slope = alpha / (1 - (1 - alpha) / z) * (1 - 1 / z) / T
-    law = Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)
-    L = law * G - feed[:, None] * g["hdot"]
-    found = margins(OMEGA, L)
-    level = requirement_met(found)
-    pick = np.flatnonzero(level < len(MARGINS))
+    dt, travel = _COARSE * plant.T, min(-room[0], room[1])
+    all_ = _speed_candidates(plant, room, Kc, shares)
+    pick = np.flatnonzero(all_.level < len(MARGINS))
     if not len(pick):
-        return None, Outcome(margins_of(found, 0))
-    air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
-    moved = [(feed[:, None] * gust["hdot"] - law * gust["vc"]) / (1.0 + L) for gust in air]
-    none = np.zeros(len(Kp))
-    rough = Rough(none, none, at_a_stop(rms(OMEGA, *moved, np.zeros_like(L)), room))
+        return None, Outcome(margins_of(all_.margins, 0))
     k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
-    fixed = (60.0 * level + 10.0 * share + _UNFED * (1.0 - rise) + rough.cost(stops))[k]
+    unfed = _UNFED * (1.0 - all_.rise)
+    fixed = (60.0 * all_.level + 10.0 * all_.share + unfed + all_.rough.cost(stops))[k]
 
     def steps(
         j: np.ndarray, b: np.ndarray, ramp: np.ndarray, band: float
     ) -> tuple[np.ndarray, ...]:
         error, peak = _accelerates(
-            plant, room, step, Kp[j], Ki[j], b, feed[j], 1.0 / time_[j], ramp, band
+            plant,
+            room,
+            step,
+            all_.Kp[j],
+            all_.Ki[j],
+            b,
+            all_.feed[j],
+            1.0 / all_.time[j],
+            ramp,
+            band,
         )
         time = settled(error, 0.5, dt)
         over = np.maximum((np.sign(step) * error).max(axis=0), 0.0)
@@ -438,26 +468,28 @@ def design_speed(
         time, over, _, peak = (float(x[i]) for x in quality)
         if math.isfinite(time):
             break
-    kp = float(Kp[j])
+    kp = float(all_.Kp[j])
     gains = SpeedGains(
         Kp=kp,
-        Ki=float(Ki[j]),
+        Ki=float(all_.Ki[j]),
         Kd=-kp * _TF,
         Tf=_TF,
         b=float(b[i]),
         ramp=float(ramps[i]),
-        Kc=float(feed[j]),
+        Kc=float(all_.feed[j]),
         band=kept,
     )
+    unsettled = "" if math.isfinite(time) else "settling"
     outcome = Outcome(
-        margins_of(found, j),
+        margins_of(all_.margins, j),
         time,
         over,
         peak / travel,
-        relaxation_text(level[j], "" if math.isfinite(time) else "settling", *rough.said(j)),
+        relaxation_text(all_.level[j], unsettled, *all_.rough.said(j)),
         late,
     )
-    if air and shares is _SPEED_SHARES and not time <= STEP_REQUIREMENTS["speed"].settling_off:
+    rough = any(name in plant.inputs for name in AIR)
+    if rough and shares is _SPEED_SHARES and not time <= STEP_REQUIREMENTS["speed"].settling_off:
         more = design_speed(plant, room, Kc, step, stops, band, _HIGHER_SHARES)
         if more[1].settling < time and not more[1].relaxed:
             return more
@@ -573,31 +605,18 @@ _CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 7.0, 12.0, 24.0])
 _HOPE, _SOONEST = 300.0, 0.8
 
 
-def design_altitude(
-    plant: Plant,
-    ramp: float,
-    hdot_max: float,
-    step: float = 500.0,
-    room: tuple[float, float] = (-1.0, 1.0),
-    stops: float = 1.0,
-) -> tuple[AltitudeGains | None, Outcome]:
-    """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
-
-    ``room`` is the throttle's; ``stops`` as in `design_speed`.
-    """
-    T = plant.T
-    g = plant.response(OMEGA, "theta_cmd")
+def _altitude_candidates(
+    plant: Plant, room: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Margins, Rough]:
+    """Kp, Ki and Kh of all combinations, their margins, and what turbulence does to them."""
+    T, g = plant.T, plant.response(OMEGA, "theta_cmd")
     Kp, Ki = _pi(g["hdot"], T, _CLIMB_CROSSOVERS, _CLIMB_PHASES)
-    if not len(Kp):
-        return None, Outcome({})
     sums = integral(OMEGA, T)
     wc = margins(OMEGA, (Kp[:, None] + Ki[:, None] * sums) * g["hdot"]).crossover
     k, r = (x.ravel() for x in np.meshgrid(np.arange(len(Kp)), _CLIMB_RATIOS, indexing="ij"))
     Kp, Ki, Kh = Kp[k], Ki[k], np.minimum(wc[k] / r, 0.3)
     law = Kp[:, None] + Ki[:, None] * sums
     L = law * (g["hdot"] + Kh[:, None] * g["h"])
-    found = margins(OMEGA, L)
-    level = requirement_met(found)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     moved = [-law * (gust["hdot"] + Kh[:, None] * gust["h"]) / (1.0 + L) for gust in air]
     off, pitch, throttle = (
@@ -610,7 +629,25 @@ def design_altitude(
         else np.zeros(len(Kp))
         for name in ("h", "theta", "throttle")
     )
-    rough = Rough(off, pitch, at_a_stop(throttle, room))
+    return Kp, Ki, Kh, margins(OMEGA, L), Rough(off, pitch, at_a_stop(throttle, room))
+
+
+def design_altitude(
+    plant: Plant,
+    ramp: float,
+    hdot_max: float,
+    step: float = 500.0,
+    room: tuple[float, float] = (-1.0, 1.0),
+    stops: float = 1.0,
+) -> tuple[AltitudeGains | None, Outcome]:
+    """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
+
+    ``room`` is the throttle's; ``stops`` as in `design_speed`.
+    """
+    Kp, Ki, Kh, found, rough = _altitude_candidates(plant, room)
+    if not len(Kp):
+        return None, Outcome({})
+    level = requirement_met(found)
     cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
     valid = level < len(MARGINS)
     if not valid.any():
