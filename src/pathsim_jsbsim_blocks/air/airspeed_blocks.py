@@ -7,6 +7,7 @@ pathsim-flight also has are drop-in replacements for its blocks.
 from __future__ import annotations
 
 from inspect import cleandoc
+from textwrap import indent
 from typing import TypeVar
 
 import pathsim_flight.utils as flight
@@ -64,11 +65,13 @@ def _conversion(block: Converter) -> Converter:
         return "\n".join(f"{name}\n    {_PORTS[name]}" for name in labels)
 
     if block.__doc__:  # absent under python -OO
-        block.__doc__ = _PAGE.format(
+        page = _PAGE.format(
             text=cleandoc(block.__doc__).replace("%(pitot)s", _PITOT),
             inputs=described(block.input_port_labels),
             outputs=described(block.output_port_labels),
         )
+        # indented, as other docstrings are
+        block.__doc__ = indent(page, "    ").lstrip()
     return block
 
 
