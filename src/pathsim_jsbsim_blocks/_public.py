@@ -24,6 +24,7 @@ from .control.actuator import Actuator
 from .control.autopilot import Autopilot
 from .control.holds import *
 from .control.pid import DiscretePID
+from .control.receivers import Glideslope, Localizer
 from .control.sensor import Sensor
 from .daveml.block import DaveML
 from .errors import (
@@ -65,8 +66,10 @@ __all__ = [
     "FlightError",
     "FlightRecorder",
     "GeodeticToNED",
+    "Glideslope",
     "ISAtmosphere",
     "LinearisationError",
+    "Localizer",
     "MachtoCAS",
     "MachtoEAS",
     "MachtoTAS",

@@ -154,6 +154,17 @@ def circle_through(first: Place, last: Place) -> GreatCircle | None:
     return GreatCircle(left, there, _cross(left, there), distance(first, last))
 
 
+def line_to(end: Place, course: float) -> GreatCircle:
+    """The great circle that reaches a place on a course in deg; its length is 0."""
+    chi = math.radians(course)
+    north, east = _scaled(end.north, math.cos(chi)), _scaled(end.east, math.sin(chi))
+    ahead = [a + b for a, b in zip(north, east, strict=True)]
+    there = _scaled(end.position, 1.0 / math.hypot(*end.position))
+    left = _cross(there, ahead)
+    left = _scaled(left, 1.0 / math.hypot(*left))
+    return GreatCircle(left, there, _cross(left, there), 0.0)
+
+
 def distance(a: Place, b: Place) -> float:
     """Distance over the surface in ft, within 0.01 % of the geodesic's up to 1000 nmi."""
     chord = math.dist(a.position, b.position)

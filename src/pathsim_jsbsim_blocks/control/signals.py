@@ -105,7 +105,7 @@ def function(name: str) -> Callable[[Any], Any]:
     return lambda x: Signal(name, x) if isinstance(x, Signal) else plain(x)
 
 
-acos, cos, exp, expm1, sin = map(function, ("acos", "cos", "exp", "expm1", "sin"))
+acos, atan, cos, exp, expm1, sin = map(function, ("acos", "atan", "cos", "exp", "expm1", "sin"))
 
 
 def wrap(angle: Any) -> Any:

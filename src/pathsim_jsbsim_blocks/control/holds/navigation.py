@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import number, optional, positive, refuse, whole
+from ..._core.checks import flag, number, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY
@@ -26,12 +26,12 @@ from ..channels import Lateral, Vertical
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
 from ..loops import AltitudeLoop, AltitudeState, HeadingLoop, Reference, attitude_loop
-from ..signals import flat, select, wrap
+from ..receivers import above_path
+from ..signals import flat, larger, limit, select, wrap
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
 
-_RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
 _SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
 # crossover of the heading loop over that of the loop around it; 4 would be critically damped
 _SEPARATION = 3.5
@@ -310,7 +310,7 @@ class _Route:
 
 @fill
 class GlideslopeHold(Hold):
-    """Follows a glide path down to a runway with the elevator; captures it from below.
+    """Follows a glide path down to a runway with the elevator; captures it from below or above.
 
     .. math::
         \\dot h_\\mathrm{cmd} &= -V_c \\tan\\gamma - K_h \\, \\Delta h \\\\
@@ -322,8 +322,9 @@ class GlideslopeHold(Hold):
     loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
     the ground at the runway, which passes above the threshold; the Earth's surface falls away below
     it. Until it is captured, the altitude found at engagement is held. It is captured where it
-    demands a lower rate of climb than the altitude does, on the way to the threshold and not more
-    than 0.35 deg above the path. There is no flare. With the port ``alpha`` wired it keeps the
+    demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
+    ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
+    ``FlareHold`` comes after it. With the port ``alpha`` wired it keeps the
     angle of attack below its limit; the lowest airspeed of the gain table is that of the clean
     aircraft and has no effect here.
 
@@ -340,7 +341,8 @@ class GlideslopeHold(Hold):
     crossing_height : float
         height of the path above the threshold, ft
     hdot_max : float, optional
-        largest correction of the rate of climb, ft/s; default is the gain table's
+        largest correction of the rate of climb, ft/s, downwards; upwards it may be as large as the
+        path's own rate of descent; default is the gain table's
     theta_min : float
         lowest pitch reference in deg
     theta_max : float, optional
@@ -349,6 +351,9 @@ class GlideslopeHold(Hold):
         largest elevator increment, of full travel
     %(T)s
     %(alpha_max)s
+    from_above : bool
+        capture the path from above too, at any height: it descends to it by ``hdot_max`` faster
+        than the path does
 
     Inputs
     ------
@@ -366,6 +371,9 @@ class GlideslopeHold(Hold):
     alpha
         angle of attack in deg; without a wire (0) there is no protection from the stall. The load
         factor is limited with ``vc`` wired only
+    gs_deg, gs_ft, gs_dist
+        outputs of a ``Glideslope`` receiver, whose angle is ``angle``. If ``gs_dist`` is wired they
+        replace ``lat``, ``lon``, ``threshold``, ``elevation`` and ``crossing_height``
 
     Outputs
     -------
@@ -380,7 +388,8 @@ class GlideslopeHold(Hold):
     gs_ft
         height above the path, ft
     dist
-        distance to the threshold in ft, negative beyond it once the path is captured
+        distance to the threshold (with a receiver, to its station) in ft, negative beyond it once
+        the path is captured
     captured
         1 from the capture on, otherwise 0
 
@@ -398,10 +407,13 @@ class GlideslopeHold(Hold):
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     alpha_max: float | None = parameter(None, optional)
+    from_above: bool = parameter(False, flag)
 
     measured = ("h", "hdot", "lat", "lon", "theta", "q")
     commands = {"elevator": "off"}
-    input_port_labels = numbered("h hdot lat lon theta q off elev_sat vc alpha")
+    input_port_labels = numbered(
+        "h hdot lat lon theta q off elev_sat vc alpha gs_deg gs_ft gs_dist"
+    )
     output_port_labels = numbered("elevator theta_cmd hdot_cmd gs_deg gs_ft dist captured")
 
     def build(self) -> None:
@@ -410,6 +422,7 @@ class GlideslopeHold(Hold):
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
+        self._received = self.input_port_labels["gs_dist"]
         self.loops = {
             "altitude": self.altitude_loop(altitude),
             "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
@@ -426,16 +439,18 @@ class GlideslopeHold(Hold):
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
         before, speed, captured, vertical = state
-        away = distance(place_unchecked(lat, lon), self._threshold)
+        received = self._received in self.inputs.wired
+        if received:
+            degrees, above, away = u[10:13]
+        else:
+            away = distance(place_unchecked(lat, lon), self._threshold)
         rate = 0.0 if before is None else (before - away) / self.clock.period
         if before is not None:
             speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
         dist = -away if captured and rate < 0.0 else away
-        along = dist + self._foot
-        # above the level of the threshold, as a straight line sees it
-        height = h - self.checked.elevation - along * along / (2.0 * _RADIUS)
-        above = height - along * self._slope
-        degrees = math.degrees(math.atan2(height, along)) - self.checked.angle
+        if not received:
+            height = h - self.checked.elevation
+            degrees, above = above_path(height, dist + self._foot, self.checked.angle)
 
         flown = [h, hdot, theta, q, off, elev_sat, vc, alpha]
         flown += [above, speed or 0.0, rate, degrees, captured, *self.gains_at(vc, h)]
@@ -447,6 +462,11 @@ class GlideslopeHold(Hold):
             (away, speed, captured, vertical),
         )
 
+    def _warn_of_missing_wires(self) -> None:
+        if self._received in self.inputs.wired:
+            self.measured = tuple(name for name in self.measured if name not in ("lat", "lon"))
+        super()._warn_of_missing_wires()
+
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
         off = off != 0.0
@@ -456,9 +476,13 @@ class GlideslopeHold(Hold):
         altitude, (found, climb) = vertical.altitude, state.altitude
         found = select(climb.engaged, found, h)
         level = altitude.climb_rate(found - h)
-        descent = altitude.climb_rate(-above) - speed * self._slope
+        # a limit of the correction below this would end in a descent short of the path
+        sink = speed * self._slope
+        most = larger(altitude.hdot_max, sink)
+        descent = limit(-altitude.Kh * above, -altitude.hdot_max, most) - sink
+        met = True if self.checked.from_above else degrees <= _CAPTURE
         # the speed is known once the distance has changed
-        lower = (rate > 0.0) & (descent <= level) & (degrees <= _CAPTURE)
+        lower = (rate > 0.0) & (-altitude.Kh * above - sink <= level) & met
         captured = select(off, False, (captured != 0.0) | lower)
         hdot_cmd = select(captured, descent, level)
         reference = vertical.pitch.reference(state.pitch, theta)

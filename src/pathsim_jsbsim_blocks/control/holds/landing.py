@@ -1,0 +1,463 @@
+"""Holds of the last miles: localizer, then flare, roll-out and go-around."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from typing import Any, NamedTuple
+
+from ..._core.checks import number, optional, positive
+from ..._core.parameters import parameter
+from ..._core.ports import numbered
+from ..._core.units import GRAVITY, conversion
+from ..channels import Lateral, LateralState, Vertical, VerticalState
+from ..controller import Authority, Hold, authority_limits, fill
+from ..gains import Gains
+from ..loops import AltitudeLoop, HeadingLoop, Reference, ReferenceState, attitude_loop
+from ..pid import PID
+from ..signals import atan, larger, limit, select, smaller, wrap
+
+# the package and PathView export these names
+__all__ = ["FlareHold", "LocalizerHold"]
+
+_KNOT, _ = conversion("kt", "ft/s")
+_DEGREES = math.degrees(1.0)
+
+_SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
+_SLOWEST = 30.0  # ft/s, for angles from speeds
+_ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
+
+_STEEPEST = -10.0  # deg, pitch reference
+# of the climb law: gain, integral gain in 1/s, lag of the rate of climb behind the pitch angle in s
+_CLIMB, _CLIMB_INTEGRAL, _CLIMB_LAG = 1.0, 0.5, 1.0
+_PULL = 8.0  # ft/s2, of the rate of climb demanded
+_TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
+_TRACKING = 0.4  # rad/s, natural frequency of the distance from the centre line in the flare
+_DECRAB = 3.0  # s before the touchdown
+_YAW = 3.0  # deg/s, of the heading reference
+_YAW_DAMPING = 0.5  # s
+_RUDDER = 1.0  # 1/s, of the rudder
+_IDLE = 0.2  # 1/s, of the throttle
+_LOWER = 2.0  # deg/s, of the nose in the roll-out
+_STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
+_BRAKE = 0.25  # 1/s
+
+
+class BeamState(NamedTuple):
+    """Motion seen from a localizer."""
+
+    known: bool = False
+    ft: float = 0.0
+    dist: float = 0.0
+    aside: float = 0.0  # ft/s to the right of the course, smoothed
+    along: float = 0.0  # ft/s towards the station, smoothed
+
+    def next(
+        self, ft: float, dist: float, T: float, smoothing: float
+    ) -> tuple[BeamState, float, float]:
+        """The state at a sample; speeds across and along the course as they are measured, ft/s."""
+        across, along = (ft - self.ft) / T, (self.dist - dist) / T
+        share = select(self.along == 0.0, 1.0, -math.expm1(-T / smoothing))
+        moves = [
+            select(self.known, smooth + share * (now - smooth), 0.0)
+            for smooth, now in ((self.aside, across), (self.along, along))
+        ]
+        return BeamState(True, ft, dist, *moves), across, along
+
+
+class LocalizerState(NamedTuple):
+    """State of a `LocalizerHold`."""
+
+    lateral: LateralState = Lateral.START
+    beam: BeamState = BeamState()
+    drift: float = 0.0  # deg, smoothed
+    heading: float = 0.0  # found at engagement, deg
+    captured: bool = False
+
+
+@fill
+class LocalizerHold(Hold):
+    """Captures the course of a localizer with the ailerons, and follows it.
+
+    .. math::
+        \\chi_\\mathrm{cmd} &= \\chi_\\mathrm{loc} - \\arctan\\frac{d}{\\tau V_g}, \\quad
+        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi) \\\\
+        \\phi_\\mathrm{cmd} &= K_p e + K_i \\int e \\, dt, \\quad
+        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+
+    with the distance d from the course line, the ground speed V_g and the course over the ground
+    chi, which follow from the receiver's outputs, and the roll loop of ``RollHold`` inside, sampled
+    at T. Until the capture it holds the heading found at engagement. It captures where the law
+    above would no longer turn further towards the course line, or would close on it at less than
+    5 deg. Wind is corrected for: the drift
+    angle is measured.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``HeadingHold``
+    course : float
+        true course of the localizer, deg
+    lookahead : float, optional
+        time constant tau of the distance in s; default 3.5 times that of the heading loop,
+        V_g / (g Kp)
+    intercept : float
+        largest angle at which it closes on the course line, deg
+    bank_max : float
+        largest bank reference in deg
+    authority : float or pair
+        largest aileron increment, of full travel
+    %(T)s
+
+    Inputs
+    ------
+    psi, phi, p
+        true heading and roll angle in deg, roll rate in deg/s
+    loc_ft, loc_dist
+        outputs ``ft`` and ``dist`` of a ``Localizer``
+    off
+        0 engaged; otherwise the ailerons are frozen
+    ail_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
+
+    Outputs
+    -------
+    aileron
+        increment of the aileron command; positive rolls right
+    phi_cmd
+        bank reference on its ramp, deg
+    chi_cmd
+        course demanded, deg, [0, 360)
+    captured
+        1 from the capture on, otherwise 0
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    course: float = parameter(0.0, number)
+    lookahead: float | None = parameter(None, optional, above=0.0)
+    intercept: float = parameter(45.0, number, above=0.0, high=80.0)
+    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+
+    measured = ("psi", "phi", "p", "loc_ft", "loc_dist")
+    commands = {"aileron": "off"}
+    input_port_labels = numbered("psi phi p loc_ft loc_dist off ail_sat vc")
+    output_port_labels = numbered("aileron phi_cmd chi_cmd captured")
+
+    START = LocalizerState()
+
+    def build(self) -> None:
+        T, c = self.clock.period, self.checked
+        heading, roll = self.gains_of("heading", "roll")
+        self.loops = {
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
+        }
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        psi, phi, p, ft, dist, off, ail_sat, _ = u
+        off, c = off != 0.0, self.checked
+        beam, across, along = state.beam.next(ft, dist, self.clock.period, _SMOOTHING)
+        speed, known = larger(beam.along, _SLOWEST), state.beam.known
+        drift = wrap(c.course + _DEGREES * atan(across / larger(along, _SLOWEST)) - psi)
+        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / _SMOOTHING))
+        drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
+        chi = psi + drift
+        tau = c.lookahead
+        if tau is None:
+            tau = larger(3.5 * speed / (GRAVITY * self.loops["heading"].pid.Kp), 1.0)
+        closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
+        ahead = wrap(chi - c.course)
+        met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
+        captured = select(off, False, state.captured | (known & met))
+
+        measured = select(captured, chi, psi)
+        lateral = Lateral(self.loops, state.lateral, measured, phi, p, off, ail_sat)
+        found = select(state.lateral.heading.law.engaged, state.heading, psi)
+        target = select(captured, c.course - closing, found)
+        wanted = lateral.for_heading(Reference(target), idle=off)
+        aileron, phi_cmd, turned = lateral.fly(wanted)
+        outputs = [aileron, phi_cmd, target % 360.0, select(captured, 1.0, 0.0)]
+        return outputs, LocalizerState(turned, beam, drift, found, captured)
+
+
+class FlareState(NamedTuple):
+    """State of a `FlareHold`; what is not known yet follows from the first active sample."""
+
+    vertical: VerticalState = Vertical.START
+    lateral: LateralState = Lateral.START
+    beam: BeamState = BeamState()
+    phase: float = 0.0
+    integral: float = 0.0  # of the climb law, deg
+    hdot_cmd: float = 0.0
+    theta: float = 0.0  # reference of the roll-out, deg
+    psi: float = 0.0  # reference of the heading, deg
+    rudder: float = 0.0
+    throttle: float = 0.0
+    brakes: float = 0.0
+    v: float = 0.0  # airspeed, ft/s
+    acceleration: float = 0.0  # smoothed
+    kept: float = 0.0  # airspeed at the beginning of a go-around, ft/s
+    floated: float = 0.0  # length of the flare over the ground, ft
+
+
+APPROACH, FLARE, ROLL_OUT, GO_AROUND = 0.0, 1.0, 2.0, 3.0
+
+
+@fill
+class FlareHold(Hold):
+    """Lands: flare, decrab, idle, touchdown and roll-out; or goes around.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} &= -\\frac{h_w}{\\tau} - \\dot h_0 \\\\
+        \\theta_\\mathrm{cmd} &= \\theta_0 + \\frac{1}{V} \\left[\\dot h_\\mathrm{cmd}
+        + \\tau_l \\ddot h_\\mathrm{cmd} + k e + k_i \\int e \\, dt\\right], \\quad
+        e = \\dot h_\\mathrm{cmd} - \\dot h
+
+    with the height h_w of the wheels above the runway, and the pitch and roll loops of
+    ``PitchHold`` and ``RollHold`` inside, sampled at T. It stands between the holds of the approach
+    and the aircraft: the ports ``elevator`` to ``throttle`` are theirs, and pass through until the
+    flare begins, where the law above asks for no more sink than there is. It takes over without a
+    bump.
+
+    In the flare the throttle moves to idle, the rudder turns the nose to the runway's course, and a
+    bank of at most ``bank_max`` keeps the aircraft on the centre line. With the wheels on the
+    ground it lowers the nose, steers along the centre line and brakes. A go-around, at any height
+    and on the ground too, levels the wings, applies full throttle and climbs at ``climb``, or less
+    where that costs airspeed. It begins by itself where, below the height ``decide``, the aircraft
+    is more than ``across_max`` beside the centre line, and where the flare is longer than
+    ``float_max``.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``AltitudeHold`` and ``HeadingHold``
+    course : float
+        true course of the runway, deg
+    gear_height : float
+        the port ``h_agl`` with the wheels on the ground, ft
+    sink : float
+        sink rate of the touchdown that the flare aims at, ft/s
+    tau : float
+        time constant of the flare, s
+    bank_max : float
+        largest bank in the flare, deg
+    align : float
+        rudder per heading error in the flare and on the ground, 1/deg; 0 lands with the crab angle
+    climb : float
+        rate of climb of the go-around, ft/s
+    decide : float
+        height below which it goes around by itself, ft
+    across_max : float
+        largest distance from the centre line there, ft
+    float_max : float
+        largest length of the flare over the ground, ft
+    authority : float or pair
+        largest increment of elevator and ailerons, of full travel
+    %(T)s
+    %(alpha_max)s
+
+    Inputs
+    ------
+    h_agl, hdot
+        height above the runway in ft, rate of climb in ft/s
+    theta, q, psi, phi, p, r
+        attitude in deg, rates in deg/s
+    vc
+        calibrated airspeed in kt
+    loc_ft, loc_dist
+        outputs ``ft`` and ``dist`` of a ``Localizer``
+    elevator, aileron, rudder, throttle
+        commands of the approach, passed through until the flare
+    wow
+        not 0 with a wheel on the ground
+    go_around
+        not 0 begins a go-around
+    alpha
+        angle of attack in deg; without a wire (0) there is no protection from the stall
+
+    Outputs
+    -------
+    elevator, aileron, rudder, throttle
+        increments of the commands
+    brakes, steering
+        0 to 1, and -1 to 1: ``input_properties`` of ``Aircraft``
+    phase
+        0 approach, 1 flare, 2 roll-out, 3 go-around
+    theta_cmd, phi_cmd
+        pitch and bank reference, deg
+    hdot_cmd
+        rate of climb demanded, ft/s
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    course: float = parameter(0.0, number)
+    gear_height: float = parameter(4.0, number, low=0.0)
+    sink: float = parameter(2.0, number, above=0.0)
+    tau: float = parameter(3.0, number, above=0.0)
+    bank_max: float = parameter(4.0, number, low=0.0, high=30.0)
+    align: float = parameter(0.05, number, low=0.0)
+    climb: float = parameter(10.0, number, above=0.0)
+    decide: float = parameter(100.0, number, low=0.0)
+    across_max: float = parameter(30.0, number, above=0.0, infinite=True)
+    float_max: float = parameter(math.inf, number, above=0.0, infinite=True)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    alpha_max: float | None = parameter(None, optional)
+
+    measured = ("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc", "loc_ft", "loc_dist")
+    commands = {"elevator": "", "aileron": "", "rudder": "", "throttle": ""}
+    input_port_labels = numbered(
+        "h_agl hdot theta q psi phi p r vc loc_ft loc_dist elevator aileron rudder throttle wow "
+        "go_around alpha"
+    )
+    output_port_labels = numbered(
+        "elevator aileron rudder throttle brakes steering phase theta_cmd phi_cmd hdot_cmd"
+    )
+
+    START = FlareState()
+
+    def build(self) -> None:
+        altitude, pitch, heading, roll, envelope = self.gains_of(
+            "altitude", "pitch", "heading", "roll", "envelope"
+        )
+        T, c, carry = self.clock.period, self.checked, self.scheduled
+        self.loops = {
+            "altitude": AltitudeLoop(T, altitude, None, _STEEPEST, None),
+            "pitch": attitude_loop(T, pitch, c.authority, -1.0, carry),
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "roll": attitude_loop(T, roll, c.authority, carry=carry),
+            "envelope": self.protection_within(envelope),
+        }
+
+    def form(self, u: list[float]) -> Hashable:
+        return super().form(u), u[self.input_port_labels["alpha"]] != 0.0
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha = u
+        beam, _, _ = state.beam.next(ft, dist, self.clock.period, 0.5)
+        state, height = state._replace(beam=beam), h - self.checked.gear_height
+        flew = state.phase != APPROACH
+        state = self._phase(state, height, hdot, wow != 0.0, go_around != 0.0)
+        state = self._begun(state, flew, hdot, theta, psi, vc, given)
+
+        vertical = Vertical(
+            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
+        )
+        vertical.guard(0.0, True)
+        wanted, state = self._pitch(state, height, hdot, vertical.pitch, wow != 0.0)
+        elevator, theta_cmd, after = vertical.fly(wanted)
+        lateral = Lateral(self.loops, state.lateral, psi, phi, p, False, 0.0)
+        aileron, phi_cmd, turned = lateral.fly(self._bank(state))
+        rudder, steering, state = self._yaw(state, height, hdot, psi, r, given[2])
+        throttle, brakes = self._power(state, wow != 0.0)
+
+        approach = state.phase == APPROACH
+        commands = zip(given, (elevator, aileron, rudder, throttle), strict=True)
+        outputs = [select(approach, *x) for x in commands]
+        outputs += [select(approach, 0.0, x) for x in (brakes, steering)]
+        state = state._replace(
+            vertical=after, lateral=turned, rudder=rudder, throttle=throttle, brakes=brakes
+        )
+        return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
+
+    def _phase(self, state: Any, height: Any, hdot: Any, down: Any, go_around: Any) -> Any:
+        """The state in the phase that begins or goes on."""
+        c, before = self.checked, state.phase
+        low = (hdot <= -height / c.tau - c.sink) | (height <= c.sink * c.tau)
+        phase = select((before == APPROACH) & low, FLARE, before)
+        phase = select((phase == FLARE) & down, ROLL_OUT, phase)
+        floated = state.floated + select(before == FLARE, self.clock.period * state.beam.along, 0.0)
+        astray = (height < c.decide) & (abs(state.beam.ft) > c.across_max)
+        astray = (phase < ROLL_OUT) & (astray | (floated > c.float_max))
+        phase = select(go_around | astray, GO_AROUND, phase)
+        return state._replace(phase=phase, floated=floated)
+
+    def _begun(
+        self, state: Any, flew: Any, hdot: Any, theta: Any, psi: Any, vc: Any, given: list[Any]
+    ) -> Any:
+        """The state of a flare that goes on from the commands of the approach, if it did not fly.
+
+        It follows the airspeed too.
+        """
+        elevator, aileron, rudder, throttle = given
+        v = larger(vc * _KNOT, _SLOWEST)
+        share = select(state.v == 0.0, 0.0, -math.expm1(-self.clock.period / _SMOOTHING))
+        gained = (v - state.v) / self.clock.period
+        acceleration = state.acceleration + share * (gained - state.acceleration)
+        anew = state._replace(
+            vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
+            lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
+            integral=theta - _DEGREES * hdot / v,
+            hdot_cmd=hdot,
+            theta=theta,
+            psi=psi,
+            rudder=rudder,
+            throttle=throttle,
+        )
+        kept = select(state.phase == GO_AROUND, state.kept, v)
+        return select(flew, state, anew)._replace(v=v, acceleration=acceleration, kept=kept)
+
+    def _pitch(self, state: Any, height: Any, hdot: Any, pitch: Any, down: Any) -> tuple[Any, Any]:
+        """Pitch angle of the phase, and the next state."""
+        c, T, v = self.checked, self.clock.period, state.v
+        goes = state.phase == GO_AROUND
+        # the rate of climb at which the airspeed comes back to what it was
+        spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
+        target = select(
+            goes, limit(spare, 0.3 * c.climb, c.climb), smaller(-height / c.tau, 0.0) - c.sink
+        )
+        step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
+        hdot_cmd = state.hdot_cmd + step
+        error = hdot_cmd - hdot
+        ahead = hdot_cmd + select(goes, 0.0, _CLIMB_LAG * -hdot / c.tau)
+        asked = state.integral + _DEGREES / v * (ahead + _CLIMB * error)
+        limits = self.loops["altitude"].pid
+        wanted = limit(asked, limits.low, limits.high)
+        gained = _CLIMB_INTEGRAL * T * (_DEGREES / v * error + wanted - asked)
+        rolls = state.phase == ROLL_OUT
+        lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))
+        theta = select(rolls, lowered, wanted)
+        state = state._replace(
+            integral=state.integral + gained, hdot_cmd=select(rolls, hdot, hdot_cmd), theta=theta
+        )
+        return theta, state
+
+    def _bank(self, state: Any) -> Any:
+        """Bank in deg that returns to the centre line in the flare; level otherwise."""
+        most = self.checked.bank_max
+        pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
+        bank = limit(-_DEGREES / GRAVITY * pull, -most, most)
+        return select(state.phase == FLARE, bank, 0.0)
+
+    def _yaw(
+        self, state: Any, height: Any, hdot: Any, psi: Any, r: Any, rudder: Any
+    ) -> tuple[Any, Any, Any]:
+        """Rudder, steering of the nose wheel, and the next state."""
+        c, step = self.checked, _YAW * self.clock.period
+        rolls, goes = state.phase == ROLL_OUT, state.phase == GO_AROUND
+        aside = limit(_DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
+        target = c.course - select(rolls, aside, 0.0)
+        near = rolls | (height < _DECRAB * larger(-hdot, c.sink))
+        turn = select(near, limit(wrap(target - state.psi), -step, step), 0.0)
+        psi_cmd = select(goes, psi, wrap(state.psi + turn))
+        error = select(goes, 0.0, c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r))
+        most = _RUDDER * self.clock.period
+        moved = state.rudder + limit(rudder + error - state.rudder, -most, most)
+        moved = limit(moved, -1.0, 1.0)
+        steering = select(rolls, limit(-error, -1.0, 1.0), 0.0)
+        return moved, steering, state._replace(psi=psi_cmd)
+
+    def _power(self, state: Any, down: Any) -> tuple[Any, Any]:
+        """Throttle and brakes."""
+        T = self.clock.period
+        idle = larger(state.throttle - _IDLE * T, -1.0)
+        braked = smaller(state.brakes + _BRAKE * T, 1.0)
+        braked = select((state.phase == ROLL_OUT) & down & (state.theta <= 0.0), braked, 0.0)
+        return select(state.phase == GO_AROUND, 1.0, idle), braked

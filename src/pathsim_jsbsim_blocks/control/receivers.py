@@ -1,0 +1,189 @@
+"""Receivers of an instrument landing system: the aircraft's place, seen from two beams."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .._core.checks import number, positive, whole
+from .._core.docs import filler
+from .._core.noise import WhiteNoise
+from .._core.parameters import parameter
+from .._core.tunable import TunableLaw
+from ..axes.navigation import distance, line_to, place_unchecked, point
+
+RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
+_CORRELATION = 0.5  # s, of the noise
+
+fill = filler(
+    beam="""
+    width : float
+        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
+        there. ``inf`` for none
+    noise : float
+        standard deviation of the noise, deg, with a correlation time of 0.5 s
+    seed : int
+        of the random numbers, 0 or more
+    T : float
+        sample period in s
+    """,
+    raises="""
+    Raises
+    ------
+    ParameterError
+        for values that are not finite or out of range
+    """,
+)
+
+
+class _Receiver(TunableLaw):
+    """Base of the receivers: the width of the beam, and noise."""
+
+    noise: float
+    seed: int
+    width: float
+
+    def build(self) -> None:
+        self._noise = WhiteNoise(self.checked.seed, 1)
+        self._kept = math.exp(-self.clock.period / _CORRELATION)
+
+    def initial_state(self) -> tuple[Any, ...]:
+        return 0, 0.0
+
+    def seen(self, degrees: float, feet: float, slant: float, state: Any) -> tuple[list, tuple]:
+        """Deviation in deg and ft, and the next state; ``slant`` is the distance, ft."""
+        k, last = state
+        most = self.checked.width
+        edge = min(max(degrees, -most), most)
+        if self.checked.noise:
+            fresh = self._noise.row(k)[0]
+            if k:
+                fresh = self._kept * last + math.sqrt(1.0 - self._kept**2) * fresh
+            last = fresh
+        error = edge - degrees + self.checked.noise * last
+        # so that the deviation in ft is exact without width and noise
+        feet += slant * (math.tan(math.radians(degrees + error)) - math.tan(math.radians(degrees)))
+        return [degrees + error, feet], (k + 1, last)
+
+
+@fill
+class Localizer(_Receiver):
+    """Receiver of a localizer: where the aircraft is beside the course to a runway.
+
+    The beam leads along a great circle to the station.
+
+    Parameters
+    ----------
+    station : (float, float)
+        geodetic latitude and longitude of the antenna, deg; usually beyond the runway's far end
+    course : float
+        true course of the approach, deg
+    %(beam)s
+
+    Inputs
+    ------
+    lat, lon
+        geodetic latitude and longitude, deg
+
+    Outputs
+    -------
+    deg
+        angle between the course and the aircraft seen from the station, positive to the right of
+        the course flown, deg
+    ft
+        distance from the course line, positive to the right, ft
+    dist
+        distance along the course to the station, ft; negative beyond it
+
+    %(raises)s
+    """
+
+    station: tuple[float, float] = parameter((0.0, 0.0), point)
+    course: float = parameter(0.0, number)
+    width: float = parameter(math.inf, number, above=0.0, infinite=True)
+    noise: float = parameter(0.0, number, low=0.0)
+    seed: int = parameter(0, whole, low=0)
+    T: float = parameter(1 / 120, positive)
+
+    measured = ("lat", "lon")
+    input_port_labels = {"lat": 0, "lon": 1}
+    output_port_labels = {"deg": 0, "ft": 1, "dist": 2}
+
+    def build(self) -> None:
+        super().build()
+        self._line = line_to(place_unchecked(*self.checked.station), self.checked.course)
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+        across, to_go, _ = self._line.track(place_unchecked(*u))
+        degrees = math.degrees(math.atan2(across, abs(to_go)))
+        seen, state = self.seen(degrees, across, abs(to_go), state)
+        return [*seen, to_go], state
+
+
+@fill
+class Glideslope(_Receiver):
+    """Receiver of a glide slope: how high the aircraft is above the path to a runway.
+
+    The path is a straight line that meets the ground at the station; the Earth's surface falls
+    away below it.
+
+    Parameters
+    ----------
+    station : (float, float)
+        geodetic latitude and longitude of the point where the path meets the ground, deg: the
+        aiming point of the landing
+    elevation : float
+        height of the ground there above sea level, ft
+    angle : float
+        glide path angle in [0.1, 20], deg
+    %(beam)s
+
+    Inputs
+    ------
+    lat, lon
+        geodetic latitude and longitude, deg
+    h
+        altitude above mean sea level, ft
+
+    Outputs
+    -------
+    deg
+        angle above the path seen from the station, deg
+    ft
+        height above the path, ft
+    dist
+        distance to the station over the ground, ft
+
+    %(raises)s
+    """
+
+    station: tuple[float, float] = parameter((0.0, 0.0), point)
+    elevation: float = parameter(0.0, number)
+    angle: float = parameter(3.0, number, low=0.1, high=20.0)
+    width: float = parameter(math.inf, number, above=0.0, infinite=True)
+    noise: float = parameter(0.0, number, low=0.0)
+    seed: int = parameter(0, whole, low=0)
+    T: float = parameter(1 / 120, positive)
+
+    measured = ("lat", "lon", "h")
+    input_port_labels = {"lat": 0, "lon": 1, "h": 2}
+    output_port_labels = {"deg": 0, "ft": 1, "dist": 2}
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+        c = self.checked
+        away = distance(place_unchecked(*u[:2]), place_unchecked(*c.station))
+        degrees, feet = above_path(u[2] - c.elevation, away, c.angle)
+        seen, state = self.seen(degrees, feet, away, state)
+        return [*seen, away], state
+
+
+def above_path(height: float, away: float, angle: float) -> tuple[float, float]:
+    """Angle (deg) and height (ft) above a glide path that meets the ground ``away`` ft from here.
+
+    ``height`` is that above sea level less that of the foot, which a straight line sees as less.
+    """
+    height -= away * away / (2.0 * RADIUS)
+    return (
+        math.degrees(math.atan2(height, away)) - angle,
+        height - away * math.tan(math.radians(angle)),
+    )
