@@ -29,7 +29,10 @@ _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 
 _STEEPEST = -10.0  # deg, pitch reference
 # of the climb law: gain, integral gain in 1/s, lag of the rate of climb behind the pitch angle in s
-_CLIMB, _CLIMB_INTEGRAL, _CLIMB_LAG = 1.0, 0.5, 1.0
+_CLIMB, _CLIMB_INTEGRAL, _CLIMB_LAG = 1.8, 1.0, 1.8
+_CLIMB_RATE = 0.4  # s, gain on the rate of the error
+_LIFT = 0.2  # s, time constant of that rate
+_RAMP = 15.0  # deg/s, of the pitch reference
 _PULL = 8.0  # ft/s2, of the rate of climb demanded
 _TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
 _TRACKING = 0.4  # rad/s, natural frequency of the distance from the centre line in the flare
@@ -194,6 +197,8 @@ class FlareState(NamedTuple):
     phase: float = 0.0
     integral: float = 0.0  # of the climb law, deg
     hdot_cmd: float = 0.0
+    hdot: float = 0.0
+    lift: float = 0.0  # rate of hdot, ft/s2, smoothed
     theta: float = 0.0  # reference of the roll-out, deg
     psi: float = 0.0  # reference of the heading, deg
     rudder: float = 0.0
@@ -256,6 +261,9 @@ class FlareHold(Hold):
         largest distance from the centre line there, ft
     float_max : float
         largest length of the flare over the ground, ft
+    gain : float
+        factor on the gains of pitch and roll: at the landing speed, below those of a gain table,
+        the surfaces have less effect, with the square of the airspeed
     authority : float or pair
         largest increment of elevator and ailerons, of full travel
     %(T)s
@@ -307,6 +315,7 @@ class FlareHold(Hold):
     decide: float = parameter(100.0, number, low=0.0)
     across_max: float = parameter(30.0, number, above=0.0, infinite=True)
     float_max: float = parameter(math.inf, number, above=0.0, infinite=True)
+    gain: float = parameter(1.0, number, above=0.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     alpha_max: float | None = parameter(None, optional)
@@ -347,10 +356,13 @@ class FlareHold(Hold):
         state = self._phase(state, height, hdot, wow != 0.0, go_around != 0.0)
         state = self._begun(state, flew, hdot, theta, psi, vc, given)
 
+        for loop in ("pitch", "roll"):
+            self._tighten(self.loops[loop].pid)
         vertical = Vertical(
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
         )
         vertical.guard(0.0, True)
+        vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
         wanted, state = self._pitch(state, height, hdot, vertical.pitch, wow != 0.0)
         elevator, theta_cmd, after = vertical.fly(wanted)
         lateral = Lateral(self.loops, state.lateral, psi, phi, p, False, 0.0)
@@ -366,6 +378,11 @@ class FlareHold(Hold):
             vertical=after, lateral=turned, rudder=rudder, throttle=throttle, brakes=brakes
         )
         return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
+
+    def _tighten(self, pid: PID) -> None:
+        """Scale the gains of an attitude loop."""
+        gain = self.checked.gain
+        pid.Kp, pid.Ki, pid.Kr = pid.Kp * gain, pid.Ki * gain, pid.Kr * gain
 
     def _phase(self, state: Any, height: Any, hdot: Any, down: Any, go_around: Any) -> Any:
         """The state in the phase that begins or goes on."""
@@ -416,8 +433,14 @@ class FlareHold(Hold):
         step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
         error = hdot_cmd - hdot
+        share = -math.expm1(-T / _LIFT)
+        lift = state.lift + select(
+            state.hdot == 0.0, 0.0, share * ((hdot - state.hdot) / T - state.lift)
+        )
         ahead = hdot_cmd + select(goes, 0.0, _CLIMB_LAG * -hdot / c.tau)
-        asked = state.integral + _DEGREES / v * (ahead + _CLIMB * error)
+        asked = state.integral + _DEGREES / v * (
+            ahead + _CLIMB * error + _CLIMB_RATE * (step / T - lift)
+        )
         limits = self.loops["altitude"].pid
         wanted = limit(asked, limits.low, limits.high)
         gained = _CLIMB_INTEGRAL * T * (_DEGREES / v * error + wanted - asked)
@@ -425,7 +448,11 @@ class FlareHold(Hold):
         lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))
         theta = select(rolls, lowered, wanted)
         state = state._replace(
-            integral=state.integral + gained, hdot_cmd=select(rolls, hdot, hdot_cmd), theta=theta
+            integral=state.integral + gained,
+            hdot_cmd=select(rolls, hdot, hdot_cmd),
+            theta=theta,
+            hdot=hdot,
+            lift=lift,
         )
         return theta, state
 
