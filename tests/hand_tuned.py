@@ -3,4 +3,5 @@
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, table
 
 GAINS = {name: table(name).points[0].gains for name in ("c172p", "737", "global5000")}
-DESIGNED = sorted(path for path in TABLES.glob("*.json") if path.stem not in GAINS)
+# those with a schedule; the landing table is tuned by hand, for one configuration
+DESIGNED = sorted(p for p in TABLES.glob("*.json") if p.stem not in {*GAINS, "737-landing"})

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from flights import T
 from pathsim import Connection, Simulation
-from pathsim.blocks import Constant, Scope, StepSource
+from pathsim.blocks import Scope
 from pymap3d import geodetic2aer, geodetic2ned
 from test_navigation import NMI, flown
 
@@ -22,11 +22,11 @@ from pathsim_jsbsim_blocks import (
     FlareHold,
     Glideslope,
     GlideslopeHold,
+    HeadingHold,
     Localizer,
     LocalizerHold,
     ParameterError,
     TrimCondition,
-    YawDamper,
     fly,
 )
 from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
@@ -105,8 +105,14 @@ def test_the_altitude_is_held_until_the_glide_path_is_met(name, start, below, se
     away = (altitude + below) / math.tan(math.radians(3.0))
     threshold = (away / 362_760.0, 0.0)
     plane = Aircraft(name, condition=TrimCondition(**start))
-    flight = flown(plane, seconds, GlideslopeHold(name, threshold=threshold, crossing_height=0.0))
-    assert flight["gs_ft"][0] == pytest.approx(-below, abs=40.0)
+    flight = flown(
+        plane,
+        seconds,
+        GlideslopeHold(name, threshold=threshold, crossing_height=0.0),
+        HeadingHold(name, psi_ref=0.0),
+    )
+    # the Earth's surface falls away below the path
+    assert flight["gs_ft"][0] == pytest.approx(-below - away**2 / (2 * 20.9e6), abs=20.0)
     capture = np.flatnonzero(flight["captured"])[0]
     assert np.max(np.abs(flight["h"][:capture] - altitude)) < 20.0
     assert -300.0 < flight["gs_ft"][capture] < 0.0
@@ -119,7 +125,12 @@ def test_on_request_the_glide_path_is_captured_from_above():
     away = 1500.0 / math.tan(math.radians(3.0))
     threshold = ((away - 6000.0) / 362_760.0, 0.0)
     hold = GlideslopeHold("c172p", threshold=threshold, crossing_height=0.0, from_above=True)
-    flight = flown(Aircraft("c172p", altitude=1500.0, speed=80.0), 90.0, hold)
+    flight = flown(
+        Aircraft("c172p", altitude=1500.0, speed=80.0),
+        90.0,
+        hold,
+        HeadingHold("c172p", psi_ref=0.0),
+    )
     assert flight["gs_ft"][0] > 290.0
     assert flight["captured"][-1] == 1.0
     assert np.max(np.abs(flight["gs_ft"][-600:])) < 25.0
@@ -131,7 +142,7 @@ def test_the_glide_slope_hold_follows_a_receiver():
     station = (away / 362_760.0, 0.0)
     plane = Aircraft("c172p", altitude=1500.0, speed=80.0)
     receiver, hold = Glideslope(station=station), GlideslopeHold("c172p")
-    airspeed, scope = AirspeedHold("c172p"), Scope()
+    airspeed, heading, scope = AirspeedHold("c172p"), HeadingHold("c172p"), Scope()
     own = ("h", "hdot", "theta", "q")
     wires = [
         Connection(plane["lat", "lon", "h"], receiver["lat", "lon", "h"]),
@@ -140,11 +151,153 @@ def test_the_glide_slope_hold_follows_a_receiver():
         Connection(hold["elevator"], plane["elevator"]),
         Connection(plane["vc", "hdot"], airspeed["vc", "hdot"]),
         Connection(airspeed["throttle"], plane["throttle"]),
+        Connection(plane["psi", "phi", "p"], heading["psi", "phi", "p"]),
+        Connection(heading["aileron"], plane["aileron"]),
         Connection(hold["gs_ft"], scope[0]),
         Connection(plane["h"], scope[1]),
     ]
     # no warning of lat and lon, which the receiver replaces: it would be an error here
-    fly(Simulation([plane, receiver, hold, airspeed, scope], wires, dt=T, log=False), 90.0)
+    fly(Simulation([plane, receiver, hold, airspeed, heading, scope], wires, dt=T, log=False), 90.0)
     _, (above, h) = scope.read()
     assert h[-1] < 1100.0
     assert np.max(np.abs(above[-600:])) < 5.0
+
+
+def approached(diagram, until=lambda outputs: outputs["phase"] >= 1.0):
+    """Fly a diagram's approach until something about its flare."""
+    while not until(diagram.flare.outputs):
+        fly(diagram.sim, 0.1)
+
+
+def calm(name, **more):
+    """A landing in still air, from 2000 ft before the glide path."""
+    height, longitude = {"737": (600.0, 10.945), "c172p": (300.0, 10.972)}[name]
+    own = load_diagram(f"autoland_{name}").aircraft.condition
+    condition = TrimCondition(
+        altitude=height + 500.0,
+        speed=own.speed,
+        heading=90.0,
+        latitude=47.0,
+        longitude=longitude,
+        gear=own.gear,
+        flaps=own.flaps,
+    )
+    still = {"TURBULENCE": {}, "aircraft.condition": condition}
+    return load_diagram(f"autoland_{name}", {**still, **more})
+
+
+def test_a_localizer_is_captured_in_a_crosswind():
+    plane = Aircraft(
+        "c172p",
+        condition=TrimCondition(altitude=1500.0, speed=80.0, heading=60.0, wind_north=-17.0),
+    )
+    receiver = Localizer(station=(0.004, 0.3), course=90.0)
+    hold, scope = LocalizerHold("c172p", course=90.0), Scope()
+    wires = [
+        Connection(plane["lat", "lon"], receiver["lat", "lon"]),
+        Connection(receiver["ft", "dist"], hold["loc_ft", "loc_dist"]),
+        Connection(plane["psi", "phi", "p"], hold["psi", "phi", "p"]),
+        Connection(hold["aileron"], plane["aileron"]),
+        Connection(receiver["ft"], scope[0]),
+        Connection(hold["captured"], scope[1]),
+        Connection(plane["psi"], scope[2]),
+    ]
+    fly(Simulation([plane, receiver, hold, scope], wires, dt=T, log=False), 110.0)
+    time, (across, captured, psi) = scope.read()
+    begun = int(np.argmax(captured))
+    assert 1.0 < time[begun] < 60.0
+    assert np.max(np.abs(psi[:begun] - 60.0)) < 2.0  # the heading until then
+    assert across[0] == pytest.approx(1459.0, abs=10.0)  # 0.004 deg of latitude
+    assert across.min() > -60.0
+    assert np.max(np.abs(across[-600:])) < 5.0
+    # 17 ft/s across 143 ft/s
+    assert psi[-1] == pytest.approx(90.0 - math.degrees(math.asin(17.0 / 143.0)), abs=1.0)
+
+
+@pytest.mark.parametrize("name", ["737", "c172p"])
+def test_a_landing_in_still_air(name):
+    diagram = calm(name)
+    approached(diagram)
+    # without a bump: no command jumps as the flare begins
+    before = [diagram.flare.outputs[port] for port in ("elevator", "aileron", "rudder")]
+    fly(diagram.sim, T)
+    after = [diagram.flare.outputs[port] for port in ("elevator", "aileron", "rudder")]
+    assert np.max(np.abs(np.subtract(after, before))) < 0.1
+    approached(diagram, lambda outputs: outputs["phase"] == 2.0)
+    fly(diagram.sim, 20.0)
+    _, (_, wheels) = diagram.landing.read()
+    _, (climb, vc) = diagram.rates.read()
+    _, (across, distance) = diagram.ground.read()
+    _, (theta, phi, _) = diagram.attitude.read()
+    touch = int(wheels.argmax())
+    assert 0.5 < -climb[touch - 1] < 3.5
+    assert abs(8000.0 - distance[touch]) < 1200.0
+    assert abs(across[touch]) < 5.0
+    assert abs(phi[touch]) < 1.0
+    assert theta[touch] > 0.0
+    # idle, on the wheels, braking
+    assert diagram.flare.outputs["brakes"] > 0.9
+    assert diagram.flare.outputs["throttle"] == -1.0
+    assert vc[-1] < 0.6 * vc[touch]
+    assert np.max(np.abs(across[touch:])) < 10.0
+
+
+@pytest.mark.parametrize("height", [80.0, 10.0, None])
+@pytest.mark.parametrize("name", ["737", "c172p"])
+def test_a_go_around_climbs_away_from_any_height(name, height):
+    diagram = calm(name)
+    gear = diagram.flare.gear_height
+    plane, flare = diagram.aircraft, diagram.flare
+    if height is None:
+        approached(diagram, lambda outputs: outputs["phase"] == 2.0)
+    else:
+        approached(diagram, lambda outputs: plane.outputs["h_agl"] < height + gear)
+    begun, airspeed = plane.outputs["h_agl"], plane.outputs["vc"]
+    sinking = -plane.outputs["hdot"]
+    diagram.go_around.value = 1.0
+    fly(diagram.sim, 25.0)
+    _, (above, _) = diagram.height.read()
+    _, (_, vc) = diagram.rates.read()
+    since = slice(len(above) - 3000, None)
+    assert flare.outputs["phase"] == 3.0
+    assert above[-1] > begun + 100.0
+    # it gives up at most 2.5 s of its sink, as the rate of climb changes by 8 ft/s2
+    assert above[since].min() > begun - 2.5 * max(sinking, 0.0) - 2.0
+    assert vc[since].min() > airspeed - 8.0
+    assert abs(plane.outputs["phi"]) < 3.0
+
+
+def test_it_goes_around_by_itself_beside_the_centre_line():
+    diagram = calm("c172p", ANTENNA=(46.9999, 11.1053))  # 36 ft beside
+    diagram.flare.across_max = 20.0
+    receiver = diagram.localizer
+    approached(diagram, lambda outputs: diagram.aircraft.outputs["h_agl"] < 150.0)
+    receiver.station = (46.9995, 11.1053)
+    approached(diagram)
+    assert diagram.flare.outputs["phase"] == 3.0
+    assert diagram.aircraft.outputs["h_agl"] < 105.0
+
+
+def test_a_flare_that_is_too_long_is_given_up():
+    diagram = calm("c172p")
+    diagram.flare.float_max = 100.0
+    approached(diagram, lambda outputs: outputs["phase"] >= 2.0)
+    assert diagram.flare.outputs["phase"] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("block", "given", "parameter"),
+    [
+        (Localizer, {"station": (95.0, 0.0)}, "station: latitude"),
+        (Localizer, {"width": 0.0}, "width"),
+        (Glideslope, {"angle": 30.0}, "angle"),
+        (Glideslope, {"noise": -1.0}, "noise"),
+        (LocalizerHold, {"intercept": 90.0}, "intercept"),
+        (FlareHold, {"sink": 0.0}, "sink"),
+        (FlareHold, {"tau": -1.0}, "tau"),
+    ],
+)
+def test_bad_parameters_are_refused(block, given, parameter):
+    with pytest.raises(ParameterError) as error:
+        block(**given)
+    assert error.value.parameter == parameter

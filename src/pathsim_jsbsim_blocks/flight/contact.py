@@ -77,11 +77,8 @@ class GroundContact:
         for i, depth in enumerate(depths):
             self._spared[i] = self._spared[i] and touches[self._wheels + i] != 0.0
             if depth > self._scrape_max and not self._spared[i]:
-                return (
-                    "touched the ground with a part that is no wheel, depth",
-                    self._depth[i],
-                    depth,
-                )
+                name = self._depth[i]
+                return f"touched the ground with a part that is no wheel, {name}", name, depth
         return None
 
 

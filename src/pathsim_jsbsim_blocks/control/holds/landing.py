@@ -28,10 +28,10 @@ _SLOWEST = 30.0  # ft/s, for angles from speeds
 _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 
 _STEEPEST = -10.0  # deg, pitch reference
-# of the climb law: gain, integral gain in 1/s, lag of the rate of climb behind the pitch angle in s
-_CLIMB, _CLIMB_INTEGRAL, _CLIMB_LAG = 1.8, 1.0, 1.8
-_CLIMB_RATE = 0.4  # s, gain on the rate of the error
-_LIFT = 0.2  # s, time constant of that rate
+_BANDWIDTH = 1.0  # rad/s, of the rate of climb
+_LIFT_SLOPE = 4.0  # g per rad of alpha; V over g times this is the lag of hdot behind the pitch
+_DAMPING = 0.22  # of that lag, gain on the rate of the error
+_SMOOTH = 0.2  # s, time constant of that rate
 _RAMP = 15.0  # deg/s, of the pitch reference
 _PULL = 8.0  # ft/s2, of the rate of climb demanded
 _TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
@@ -220,7 +220,7 @@ class FlareHold(Hold):
     .. math::
         \\dot h_\\mathrm{cmd} &= -\\frac{h_w}{\\tau} - \\dot h_0 \\\\
         \\theta_\\mathrm{cmd} &= \\theta_0 + \\frac{1}{V} \\left[\\dot h_\\mathrm{cmd}
-        + \\tau_l \\ddot h_\\mathrm{cmd} + k e + k_i \\int e \\, dt\\right], \\quad
+        + \\tau_l (\\ddot h_\\mathrm{cmd} + \\omega e) + \\omega \\int e \\, dt\\right], \\quad
         e = \\dot h_\\mathrm{cmd} - \\dot h
 
     with the height h_w of the wheels above the runway, and the pitch and roll loops of
@@ -234,8 +234,8 @@ class FlareHold(Hold):
     ground it lowers the nose, steers along the centre line and brakes. A go-around, at any height
     and on the ground too, levels the wings, applies full throttle and climbs at ``climb``, or less
     where that costs airspeed. It begins by itself where, below the height ``decide``, the aircraft
-    is more than ``across_max`` beside the centre line, and where the flare is longer than
-    ``float_max``.
+    is more than ``across_max`` beside the centre line, where the flare would begin at more than
+    ``sink_max``, and where it is longer than ``float_max``.
 
     Parameters
     ----------
@@ -259,11 +259,10 @@ class FlareHold(Hold):
         height below which it goes around by itself, ft
     across_max : float
         largest distance from the centre line there, ft
+    sink_max : float
+        largest sink rate at which the flare begins, ft/s
     float_max : float
         largest length of the flare over the ground, ft
-    gain : float
-        factor on the gains of pitch and roll: at the landing speed, below those of a gain table,
-        the surfaces have less effect, with the square of the airspeed
     authority : float or pair
         largest increment of elevator and ailerons, of full travel
     %(T)s
@@ -314,8 +313,8 @@ class FlareHold(Hold):
     climb: float = parameter(10.0, number, above=0.0)
     decide: float = parameter(100.0, number, low=0.0)
     across_max: float = parameter(30.0, number, above=0.0, infinite=True)
+    sink_max: float = parameter(math.inf, number, above=0.0, infinite=True)
     float_max: float = parameter(math.inf, number, above=0.0, infinite=True)
-    gain: float = parameter(1.0, number, above=0.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     alpha_max: float | None = parameter(None, optional)
@@ -356,8 +355,6 @@ class FlareHold(Hold):
         state = self._phase(state, height, hdot, wow != 0.0, go_around != 0.0)
         state = self._begun(state, flew, hdot, theta, psi, vc, given)
 
-        for loop in ("pitch", "roll"):
-            self._tighten(self.loops[loop].pid)
         vertical = Vertical(
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
         )
@@ -379,11 +376,6 @@ class FlareHold(Hold):
         )
         return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
 
-    def _tighten(self, pid: PID) -> None:
-        """Scale the gains of an attitude loop."""
-        gain = self.checked.gain
-        pid.Kp, pid.Ki, pid.Kr = pid.Kp * gain, pid.Ki * gain, pid.Kr * gain
-
     def _phase(self, state: Any, height: Any, hdot: Any, down: Any, go_around: Any) -> Any:
         """The state in the phase that begins or goes on."""
         c, before = self.checked, state.phase
@@ -392,6 +384,7 @@ class FlareHold(Hold):
         phase = select((phase == FLARE) & down, ROLL_OUT, phase)
         floated = state.floated + select(before == FLARE, self.clock.period * state.beam.along, 0.0)
         astray = (height < c.decide) & (abs(state.beam.ft) > c.across_max)
+        astray |= (before == APPROACH) & low & (hdot < -c.sink_max)
         astray = (phase < ROLL_OUT) & (astray | (floated > c.float_max))
         phase = select(go_around | astray, GO_AROUND, phase)
         return state._replace(phase=phase, floated=floated)
@@ -433,17 +426,17 @@ class FlareHold(Hold):
         step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
         error = hdot_cmd - hdot
-        share = -math.expm1(-T / _LIFT)
+        share = -math.expm1(-T / _SMOOTH)
         lift = state.lift + select(
             state.hdot == 0.0, 0.0, share * ((hdot - state.hdot) / T - state.lift)
         )
-        ahead = hdot_cmd + select(goes, 0.0, _CLIMB_LAG * -hdot / c.tau)
-        asked = state.integral + _DEGREES / v * (
-            ahead + _CLIMB * error + _CLIMB_RATE * (step / T - lift)
-        )
+        lag = v / (GRAVITY * _LIFT_SLOPE)
+        ahead = hdot_cmd + select(goes, 0.0, lag * -hdot / c.tau)
+        ahead += lag * (_BANDWIDTH * error + _DAMPING * (step / T - lift))
+        asked = state.integral + _DEGREES / v * ahead
         limits = self.loops["altitude"].pid
         wanted = limit(asked, limits.low, limits.high)
-        gained = _CLIMB_INTEGRAL * T * (_DEGREES / v * error + wanted - asked)
+        gained = _BANDWIDTH * T * (_DEGREES / v * error + wanted - asked)
         rolls = state.phase == ROLL_OUT
         lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))
         theta = select(rolls, lowered, wanted)

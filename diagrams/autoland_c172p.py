@@ -1,0 +1,206 @@
+"""Automatic landing of a Cessna 172: approach, flare, touchdown and roll-out in a crosswind.
+
+A Cessna 172 at 900 ft and 70 KCAS, flaps half down, flies towards the course from
+800 ft beside it. The runway is 500 ft above the sea.
+A ``Localizer`` and a ``Glideslope`` receiver show where the aircraft is;
+``LocalizerHold`` captures the course from the side, ``GlideslopeHold`` the path from below, and
+``AirspeedHold`` keeps 70 KCAS. ``FlareHold`` passes their commands on until the flare. Then it
+moves the throttle to idle, turns the nose to the runway's course, lowers the nose wheel and brakes.
+A crosswind of 10 kt blows from the left, with turbulence of JSBSim's MIL-spec model
+for a wind of 20 kt at 20 ft.
+
+Expected: TODO
+
+Source: our own. The landing is judged by the limits of docs/landing.md.
+"""
+
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AirspeedHold,
+    FlareHold,
+    Glideslope,
+    GlideslopeHold,
+    Localizer,
+    LocalizerHold,
+    TrimCondition,
+    YawDamper,
+)
+
+DURATION = 140.0  # s
+
+AIM = (47.0, 11.0)  # deg, where the glide path meets the runway
+ANTENNA = (47.0, 11.0321)  # deg, of the localizer, 8000 ft beyond
+ELEVATION = 500.0  # ft
+COURSE = 90.0  # deg
+# higher than those of the table: the airspeed of an approach in turbulence must not fall
+SPEED = {
+    "Kp": 0.04,
+    "Ki": 0.002,
+    "Kd": -0.02,
+    "Tf": 0.5,
+    "b": 1.0,
+    "ramp": 1.0,
+    "Kc": 0.008,
+    "band": 20.0,
+}
+TURBULENCE = {
+    "atmosphere/randomseed": 3.0,
+    "atmosphere/turb-type": 3.0,
+    "atmosphere/turbulence/milspec/severity": 3.0,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 34.0,
+}
+
+aircraft = Aircraft(
+    aircraft="c172p",
+    condition=TrimCondition(
+        altitude=900.0,
+        speed=70.0,
+        heading=70.0,
+        latitude=46.9978,
+        longitude=10.9574,
+        flaps=0.5,
+        wind_north=-17.0,
+    ),
+    setup={"ic/terrain-elevation-ft": ELEVATION},
+    properties=TURBULENCE,
+    input_properties=["brakes", "steering"],
+    output_properties=["h_agl", "gear/wow"],
+)
+localizer = Localizer(station=ANTENNA, course=COURSE)
+glideslope = Glideslope(station=AIM, elevation=ELEVATION, angle=3.0)
+lateral = LocalizerHold(gains="c172p-designed", course=COURSE)
+vertical = GlideslopeHold(gains="c172p-designed", angle=3.0)
+airspeed = AirspeedHold(gains=SPEED)
+damper = YawDamper(gains="c172p-designed")
+flare = FlareHold(
+    gains="c172p-designed",
+    course=COURSE,
+    gear_height=4.4,
+    sink=1.0,
+    align=0.1,
+    bank_max=3.5,
+    sink_max=11.0,
+    climb=8.0,
+)
+go_around = Constant(0.0)  # 1 begins one
+height = Scope(labels=["height above the runway [ft]", "height above the glide path [ft]"])
+rates = Scope(labels=["rate of climb [ft/s]", "calibrated airspeed [kt]"])
+attitude = Scope(labels=["pitch angle [deg]", "bank [deg]", "heading [deg]"])
+ground = Scope(labels=["right of the centre line [ft]", "distance to the antenna [ft]"])
+landing = Scope(labels=["phase [-]", "wheels on the ground [-]"])
+
+sim = Simulation(
+    [
+        aircraft,
+        localizer,
+        glideslope,
+        lateral,
+        vertical,
+        airspeed,
+        damper,
+        flare,
+        go_around,
+        height,
+        rates,
+        attitude,
+        ground,
+        landing,
+    ],
+    [
+        Connection(aircraft["lat"], localizer["lat"], glideslope["lat"]),
+        Connection(aircraft["lon"], localizer["lon"], glideslope["lon"]),
+        Connection(aircraft["h"], glideslope["h"], vertical["h"]),
+        Connection(localizer["ft"], lateral["loc_ft"], flare["loc_ft"], ground[0]),
+        Connection(localizer["dist"], lateral["loc_dist"], flare["loc_dist"], ground[1]),
+        Connection(glideslope["deg"], vertical["gs_deg"]),
+        Connection(glideslope["ft"], vertical["gs_ft"], height[1]),
+        Connection(glideslope["dist"], vertical["gs_dist"]),
+        Connection(aircraft["psi"], lateral["psi"], flare["psi"], attitude[2]),
+        Connection(aircraft["phi"], lateral["phi"], flare["phi"], damper["phi"], attitude[1]),
+        Connection(aircraft["p"], lateral["p"], flare["p"], damper["p"]),
+        Connection(aircraft["r"], flare["r"], damper["r"]),
+        Connection(aircraft["beta"], damper["beta"]),
+        Connection(aircraft["hdot"], vertical["hdot"], airspeed["hdot"], flare["hdot"], rates[0]),
+        Connection(aircraft["theta"], vertical["theta"], flare["theta"], attitude[0]),
+        Connection(aircraft["q"], vertical["q"], flare["q"]),
+        Connection(aircraft["vc"], airspeed["vc"], flare["vc"], rates[1]),
+        Connection(aircraft["alpha"], vertical["alpha"], flare["alpha"]),
+        Connection(aircraft["ail_sat"], lateral["ail_sat"]),
+        Connection(aircraft["elev_sat"], vertical["elev_sat"]),
+        Connection(aircraft["thr_sat"], airspeed["thr_sat"]),
+        Connection(aircraft["h_agl"], flare["h_agl"], height[0]),
+        Connection(aircraft["gear/wow"], flare["wow"], landing[1]),
+        Connection(go_around, flare["go_around"]),
+        Connection(vertical["elevator"], flare["elevator"]),
+        Connection(lateral["aileron"], flare["aileron"]),
+        Connection(damper["rudder"], flare["rudder"]),
+        Connection(airspeed["throttle"], flare["throttle"]),
+        Connection(flare["elevator"], aircraft["elevator"]),
+        Connection(flare["aileron"], aircraft["aileron"]),
+        Connection(flare["rudder"], aircraft["rudder"]),
+        Connection(flare["throttle"], aircraft["throttle"]),
+        Connection(flare["brakes"], aircraft["brakes"]),
+        Connection(flare["steering"], aircraft["steering"]),
+        Connection(flare["phase"], landing[0]),
+    ],
+    dt=1 / 120,
+    log=False,
+)
+
+
+def figure():
+    import numpy as np
+
+    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+
+    time, (above, _) = height.read()
+    _, (climb, vc) = rates.read()
+    _, (across, distance) = ground.read()
+    _, (_, wheels) = landing.read()
+    past = 8000.0 - distance
+    drawing, axes = subplots(3, 1, layout="constrained", figsize=(9, 9))
+    with exact_curves():
+        axes[0].plot(past, above, label="height above the runway")
+        axes[1].plot(past, across, label="right of the centre line")
+        axes[2].plot(time, climb, label="rate of climb [ft/s]")
+        axes[2].plot(time, vc, label="calibrated airspeed [kt]")
+    path = np.array([past.min(), 0.0])
+    axes[0].plot(path, -path * np.tan(np.deg2rad(3.0)), "k:", linewidth=1.0, label="glide path")
+    if wheels.any():
+        touch = int(wheels.argmax())
+        axes[0].plot(past[touch], above[touch], "o", label="touchdown")
+        axes[1].plot(past[touch], across[touch], "o", label="touchdown")
+        axes[2].plot(time[touch], climb[touch], "o", label="touchdown")
+    axes[0].set(ylabel="height [ft]")
+    axes[1].set(ylabel="distance [ft]", xlabel="distance past the aiming point [ft]")
+    axes[2].set(ylabel="rate of climb, airspeed", xlabel="time [s]")
+    for ax in axes:
+        ax.grid(alpha=0.4)
+        ax.legend(loc="best", fontsize="small")
+    drawing.suptitle("c172p: automatic landing in a crosswind of 10 kt")
+    return drawing
+
+
+if __name__ == "__main__":
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.run(DURATION)
+    time, (_, wheels) = landing.read()
+    _, (climb, vc) = rates.read()
+    _, (theta, phi, psi) = attitude.read()
+    _, (across, distance) = ground.read()
+    touch = int(wheels.argmax())
+    print(
+        f"touchdown after {time[touch]:.1f} s, {8000.0 - distance[touch]:.0f} ft past the aiming "
+        f"point and {across[touch]:.1f} ft right of the centre line, sinking at "
+        f"{-climb[touch - 1]:.1f} ft/s, at {vc[touch]:.0f} KCAS; pitch {theta[touch]:.1f} deg, "
+        f"bank {phi[touch]:.1f} deg, heading {psi[touch]:.1f} deg"
+    )
+    print(
+        f"at the end {8000.0 - distance[-1]:.0f} ft past it and {across[-1]:.1f} ft right, at "
+        f"{vc[-1]:.0f} KCAS"
+    )
+    show(figure(), "autoland_c172p")

@@ -1,0 +1,200 @@
+"""Land in random cases and write the tables of docs/evidence/landings.md.
+
+    python docs/landings.py [CASES]
+
+Default is 100 cases of each aircraft. Each flies the diagram ``autoland_737`` or
+``autoland_c172p`` with weight, centre of gravity, wind, turbulence, course and elevation of the
+runway drawn anew.
+"""
+
+import math
+import sys
+
+import numpy as np
+from generate import DOCS, put
+
+CASES = 100
+PAGE = DOCS / "evidence" / "landings.md"
+KNOT = 1.68781  # ft/s
+AIM = (47.0, 11.0)
+BEYOND = 8000.0  # ft, from the aiming point to the antenna of the localizer
+
+# tanks and empty weight [lb], x of the empty CG and chord [in], airspeed [KCAS] at a weight [lb],
+# height above the runway [ft], crosswind [kt], distance from the aiming point [ft]
+FLEET = {
+    "737": ((10_200, 10_200, 15_000), 83_000, 639.0, 147.7, (140.0, 107_000), 1000.0, 15.0, 2000.0),
+    "c172p": ((185, 185), 1680, 41.0, 58.8, (70.0, 1880), 400.0, 10.0, 1000.0),
+}
+CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
+ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
+INTERCEPT = 20.0  # deg
+# the touchdown's limits beside the distance: from the centre line [ft], sink rate, bank [deg]
+ACROSS, SINK, BANK = 30.0, 6.0, 5.0
+ROWS = {
+    "past": "past the aiming point [ft]",
+    "across": "right of the centre line [ft]",
+    "sink": "sink rate [ft/s]",
+    "bank": "bank [deg]",
+    "crab": "heading less course [deg]",
+    "vc": "airspeed [KCAS]",
+}
+
+
+def draw(name, cases):
+    """Random cases."""
+    crosswind, rng = FLEET[name][6], np.random.default_rng(0)
+    drawn = {
+        "fuel": FUEL,
+        "cg": (-CG, CG),
+        "head": HEAD,
+        "cross": (-crosswind, crosswind),
+        "gusts": GUSTS,
+        "course": COURSE,
+        "elevation": ELEVATION,
+        "aside": (-ASIDE, ASIDE),
+    }
+    return [
+        {**{key: float(rng.uniform(*span)) for key, span in drawn.items()}, "seed": float(i)}
+        for i in range(1, cases + 1)
+    ]
+
+
+def place(ahead, aside, course):
+    """Latitude and longitude beyond the aiming point and to the right of it, ft."""
+    chi, lat = math.radians(course), math.radians(AIM[0])
+    north = ahead * math.cos(chi) - aside * math.sin(chi)
+    east = ahead * math.sin(chi) + aside * math.cos(chi)
+    return AIM[0] + north / 364_785.0, AIM[1] + east / (365_221.0 * math.cos(lat) * 1.0018)
+
+
+def settings(name, case):
+    """What the diagram is built with."""
+    from pathsim_jsbsim_blocks import TrimCondition
+
+    tanks, empty, cg, chord, (speed, weight), height, *_ = FLEET[name]
+    fuel, course = [case["fuel"] * tank for tank in tanks], case["course"]
+    chi, head, cross = math.radians(course), case["head"] * KNOT, case["cross"] * KNOT
+    latitude, longitude = place(
+        -height / math.tan(math.radians(3.0)) - 6000.0, case["aside"], course
+    )
+    condition = TrimCondition(
+        altitude=case["elevation"] + height,
+        speed=speed * math.sqrt((empty + sum(fuel)) / weight),
+        heading=(course - math.copysign(INTERCEPT, case["aside"])) % 360.0,
+        latitude=latitude,
+        longitude=longitude,
+        wind_north=-head * math.cos(chi) - cross * math.sin(chi),
+        wind_east=-head * math.sin(chi) + cross * math.cos(chi),
+        fuel=fuel,
+        empty_cg_x=cg + case["cg"] * chord,
+        gear=1.0 if name == "737" else None,
+        flaps=1.0 if name == "737" else 0.5,
+    )
+    turbulence = {
+        "atmosphere/randomseed": case["seed"],
+        "atmosphere/turb-type": 3.0,
+        "atmosphere/turbulence/milspec/severity": 3.0,
+        "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": case["gusts"] * KNOT,
+    }
+    return {
+        "aircraft.condition": condition,
+        "TURBULENCE": turbulence,
+        "ELEVATION": case["elevation"],
+        "COURSE": course,
+        "ANTENNA": place(BEYOND, 0.0, course),
+    }
+
+
+def land(name, case):
+    """Fly one case: its touchdown, or where and why it went around."""
+    from pathsim_jsbsim_blocks import FlightError, fly
+    from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+    diagram, error = load_diagram(f"autoland_{name}", settings(name, case)), ""
+    outputs = diagram.flare.outputs
+    try:
+        while diagram.sim.time < 300.0 and outputs["phase"] < 2.0:
+            fly(diagram.sim, 2.0)
+        fly(diagram.sim, 30.0 if outputs["phase"] == 3.0 else 5.0)
+    except FlightError as crash:
+        error = str(crash)
+    _, (height, _) = diagram.height.read()
+    _, (phase, wheels) = diagram.landing.read()
+    _, (climb, vc) = diagram.rates.read()
+    _, (_, bank, heading) = diagram.attitude.read()
+    _, (across, distance) = diagram.ground.read()
+    found = {
+        "error": error,
+        "around": bool((phase == 3.0).any()),
+        "rolls": bool((phase == 2.0).any()),
+    }
+    if found["around"]:
+        begun = int(np.argmax(phase == 3.0))
+        found.update(
+            begun=height[begun],
+            lowest=height[begun:].min(),
+            end=height[-1],
+            across=across[begun],
+            bank=bank[begun],
+        )
+    elif wheels.any():
+        touch = int(wheels.argmax())
+        crab = (heading[touch] - case["course"] + 180.0) % 360.0 - 180.0
+        found.update(past=BEYOND - distance[touch], across=across[touch], bank=bank[touch])
+        found.update(sink=-climb[touch - 1], crab=crab, vc=vc[touch])
+    return found
+
+
+def outcome(name, found):
+    """ "landed", "around", or what is wrong."""
+    if found["error"]:
+        return found["error"]
+    if found["around"]:
+        return "around" if found["end"] > found["begun"] + 50.0 else "does not climb away"
+    if "sink" not in found:
+        return "does not come down"
+    limits = {"past": FLEET[name][7], "across": ACROSS, "bank": BANK, "sink": SINK}
+    beyond = [key for key, most in limits.items() if not abs(found[key]) < most]
+    return ", ".join(f"{key} {found[key]:.1f}" for key in beyond) or "landed"
+
+
+def tables(results):
+    """The tables of the page, from the cases and what was found by aircraft."""
+    lines = [f"| median (5 % to 95 %; worst) of | {' | '.join(results)} |"]
+    lines.append(f"|---|{'--:|' * len(results)}")
+    for key, label in ROWS.items():
+        cells = []
+        for rows in results.values():
+            x = np.array([found[key] for _, found in rows if "sink" in found])
+            low, middle, high = np.percentile(x, (5, 50, 95))
+            cells.append(f"{middle:.1f} ({low:.1f} to {high:.1f}; {x[np.abs(x).argmax()]:.1f})")
+        lines.append(f"| {label} | {' | '.join(cells)} |")
+    ends = {name: [outcome(name, found) for _, found in rows] for name, rows in results.items()}
+    for label, kind in (("**landed within the limits**", "landed"), ("went around", "around")):
+        counts = [f"{end.count(kind)} of {len(end)}" for end in ends.values()]
+        lines.append(f"| {label} | {' | '.join(counts)} |")
+    lines += ["", "| case | aircraft | head, cross, gusts [kt] | outcome |", "|--:|---|--:|---|"]
+    for name, rows in results.items():
+        for (case, found), end in zip(rows, ends[name], strict=True):
+            if end == "around":
+                end = f"went around at {found['begun']:.0f} ft, {found['across']:.0f} ft aside, "
+                end += f"lowest {found['lowest']:.0f} ft"
+            if end != "landed":
+                wind = ", ".join(f"{case[key]:.0f}" for key in ("head", "cross", "gusts"))
+                lines.append(f"| {case['seed']:.0f} | {name} | {wind} | {end} |")
+    return "\n".join(lines)
+
+
+def main(cases):
+    results = {}
+    for name in FLEET:
+        results[name] = []
+        for case in draw(name, cases):
+            found = land(name, case)
+            results[name].append((case, found))
+            print(name, int(case["seed"]), outcome(name, found), flush=True)
+    put(PAGE, "landings", tables(results))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if sys.argv[1:] else CASES)
