@@ -9,7 +9,9 @@ moves the throttle to idle, turns the nose to the runway's course, lowers the no
 A crosswind of 15 kt blows from the left, with turbulence of JSBSim's MIL-spec model
 for a wind of 25 kt at 20 ft.
 
-Expected: TODO
+Expected: touchdown after 108 s, 1385 ft past the aiming point and 9 ft right of the centre line,
+sinking at 2.4 ft/s with 2.7 deg of bank into the wind. The aircraft is down to 15 KCAS 3900 ft past
+the aiming point, on the centre line.
 
 Source: our own. The landing is judged by the limits of docs/landing.md.
 """

@@ -9,7 +9,9 @@ moves the throttle to idle, turns the nose to the runway's course, lowers the no
 A crosswind of 10 kt blows from the left, with turbulence of JSBSim's MIL-spec model
 for a wind of 20 kt at 20 ft.
 
-Expected: TODO
+Expected: touchdown after 93 s, 236 ft past the aiming point and 1 ft right of the centre line,
+sinking at 4.9 ft/s with 1.1 deg of bank into the wind. The aircraft is down to 10 KCAS 1300 ft past
+the aiming point, on the centre line.
 
 Source: our own. The landing is judged by the limits of docs/landing.md.
 """

@@ -33,6 +33,7 @@ _LABELS = {
     "roll_mode": "roll_md",
     "pitch_off": "pit_off",
     "speed_off": "spd_off",
+    "go_around": "goaround",
     "temp_deviation": "temp_dev",
     "temperature": "temp",
     "speed_of_sound": "sound",

@@ -1,0 +1,20 @@
+"""Some of the random landings of docs/evidence/landings.md."""
+
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.long
+CASES = 10
+
+
+@pytest.mark.parametrize("name", ["737", "c172p"])
+def test_random_landings(name, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "docs")
+    import landings
+
+    ends = [
+        landings.outcome(name, landings.land(name, case)) for case in landings.draw(name, CASES)
+    ]
+    # of 60 cases of the 737 54 land within the limits, of 30 of the c172p 24
+    assert ends.count("landed") >= 0.7 * CASES, ends
