@@ -37,9 +37,13 @@ class TunableLaw(Parametric, SampledLaw):
             self._wires_seen = True
             self._warn_of_missing_wires()
 
+    def needed(self) -> tuple[str, ...]:
+        """Inputs that must be connected, given the others that are."""
+        return self.measured
+
     def _warn_of_missing_wires(self) -> None:
         ports = port_names(self.inputs)
-        missing = [name for name in self.measured if ports[name] not in self.inputs.wired]
+        missing = [name for name in self.needed() if ports[name] not in self.inputs.wired]
         if missing:
             warn_user(
                 f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"

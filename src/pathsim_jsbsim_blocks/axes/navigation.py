@@ -158,7 +158,7 @@ def line_to(end: Place, course: float) -> GreatCircle:
     """The great circle that reaches a place on a course in deg; its length is 0."""
     chi = math.radians(course)
     north, east = _scaled(end.north, math.cos(chi)), _scaled(end.east, math.sin(chi))
-    ahead = [a + b for a, b in zip(north, east, strict=True)]
+    ahead = (north[0] + east[0], north[1] + east[1], north[2] + east[2])
     there = _scaled(end.position, 1.0 / math.hypot(*end.position))
     left = _cross(there, ahead)
     left = _scaled(left, 1.0 / math.hypot(*left))

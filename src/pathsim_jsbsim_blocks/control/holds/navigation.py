@@ -462,10 +462,9 @@ class GlideslopeHold(Hold):
             (away, speed, captured, vertical),
         )
 
-    def _warn_of_missing_wires(self) -> None:
-        if self._received in self.inputs.wired:
-            self.measured = tuple(name for name in self.measured if name not in ("lat", "lon"))
-        super()._warn_of_missing_wires()
+    def needed(self) -> tuple[str, ...]:
+        received = self._received in self.inputs.wired
+        return tuple(x for x in self.measured if not (received and x in ("lat", "lon")))
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
