@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import refuse
-from .._core.units import FOOT, GRAVITY, KNOT
+from .._core.units import FOOT, KNOT
 from ..air import isa
 from ..errors import BlocksError
 from ..flight import Airframe, TrimState, trim
@@ -46,6 +46,7 @@ _RECORDED = {
     "v": "velocities/vt-fps",
     "vc": "velocities/vc-kts",
     "alpha": "aero/alpha-rad",
+    "gamma": "flight-path/gamma-rad",
     "nx": "accelerations/Nx",
     "nz": "accelerations/Nz",
     "psi": "attitude/psi-deg",
@@ -253,9 +254,13 @@ def flown(value: float, found: float | None) -> Row:
 
 
 def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Force across the flight path over the weight."""
-    along, across = np.sin(flight["alpha"]), np.cos(flight["alpha"])
-    return (flight["nx"] * along + flight["nz"] * across) * GRAVITY / flight["g"]
+    """Force across the flight path over the weight, from a flight that starts in a steady state.
+
+    There it is the cosine of the path angle; weight is a little less than mass times gravitation,
+    by the rotation of the Earth.
+    """
+    force = flight["nx"] * np.sin(flight["alpha"]) + flight["nz"] * np.cos(flight["alpha"])
+    return force / force[0] * np.cos(flight["gamma"][0])
 
 
 def energy_rate(plane: Plane, state: TrimState, climb: float) -> float | None:
