@@ -154,6 +154,8 @@ def test_bad_numbers_are_refused_at_once():
         performance_table("c172p", flaps=[0.0, 2.0])
     with pytest.raises(ParameterError, match="no altitude"):
         performance_table("c172p", altitudes=[])
+    with pytest.raises(ParameterError, match="altitude must be a number"):
+        performance_table("c172p", altitudes=[[0.0]])
 
 
 def test_the_page_of_a_table_without_values_shows_the_reasons():

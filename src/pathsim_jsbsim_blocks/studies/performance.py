@@ -241,14 +241,13 @@ def _ceilings(plane: Plane) -> None:
 
     plane.reason = "no engine"
     rates = {-5000.0: math.inf, 0.0: climb(0.0) if plane.airframe.engines else -math.inf}
-    if math.isfinite(rates[0.0]):
-        plane.reason = "below 0 ft"
+    why_none = "below 0 ft" if math.isfinite(rates[0.0]) else plane.reason
     while (top := max(rates)) < _HIGHEST and rates[top] > 0.0:
         rates[top + 5000.0] = climb(top + 5000.0)
     for name, limit in (("absolute", 0.0), ("service", _SERVICE[plane.kind])):
         high = next((h for h, rate in rates.items() if rate < limit), math.inf)
         if high == 0.0 or math.isinf(high):
-            why = f"above {_HIGHEST:,.0f} ft" if high else plane.reason
+            why = f"above {_HIGHEST:,.0f} ft" if high else why_none
             plane.put("climb", f"{name} ceiling", "ft", None, reason=why)
             continue
         low, why = high - 5000.0, ""
@@ -459,9 +458,7 @@ def performance_table(
     airframe, _, _ = prepared(aircraft, root)
     jet = bool(airframe.engines and not airframe.of_engines("propeller-rpm"))
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)
-    given = (
-        [None] if weights is None else [positive("weight", x) for x in _several("weight", weights)]
-    )
+    given = [None] if weights is None else _axis("weight", weights)
     settings = _FLAPS if flaps is None else _axis("flaps", flaps)
     common = {
         "aircraft": aircraft,
@@ -491,12 +488,10 @@ def performance_table(
     return table
 
 
-def _several(name: str, values: Any) -> list[Any]:
-    """One value or several as a list, each once."""
-    one = isinstance(values, str) or not np.iterable(values)
-    return list(dict.fromkeys([values] if one else values)) or refuse(name, values, f"no {name}")
-
-
 def _axis(name: str, values: Any) -> list[float]:
-    """The values of a field of a condition."""
-    return [getattr(TrimCondition(**{name: value}), name) for value in _several(name, values)]
+    """One value of a condition or several, each once."""
+    one = isinstance(values, str) or not np.iterable(values)
+    weigh = partial(positive, name)
+    check = weigh if name == "weight" else lambda x: getattr(TrimCondition(**{name: x}), name)
+    found = list(dict.fromkeys(check(x) for x in ([values] if one else values)))
+    return found or refuse(name, values, f"no {name}")
