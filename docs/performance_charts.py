@@ -39,7 +39,7 @@ HEAD = """\
 
 The charts of {count} of the {all} aircraft that trim, with default settings of
 `pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's
-own weight, flaps up; the sustained turn is the steepest of four airspeeds.
+own weight, flaps up; the sustained turn is the steepest of six airspeeds.
 `python docs/performance_charts.py FOLDER` makes the pages (PDF), the tables (CSV) and this page.
 
 {flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns

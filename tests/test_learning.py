@@ -111,3 +111,10 @@ def test_help_knows_the_blocks_of_pathsim(capsys):
 def test_a_block_that_does_not_exist_is_refused_naming_the_nearest(wrong, right, capsys):
     assert main(["help", wrong]) == 1
     assert f"{right!r}" in capsys.readouterr().err
+
+
+def test_help_of_an_error_class_ends_after_its_text(capsys):
+    assert main(["help", "BlocksError"]) == 0
+    assert "Signature" not in capsys.readouterr().out
+    # a class that pathsim.blocks imports is no block
+    assert main(["help", "deque"]) == 1

@@ -10,12 +10,19 @@ from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
-from pathsim_jsbsim_blocks.studies.handbook import _compared
-from pathsim_jsbsim_blocks.studies.performance import COLUMNS, _gusts, _stall, _work
+from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared
+from pathsim_jsbsim_blocks.studies.performance import (
+    COLUMNS,
+    _gusts,
+    _load_factors,
+    _stall,
+    _work,
+)
 
 pandas = pytest.importorskip("pandas")
 
@@ -194,6 +201,48 @@ def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
         _compared({**asked, "unit": "N"}, table)
     with pytest.raises(ParameterError, match="did you mean 'thrust required'"):
         _compared({**asked, "quantity": "thrust requird"}, table)
+
+
+@pytest.mark.parametrize(
+    ("column", "cell"),
+    [("altitude_ft", "sea level"), ("weight_lb", "x"), ("value", ""), ("value", 0)],
+)
+def test_a_cell_of_a_handbook_without_a_number_is_refused_before_any_trim(column, cell):
+    row = dict(zip(_GIVEN, ("stall speed", 0, "", 0, 51, "KCAS", ""), strict=True))
+    rows = pandas.DataFrame([{**row, "weight_lb": math.nan, column: cell}])
+    with pytest.raises(ParameterError, match=column):
+        against_handbook("c172p", rows)
+
+
+def v_n_rows(*points):
+    rows = [{"load_factor": n, "value": keas} for n, keas in points]
+    rows = [{"chart": "V-n", "quantity": "speed at the lift limit", **row} for row in rows]
+    rows.append({"chart": "V-n", "quantity": "VD", "value": 150.0})
+    return performance_chart(pandas.DataFrame(rows, columns=list(COLUMNS))).axes[1].lines
+
+
+def test_lift_limit_is_a_parabola_that_ends_flat_only_at_the_limit_load_factor():
+    up, down = v_n_rows((1.0, 50.0), (4.0, 100.0), (-0.5, 70.0), (-1.5, math.nan))
+    speed, n = up.get_data()
+    assert np.interp(25.0, speed, n) == pytest.approx(0.25, abs=0.01)  # (25 / 50) ** 2
+    assert (speed[-1], n[-1], n[-2]) == (150.0, 4.0, 4.0)
+    speed, n = down.get_data()
+    assert (speed[-1], n[-1]) == (70.0, pytest.approx(-0.5))
+
+
+@pytest.mark.long
+def test_a_c172p_has_a_negative_lift_limit():
+    plane = Plane({**C172P, "altitude": 0.0})
+    _load_factors(plane)
+    (speed,) = (row["value"] for row in plane.rows if row.get("load_factor") == -0.5)
+    # at -5 deg, the model's limit, its table has CL = -0.206, and 0.43 per rad of elevator, 23 deg
+    keas = [math.sqrt(940.0 / (c * 0.5 * 0.0023769 * 174.0)) / 1.68781 for c in (0.206, 0.033)]
+    assert keas[0] < speed < keas[1]
+
+
+def test_weights_and_ceilings_are_printed_in_full(capsys):
+    _print_table(pandas.DataFrame({"weight_lb": [107000.0], "value": [0.03712]}))
+    assert capsys.readouterr().out.split()[2:] == ["107000", "0.03712"]
 
 
 @pytest.mark.long

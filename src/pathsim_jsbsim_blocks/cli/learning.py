@@ -83,7 +83,11 @@ def print_manual(args: argparse.Namespace) -> None:
     from .._core.checks import did_you_mean, nearest, refuse
 
     ours = {name: getattr(package, name) for name in dir(package)}
-    theirs = {n: o for n, o in vars(pathsim.blocks).items() if inspect.isclass(o)}
+    theirs = {
+        name: block
+        for name, block in vars(pathsim.blocks).items()
+        if inspect.isclass(block) and issubclass(block, pathsim.blocks.Block)
+    }
     if args.block is None:
         for name, block in ours.items():
             if inspect.isclass(block) and issubclass(block, pathsim.blocks.Block):
@@ -98,6 +102,8 @@ def print_manual(args: argparse.Namespace) -> None:
         title, *lines = _use(args.block, found)
         print(f"\n{title}\n{'-' * len(title)}")
         print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))
+    if inspect.isclass(found) and issubclass(found, Exception):
+        return
     arguments = ", ".join(
         p.name if p.default is p.empty else f"{p.name}={p.default!r}"
         for p in inspect.signature(found).parameters.values()

@@ -168,7 +168,8 @@ def chart(args: argparse.Namespace) -> None:
 
 
 def _print_table(table: Any) -> None:
-    print(table.to_string(index=False, na_rep="", float_format=lambda x: f"{x:.4g}"), "\n")
+    number = lambda x: f"{x:.0f}" if abs(x) >= 1000.0 else f"{x:.4g}"  # noqa: E731
+    print(table.to_string(index=False, na_rep="", float_format=number), "\n")
 
 
 def _save_table(table: Any, path: Path) -> None:

@@ -379,7 +379,7 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     }
     figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
     _stall_speeds(axes[0, 0], found[found.quantity == "stall speed"])
-    _load_factors(axes[0, 1], found[found.chart == "V-n"])
+    _load_factors(axes[0, 1], table[table.chart == "V-n"])
     speeds = ("stall speed, throttle closed", "lowest level speed", "highest level speed")
     _over_altitude(axes[1, 1], found, speeds, "true airspeed [kt]")
     _over_altitude(axes[2, 2], found, ["best rate of climb"], "best rate of climb [ft/min]")
@@ -398,7 +398,7 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     worst = table.difference_percent.abs()
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
     field = found[found.quantity.isin(["take-off distance", "landing distance"])]
-    runs = [f"{row.quantity} {row.value:,.0f} ft" for row in field.itertuples()]
+    runs = [f"{row.quantity} {row.value:.0f} ft" for row in field.itertuples()]
     figure.suptitle(title or _of(table, f"performance; {'; '.join([*runs, checked])}"))
     return figure
 
@@ -408,10 +408,10 @@ def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> Non
     for quantity, style in zip(quantities, "-:", strict=False):
         rows = table[table.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
-            label = f"{height:,.0f} ft, {weight:,.0f} lb" if style == "-" else None
+            label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
             ax.plot(line.speed_kcas, line.value, style, color=f"C{i}", label=label)
         for unit in rows.unit[:1]:
-            ax.set_ylabel(f"{', dotted: '.join(quantities)} [{unit}]")
+            ax.set_ylabel(",\ndotted: ".join(quantities) + f" [{unit}]")
     ax.set_xlabel("calibrated airspeed [kt]")
 
 
@@ -427,12 +427,18 @@ def _load_factors(ax: Axes, rows: pd.DataFrame) -> None:
     end = rows[rows.quantity.isin(["VC", "VD"])].value.max()
     for line in (limit[limit.load_factor > 0.0], limit[limit.load_factor < 0.0]):
         line = line.sort_values("load_factor", key=abs)
-        speed, n = [0.0, *line.value], [0.0, *line.load_factor]
+        ends, line = line.load_factor[-1:], line.dropna(subset=["value"])
         if len(line):
-            label = "lift limit, limit load factor" if n[-1] > 0.0 else None
-            ax.plot([*speed, max(end, speed[-1])], [*n, n[-1]], "C0", label=label)
+            # at a constant lift coefficient the airspeed grows with the root of the load factor
+            root = np.sqrt([0.0, *line.load_factor.abs()])
+            fine = np.linspace(0.0, root[-1], 50)
+            speed, n = np.interp(fine, root, [0.0, *line.value]), fine**2
+            if ends.isin(line.load_factor).all():
+                speed, n = np.append(speed, max(end, speed[-1])), np.append(n, n[-1])
+            n, label = np.copysign(n, line.load_factor.iloc[0]), "lift limit, limit load factor"
+            ax.plot(speed, n, "C0", label=label if n[-1] > 0.0 else None)
     for i, name in enumerate(("VC", "VD"), 1):
-        gust = rows[rows.quantity == f"gust load factor at {name}"].value
+        gust = rows[rows.quantity == f"gust load factor at {name}"].value.dropna()
         if len(gust):
             jump, speed = gust.iloc[0] - 1.0, rows[rows.quantity == name].value.iloc[0]
             ends = [speed, 0.0, speed], [1.0 + jump, 1.0, 1.0 - jump]
@@ -444,9 +450,9 @@ def _over_altitude(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str], labe
     """Quantities and ceilings against altitude."""
     for i, quantity in enumerate(quantities):
         for weight, line in rows[rows.quantity == quantity].groupby("weight_lb"):
-            name = f"{quantity}, {weight:,.0f} lb"
+            name = f"{quantity}, {weight:.0f} lb"
             ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
     for ceiling, style in (("absolute ceiling", "-"), ("service ceiling", ":")):
         for height in rows[rows.quantity == ceiling].value if ax.lines else ():
-            ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:,.0f} ft")
+            ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:.0f} ft")
     ax.set(xlabel=label, ylabel="altitude [ft]")

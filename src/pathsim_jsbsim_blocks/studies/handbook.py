@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _GIVEN = ("quantity", "altitude_ft", "weight_lb", "flaps_norm", "value", "unit", "source")
+_NUMBERS = ("altitude_ft", "weight_lb", "flaps_norm", "value", "speed_kcas")
 _TERMS = ("lift slope", "drag at zero lift", "induced drag factor", "full thrust at Vy")
 
 
@@ -83,8 +84,15 @@ def _rows(handbook: Any) -> pd.DataFrame:
             refuse("handbook", [*handbook.columns], f"the handbook has no column {name!r}")
     if handbook.empty:
         refuse("handbook", handbook, "the handbook has no rows")
-    open_ones = {"altitude_ft": 0.0, "flaps_norm": 0.0}
-    return handbook.fillna(open_ones)
+    handbook = handbook.fillna({"altitude_ft": 0.0, "flaps_norm": 0.0})
+    for name in handbook.columns.intersection(_NUMBERS):
+        try:
+            handbook[name] = pd.to_numeric(handbook[name]).astype(float)
+        except (ValueError, TypeError) as error:
+            refuse(name, [*handbook[name]], f"{name} of the handbook: {error}")
+    if not (handbook.value.abs() > 0.0).all():
+        refuse("value", [*handbook.value], "a value of the handbook is missing or 0")
+    return handbook
 
 
 def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:

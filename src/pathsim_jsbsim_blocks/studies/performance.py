@@ -289,7 +289,8 @@ def _turns(plane: Plane) -> None:
         plane.put("turn", "sustained load factor", "g", None)
         return
     for factor, (name, fields) in itertools.product(
-        (1.2, 1.6, 2.1, 2.8), {"sustained": {}, "instantaneous": {"throttle": 1.0}}.items()
+        (1.2, 1.4, 1.6, 1.85, 2.1, 2.8),
+        {"sustained": {}, "instantaneous": {"throttle": 1.0}}.items(),
     ):
         turn = _steepest(plane, factor * slow.speed, **fields)
         at: Row = {"speed_kcas": factor * slow.speed, "reason": plane.reason}
@@ -324,7 +325,7 @@ def _load_factors(plane: Plane) -> None:
             continue
         pull = partial(plane.trim, mode="pull-up", throttle=0.0, load_factor=n)
         usual = math.sqrt(abs(n)) * slow.speed
-        start = next(filter(None, (pull(factor * usual) for factor in (1.2, 1.8, 3.0))), None)
+        start = next(filter(None, (pull(factor * usual) for factor in (1.2, 1.8, 3.0, 4.5))), None)
         if start is None and n == 1.0:
             plane.put("V-n", "speed at the lift limit", "KEAS", None)
             return
