@@ -194,13 +194,20 @@ def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
     asked |= {"weight_lb": 2400.0, "flaps_norm": 0.0, "value": 200.0}
     found = _compared({**asked, "speed_kcas": 90.0}, table)
     assert (found["model"], found["difference_percent"]) == (220.0, pytest.approx(10.0))
+    died = pandas.DataFrame([{"reason": "its worker died"}], columns=list(COLUMNS))
+    lost = _compared({**asked, "speed_kcas": 90.0}, died.astype({"quantity": object}))
+    assert lost["reason"] == "its worker died"
     beyond = _compared({**asked, "speed_kcas": 120.0}, table)
     assert math.isnan(beyond["model"])
     assert beyond["reason"] == "not at these conditions"
-    with pytest.raises(ParameterError, match="thrust required is in lbf, not 'N'"):
-        _compared({**asked, "unit": "N"}, table)
-    with pytest.raises(ParameterError, match="did you mean 'thrust required'"):
-        _compared({**asked, "quantity": "thrust requird"}, table)
+    # before any trim
+    for wrong, message in (
+        ({"unit": "N"}, "thrust required is in lbf, not 'N'"),
+        ({"quantity": "thrust requird"}, "did you mean 'thrust required'"),
+        ({"quantity": math.nan}, "no chart has nan"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            against_handbook("c172p", pandas.DataFrame([{**asked, **wrong}]))
 
 
 @pytest.mark.parametrize(

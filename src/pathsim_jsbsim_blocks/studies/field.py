@@ -33,8 +33,8 @@ def field(plane: Plane) -> None:
     """Take-off with half flaps, landing with full flaps, at the plane's altitude."""
     if plane.airframe.aircraft not in tables():
         plane.reason = "no gain table"
-        plane.put("field", "take-off distance", "ft", None)
-        plane.put("field", "landing distance", "ft", None)
+        plane.put("field", "take-off distance", None)
+        plane.put("field", "landing distance", None)
         return
     base = plane.base
     for name, flaps, fly in (("take-off", 0.5, _take_off), ("landing", 1.0, _landing)):
@@ -44,8 +44,8 @@ def field(plane: Plane) -> None:
         except BlocksError as error:
             found, plane.reason = None, getattr(error, "reason", str(error))
         distance, roll, speed = found or (None, None, np.nan)
-        plane.put("field", f"{name} distance", "ft", distance, speed_kcas=speed)
-        plane.put("field", f"{name} ground roll", "ft", roll, speed_kcas=speed)
+        plane.put("field", f"{name} distance", distance, speed_kcas=speed)
+        plane.put("field", f"{name} ground roll", roll, speed_kcas=speed)
     plane.base = base
 
 

@@ -56,6 +56,28 @@ _RECORDED = {
 }
 
 
+_QUANTITIES = {
+    "KCAS": "stall speed; Vx; Vy",
+    "KEAS": "speed at the lift limit; VC; VD",
+    "KTAS": "stall speed, throttle closed; highest level speed; lowest level speed",
+    "ft/min": "rate of climb; best rate of climb; sink rate; least sink rate",
+    "deg": "climb angle; best angle of climb",
+    "deg/s": "sustained turn rate; instantaneous turn rate",
+    "lbf": "thrust available; thrust required; thrust of level flight; full thrust at Vy",
+    "hp": "power available; power required",
+    "lb/h": "fuel flow; least fuel flow",
+    "nmi/lb": "specific range; best specific range",
+    "ft": "sustained turn radius; instantaneous turn radius; absolute ceiling; service ceiling; "
+    "take-off distance; take-off ground roll; landing distance; landing ground roll",
+    "g": "sustained load factor; instantaneous load factor; gust load factor at VC; "
+    "gust load factor at VD",
+    "1/rad": "lift slope",
+    "": "level flight; highest level Mach number; lowest level Mach number; best glide ratio; "
+    "drag at zero lift; induced drag factor",
+}
+UNITS = {name: unit for unit, names in _QUANTITIES.items() for name in names.split("; ")}
+
+
 class Plane:
     """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found."""
 
@@ -85,13 +107,13 @@ class Plane:
         setup = {**self.base.setup, **_NO_GROUND, **lean}
         self.base = replace(self.base, altitude=altitude, setup=setup)
 
-    def put(self, chart: str, quantity: str, unit: str, value: float | None, **more: Any) -> None:
+    def put(self, chart: str, quantity: str, value: float | None, **more: Any) -> None:
         """Keep a value; without one its reason."""
         self.rows.append(
             {
                 **{"chart": chart, "quantity": quantity, "altitude_ft": self.base.altitude},
                 **{"weight_lb": self.weight, "flaps_norm": self.base.flaps or 0.0},
-                **{"value": math.nan if value is None else value, "unit": unit},
+                **{"value": math.nan if value is None else value, "unit": UNITS[quantity]},
                 **{"reason": self.reason if value is None else "", **more},
             }
         )

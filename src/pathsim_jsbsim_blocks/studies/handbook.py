@@ -11,6 +11,7 @@ import numpy as np
 from .._core.checks import as_path, did_you_mean, nearest, refuse
 from .._core.extras import required
 from ..errors import FileError
+from .flight_tests import UNITS
 from .performance import performance_table
 
 if TYPE_CHECKING:
@@ -85,6 +86,11 @@ def _rows(handbook: Any) -> pd.DataFrame:
     if handbook.empty:
         refuse("handbook", handbook, "the handbook has no rows")
     handbook = handbook.fillna({"altitude_ft": 0.0, "flaps_norm": 0.0})
+    for name, unit in zip(handbook.quantity, handbook.unit.fillna(""), strict=True):
+        if name not in UNITS:
+            refuse("quantity", name, f"no chart has {name!r}{did_you_mean(nearest(name, UNITS))}")
+        if unit != UNITS[name]:
+            refuse("unit", unit, f"{name} is in {UNITS[name] or 'no unit'}, not {unit!r}")
     for name in handbook.columns.intersection(_NUMBERS):
         try:
             handbook[name] = pd.to_numeric(handbook[name]).astype(float)
@@ -97,15 +103,8 @@ def _rows(handbook: Any) -> pd.DataFrame:
 
 def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
     """A handbook's value with the model's."""
-    name, unit = row["quantity"], row["unit"]
-    named = table[table.quantity == name]
-    failed = table[table.quantity.str.startswith("all of ")]
-    if named.empty and failed.empty:
-        close = nearest(str(name), table.quantity.unique())
-        refuse("quantity", name, f"no chart has {name!r}{did_you_mean(close)}")
-    # a quantity without unit has an empty one
-    if len(named) and not named.unit.eq(unit if isinstance(unit, str) else "").all():
-        refuse("unit", unit, f"{name} is in {named.unit.iloc[0]}, not {unit!r}")
+    name = row["quantity"]
+    failed = table[table.quantity.str.startswith("all of ", na=True)]
 
     def at(column: str, rows: pd.DataFrame, within: float = 1.0) -> pd.DataFrame:
         is_open = math.isnan(row[column])

@@ -67,24 +67,24 @@ def _stall(plane: Plane) -> None:
     """The stall speed at one weight and flap setting, throttle closed, load factor 1."""
     slow, why = slowest(plane), plane.reason
     if slow is None:
-        plane.put("stall", "stall speed", "KCAS", None)
+        plane.put("stall", "stall speed", None)
         return
     value = slow.speed / math.sqrt(math.cos(math.radians(slow.gamma)))
     fast = plane.glide(1.15 * slow.speed)
     lift = fast and lift_flown(plane, fast, slow, 0.15 * slow.speed / _DECELERATION)
     found = flown(value, value / math.sqrt(lift) if lift else None)
     more = {"speed_kcas": slow.speed, "reason": why, **found}
-    plane.put("stall", "stall speed", "KCAS", value, **more)
+    plane.put("stall", "stall speed", value, **more)
 
 
 def _levels(plane: Plane) -> None:
     """Level flight, climb, glide and range at one altitude, against airspeed."""
     slow, why = slowest(plane), plane.reason
     if slow is None:
-        plane.put("level", "level flight", "", None)
+        plane.put("level", "level flight", None)
         return
     at = {"speed_kcas": slow.speed, "reason": why}
-    plane.put("envelope", "stall speed, throttle closed", "KTAS", slow.tas / KNOT, **at)
+    plane.put("envelope", "stall speed, throttle closed", slow.tas / KNOT, **at)
     climbs: list[TrimState] = []
     glides: list[TrimState] = []
     levels: list[TrimState] = []
@@ -94,13 +94,13 @@ def _levels(plane: Plane) -> None:
         at = {"speed_kcas": speed}
         if glide := plane.glide(speed):
             glides.append(glide)
-            plane.put("glide", "sink rate", "ft/min", -climb_rate(glide), **at)
+            plane.put("glide", "sink rate", -climb_rate(glide), **at)
         # a search in vain is not repeated at every speed
         climb = plane.climb(speed) if engines and (climbs or step < _TRIES) else None
         if climb:
             climbs.append(climb)
-            plane.put("climb", "rate of climb", "ft/min", climb_rate(climb), **at)
-            plane.put("climb", "climb angle", "deg", climb.gamma, **at)
+            plane.put("climb", "rate of climb", climb_rate(climb), **at)
+            plane.put("climb", "climb angle", climb.gamma, **at)
             _thrust(plane, "available", climb)
         elif engines and step < _TRIES:
             why_climb = plane.reason
@@ -123,10 +123,10 @@ def _levels(plane: Plane) -> None:
 
 def _thrust(plane: Plane, name: str, state: TrimState) -> None:
     """Thrust, and with propellers its power, required or available."""
-    plane.put("level", f"thrust {name}", "lbf", state.thrust, speed_kcas=state.speed)
+    plane.put("level", f"thrust {name}", state.thrust, speed_kcas=state.speed)
     if plane.kind == "propeller":
         power = state.thrust * state.tas / 550.0
-        plane.put("level", f"power {name}", "hp", power, speed_kcas=state.speed)
+        plane.put("level", f"power {name}", power, speed_kcas=state.speed)
 
 
 def _burn(plane: Plane, level: TrimState) -> None:
@@ -139,9 +139,9 @@ def _burn(plane: Plane, level: TrimState) -> None:
     lost = float(flight["w"][half] - flight["w"][-1])
     way = float(flight["v"][half:].mean()) * 0.5 * _BURN / _NMI
     value, at = level.tas * 3600.0 / _NMI / flow, {"speed_kcas": level.speed}
-    plane.put("range", "fuel flow", "lb/h", flow, **at)
+    plane.put("range", "fuel flow", flow, **at)
     found = flown(value, way / lost if lost > 0.0 else None)
-    plane.put("range", "specific range", "nmi/lb", value, **at, **found)
+    plane.put("range", "specific range", value, **at, **found)
 
 
 def _farthest(plane: Plane) -> None:
@@ -153,7 +153,7 @@ def _farthest(plane: Plane) -> None:
     if not flow:
         flies = any(row["quantity"] == "thrust required" for row in plane.rows)
         why = "the model burns no fuel" if flies else "no level flight"
-        plane.put("range", "best specific range", "nmi/lb", None, reason=why)
+        plane.put("range", "best specific range", None, reason=why)
         return
     best = max(reach, key=lambda row: row["value"])
     least = min(flow, key=lambda row: row["value"])
@@ -165,25 +165,25 @@ def _ends_of_level(plane: Plane, levels: Sequence[TrimState]) -> None:
     """The highest and the lowest airspeed of level flight, and its thrust in a flight."""
     for end, i, ratio in (("highest", -1, _GRID), ("lowest", 0, 1.0 / _GRID)):
         if not levels:
-            plane.put("level", f"{end} level speed", "KTAS", None)
+            plane.put("level", f"{end} level speed", None)
             continue
         plane.reason = ""
         edge = last(plane.trim, levels[i], ratio)
         at = {"speed_kcas": edge.speed, "reason": plane.reason}
-        plane.put("level", f"{end} level speed", "KTAS", edge.tas / KNOT, **at)
-        plane.put("envelope", f"{end} level Mach number", "", edge.mach, **at)
+        plane.put("level", f"{end} level speed", edge.tas / KNOT, **at)
+        plane.put("envelope", f"{end} level Mach number", edge.mach, **at)
     if levels:
         level = levels[len(levels) // 2]
         rate = energy_rate(plane, level, 0.0)
         thrust = None if rate is None else level.thrust - level.weight * rate / 60.0 / level.tas
         found = {"speed_kcas": level.speed, **flown(level.thrust, thrust)}
-        plane.put("level", "thrust of level flight", "lbf", level.thrust, **found)
+        plane.put("level", "thrust of level flight", level.thrust, **found)
 
 
 def _bests(plane: Plane, climbs: Sequence[TrimState]) -> None:
     """Best rate and angle of climb."""
     if not climbs:
-        plane.put("climb", "best rate of climb", "ft/min", None)
+        plane.put("climb", "best rate of climb", None)
         return
     fast = best_of(plane.climb, climb_rate, max(climbs, key=climb_rate))
     steep = best_of(plane.climb, path_angle, max(climbs, key=path_angle))
@@ -191,11 +191,11 @@ def _bests(plane: Plane, climbs: Sequence[TrimState]) -> None:
         "speed_kcas": fast.speed,
         **flown(climb_rate(fast), energy_rate(plane, fast, climb_rate(fast))),
     }
-    plane.put("climb", "best rate of climb", "ft/min", climb_rate(fast), **found)
-    plane.put("climb", "best angle of climb", "deg", steep.gamma, speed_kcas=steep.speed)
-    plane.put("climb", "Vy", "KCAS", fast.speed)
-    plane.put("climb", "Vx", "KCAS", steep.speed)
-    plane.put("terms", "full thrust at Vy", "lbf", fast.thrust, speed_kcas=fast.speed)
+    plane.put("climb", "best rate of climb", climb_rate(fast), **found)
+    plane.put("climb", "best angle of climb", steep.gamma, speed_kcas=steep.speed)
+    plane.put("climb", "Vy", fast.speed)
+    plane.put("climb", "Vx", steep.speed)
+    plane.put("terms", "full thrust at Vy", fast.thrust, speed_kcas=fast.speed)
 
 
 def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
@@ -207,8 +207,8 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
     ratio, rate = -1.0 / math.tan(math.radians(far.gamma)), energy_rate(plane, far, climb_rate(far))
     seen = rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas))
     found = {"speed_kcas": far.speed, **flown(ratio, seen)}
-    plane.put("glide", "best glide ratio", "", ratio, **found)
-    plane.put("glide", "least sink rate", "ft/min", -climb_rate(slow), speed_kcas=slow.speed)
+    plane.put("glide", "best glide ratio", ratio, **found)
+    plane.put("glide", "least sink rate", -climb_rate(slow), speed_kcas=slow.speed)
     used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
     if len(used) < 3 or plane.area <= 0.0:
         return
@@ -218,9 +218,9 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
     lift = (plane.weight * np.cos(gamma) - thrust * np.sin(alpha)) / force
     drag = (thrust * np.cos(alpha) - plane.weight * np.sin(gamma)) / force
     induced, zero = np.polyfit(lift**2, drag, 1)
-    plane.put("terms", "lift slope", "1/rad", float(np.polyfit(alpha, lift, 1)[0]))
-    plane.put("terms", "drag at zero lift", "", float(zero))
-    plane.put("terms", "induced drag factor", "", float(induced))
+    plane.put("terms", "lift slope", float(np.polyfit(alpha, lift, 1)[0]))
+    plane.put("terms", "drag at zero lift", float(zero))
+    plane.put("terms", "induced drag factor", float(induced))
 
 
 def _ceilings(plane: Plane) -> None:
@@ -248,7 +248,7 @@ def _ceilings(plane: Plane) -> None:
         high = next((h for h, rate in rates.items() if rate < limit), math.inf)
         if high == 0.0 or math.isinf(high):
             why = f"above {_HIGHEST:,.0f} ft" if high else why_none
-            plane.put("climb", f"{name} ceiling", "ft", None, reason=why)
+            plane.put("climb", f"{name} ceiling", None, reason=why)
             continue
         low, why = high - 5000.0, ""
         up, down = rates[low], rates[high]
@@ -263,7 +263,7 @@ def _ceilings(plane: Plane) -> None:
             if abs(rate - limit) < 1.0:
                 low = high = middle
         at = {"altitude_ft": low, "speed_kcas": best.speed if best else math.nan, "reason": why}
-        plane.put("climb", f"{name} ceiling", "ft", low, **at)
+        plane.put("climb", f"{name} ceiling", low, **at)
 
 
 def _steepest(plane: Plane, speed: float, **fields: Any) -> TrimState | None:
@@ -286,7 +286,7 @@ def _turns(plane: Plane) -> None:
     slow = slowest(plane) if plane.airframe.engines else None
     if slow is None or plane.trim(1.6 * slow.speed) is None:
         plane.reason = plane.reason or "no engine"
-        plane.put("turn", "sustained load factor", "g", None)
+        plane.put("turn", "sustained load factor", None)
         return
     for factor, (name, fields) in itertools.product(
         (1.2, 1.4, 1.6, 1.85, 2.1, 2.8),
@@ -295,10 +295,10 @@ def _turns(plane: Plane) -> None:
         turn = _steepest(plane, factor * slow.speed, **fields)
         at: Row = {"speed_kcas": factor * slow.speed, "reason": plane.reason}
         n = 1.0 / math.cos(math.radians(turn.phi)) if turn else None
-        plane.put("turn", f"{name} load factor", "g", n, **at)
+        plane.put("turn", f"{name} load factor", n, **at)
         if turn is None:
             continue
-        plane.put("turn", f"{name} turn radius", "ft", turn.turn_radius, **at)
+        plane.put("turn", f"{name} turn radius", turn.turn_radius, **at)
         rate = abs(turn.turn_rate)
         if factor == 1.6 and name == "sustained":
             flight = plane.fly(turn, _TURN)
@@ -306,14 +306,14 @@ def _turns(plane: Plane) -> None:
             at |= flown(
                 rate, None if heading is None else abs(float(heading[-1] - heading[0])) / _TURN
             )
-        plane.put("turn", f"{name} turn rate", "deg/s", rate, **at)
+        plane.put("turn", f"{name} turn rate", rate, **at)
 
 
 def _load_factors(plane: Plane) -> None:
     """V-n diagram: airspeeds at the lift limit, throttle closed, by load factor."""
     slow = slowest(plane)
     if slow is None:
-        plane.put("V-n", "speed at the lift limit", "KEAS", None)
+        plane.put("V-n", "speed at the lift limit", None)
         return
     # limit load factors: CS 23.337 (amendment 4), CS 25.337, CS 22.337
     high = min(max(2.1 + 24000.0 / (plane.weight + 10000.0), 2.5), 3.8)
@@ -327,7 +327,7 @@ def _load_factors(plane: Plane) -> None:
         usual = math.sqrt(abs(n)) * slow.speed
         start = next(filter(None, (pull(factor * usual) for factor in (1.2, 1.8, 3.0, 4.5))), None)
         if start is None and n == 1.0:
-            plane.put("V-n", "speed at the lift limit", "KEAS", None)
+            plane.put("V-n", "speed at the lift limit", None)
             return
         least = start and last(pull, start, 0.93)
         keas = _keas(plane, least) if least else None
@@ -335,7 +335,7 @@ def _load_factors(plane: Plane) -> None:
         if n == 2.0 and least and keas and (fast := plane.glide(least.speed)):
             lift = lift_flown(plane, fast, least, 2.0)
             more |= flown(keas, keas / math.sqrt(lift) if lift else None)
-        plane.put("V-n", "speed at the lift limit", "KEAS", keas, **more)
+        plane.put("V-n", "speed at the lift limit", keas, **more)
     _gusts(plane, slow)
 
 
@@ -357,7 +357,7 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
         pull = partial(plane.trim, speed, mode="pull-up", throttle=0.0)
         one, more = pull(load_factor=1.0), pull(load_factor=1.2)
         if one is None or more is None or plane.area <= 0.0 or plane.chord <= 0.0:
-            plane.put("V-n", f"gust load factor at {name}", "g", None)
+            plane.put("V-n", f"gust load factor at {name}", None)
             continue
         rho, wing = RHO0 * plane.light, plane.weight / plane.area
         lift = 0.2 * wing / (0.5 * rho * one.tas**2)
@@ -365,8 +365,8 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
         mu = 2.0 * wing / (rho * plane.chord * slope * GRAVITY)
         relief, keas = 0.88 * mu / (5.3 + mu), _keas(plane, one)
         jump = relief * RHO0 * gust * keas * KNOT * slope / (2.0 * wing)
-        plane.put("V-n", name, "KEAS", keas)
-        plane.put("V-n", f"gust load factor at {name}", "g", 1.0 + jump, speed_kcas=speed)
+        plane.put("V-n", name, keas)
+        plane.put("V-n", f"gust load factor at {name}", 1.0 + jump, speed_kcas=speed)
 
 
 def _field(plane: Plane) -> None:
