@@ -11,6 +11,7 @@ import warnings
 import numpy as np
 import pytest
 from pathsim import Simulation
+from pathsim.blocks import Amplifier
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import editor, main
@@ -690,7 +691,65 @@ def test_a_module_beside_the_script_is_refused(export, tmp_path):
     assert caught.value.line == 7
     model = export(script("a = Amplifier(K)", before="from beside_the_script import K"))
     assert node(model, "a")["params"]["gain"] == "2.0"
-    sys.modules.pop("beside_the_script")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "beside_the_script.py").write_text("K = 3.0")
+    model = export(script("a = Amplifier(K)", before="from beside_the_script import K"), "other/a")
+    assert node(model, "a")["params"]["gain"] == "3.0"
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+@pytest.mark.parametrize(
+    "run",
+    [
+        "try:\n    sim.run(0.05)\nexcept BaseException:\n    pass",
+        "import threading\nt = threading.Thread(target=sim.run, args=(0.05,))\nt.start()\nt.join()",
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "ThreadPoolExecutor().submit(sim.run, 0.05).result()",
+    ],
+)
+def test_a_run_whose_end_the_script_does_not_hear_of(run, export):
+    model = export(script("a = Amplifier(2.0)", after=run))
+    assert model["simulationSettings"]["duration"] == "0.05"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the pool is of forks")
+def test_a_run_in_another_process_is_refused(export):
+    run = "from multiprocessing import get_context\nwith get_context('fork').Pool(1) as pool:\n"
+    with pytest.raises(DiagramError, match="in a process of its own"):
+        export(
+            script(
+                "a = Amplifier(2.0)",
+                after=f"def go(k):\n    sim.run(k)\n{run}    pool.map(go, [1])",
+            )
+        )
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        (
+            "class Law:\n    def __call__(self, t):\n        return self.k * t\n    k = float(2)",
+            "Law()",
+        ),
+        ("def build(index, make, self):\n    return make", "build(index=1, make=np.sin, self=2)"),
+        (
+            "from collections import namedtuple\nP = namedtuple('P', 'x')\np = P(2.0)",
+            "lambda t: p.x * t",
+        ),
+        (
+            "class C:\n    @classmethod\n    def k(cls):\n        return 2.0\nc = C()",
+            "lambda t: c.k() * t",
+        ),
+        ("k = [2.0]\nif __name__ != '__main__':\n    k.append(3.0)", "lambda t: sum(k) * t"),
+    ],
+)
+def test_ordinary_python_becomes_a_model(law, value, export):
+    assert export(script(f"a = Source({value})", before=law, after="sim.run(0.05)"))
+
+
+def test_numpy_that_raises_is_refused(export):
+    with pytest.raises(DiagramError, match=r"'np.seterr' changes .*'divide'"):
+        export(script("a = Amplifier(2.0)", before="old = np.seterr(all='raise')"))
 
 
 def test_a_failed_export_leaves_the_old_file_alone(export, tmp_path):
@@ -718,7 +777,22 @@ def test_a_model_that_cannot_be_written_is_an_error(export, tmp_path):
 
 def test_running_a_script_leaves_the_process_as_it_was(export, tmp_path):
     before = list(sys.path), list(sys.argv), set(sys.modules)
-    export(OSCILLATOR, "left_over")
+    world = sys.stdout, list(warnings.filters), np.get_printoptions()
+    changes = """
+import sys, warnings
+warnings.simplefilter("error")
+np.set_printoptions(precision=2)
+sys.stdout = None
+"""
+    with pytest.warns(UserWarning, match="first run"):
+        export(
+            script("a = Amplifier(2.0)", before=changes, after="sim.run(0.05)\nsim.run(0.05)"),
+            "left_over",
+        )
+    with pytest.raises(DiagramError, match=r"Amplifier.sample is changed"):
+        export(script("a = Amplifier(2.0)", before="Amplifier.sample = lambda *a: None"))
+    assert "sample" not in vars(Amplifier)
+    assert world == (sys.stdout, list(warnings.filters), np.get_printoptions())
     assert (list(sys.path), list(sys.argv)) == before[:2]
     assert not [m for m in set(sys.modules) - before[2] if "left_over" in m]
 

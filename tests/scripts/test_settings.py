@@ -18,7 +18,8 @@ from pathsim.blocks import Amplifier, Integrator, Scope
 
 GAIN, START = 2.0, 1.0
 RATE: float = 2 * GAIN
-UNUSED = 1
+UNUSED, LOCAL = 1, 2
+ONE = TWO = 1
 COUNT = 0
 COUNT += 1
 lag = Integrator(START)
@@ -26,7 +27,8 @@ first = second = Amplifier(-RATE)
 gains = [Amplifier(k) for k in (1, 2)]
 scope = Scope()
 
-def make(gain, *, sign=1):
+def make(gain, *, sign=ONE, LOCAL=TWO):
+    LOCAL += LOCAL
     inner = Amplifier(sign * gain)
     return inner
 
@@ -86,9 +88,11 @@ def test_arguments_of_functions_that_build(tmp_path):
         ("lag", r"it is of class Integrator: set a parameter of it, such as lag.initial_value"),
         ("gains.gain", r"'gains' is not the result of one call in lag.py"),
         ("UNUSED", "lag.py never uses it"),
-        ("COUNT", "lag.py changes it in line 11"),
+        ("LOCAL", "lag.py never uses it"),
+        ("ONE", "line 10 of lag.py gives TWO the same value"),
+        ("COUNT", "lag.py changes it in line 12"),
         ("never.gain", "has not come to the line that has it"),
-        ("changed.gain", "lag.py sets it itself, in line 31"),
+        ("changed.gain", "lag.py sets it itself, in line 33"),
         ("a-b", "a name is NAME or BLOCK.PARAMETER"),
         ("first.gain.x", "a name is NAME or BLOCK.PARAMETER"),
         (3, "a name is NAME or BLOCK.PARAMETER"),
@@ -153,6 +157,20 @@ def test_as_the_main_program(tmp_path):
 @pytest.mark.parametrize("name", diagram_names())
 def test_every_diagram_takes_settings(name):
     assert load_diagram(name, {"DURATION": 2.0, "sim.log": False}).DURATION == 2.0
+
+
+def test_a_script_is_loaded_as_it_would_run(tmp_path):
+    (tmp_path / "beside_it.py").write_text("K = 2.0")
+    script = tmp_path / "loaded.py"
+    script.write_text(
+        "from __future__ import annotations\nimport sys\nfrom dataclasses import dataclass\n"
+        "from beside_it import K\n@dataclass\nclass P:\n    k: float = K\nARGS = sys.argv[1:]\n"
+        "def make(index, make):\n    return index\nmade = make(index=1, make=2)\n"
+    )
+    before = list(sys.path)
+    module = load_diagram(str(script), {"made.make": 5})
+    assert (module.P().k, module.ARGS, module.__name__) == (2.0, [], "loaded")
+    assert (set(sys.modules) & {"beside_it", "loaded"}, list(sys.path)) == (set(), before)
 
 
 def test_settings_are_a_mapping():

@@ -15,10 +15,13 @@ from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
 
+from ..scripts.script import Script
+
 _NUMBERS = (bool, int, float, complex)
 _DEEP = 20
 MODEL = "rehearsed"  # the module that a model's code is in
-_OWN = ("__main__", MODEL)
+# a script's calls are made in `Script`, which named tuples take for their module
+_OWN = ("__main__", MODEL, Script.__module__)
 # the flight sets the state of these
 _GLOBAL_GENERATORS = (random._inst, np.random.mtrand._rand)  # type: ignore[attr-defined]
 # generators, counters, files: what they give next depends on what was read before
@@ -47,6 +50,8 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
         return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
     if isinstance(value, types.FunctionType):
         return f"function{text_of({**_own_values(value), **vars(value)}, inside)}"
+    if isinstance(value, (staticmethod, classmethod)):
+        return f"{_kind(value)}({text_of(value.__func__, inside)})"
     if isinstance(value, types.ModuleType) or any(value is g for g in _GLOBAL_GENERATORS):
         return _kind(value)
     if isinstance(value, types.GeneratorType):

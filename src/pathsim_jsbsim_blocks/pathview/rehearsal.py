@@ -118,6 +118,7 @@ def structure(simulation: Simulation, parts: Mapping[str, Any]) -> dict[str, str
         },
         **{name: text_of(getattr(simulation, name)) for name in solver},
         "engine": str(attributes(simulation.engine)),
+        "np.seterr": str([kind for kind, how in np.geterr().items() if how == "raise"]),
     }
 
 

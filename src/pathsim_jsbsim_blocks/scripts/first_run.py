@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import inspect
 import itertools
 import logging
 import math
 import os
+import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -16,6 +19,7 @@ from types import FrameType
 from typing import Any, NoReturn, TypeGuard
 from unittest.mock import patch
 
+import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events._event import Event
@@ -69,6 +73,7 @@ class FirstRun(Script):
         self._capture_with = capture
         self._error: Exception | None = None
         self._capturing = False
+        self._process = os.getpid()
         self._execute()
         if self._error is not None:
             raise self._error
@@ -84,9 +89,8 @@ class FirstRun(Script):
             ):
                 self.namespace = vars(module)
                 self.run(module)
-                self._capture()
-        except _RunReached:
-            pass
+                if self.begun is None:  # the script may have caught what ends it
+                    self._capture()
         except SystemExit as error:
             if error.code not in (None, 0):
                 hint = "; PathView passes no arguments to a script" if error.code == 2 else ""
@@ -99,6 +103,8 @@ class FirstRun(Script):
     def _begin(self, run: Beginning) -> None:
         if self._capturing:  # `capture` makes the first run itself
             return
+        if os.getpid() != self._process:
+            self.refuse("the script runs its simulation in a process of its own")
         lines = self._own_lines(traceback.walk_stack(None))[::-1]
         if run.method in _STATES:
             self.states.append((run.method, lines[-1] if lines else None))
@@ -108,7 +114,7 @@ class FirstRun(Script):
             if run.arguments.get("reset"):
                 run.simulation.reset()
             self._capture()
-        raise _RunReached
+        raise SystemExit  # it ends a thread silently
 
     def _capture(self) -> None:
         """Read the finished diagram; errors are stored, because the script could catch them."""
@@ -159,7 +165,7 @@ class FirstRun(Script):
         line = self.lines[0] if self.lines else math.inf
         statements: list[ast.stmt] = []
         for statement in self.tree.body:
-            statements += statement.body if _is_main_guard(statement) else [statement]
+            statements += _as_main(statement) if _is_main_guard(statement) else [statement]
         return list(itertools.takewhile(lambda s: (s.end_lineno or 0) < line, statements))
 
     # what is read from it -------------------------------------------------------------------------
@@ -248,7 +254,7 @@ class FirstRun(Script):
 
     def left_out(self) -> list[tuple[int, str]]:
         """What the script does after its first run, by line."""
-        if self.begun is None:
+        if self.begun is None or not self.lines:
             return []
         first, last, found = self.lines[0], self.lines[-1], dict[int, str]()
         steps = self.begun.method in _STEPS
@@ -299,17 +305,25 @@ def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
     )
 
 
-class _RunReached(BaseException):
-    """The script is about to run its simulation; the diagram is complete."""
+def _as_main(guard: ast.If) -> list[ast.stmt]:
+    """The branch of a main guard that the main program takes."""
+    with contextlib.suppress(NameError):  # of a test that reads other names
+        test = compile(ast.Expression(guard.test), "<guard>", "eval")
+        return guard.body if eval(test, {"__name__": "__main__"}) else guard.orelse
+    return guard.body
 
 
 @contextmanager
 def _undone() -> Iterator[None]:
-    """Put back what a script changes of its folder, environment and log, and log no diagrams."""
+    """Put back what a script changes of the process, and log no diagrams."""
     before = logging.root.manager.disable
     with ExitStack() as stack:
         stack.callback(os.chdir, os.getcwd())
         stack.enter_context(patch.dict(os.environ))
+        stack.enter_context(contextlib.redirect_stdout(sys.stdout))
+        stack.enter_context(warnings.catch_warnings())
+        stack.enter_context(np.printoptions())
+        stack.enter_context(np.errstate())
         stack.callback(logging.disable, before)
         logging.disable(max(before, logging.INFO))
         yield

@@ -38,7 +38,10 @@ class Libraries:
     def __exit__(self, *_: Any) -> None:
         """Undo the changes: the process may go on to other scripts."""
         for where, name, value in self._changes():
-            setattr(self._before[where][0], name, value)
+            if value is ...:
+                delattr(self._before[where][0], name)
+            else:
+                setattr(self._before[where][0], name, value)
 
     def changed(self) -> list[str]:
         """Names of functions, classes and values that are others now, ``module.name``."""
@@ -48,10 +51,11 @@ class Libraries:
         return [
             (where, name, value)
             for where, (holder, before) in self._before.items()
-            for name, value in before.items()
-            if vars(holder).get(name, ...) is not value
+            # modules may import others at any time
+            for name in {**before, **(vars(holder) if isinstance(holder, type) else {})}
+            if vars(holder).get(name, ...) is not (value := before.get(name, ...))
             # caches and flags are private
-            and (not name.startswith("_") or callable(value))
+            and (not name.startswith("_") or callable(vars(holder).get(name)) or callable(value))
         ]
 
 

@@ -7,6 +7,7 @@ import functools
 import importlib.util
 import inspect
 import sys
+import threading
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,8 +22,10 @@ from pathsim.events._event import Event
 
 from .settings import Settings
 
-# stay in the script's namespace: its functions also call them later
-_CALL, _DECORATE, _SET = "__call__", "__decorate__", "__set__"
+# stay in the script's namespace: its functions also call them later; not names of methods, which
+# would hide them in a class
+_CALL, _DECORATE, _SET = "__script_call__", "__script_decorate__", "__script_set__"
+_LOADING = threading.RLock()  # `main_program` replaces values of the whole process
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 
 
@@ -92,10 +95,8 @@ class Script:
 
     def load(self) -> types.ModuleType:
         """Import the script as a module of its own; errors are those of `run`."""
-        spec = importlib.util.spec_from_file_location(self.path.stem, self.path)
-        assert spec is not None
-        module = importlib.util.module_from_spec(spec)
-        self.run(module)
+        with _LOADING, main_program(self.path, self.path.stem) as module:
+            self.run(module)
         return module
 
     def run(self, module: types.ModuleType) -> None:
@@ -119,7 +120,7 @@ class Script:
         """Where an object was built; None if no call of the script did."""
         return self._built.get(id(value))
 
-    def _call(self, index: int, make: Any, *args: Any, **kwargs: Any) -> Any:
+    def _call(self, index: int, make: Any, /, *args: Any, **kwargs: Any) -> Any:
         node, settings = self._calls[index], self._settings
         if node in settings.calls:
             args, kwargs = settings.arguments(settings.calls[node], make, args, kwargs)
@@ -135,9 +136,9 @@ class Script:
 
 
 class _Rewriter(ast.NodeTransformer):
-    """``f(x)`` becomes ``__call__(i, f, x)``, and ``NAME = x`` ``NAME = __set__("NAME", x)``.
+    """``f(x)`` becomes ``_CALL(i, f, x)``, and ``NAME = x`` ``NAME = _SET("NAME", x)``.
 
-    With ``every``, all calls do, and ``@f`` becomes ``@__decorate__(i, f)``.
+    With ``every``, all calls do, and ``@f`` becomes ``@_DECORATE(i, f)``.
     """
 
     def __init__(self, originals: Mapping[ast.AST, ast.AST], settings: Settings, every: bool):
@@ -174,18 +175,36 @@ def _call(name: str, *args: Any, keywords: Sequence[ast.keyword] = ()) -> ast.Ca
 
 
 @contextmanager
-def main_program(path: Path) -> Iterator[types.ModuleType]:
-    """A module that is the main program: no arguments, its folder first in ``sys.path``."""
-    module = types.ModuleType("__main__")
+def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleType]:
+    """A module that is the main program: no arguments, its folder first in ``sys.path``.
+
+    Modules that it imports from there are forgotten: another script may have others of that name.
+    """
+    module = types.ModuleType(name)
     module.__file__ = str(path)
-    # classes that a script defines look up their module by name
-    before = sys.modules["__main__"]
+    folder = path.resolve().parent
+    before = dict(sys.modules)
     with (
         patch.object(sys, "argv", [str(path)]),
-        patch.object(sys, "path", [str(path.resolve().parent), *sys.path]),
+        patch.object(sys, "path", [str(folder), *sys.path]),
     ):
-        sys.modules["__main__"] = module
+        # classes that a script defines look up their module by name
+        if name == "__main__" or name not in before:
+            sys.modules[name] = module
         try:
             yield module
         finally:
-            sys.modules["__main__"] = before
+            sys.modules.pop(name, None)
+            for imported, value in list(sys.modules.items()):
+                package, file = (
+                    imported.partition(".")[0],
+                    Path(getattr(value, "__file__", "") or ""),
+                )
+                # below the folder there may also be an environment with its libraries
+                if package not in before and folder / package in (
+                    file.parent / file.stem,
+                    *file.parents,
+                ):
+                    del sys.modules[imported]
+            if name in before:
+                sys.modules[name] = before[name]

@@ -18,7 +18,7 @@ from pathsim.events import Event
 
 from .._core.checks import did_you_mean, nearest, refuse
 from ..errors import ParameterError
-from .names import assignments, own
+from .names import assignments, own, references
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
 _LITERAL = (
@@ -171,11 +171,19 @@ class Settings:
             reason = f"{self._script} assigns no {variable!r} at its top level"
             return reason + (did_you_mean(blocks) or _nearest_of(variable, self.assigned))
         every = list(ast.walk(self._tree))
-        if not any(isinstance(n.ctx, ast.Load) for n in _uses(variable, every)):
+        if not any(isinstance(n.ctx, ast.Load) for n in _uses(variable, references(self._tree))):
             return f"{self._script} never uses it"
         for node in every:
             if isinstance(node, ast.Global) and variable in node.names:
                 return f"a function of {self._script} changes it (line {node.lineno})"
+        for node in own(self._tree.body):
+            if isinstance(node, ast.Assign) and len(node.targets) > 1:
+                others = {
+                    n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name)
+                }
+                if variable in others:
+                    names = ", ".join(sorted(others - {variable}))
+                    return f"line {node.lineno} of {self._script} gives {names} the same value"
         plain = {target for node in every for target, _ in assignments(node)}
         for use in _uses(variable, own(self._tree.body)):
             if not isinstance(use.ctx, ast.Load) and use not in plain:
