@@ -15,7 +15,7 @@ from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
-from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared
+from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     COLUMNS,
     _gusts,
@@ -194,12 +194,11 @@ def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
     asked |= {"weight_lb": 2400.0, "flaps_norm": 0.0, "value": 200.0}
     found = _compared({**asked, "speed_kcas": 90.0}, table)
     assert (found["model"], found["difference_percent"]) == (220.0, pytest.approx(10.0))
-    died = pandas.DataFrame([{"reason": "its worker died"}], columns=list(COLUMNS))
-    lost = _compared({**asked, "speed_kcas": 90.0}, died.astype({"quantity": object}))
-    assert lost["reason"] == "its worker died"
     beyond = _compared({**asked, "speed_kcas": 120.0}, table)
     assert math.isnan(beyond["model"])
     assert beyond["reason"] == "not at these conditions"
+    bare = {**asked, "quantity": "best glide ratio", "unit": math.nan, "value": 9.0}
+    assert list(_rows(pandas.DataFrame([bare])).value) == [9.0]
     # before any trim
     for wrong, message in (
         ({"unit": "N"}, "thrust required is in lbf, not 'N'"),

@@ -86,7 +86,7 @@ def _rows(handbook: Any) -> pd.DataFrame:
     if handbook.empty:
         refuse("handbook", handbook, "the handbook has no rows")
     handbook = handbook.fillna({"altitude_ft": 0.0, "flaps_norm": 0.0})
-    for name, unit in zip(handbook.quantity, handbook.unit.fillna(""), strict=True):
+    for name, unit in zip(handbook.quantity, handbook.unit.astype(object).fillna(""), strict=True):
         if name not in UNITS:
             refuse("quantity", name, f"no chart has {name!r}{did_you_mean(nearest(name, UNITS))}")
         if unit != UNITS[name]:
@@ -104,7 +104,7 @@ def _rows(handbook: Any) -> pd.DataFrame:
 def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
     """A handbook's value with the model's."""
     name = row["quantity"]
-    failed = table[table.quantity.str.startswith("all of ", na=True)]
+    failed = table[table.quantity.str.startswith("all of ")]
 
     def at(column: str, rows: pd.DataFrame, within: float = 1.0) -> pd.DataFrame:
         is_open = math.isnan(row[column])

@@ -476,7 +476,7 @@ def performance_table(
     found = run_parts(
         _work,
         [[part] for part in parts],
-        died={"rows": [{"reason": WORKER_DIED}]},
+        died={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
         describe=lambda part: f"{aircraft}: {part['part']} at {part['altitude']:g} ft",
         title=f"charts of {aircraft}",
         job=lambda: {"aircraft": aircraft, "parts": parts},
