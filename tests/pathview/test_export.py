@@ -747,6 +747,22 @@ def test_ordinary_python_becomes_a_model(law, value, export):
     assert export(script(f"a = Source({value})", before=law, after="sim.run(0.05)"))
 
 
+@pytest.mark.parametrize(
+    ("before", "late"),
+    [
+        ("laws = {'f': lambda: 1.0}\n_ = laws.__setitem__('f', lambda: 2.0)", "laws['f']()"),
+        (
+            "class C:\n    @property\n    def k(self):\n        return 1.0\nc = C()\n"
+            "_ = setattr(C, 'k', property(lambda self: 9.0))",
+            "c.k",
+        ),
+    ],
+)
+def test_a_function_exchanged_by_an_assigned_call_is_refused(before, late, export):
+    with pytest.raises(DiagramError, match="is changed by a statement that the model does not"):
+        export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
+
+
 def test_numpy_that_raises_is_refused(export):
     with pytest.raises(DiagramError, match=r"'np.seterr' changes .*'divide'"):
         export(script("a = Amplifier(2.0)", before="old = np.seterr(all='raise')"))

@@ -49,9 +49,13 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, (set, frozenset)):
         return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
     if isinstance(value, types.FunctionType):
-        return f"function{text_of({**_own_values(value), **vars(value)}, inside)}"
+        # the rest of its code differs: calls are followed in the script, and names may change
+        floats = [c for c in value.__code__.co_consts if isinstance(c, float)]
+        return f"function{floats}{text_of({**_own_values(value), **vars(value)}, inside)}"
     if isinstance(value, (staticmethod, classmethod)):
         return f"{_kind(value)}({text_of(value.__func__, inside)})"
+    if isinstance(value, property):
+        return f"property{text_of([value.fget, value.fset, value.fdel], inside)}"
     if isinstance(value, types.ModuleType) or any(value is g for g in _GLOBAL_GENERATORS):
         return _kind(value)
     if isinstance(value, types.GeneratorType):
