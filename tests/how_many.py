@@ -14,27 +14,13 @@ def first(cases, count=1):
     ]
 
 
-# diagrams with several aircraft or linear models, which take seconds to build
-HEAVY = (
-    "doublet_linear_nonlinear",
-    "dutch_roll",
-    "f16_autopilot",
-    "fleet_pitch_hold",
-    "gust_response",
-    "microburst_approach",
-    "stall_protection",
-    "turbulence_rides",
-)
+# each with something of its own: an aircraft, a hold, events, turbulence, continuous states alone
+EXPORTED = ("aileron_turn", "autopilot_mission", "elevator_doublet", "pitch_hold", "step_response")
 
 
-def families_once(names):
-    """Diagram names for an expensive test: none that is heavy, and of the check cases the first."""
-    return [
-        pytest.param(n, marks=pytest.mark.long)
-        if n in HEAVY or (n.startswith("check_case_") and n != "check_case_01")
-        else n
-        for n in names
-    ]
+def exported(names):
+    """Diagram names for a test that exports: a few belong to every run, the rest to ``long``."""
+    return [n if n in EXPORTED else pytest.param(n, marks=pytest.mark.long) for n in names]
 
 
 def bounded(usual, full):

@@ -25,6 +25,7 @@ CELLS = [  # code, figures that it draws
 ]
 
 
+@pytest.mark.long
 def test_a_notebook_draws_each_figure_once_and_writes_no_file(tmp_path):
     notebook = nbformat.v4.new_notebook(
         cells=[nbformat.v4.new_code_cell(code) for code, _ in CELLS]

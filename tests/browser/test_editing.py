@@ -40,6 +40,7 @@ def loop(tmp_path, models):
     return namespace
 
 
+@pytest.mark.long
 def test_a_parameter_changed_between_run_and_continue_takes_effect(loop, editor):
     editor.open("loop.pvm")
     assert editor.run() == "Simulation completed successfully"

@@ -42,6 +42,7 @@ def more_results(editor):
     pytest.fail("the run has ended")
 
 
+@pytest.mark.long
 def test_a_run_ends_with_its_page_and_pages_take_nothing_from_each_other(
     editor, profile, browser, server, models
 ):

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -31,6 +32,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.long
 def test_further_ports_are_drawn_wired_and_flown(tmp_path, models, editor):
     script = tmp_path / "further.py"
     script.write_text(SCRIPT)

@@ -50,6 +50,7 @@ def nose(page):
     return page.evaluate(drawn + " return [g.x[0], g.y[0], g.z[0], g.x[1], g.y[1], g.z[1]]; })()")
 
 
+@pytest.mark.long
 def test_a_report_plays_and_links_its_views(page):
     assert page.title() == "lead, wing"
     # text, not HTML

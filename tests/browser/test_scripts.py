@@ -67,6 +67,7 @@ def editor(fresh_editor):
     return fresh_editor
 
 
+@pytest.mark.long
 def test_a_script_with_everything(tmp_path, models, editor):
     (tmp_path / "everything.py").write_text(SCRIPT)
     models["everything.pvm"] = json.loads(export_script(tmp_path / "everything.py").read_text())

@@ -267,6 +267,7 @@ def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(
     assert not editor.errors
 
 
+@pytest.mark.long
 def test_opened_from_another_page_the_printed_address_works(fresh_editor, elsewhere, model):
     editor = fresh_editor
     editor.page.unroute_all()

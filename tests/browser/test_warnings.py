@@ -50,6 +50,7 @@ def editor(fresh_editor):
     return fresh_editor
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # those of the script, which an export runs
 def test_each_warning_is_in_the_console_once(tmp_path, models, editor):
     (tmp_path / "warned.py").write_text(SCRIPT)

@@ -113,6 +113,7 @@ def test_bad_parameters_are_refused(tmp_path):
     assert (wing.file, wing.T) == (str(file), 0.0)
 
 
+@pytest.mark.long
 def test_it_goes_to_pathview_and_back(tmp_path):
     pytest.importorskip("pathview")
     script = tmp_path / "wing.py"

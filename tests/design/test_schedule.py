@@ -29,6 +29,7 @@ def found():
     return design_schedule("A320", condition, [5000.0], [120.0, 281.0, 230.0], check=False)
 
 
+@pytest.mark.long
 def test_a_schedule_has_the_conditions_that_can_be_held(found):
     points = found.schedule.points
     assert [(p.altitude, p.speed) for p in points] == [(5000.0, 230.0), (5000.0, 281.0)]
@@ -182,6 +183,7 @@ def test_the_command_says_why_there_are_none(capsys):
     assert "does not respond to 'elevator'" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_the_command_says_it_once(capsys):
     too_fast = ["gains", "c172p", "--altitude", "5000", "--speed"]
     assert main([*too_fast, "300"]) == 1

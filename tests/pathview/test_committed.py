@@ -4,7 +4,7 @@ import math
 import shutil
 
 import pytest
-from how_many import families_once
+from how_many import exported
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -16,7 +16,7 @@ pytest.importorskip("pathview")
 @pytest.mark.parametrize(
     "check", [0.5, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"]
 )
-@pytest.mark.parametrize("name", families_once(diagram_names()))
+@pytest.mark.parametrize("name", exported(diagram_names()))
 def test_a_model_is_current_and_flies_as_its_script(name, check, tmp_path):
     committed = diagram_folder() / f"{name}.pvm"
     again = tmp_path / committed.name

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from how_many import families_once, first
+from how_many import exported, first
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks import fly
@@ -90,7 +90,7 @@ def parts(graph, path=()):
 
 
 @pytest.mark.filterwarnings("ignore:.*same for .* only")
-@pytest.mark.parametrize("name", families_once(diagram_names()))
+@pytest.mark.parametrize("name", exported(diagram_names()))
 def test_model_to_script_to_model(name, tmp_path):
     model = diagram_folder() / f"{name}.pvm"
     again = export_script(convert_model(model, tmp_path / f"{name}.py"), check=0.2)
@@ -105,7 +105,11 @@ def test_model_to_script_to_model(name, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", sorted(p.stem for p in EXAMPLES.glob("*.json") if p.stem != "manifest")
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long) if name == "fmcw-radar" else name
+        for name in sorted(p.stem for p in EXAMPLES.glob("*.json") if p.stem != "manifest")
+    ],
 )
 @pytest.mark.parametrize("part", first([0.2, 1.0]))
 def test_pathviews_own_examples(name, part, tmp_path, monkeypatch):

@@ -182,6 +182,7 @@ def test_a_model_that_ends_its_process_is_refused(end, said, tmp_path):
         export_script(tmp_path / "a.py")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the model flies in a copy of a process")
 def test_an_interrupted_export_leaves_no_process(tmp_path):
     (tmp_path / "a.py").write_text(

@@ -12,7 +12,6 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from how_many import first
 from served_pathview import Served, page_headers
 
 from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
@@ -29,8 +28,9 @@ def get(url, **headers):
         return answer.read().decode()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no POSIX signals")
-@pytest.mark.parametrize("number", first([signal.SIGINT, signal.SIGTERM, signal.SIGHUP]))
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_it_leaves_no_port_process_or_file(number, tmp_path):
     served = Served(tmp_path, "step_response", "--no-browser", "--port", "0")
     request = urllib.request.Request(

@@ -63,6 +63,7 @@ def test_a_diagram_is_flown_for_every_case():
         assert row.pitch_deg == pytest.approx(pitch, abs=1e-6)
 
 
+@pytest.mark.long
 def test_the_number_of_workers_does_not_change_a_bit():
     cases = {"gain": [1.0, 2.0, 3.0]}
     pd.testing.assert_frame_equal(

@@ -10,7 +10,6 @@ from functools import partial
 
 import pandas as pd
 import pytest
-from how_many import first
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.studies import trim_sweep
@@ -159,8 +158,9 @@ print(midway)
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.parametrize("kills", first([6, 30]))
+@pytest.mark.parametrize("kills", [6, 30])
 def test_a_sweep_killed_at_a_random_moment_resumes_to_the_identical_table(tmp_path, kills):
     done = subprocess.run(
         [sys.executable, "-c", KILLED_AGAIN_AND_AGAIN, str(tmp_path), str(kills)],
@@ -330,6 +330,7 @@ def test_a_dask_cluster_gives_the_same_table(dask_client):
     pd.testing.assert_frame_equal(local, remote, check_exact=True)
 
 
+@pytest.mark.long
 def test_on_a_dask_cluster_a_point_that_kills_its_workers_is_named(dask_client):
     import joblib
 
