@@ -220,8 +220,8 @@ class FlareHold(Hold):
     .. math::
         \\dot h_\\mathrm{cmd} &= -\\frac{h_w}{\\tau} - \\dot h_0 \\\\
         \\theta_\\mathrm{cmd} &= \\theta_0 + \\frac{1}{V} \\left[\\dot h_\\mathrm{cmd}
-        + \\tau_l (\\ddot h_\\mathrm{cmd} + \\omega e) + \\omega \\int e \\, dt\\right], \\quad
-        e = \\dot h_\\mathrm{cmd} - \\dot h
+        + \\tau_l (\\ddot h_\\mathrm{cmd} + \\omega e) + \\omega \\int e \\, dt\\right] \\\\
+        e &= \\dot h_\\mathrm{cmd} - \\dot h
 
     with the height h_w of the wheels above the runway, and the pitch and roll loops of
     ``PitchHold`` and ``RollHold`` inside, sampled at T. It stands between the holds of the approach
