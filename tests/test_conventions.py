@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from package_source import nodes
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -235,24 +236,22 @@ def test_a_function_fits_on_a_screen():
 
 
 def test_foot_and_knot_stand_once():
-    source, found = Path(package.__file__).parent, set()
-    for file in source.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            value = getattr(node, "value", None) if isinstance(node, ast.Constant) else None
-            # m per ft; m per nautical mile; ft/s, m/s and km/h per kt
-            if isinstance(value, float) and any(
-                abs(value / unit - 1) < 1e-4 for unit in (0.3048, 1852, 1.68781, 0.514444, 1.852)
-            ):
-                found.add(file.relative_to(source).as_posix())
+    # m per ft; m per nautical mile; ft/s, m/s and km/h per kt
+    units = (0.3048, 1852, 1.68781, 0.514444, 1.852)
+    found = {
+        file
+        for file, node in nodes()
+        if isinstance(node, ast.Constant)
+        and isinstance(node.value, float)
+        and any(abs(node.value / unit - 1) < 1e-4 for unit in units)
+    }
     assert found == {"_core/units.py"}
 
 
 def test_there_is_one_way_to_refuse_a_parameter():
-    source = Path(package.__file__).parent
     raising = {
-        file.relative_to(source).as_posix()
-        for file in source.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        file
+        for file, node in nodes()
         if isinstance(node, ast.Raise)
         and isinstance(node.exc, ast.Call)
         and getattr(node.exc.func, "id", "") == "ParameterError"

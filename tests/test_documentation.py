@@ -95,7 +95,7 @@ PATHVIEW = [
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command):
     arguments = shlex.split(command)[1:]
-    if arguments == ["course"]:  # JupyterLab serves until somebody stops it
+    if arguments == ["course"]:  # otherwise JupyterLab runs until it is stopped
         arguments.append("--no-open")
     assert main(arguments) == 0
 

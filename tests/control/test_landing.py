@@ -1,7 +1,7 @@
 """Receivers, localizer, glide slope from far below and from above, flare and go-around.
 
-Positions are compared with pymap3d's geodesy. The limits of landings are those of the issue: 6 ft/s
-and 5 deg at the touchdown, 30 ft beside the centre line.
+Positions are compared with pymap3d's geodesy. A good landing: at most 6 ft/s and 5 deg at the
+touchdown, 30 ft beside the centre line.
 """
 
 from __future__ import annotations
@@ -187,6 +187,16 @@ def calm(name, **more):
     )
     still = {"TURBULENCE": {}, "aircraft.condition": condition}
     return load_diagram(f"autoland_{name}", {**still, **more})
+
+
+def test_without_a_gain_on_the_heading_a_localizer_is_not_captured():
+    hold = LocalizerHold(gains={"heading": {"Kp": 0.0, "Ki": 0.0}, "roll": "c172p"}, course=30)
+    state = hold.initial_state()
+    for distance in (20000.0, 19999.0, 19998.0):
+        outputs, state = hold.law([30.0, 0.0, 0.0, 500.0, distance, 0.0, 0.0, 0.0], state)
+    assert np.isfinite(outputs).all()
+    # the course line is approached infinitely slowly
+    assert outputs[2] == pytest.approx(30.0)
 
 
 def test_a_localizer_is_captured_in_a_crosswind():

@@ -8,13 +8,9 @@ import ast
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
-
-import pathsim_jsbsim_blocks
-
-SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
+from package_source import nodes
 
 pytestmark = pytest.mark.matrix
 
@@ -141,9 +137,8 @@ def test_a_damaged_checkpoint_is_loaded(unpatched):
 def test_no_other_module_replaces_what_is_pathsims():
     names = {"Simulation", "Subsystem", "Block", "Connection", "Graph", "Register", "LoggerManager"}
     found = {
-        file.relative_to(SOURCE).as_posix()
-        for file in SOURCE.rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        file
+        for file, node in nodes()
         if isinstance(node, ast.Attribute)
         and isinstance(node.ctx, ast.Store)
         and isinstance(node.value, ast.Name)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from package_source import nodes
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Block, Constant, Integrator, Scope, Source
 from pathsim.events import Event, ZeroCrossing
@@ -18,14 +19,12 @@ from pathsim.solvers import EUB, EUF, RK4, SSPRK22
 from pathsim.utils.logger import LoggerManager
 from pathsim.utils.register import Register
 
-import pathsim_jsbsim_blocks
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import _pathsim as seam
 from pathsim_jsbsim_blocks._core import running
 
 pytestmark = pytest.mark.matrix
 
-SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
 PRIVATE = re.compile(
     r"\._(data|mapping|map|active|blocks_dyn|blocks_evt|update|events|engine"
     r"|get_active_events|run_loop|setup_root_logger|detected_events|stage|solver_parent"
@@ -282,21 +281,16 @@ def test_a_diagram_of_scopes_runs():
 
 def test_private_names_of_pathsim_are_in_the_seam_only():
     found = set()
-    for path in SOURCE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if (
-                isinstance(node, ast.Attribute)
-                and PRIVATE.match("." + node.attr)
-                and not (isinstance(node.value, ast.Name) and node.value.id == "self")
-            ):
-                found.add(path.name)
-            # the runner looks for the line of a script that it runs; blocks look at no frames
-            if (
-                path.parent.name != "scripts"
-                and isinstance(node, ast.Attribute)
-                and node.attr in ("_getframe", "currentframe")
-            ):
-                found.add(f"{path.name}: {node.attr}")
+    for file, node in nodes():
+        if not isinstance(node, ast.Attribute):
+            continue
+        path = Path(file)
+        own = isinstance(node.value, ast.Name) and node.value.id == "self"
+        if PRIVATE.match("." + node.attr) and not own:
+            found.add(path.name)
+        # the runner looks for the line of a script that it runs; blocks look at no frames
+        if path.parent.name != "scripts" and node.attr in ("_getframe", "currentframe"):
+            found.add(f"{path.name}: {node.attr}")
     assert found <= {"_pathsim.py"}
 
 

@@ -17,6 +17,7 @@ _MILE = 1852.0  # m, nautical
 KNOT = _MILE / 3600 / FOOT  # ft/s
 _POUND = 0.45359237  # kg
 _GRAVITY = 9.80665  # m/s2
+RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
 GRAVITY = 32.174  # ft/s2, rounded as textbooks of flight dynamics have it
 _POUND_FORCE = _POUND * _GRAVITY  # N
 _SLUG = _POUND_FORCE / FOOT  # kg

@@ -82,15 +82,14 @@ def print_manual(args: argparse.Namespace) -> None:
 
     from .._core.checks import did_you_mean, nearest, refuse
 
+    def is_block(value: Any) -> bool:
+        return inspect.isclass(value) and issubclass(value, pathsim.blocks.Block)
+
     ours = {name: getattr(package, name) for name in dir(package)}
-    theirs = {
-        name: block
-        for name, block in vars(pathsim.blocks).items()
-        if inspect.isclass(block) and issubclass(block, pathsim.blocks.Block)
-    }
+    theirs = {name: x for name, x in vars(pathsim.blocks).items() if is_block(x)}
     if args.block is None:
         for name, block in ours.items():
-            if inspect.isclass(block) and issubclass(block, pathsim.blocks.Block):
+            if is_block(block):
                 print(f"{name:<19} {(inspect.getdoc(block) or '').partition(chr(10))[0]}")
         return
     found = {**theirs, **ours}.get(args.block)
@@ -98,7 +97,7 @@ def print_manual(args: argparse.Namespace) -> None:
         names = did_you_mean(nearest(args.block, [*ours, *theirs], 2))
         refuse("block", args.block, f"no block {args.block!r}{names}")
     print((inspect.getdoc(found) or "").replace("``", "`").rstrip())
-    if inspect.isclass(found) and issubclass(found, pathsim.blocks.Block):
+    if is_block(found):
         title, *lines = _use(args.block, found)
         print(f"\n{title}\n{'-' * len(title)}")
         print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))

@@ -13,7 +13,7 @@ from .._core.docs import filler
 from .described import DescribedLaw
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, EnvelopeLimits
-from .loops import AltitudeLoop, Reference
+from .loops import AltitudeLoop, HeadingLoop, Reference, attitude_loop
 from .protection import Protection
 
 # largest increment, or lower and upper
@@ -36,6 +36,24 @@ fill = filler(
     alpha_max="""
     alpha_max : float, optional
         largest angle of attack in deg, with the port ``alpha`` wired; default is the gain table's
+    """,
+    bank="""
+    bank_max : float
+        largest bank reference in deg
+    authority : float or pair
+        largest aileron increment, of full travel
+    """,
+    ail_off="""
+    off
+        0 engaged; otherwise the ailerons are frozen
+    ail_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    """,
+    aileron="""
+    aileron
+        increment of the aileron command; positive rolls right
+    phi_cmd
+        bank reference on its ramp, deg
     """,
     vc="""
     vc
@@ -116,6 +134,15 @@ class Hold(DescribedLaw):
         for point in points:
             AltitudeLoop(T, point.gains.altitude, c.hdot_max, c.theta_min, c.theta_max)
         return AltitudeLoop(T, gains, c.hdot_max, c.theta_min, c.theta_max)
+
+    def lateral_loops(self) -> dict[str, Any]:
+        """The loops from the heading to the bank, and from there to the ailerons."""
+        T, c = self.clock.period, self.checked
+        heading, roll = self.gains_of("heading", "roll")
+        return {
+            "heading": HeadingLoop(T, heading, c.bank_max),
+            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
+        }
 
     def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
         """The protection from the stall; None without an angle of attack to keep."""

@@ -9,12 +9,15 @@ import math
 from typing import Any, NamedTuple
 
 from .._core.checks import refuse
+from .._core.units import GRAVITY
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID, PIDState
 from .signals import exp, larger, limit, select, sin, smaller, wrap
 
 # of an airspeed error beyond its band, the share that does not count
 BEYOND = 0.8
+
+_LEAST_RATE = 1e-9  # ft/s2 per deg, so that a loop without a gain is only very slow
 
 
 class Reference(NamedTuple):
@@ -165,6 +168,10 @@ class HeadingLoop:
     def retune(self, Kp: float, Ki: float, bank: float) -> None:
         self.pid.retune(Kp, Ki)
         self.bank = bank
+
+    def lag(self, speed: float) -> float:
+        """Time constant of a coordinated turn onto a heading at a speed in ft/s, s."""
+        return speed / larger(GRAVITY * abs(self.pid.Kp), _LEAST_RATE)
 
     def sample(
         self, state: HeadingState, psi: float, reference: Reference

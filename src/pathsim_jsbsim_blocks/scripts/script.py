@@ -196,10 +196,8 @@ def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleTyp
         finally:
             sys.modules.pop(name, None)
             for imported, value in list(sys.modules.items()):
-                package, file = (
-                    imported.partition(".")[0],
-                    Path(getattr(value, "__file__", "") or ""),
-                )
+                package = imported.partition(".")[0]
+                file = Path(getattr(value, "__file__", "") or "")
                 # below the folder there may also be an environment with its libraries
                 if package not in before and folder / package in (
                     file.parent / file.stem,

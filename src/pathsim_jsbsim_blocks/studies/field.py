@@ -26,7 +26,7 @@ _STEEPEST, _USUAL = 15.0, 10.0  # deg of pitch; where no climb trims
 _LONGEST = 120.0  # s
 _STOPPED = 3.0  # ft/s, what an idling engine may keep up against the brakes
 
-_GEAR, _SPEED, _HEIGHT = "forces/fbz-gear-lbs", "velocities/vg-fps", "position/h-agl-ft"
+_READ = _HEIGHT, _GEAR, _SPEED = "position/h-agl-ft", "forces/fbz-gear-lbs", "velocities/vg-fps"
 
 
 def field(plane: Plane) -> None:
@@ -121,13 +121,12 @@ def _flown(
         root=plane.airframe.root,
         create=plane.create,
         input_properties=["brakes"],
-        output_properties=[_HEIGHT, _GEAR, _SPEED],
+        output_properties=_READ,
     )
     gains = plane.airframe.aircraft
     pitch, roll = PitchHold(gains=gains, theta_ref=theta), RollHold(gains=gains, phi_ref=0.0)
     pilot, scope = Function(commands), Scope()
-    measured = [aircraft[name] for name in ("vc", _HEIGHT, _GEAR, _SPEED)]
-    wires = [Connection(port, pilot[i], scope[i]) for i, port in enumerate(measured)]
+    wires = [Connection(aircraft[n], pilot[i], scope[i]) for i, n in enumerate(("vc", *_READ))]
     wires += [
         Connection(aircraft["theta"], pitch["theta"]),
         Connection(aircraft["q"], pitch["q"]),
@@ -142,7 +141,7 @@ def _flown(
         Connection(pitch["elevator"], aircraft["elevator"]),
         Connection(roll["aileron"], aircraft["aileron"]),
     ]
-    read = lambda: [float(aircraft.outputs[n]) for n in ("vc", _HEIGHT, _GEAR, _SPEED)]  # noqa: E731
+    read = lambda: [float(aircraft.outputs[n]) for n in ("vc", *_READ)]  # noqa: E731
     done = Condition(func_evt=lambda t: ends(*read()), func_act=lambda t: sim.stop())
     sim = Simulation([aircraft, pitch, roll, pilot, scope], wires, [done], dt=aircraft.T, log=False)
     sim.run(_LONGEST)

@@ -1,8 +1,4 @@
-"""Flight tests of one aircraft: searches by trims, and flights that check what they find.
-
-A climb is a trim at full throttle with the path angle free, a glide one with the throttle closed.
-Both hold their true airspeed.
-"""
+"""Flight tests of one aircraft: searches by trims, and flights that check what they find."""
 
 from __future__ import annotations
 
@@ -17,16 +13,15 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import refuse
-from .._core.units import FOOT, KNOT
+from .._core.units import FOOT
 from ..air import isa
 from ..errors import BlocksError
 from ..flight import Airframe, TrimState, trim
 from ..flight.fleet import prepared
+from ..flight.trimming.hints import speed_of_lift
 
 Row = dict[str, Any]
 Find = Callable[[float], TrimState | None]
-
-RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
 
 _FINEST = 1.001  # ratio to which the ends of a range of speeds are found
 _GUESSES = (0.4, 0.6, 0.25, 0.8)  # lift coefficients of the first trims
@@ -223,8 +218,8 @@ def _lift(state: TrimState) -> float:
 
 def first(plane: Plane, find: Find) -> TrimState | None:
     """The first trim near a speed at which the wing lifts the weight."""
-    lifts = (2.0 * plane.weight / (RHO0 * max(plane.area, 1.0) * c) for c in _GUESSES)
-    return next(filter(None, (find(math.sqrt(x) / KNOT) for x in lifts)), None)
+    speeds = (speed_of_lift(plane.weight, max(plane.area, 1.0), c) for c in _GUESSES)
+    return next(filter(None, map(find, speeds)), None)
 
 
 def last(find: Find, good: TrimState, ratio: float, size: Any = None) -> TrimState:

@@ -16,13 +16,12 @@ import numpy as np
 
 from .._core.checks import positive, refuse
 from .._core.extras import required
-from .._core.units import GRAVITY, KNOT
+from .._core.units import GRAVITY, KNOT, RHO0
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
 from .flight_tests import (
     LARGE,
-    RHO0,
     Plane,
     Row,
     best_of,
@@ -47,7 +46,6 @@ _FLAPS = (0.0, 0.5, 1.0)
 _SERVICE = {"propeller": 100.0, "jet": 500.0}  # ft/min of climb left at the service ceiling
 _HIGHEST = 90e3  # ft, where the search for a ceiling ends
 _STEEPEST = 9.0  # g, what pilots stand
-_NMI = 6076.1155  # ft
 
 _GRID, _STEPS = 1.12, 22  # ratio of neighbouring airspeeds from the stall on, and their number
 _DIVE = -20.0  # deg, a glide so steep that a chart above the ceiling ends
@@ -137,8 +135,8 @@ def _burn(plane: Plane, level: TrimState) -> None:
         return
     half, flow = len(flight["w"]) // 2, 3600.0 * float(flight["fuel"][-1])
     lost = float(flight["w"][half] - flight["w"][-1])
-    way = float(flight["v"][half:].mean()) * 0.5 * _BURN / _NMI
-    value, at = level.tas * 3600.0 / _NMI / flow, {"speed_kcas": level.speed}
+    way = float(flight["v"][half:].mean()) / KNOT * 0.5 * _BURN / 3600.0
+    value, at = level.tas / KNOT / flow, {"speed_kcas": level.speed}
     plane.put("range", "fuel flow", flow, **at)
     found = flown(value, way / lost if lost > 0.0 else None)
     plane.put("range", "specific range", value, **at, **found)

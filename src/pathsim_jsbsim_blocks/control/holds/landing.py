@@ -9,21 +9,21 @@ from typing import Any, NamedTuple
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..._core.units import GRAVITY, conversion
+from ..._core.units import GRAVITY, KNOT
 from ..channels import Lateral, LateralState, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, HeadingLoop, Reference, ReferenceState, attitude_loop
+from ..loops import AltitudeLoop, Reference, ReferenceState, attitude_loop
 from ..pid import PID
 from ..signals import atan, larger, limit, select, smaller, wrap
+from .navigation import SEPARATION, SMOOTHING
 
 # the package and PathView export these names
 __all__ = ["FlareHold", "LocalizerHold"]
 
-_KNOT, _ = conversion("kt", "ft/s")
 _DEGREES = math.degrees(1.0)
 
-_SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
+_TREND = 2.0  # s, time constant of the acceleration
 _SLOWEST = 30.0  # ft/s, for angles from speeds
 _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 
@@ -106,10 +106,7 @@ class LocalizerHold(Hold):
         V_g / (g Kp)
     intercept : float
         largest angle at which it closes on the course line, deg
-    bank_max : float
-        largest bank reference in deg
-    authority : float or pair
-        largest aileron increment, of full travel
+    %(bank)s
     %(T)s
 
     Inputs
@@ -118,18 +115,12 @@ class LocalizerHold(Hold):
         true heading and roll angle in deg, roll rate in deg/s
     loc_ft, loc_dist
         outputs ``ft`` and ``dist`` of a ``Localizer``
-    off
-        0 engaged; otherwise the ailerons are frozen
-    ail_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(ail_off)s
     %(vc)s
 
     Outputs
     -------
-    aileron
-        increment of the aileron command; positive rolls right
-    phi_cmd
-        bank reference on its ramp, deg
+    %(aileron)s
     chi_cmd
         course demanded, deg, [0, 360)
     captured
@@ -154,25 +145,20 @@ class LocalizerHold(Hold):
     START = LocalizerState()
 
     def build(self) -> None:
-        T, c = self.clock.period, self.checked
-        heading, roll = self.gains_of("heading", "roll")
-        self.loops = {
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
-        }
+        self.loops = self.lateral_loops()
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         psi, phi, p, ft, dist, off, ail_sat, _ = u
         off, c = off != 0.0, self.checked
-        beam, across, along = state.beam.next(ft, dist, self.clock.period, _SMOOTHING)
+        beam, across, along = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
         speed, known = larger(beam.along, _SLOWEST), state.beam.known
         drift = wrap(c.course + _DEGREES * atan(across / larger(along, _SLOWEST)) - psi)
-        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / _SMOOTHING))
+        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / SMOOTHING))
         drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
         chi = psi + drift
         tau = c.lookahead
         if tau is None:
-            tau = larger(3.5 * speed / (GRAVITY * self.loops["heading"].pid.Kp), 1.0)
+            tau = larger(SEPARATION * self.loops["heading"].lag(speed), 1.0)
         closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
         ahead = wrap(chi - c.course)
         met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
@@ -332,15 +318,12 @@ class FlareHold(Hold):
     START = FlareState()
 
     def build(self) -> None:
-        altitude, pitch, heading, roll, envelope = self.gains_of(
-            "altitude", "pitch", "heading", "roll", "envelope"
-        )
-        T, c, carry = self.clock.period, self.checked, self.scheduled
+        T, c = self.clock.period, self.checked
+        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
         self.loops = {
             "altitude": AltitudeLoop(T, altitude, None, _STEEPEST, None),
-            "pitch": attitude_loop(T, pitch, c.authority, -1.0, carry),
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "roll": attitude_loop(T, roll, c.authority, carry=carry),
+            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
+            **self.lateral_loops(),
             "envelope": self.protection_within(envelope),
         }
 
@@ -397,8 +380,8 @@ class FlareHold(Hold):
         It follows the airspeed too.
         """
         elevator, aileron, rudder, throttle = given
-        v = larger(vc * _KNOT, _SLOWEST)
-        share = select(state.v == 0.0, 0.0, -math.expm1(-self.clock.period / _SMOOTHING))
+        v = larger(vc * KNOT, _SLOWEST)
+        share = select(state.v == 0.0, 0.0, -math.expm1(-self.clock.period / _TREND))
         gained = (v - state.v) / self.clock.period
         acceleration = state.acceleration + share * (gained - state.acceleration)
         anew = state._replace(

@@ -9,7 +9,7 @@ from ..._core.parameters import parameter
 from ..channels import Lateral
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import HeadingLoop, ReferenceLoop, YawLoop, attitude_loop
+from ..loops import ReferenceLoop, YawLoop, attitude_loop
 
 # the package and PathView export these names
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
@@ -44,10 +44,7 @@ class RollHold(Hold):
         roll angle in deg, roll rate in deg/s
     phi_ref
         deg, added to the parameter
-    off
-        0 engaged; otherwise the ailerons are frozen
-    ail_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(ail_off)s
     %(vc)s
 
     Outputs
@@ -107,10 +104,7 @@ class HeadingHold(Hold):
         flight, deg); roll: as in ``RollHold``
     psi_ref : float, optional
         heading to hold in deg; default: the value at engagement
-    bank_max : float
-        largest bank reference in deg
-    authority : float or pair
-        largest aileron increment, of full travel
+    %(bank)s
     %(T)s
     %(reference)s
 
@@ -120,18 +114,12 @@ class HeadingHold(Hold):
         heading and roll angle in deg, roll rate in deg/s
     psi_ref
         deg, added to the parameter
-    off
-        0 engaged; otherwise the ailerons are frozen
-    ail_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(ail_off)s
     %(vc)s
 
     Outputs
     -------
-    aileron
-        increment of the aileron command; positive rolls right
-    phi_cmd
-        bank reference on its ramp, deg
+    %(aileron)s
 
     %(raises)s
     """
@@ -151,12 +139,7 @@ class HeadingHold(Hold):
     START = Lateral.START
 
     def build(self) -> None:
-        heading, roll = self.gains_of("heading", "roll")
-        c, T = self.checked, self.clock.period
-        self.loops = {
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
-        }
+        self.loops = self.lateral_loops()
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         psi, phi, p, psi_ref, off, ail_sat, _ = u

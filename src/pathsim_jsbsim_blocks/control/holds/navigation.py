@@ -25,16 +25,16 @@ from ...errors import ParameterError
 from ..channels import Lateral, Vertical
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, AltitudeState, HeadingLoop, Reference, attitude_loop
+from ..loops import AltitudeLoop, AltitudeState, Reference, attitude_loop
 from ..receivers import above_path
 from ..signals import flat, larger, limit, select, wrap
 
 # the package and PathView export these names
 __all__ = ["CourseHold", "GlideslopeHold"]
 
-_SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
+SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
 # crossover of the heading loop over that of the loop around it; 4 would be critically damped
-_SEPARATION = 3.5
+SEPARATION = 3.5
 _SHARPEST = 120.0  # deg: turns beyond are not begun earlier than this one
 _CAPTURE = 0.35  # deg above the glide path: half of full scale on an ILS indicator
 
@@ -100,10 +100,7 @@ class CourseHold(Hold):
         V_g / (g Kp)
     intercept : float
         largest angle at which it closes on a leg, deg
-    bank_max : float
-        largest bank reference in deg
-    authority : float or pair
-        largest aileron increment, of full travel
+    %(bank)s
     %(T)s
 
     Inputs
@@ -114,18 +111,12 @@ class CourseHold(Hold):
         true heading and roll angle in deg, roll rate in deg/s
     chi_ref
         deg, added to the parameter; without meaning along waypoints
-    off
-        0 engaged; otherwise the ailerons are frozen
-    ail_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(ail_off)s
     %(vc)s
 
     Outputs
     -------
-    aileron
-        increment of the aileron command; positive rolls right
-    phi_cmd
-        bank reference on its ramp, deg
+    %(aileron)s
     chi
         course over the ground in deg, [0, 360); the heading at the first sample
     chi_cmd
@@ -157,8 +148,7 @@ class CourseHold(Hold):
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
-        heading, roll = self.gains_of("heading", "roll")
-        self._chi_ref = self.checked.chi_ref
+        self._chi_ref = c.chi_ref
         self._route = _Route(self.waypoints, self.leg)
         if self._route.waypoints and self._chi_ref is not None:
             refuse(
@@ -167,11 +157,8 @@ class CourseHold(Hold):
                 "give a course or waypoints, not both: along waypoints the course is that of the "
                 "leg",
             )
-        self.loops = {
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
-        }
-        self._share = -math.expm1(-T / _SMOOTHING)
+        self.loops = self.lateral_loops()
+        self._share = -math.expm1(-T / SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
     START = Lateral.START
@@ -196,7 +183,7 @@ class CourseHold(Hold):
         if self._route.waypoints:
             leg, direct, track = self._along(here, chi, ground.speed, leg, direct, engaged)
             across, to_go = track.across, track.to_go
-            tau = self.checked.lookahead or _SEPARATION * self._lag(ground.speed)
+            tau = self.checked.lookahead or SEPARATION * self.loops["heading"].lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
             most = self.checked.intercept
             target = track.course - min(max(closing, -most), most)
@@ -229,11 +216,6 @@ class CourseHold(Hold):
             ground = _Ground(here and Place(*here), *others)
             direct = direct and GreatCircle(*direct)
             self.clock.results[i] = y, (ground, found, leg, direct, *loops)
-
-    def _lag(self, speed: float) -> float:
-        """Time constant of the heading loop, s."""
-        gain = abs(self.loops["heading"].pid.Kp)
-        return speed / (GRAVITY * gain) if gain else math.inf
 
     def _along(
         self,
@@ -271,7 +253,11 @@ class CourseHold(Hold):
         turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
         radius = speed * speed / self._centripetal
         roll_in = self.checked.bank_max / self.loops["roll"].ramp
-        lead = min(turn / self.checked.bank_max, 1.0) * (roll_in + self._lag(speed)) / 2
+        lead = (
+            min(turn / self.checked.bank_max, 1.0)
+            * (roll_in + self.loops["heading"].lag(speed))
+            / 2
+        )
         return radius * math.tan(math.radians(turn / 2)) + lead * speed
 
 
@@ -428,7 +414,7 @@ class GlideslopeHold(Hold):
             "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
             "envelope": self.protection_within(envelope),
         }
-        self._share = -math.expm1(-T / _SMOOTHING)
+        self._share = -math.expm1(-T / SMOOTHING)
 
     START = Vertical.START
 

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 
 from ..._core.callers import warn_user
-from ..._core.units import KNOT
+from ..._core.units import KNOT, RHO0
 from ...errors import AircraftError, TrimError
 from ..airframe import Airframe
 from ..model_files import has_retractable_gear
@@ -28,7 +28,10 @@ _USUAL_SPEEDS = (1.0, 1.3, 0.8, 1.7)
 # KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
 _LEVEL_SPEEDS = (20.0, 350.0)
 
-_RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
+
+def speed_of_lift(weight: float, area: float, lift_coefficient: float) -> float:
+    """The speed in KCAS at which a wing (ft2) with a lift coefficient carries a weight (lb)."""
+    return math.sqrt(2.0 * weight / (RHO0 * area * lift_coefficient)) / KNOT
 
 
 def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
@@ -37,8 +40,7 @@ def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
     weight, area = (airframe.fdm[name] for name in ("inertia/weight-lbs", "metrics/Sw-sqft"))
     if area <= 0.0:
         return low
-    speed = math.sqrt(2.0 * weight / (_RHO0 * area * lift_coefficient)) / KNOT
-    return float(round(min(max(speed, low), high)))
+    return float(round(min(max(speed_of_lift(weight, area, lift_coefficient), low), high)))
 
 
 def explained(
