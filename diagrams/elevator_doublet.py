@@ -48,7 +48,7 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(scope, title="Global 5000: elevator doublet at 15,000 ft, 250 KCAS")
+    return time_histories(scope, title="Global 5000: elevator doublet at 15000 ft, 250 KCAS")
 
 
 if __name__ == "__main__":

@@ -99,7 +99,7 @@ def figure():
     envelope.legend(loc="upper right")
     for ax in (top, bottom, envelope):
         ax.grid(alpha=0.4)
-    drawing.suptitle("737 in design gusts of CS 25.341, 10,000 ft, 280 KCAS")
+    drawing.suptitle("737 in design gusts of CS 25.341, 10000 ft, 280 KCAS")
     return drawing
 
 

@@ -18,6 +18,7 @@ from pathsim_jsbsim_blocks.plots import (
     saving_to,
     show,
     signal,
+    subplots,
     time_histories,
 )
 
@@ -235,3 +236,12 @@ def test_show_writes_a_file_where_there_is_no_display(scope, tmp_path, monkeypat
     with saving_to(tmp_path / "b.png"):
         show(time_histories(scope), "flight")
     assert (tmp_path / "b.png").exists()
+
+
+def test_a_headline_wider_than_its_figure_is_broken():
+    figure, _ = subplots(figsize=(4, 3), layout="constrained")
+    title = figure.suptitle("distance from the median of all simulators, " * 3)
+    figure.canvas.draw()
+    extent = title.get_window_extent()
+    assert extent.x0 >= 0.0
+    assert extent.x1 <= figure.bbox.width

@@ -99,7 +99,7 @@ from pathsim_jsbsim_blocks.plots import time_histories
 
 sim.run(40.0)
 time_histories(
-    scope, title="Global 5000: elevator doublet at 15,000 ft, 250 KCAS"
+    scope, title="Global 5000: elevator doublet at 15000 ft, 250 KCAS"
 )
 
 # %%

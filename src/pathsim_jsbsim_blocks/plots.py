@@ -73,7 +73,10 @@ def exact_curves() -> Iterator[None]:
 
 
 class _Exact(Figure):
-    """A figure that draws its curves exactly."""
+    """A figure that draws its curves exactly, and breaks a headline that is wider than it."""
+
+    def suptitle(self, t: str, **options: Any) -> Any:
+        return super().suptitle(t, **{"wrap": True, **options})
 
     @exact_curves()
     def draw(self, renderer: Any) -> None:

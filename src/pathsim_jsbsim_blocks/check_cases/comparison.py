@@ -38,7 +38,7 @@ CASES: Mapping[float, str] = {
     13.1: "an F-16's autopilot climbs by 100 ft",
     13.2: "an F-16's autopilot slows down by 5 kt",
     13.3: "an F-16's autopilot turns by 15 deg",
-    13.4: "an F-16's autopilot moves 2,000 ft to the right",
+    13.4: "an F-16's autopilot moves 2000 ft to the right",
     15: "an F-16 flies a circle around the North Pole",
     16: "an F-16 circles where the equator meets the date line",
 }
