@@ -35,7 +35,7 @@ from pathsim_jsbsim_blocks import (
     TrimError,
     fly,
 )
-from pathsim_jsbsim_blocks._core._pathsim import port_names
+from pathsim_jsbsim_blocks._core.pathsim_internals import port_names
 from pathsim_jsbsim_blocks.errors import KeywordError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.linear import LinearModelBlock, flying_qualities

@@ -1,4 +1,4 @@
-"""Why `_core/_pathsim.py` replaces methods of PathSim: what PathSim does without this package.
+"""Why `_core/pathsim_internals.py` replaces methods of PathSim: what PathSim does without this package.
 
 A failure here is good news: PathSim has cured the fault, and the patch named in the message can go
 once the lowest supported version has the cure.
@@ -144,4 +144,4 @@ def test_no_other_module_replaces_what_is_pathsims():
         and isinstance(node.value, ast.Name)
         and node.value.id in names
     }
-    assert found == {"_core/_pathsim.py"}
+    assert found == {"_core/pathsim_internals.py"}

@@ -10,7 +10,7 @@ from pathsim.events import Event, ZeroCrossing
 from pathsim.exceptions import LinearizationError
 from pathsim.solvers import RKBS32, RKDP54
 
-from pathsim_jsbsim_blocks._core._pathsim import values
+from pathsim_jsbsim_blocks._core.pathsim_internals import values
 from pathsim_jsbsim_blocks._core.sampling import SampledLaw, SampledPlant
 
 pytestmark = pytest.mark.matrix

@@ -7,7 +7,7 @@ what only names or loads other modules.
 """
 
 OWN_TESTS = {
-    "_core/_pathsim": [
+    "_core/pathsim_internals": [
         "test_pathsim_seam.py",
         "test_sampling.py",
         "test_instants.py",
@@ -141,7 +141,7 @@ OWN_TESTS = {
 # modules that make a group of the sample beside the rest of their folder
 GROUPS = {
     "_core/sampling": "sampling",
-    "_core/_pathsim": "sampling",
+    "_core/pathsim_internals": "sampling",
     "flight/planet": "flight/trimming",
     "flight/algebraic": "linear",
     "flight/channels": "linear",

@@ -18,8 +18,8 @@ from typing import Any
 from pathsim import Simulation
 
 from ..errors import BlocksError, FileError
-from ._pathsim import ClockEvent, in_step, replace_checkpoints
 from .checks import refuse
+from .pathsim_internals import ClockEvent, in_step, replace_checkpoints
 
 _save, _load = Simulation.save_checkpoint, Simulation.load_checkpoint
 

@@ -14,8 +14,8 @@ from pathsim.optim.operator import Operator
 
 from ..errors import BlocksError, ParameterError
 from . import wiring  # noqa: F401  (warns of mistakes in the wiring)
-from ._pathsim import NamedRegister, port_names
 from .checks import did_you_mean, known_keywords, nearest_ports, refuse_unknown
+from .pathsim_internals import NamedRegister, port_names
 
 _PACKAGE = __name__.partition(".")[0] + "."
 

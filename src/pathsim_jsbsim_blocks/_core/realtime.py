@@ -10,7 +10,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ._pathsim import Run, activate, replacing_run, run_in_real_time
+from .pathsim_internals import Run, activate, replacing_run, run_in_real_time
 from .progress import progress_bar
 
 

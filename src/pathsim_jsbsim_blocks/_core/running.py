@@ -13,9 +13,9 @@ from unittest.mock import patch
 
 from pathsim import Simulation, StopSimulation
 
-from . import _pathsim
-from ._pathsim import Run
+from . import pathsim_internals
 from .checks import number, positive, refuse
+from .pathsim_internals import Run
 from .progress import progress_bar
 from .realtime import is_real_time
 
@@ -68,10 +68,10 @@ def fly(
         _begin[-1](run)
         duration = run.arguments["duration"]
     start = 0.0 if reset else sim.time
-    tracker = _pathsim.tracker(sim, duration)
+    tracker = pathsim_internals.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
         adaptive = sim.engine.is_adaptive
-        loop = _pathsim.run_loop(sim, duration, reset, adaptive, tracker)
+        loop = pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker)
         for made in loop:
             bar.update(sim.time - start - bar.n)
             if not adaptive:
@@ -95,13 +95,13 @@ def with_progress() -> Iterator[None]:
         if sim.log:  # PathSim itself shows the progress
             return usual(sim, duration, reset, adaptive)
         start = 0.0 if reset else sim.time
-        tracker = _pathsim.tracker(sim, duration)
+        tracker = pathsim_internals.tracker(sim, duration)
         with tracker, progress_bar(duration) as bar:
-            for _ in _pathsim.run_loop(sim, duration, reset, adaptive, tracker):
+            for _ in pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker):
                 bar.update(sim.time - start - bar.n)
         return tracker.stats
 
-    with _pathsim.replacing_run(run):
+    with pathsim_internals.replacing_run(run):
         yield
 
 
@@ -208,7 +208,7 @@ def _whole(steps: float) -> int:
 
 
 def _fixed_steps(
-    steps: _pathsim.Steps,
+    steps: pathsim_internals.Steps,
     sim: Simulation,
     dt: float,
     count: int,
@@ -217,7 +217,7 @@ def _fixed_steps(
     tracker: Any,
     bar: tqdm,
 ) -> None:
-    step, shown = _pathsim.fixed_step(sim, dt), not bar.disable
+    step, shown = pathsim_internals.fixed_step(sim, dt), not bar.disable
     update = tracker.update if sim.log else functools.partial(_count, tracker.stats)
     try:
         with steps:
@@ -232,7 +232,7 @@ def _fixed_steps(
     except StopSimulation as stop:
         sim.logger.info(f"STOP (StopSimulation: '{stop}')")
         sim.stop()
-    if not _pathsim.is_running(sim):
+    if not pathsim_internals.is_running(sim):
         tracker.interrupt()
 
 

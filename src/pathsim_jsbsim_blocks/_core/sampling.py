@@ -43,7 +43,10 @@ from pathsim.events import Event
 from pathsim.exceptions import LinearizationError
 
 from . import checkpoint  # noqa: F401  (what sampled blocks save has a digest)
-from ._pathsim import (
+from .callers import warn_user
+from .checks import number, positive, refuse
+from .continuous import Matrices, continuous_equivalent
+from .pathsim_internals import (
     ClockEvent,
     WiredRegister,
     before_runs,
@@ -53,9 +56,6 @@ from ._pathsim import (
     values,
     without_stages,
 )
-from .callers import warn_user
-from .checks import number, positive, refuse
-from .continuous import Matrices, continuous_equivalent
 from .wiring import contents, name_of
 
 # s; catches typos such as T=1e-9

@@ -12,8 +12,8 @@ import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
 
-from ._pathsim import draw_first
 from .noise import WhiteNoise
+from .pathsim_internals import draw_first
 from .wiring import contents
 
 

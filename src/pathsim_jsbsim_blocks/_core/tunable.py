@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
-from ._pathsim import port_names
 from .callers import warn_user
 from .parameters import Parametric
+from .pathsim_internals import port_names
 from .ports import NamedPorts
 from .sampling import SampledLaw
 

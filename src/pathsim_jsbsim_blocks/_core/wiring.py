@@ -15,9 +15,9 @@ from pathsim.blocks import Block
 from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
-from ._pathsim import before_runs, check_diagrams, port_names
 from .callers import frames, is_users, warn_user
 from .checks import refuse
+from .pathsim_internals import before_runs, check_diagrams, port_names
 
 _warned: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
 

@@ -89,8 +89,8 @@ def add_run(commands: Commands) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from .._core._pathsim import keep_warnings_visible
     from .._core.checks import positive
+    from .._core.pathsim_internals import keep_warnings_visible
     from .._core.running import with_duration, with_progress
     from ..catalogue import find_diagram
     from ..scripts.script import Script, main_program

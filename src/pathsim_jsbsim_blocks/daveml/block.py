@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .._core._pathsim import NamedRegister, WiredRegister, port_names, show, values
 from .._core.checks import number, refuse
+from .._core.pathsim_internals import NamedRegister, WiredRegister, port_names, show, values
 from .._core.tunable import TunableLaw
 from ..errors import DaveMLError, FlightError
 from .model import DaveModel, Variable

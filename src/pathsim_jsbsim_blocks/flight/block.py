@@ -18,10 +18,10 @@ from pathsim.exceptions import LinearizationError
 from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
-from .._core._pathsim import NamedRegister, port_names, show, values
 from .._core.callers import warn_user
 from .._core.checks import flag, number, one_of, positive, refuse, whole
 from .._core.continuous import Matrices
+from .._core.pathsim_internals import NamedRegister, port_names, show, values
 from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
 from .._core.wiring import name_of

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from .._core._pathsim import port_names
 from .._core.parameters import Parametric, parameter
+from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
 from .manual import fill

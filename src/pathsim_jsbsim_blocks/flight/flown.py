@@ -8,9 +8,9 @@ from mmap import mmap
 
 import numpy as np
 
-from .._core._pathsim import values
 from .._core.callers import warn_user
 from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
+from .._core.pathsim_internals import values
 from ..errors import FlightError
 from ..linear.identification import Realisation, realise, respond
 from ..linear.model import LinearModel

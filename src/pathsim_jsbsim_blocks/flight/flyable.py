@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .._core._pathsim import values
+from .._core.pathsim_internals import values
 from ..errors import LinearisationError
 from ..linear.model import LinearModel, find
 from .airframe import Airframe

@@ -7,8 +7,8 @@ from typing import Any
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
-from .._core._pathsim import NamedRegister
 from .._core.checks import refuse
+from .._core.pathsim_internals import NamedRegister
 from .._core.ports import NamedPorts
 from .model import LinearModel
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block
-from pathsim.events._event import Event
+from pathsim.events import Event
 
 from ..scripts.first_run import FirstRun
 from ..scripts.names import bound, own, references, root, used

@@ -13,7 +13,7 @@ from unittest.mock import patch
 import numpy as np
 import numpy.random.bit_generator as bit_generator
 
-from .._core._pathsim import in_listed_order
+from .._core.pathsim_internals import in_listed_order
 
 _ENTROPY = 20260101
 _TICK = 1e-3  # s; the clock moves at each look, so that a loop that waits for it ends

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
-from pathsim.events._event import Event
+from pathsim.events import Event
 
 from ..scripts.script import Script
 
@@ -88,11 +88,12 @@ def _state(value: Any, around: tuple[int, ...]) -> str:
 
 def attributes(part: Any) -> dict[str, str]:
     """The public attributes of a block or an event, and whether it is on, each as text."""
-    return {
+    public = {
         name: text_of(value)
         for name, value in vars(part).items()
-        if name == "_active" or not (name.startswith("_") or name in _ELSEWHERE)
+        if not (name.startswith("_") or name in _ELSEWHERE)
     }
+    return {"on": str(bool(part)), **public}
 
 
 # wires are compared by their numbers, and what a subsystem consists of by `structure`

@@ -18,7 +18,7 @@ from unittest.mock import patch
 from pathsim import Simulation
 from pathsim.blocks import Block
 
-from .._core._pathsim import each_sample
+from .._core.pathsim_internals import each_sample
 from ..errors import DiagramError
 from .rehearsal import Difference, Ended, Job, Parting, Row, rehearse, row
 

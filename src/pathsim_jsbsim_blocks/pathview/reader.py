@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
-from .._core._pathsim import own_events, port_names, port_number
+from .._core.pathsim_internals import own_events, port_names, port_number
 from ..scripts.first_run import FirstRun, named_arguments
 from ..scripts.names import used
 from .code import Code

@@ -25,7 +25,7 @@ import numpy as np
 from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 
-from .._core._pathsim import each_sample, own_events, port_names, port_number
+from .._core.pathsim_internals import each_sample, own_events, port_names, port_number
 from .frozen import Frozen
 from .generate import to_python
 from .plain import MODEL, attributes, text_of
@@ -108,7 +108,7 @@ def structure(simulation: Simulation, parts: Mapping[str, Any]) -> dict[str, str
         members = [str(names.get(id(part))) for part in (*system.blocks, *events)]
         return ", ".join(sorted(wires) + sorted(members))
 
-    solver = ("dt", "dt_min", "dt_max", "Solver", "tolerance_fpi", "iterations_max", "_active")
+    solver = ("dt", "dt_min", "dt_max", "Solver", "tolerance_fpi", "iterations_max")
     return {
         "connections": inside(simulation, simulation.events),
         **{
@@ -117,6 +117,7 @@ def structure(simulation: Simulation, parts: Mapping[str, Any]) -> dict[str, str
             if isinstance(part, Subsystem)
         },
         **{name: text_of(getattr(simulation, name)) for name in solver},
+        "on": str(bool(simulation)),
         "engine": str(attributes(simulation.engine)),
         "np.seterr": str([kind for kind, how in np.geterr().items() if how == "raise"]),
     }

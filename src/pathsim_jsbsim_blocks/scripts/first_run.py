@@ -22,7 +22,7 @@ from unittest.mock import patch
 import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
-from pathsim.events._event import Event
+from pathsim.events import Event
 
 from .._core.running import Beginning, fly, intercepted_runs
 from ..errors import DiagramError

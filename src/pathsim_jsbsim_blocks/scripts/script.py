@@ -18,7 +18,7 @@ from unittest.mock import patch
 
 from pathsim import Simulation
 from pathsim.blocks import Block
-from pathsim.events._event import Event
+from pathsim.events import Event
 
 from .settings import Settings
 
