@@ -122,7 +122,7 @@ def test_a_port(tree):
         '    "thr_sat": _EXCESS,\n',
         '    "thr_sat": _EXCESS,\n    "ny": ("accelerations/Ny", 1.0),\n',
     )
-    edit(flight / "manual.py", "    nx, nz\n", "    nx, ny, nz\n")
+    edit(flight / "docstrings.py", "    nx, nz\n", "    nx, ny, nz\n")
     promise(tree, "Aircraft")
     promise(tree, "LinearAircraft")
     status, said = python(tree, "docs/add_diagram.py", "--models")

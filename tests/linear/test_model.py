@@ -20,8 +20,8 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     TrimCondition,
 )
-from pathsim_jsbsim_blocks.flight import flown as flown_models
-from pathsim_jsbsim_blocks.flight import linear_model, rehearsal
+from pathsim_jsbsim_blocks.flight import forked, linear_model
+from pathsim_jsbsim_blocks.flight.linearise import flown as flown_models
 from pathsim_jsbsim_blocks.linear import LinearModel, LinearModelBlock
 from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
@@ -138,7 +138,7 @@ def test_both_methods_find_the_same_rigid_aircraft():
 
 
 # where trims take long, flights start from copies of one; a copy may fail, or there is no fork
-@pytest.mark.parametrize("rehearse", [rehearsal.rehearse, lambda action, seconds: None])
+@pytest.mark.parametrize("rehearse", [forked.rehearse, lambda action, seconds: None])
 def test_flights_from_copies_give_the_same_model(rehearse, monkeypatch):
     block = plane("c172p")
     afresh = block.linear_model(inputs=["elevator"])

@@ -29,7 +29,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .._core.checks import arrays, refuse
-from .._core.docs import filler
+from .._core.docstrings import filler
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .._core.checks import number
-from .._core.docs import filler
+from .._core.docstrings import filler
 from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import arrays, refuse
-from .._core.docs import filler
+from .._core.docstrings import filler
 from .aircraft import RAISES, Components, Values, rotation, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3

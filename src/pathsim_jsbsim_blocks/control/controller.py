@@ -8,7 +8,7 @@ from typing import Any
 
 from .._core.callers import warn_user
 from .._core.checks import number, one_of, refuse
-from .._core.docs import filler
+from .._core.docstrings import filler
 from .._core.pathsim_internals import port_names
 from .described import DescribedLaw
 from .gain_tables import loop_gains, schedule_of

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from .._core.checks import number, positive, whole
-from .._core.docs import filler
+from .._core.docstrings import filler
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.tunable import TunableLaw

@@ -12,7 +12,7 @@ from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import ALMOST_NORTH, DEG, Channel, unit_of
-from .manual import fill
+from .docstrings import fill
 from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
 from .trimming.condition import TrimCondition
 

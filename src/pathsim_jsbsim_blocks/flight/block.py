@@ -34,13 +34,13 @@ from ..errors import (
 )
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
-from .algebraic import algebraic_model
 from .channels import Channel
 from .console import capture_console, log
 from .contact import GroundContact
 from .flightgear import next_address, sending_nowhere
-from .flown import flown_model
-from .flyable import no_model
+from .linearise.algebraic import algebraic_model
+from .linearise.flown import flown_model
+from .linearise.flyable import no_model
 from .property_ports import check_ports, listed
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition

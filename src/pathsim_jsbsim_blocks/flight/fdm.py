@@ -8,7 +8,7 @@ from .._core.parameters import Parametric, parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
-from .manual import fill
+from .docstrings import fill
 from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0

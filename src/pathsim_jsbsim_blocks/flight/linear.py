@@ -13,7 +13,7 @@ from .._core.ports import numbered
 from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
 from .aircraft import Aircraft
-from .manual import fill
+from .docstrings import fill
 from .trimming.condition import TrimCondition
 
 

@@ -9,7 +9,7 @@ import jsbsim
 
 from ..airframe import Airframe
 from ..console import messages
-from ..rehearsal import Outcome, rehearse
+from ..forked import Outcome, rehearse
 from .condition import MODES, TrimCondition
 from .failure import LIMITS, failure
 from .state import STATE

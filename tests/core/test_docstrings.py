@@ -7,7 +7,7 @@ from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks import air, axes
-from pathsim_jsbsim_blocks._core.docs import filler
+from pathsim_jsbsim_blocks._core.docstrings import filler
 
 fill = filler(
     speed="""

@@ -7,12 +7,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .._core.pathsim_internals import values
-from ..errors import LinearisationError
-from ..linear.model import LinearModel, find
-from .airframe import Airframe
-from .channels import Channel
-from .trimming.state import TrimState
+from ..._core.pathsim_internals import values
+from ...errors import LinearisationError
+from ...linear.model import LinearModel, find
+from ..airframe import Airframe
+from ..channels import Channel
+from ..trimming.state import TrimState
 
 
 class Flyable(Protocol):

@@ -1,6 +1,6 @@
 """What the manual pages of the aircraft blocks share."""
 
-from .._core.docs import filler
+from .._core.docstrings import filler
 
 fill = filler(
     start="""

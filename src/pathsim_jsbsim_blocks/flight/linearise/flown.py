@@ -8,14 +8,14 @@ from mmap import mmap
 
 import numpy as np
 
-from .._core.callers import warn_user
-from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
-from .._core.pathsim_internals import values
-from ..errors import FlightError
-from ..linear.identification import Realisation, realise, respond
-from ..linear.model import LinearModel
-from .airframe import Airframe
-from .channels import (
+from ..._core.callers import warn_user
+from ..._core.checks import did_you_mean, mapping, nearest, positive, refuse
+from ..._core.pathsim_internals import values
+from ...errors import FlightError
+from ...linear.identification import Realisation, realise, respond
+from ...linear.model import LinearModel
+from ..airframe import Airframe
+from ..channels import (
     RIGID,
     Channel,
     acceleration,
@@ -24,8 +24,8 @@ from .channels import (
     full_circle,
     ignorable,
 )
+from ..forked import rehearse
 from .flyable import Flyable, Linearised, no_model
-from .rehearsal import rehearse
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
 _PULSE = 0.025

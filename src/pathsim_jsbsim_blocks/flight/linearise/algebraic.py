@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from .._core.checks import mapping, refuse
-from .._core.units import FOOT
-from ..linear.model import LinearModel
-from .airframe import Airframe
-from .channels import RIGID, Channel, as_shown, full_circle, ignorable
+from ..._core.checks import mapping, refuse
+from ..._core.units import FOOT
+from ...linear.model import LinearModel
+from ..airframe import Airframe
+from ..channels import RIGID, Channel, as_shown, full_circle, ignorable
 from .flyable import Flyable, Linearised
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):

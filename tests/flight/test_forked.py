@@ -8,7 +8,7 @@ import pytest
 
 from pathsim_jsbsim_blocks import TrimCondition, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.flight.rehearsal import Outcome, rehearse
+from pathsim_jsbsim_blocks.flight.forked import Outcome, rehearse
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no fork")
 
