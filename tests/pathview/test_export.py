@@ -756,10 +756,38 @@ def test_ordinary_python_becomes_a_model(law, value, export):
             "_ = setattr(C, 'k', property(lambda self: 9.0))",
             "c.k",
         ),
+        ("laws = {'f': lambda: np.sin(1)}\n_ = laws.update(f=lambda: np.cos(1))", "laws['f']()"),
+        ("laws = [lambda: 1]\n_ = laws.__setitem__(0, lambda: 2)", "laws[0]()"),
+        ("laws = [lambda: max((1, 2))]\n_ = laws.__setitem__(0, lambda: max((1, 3)))", "laws[0]()"),
+        (
+            "class C:\n    def __call__(self):\n        return 1.0\nc = C()\n"
+            "_ = setattr(C, '__call__', lambda self: 9.0)",
+            "c()",
+        ),
+        (
+            "from contextvars import ContextVar\nk = ContextVar('k', default=1.0)\n_ = k.set(2.0)",
+            "k.get()",
+        ),
+        (
+            "import os\n_ = os.environ.setdefault('LIMIT_8', '2')",
+            "float(os.environ.get('LIMIT_8', 1))",
+        ),
+        (
+            "from os import getenv, environ\n_ = environ.setdefault('K_8', '2')",
+            "len(getenv('K_8'))",
+        ),
     ],
 )
 def test_a_function_exchanged_by_an_assigned_call_is_refused(before, late, export):
     with pytest.raises(DiagramError, match="is changed by a statement that the model does not"):
+        export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
+
+
+@pytest.mark.parametrize("module", ["builtins", "math"])
+def test_a_name_added_to_a_library_is_refused(module, export):
+    late = "LIMIT" if module == "builtins" else "math.LIMIT"
+    before = f"import {module}\n_ = setattr({module}, 'LIMIT', 2.0)"
+    with pytest.raises(DiagramError, match=f"{module}.LIMIT is changed"):
         export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
 
 

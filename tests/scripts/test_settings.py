@@ -105,6 +105,47 @@ def test_a_setting_without_a_place_is_refused(tmp_path, name, said):
     assert caught.value.value == 1.0
 
 
+@pytest.mark.parametrize(
+    ("name", "change", "line"),
+    [
+        ("LAW", "def LAW(t): return t", 4),
+        ("LAW", "from math import pi as LAW", 4),
+        ("LAW", "import math as LAW", 4),
+        ("LAW", "LAW[0] = 5.0", 4),
+        ("LAW", "if True:\n    LAW['a']['b'] += 5.0", 5),
+        ("LAW", "def f():\n    LAW[0] = 5.0", 5),
+        ("LAW", "del LAW[0]", 4),
+        ("LAW", "setattr(LAW, 'k', 5.0)", 4),
+        ("LAW", "globals()['LAW'] = 5.0", 4),
+        ("LAW", "import sys\nsetattr(sys.modules[__name__], 'LAW', 5.0)", 5),
+        ("part.k", "setattr(part, 'k', 5.0)", 4),
+        ("part.k", "for k in 'kl':\n    setattr(part, k, 5.0)", 5),
+        ("part.k", "part.k[0] = 5.0", 4),
+        ("part.k", "part['k'] = 5.0", 4),
+    ],
+)
+def test_what_the_script_changes_itself_is_not_set(tmp_path, name, change, line):
+    text = f"from types import SimpleNamespace\nLAW = [1.0]\npart = dict(k=[1.0])\n{change}\nLAW\n"
+    with pytest.raises(ParameterError, match=f"(changes it|sets it itself,) in line {line}"):
+        built(tmp_path, {name: [2.0]}, text)
+
+
+def test_changes_of_other_names_are_none_of_it(tmp_path):
+    text = """
+LAW = [1.0]
+def f(LAW):
+    LAW[0] = 3.0
+    import math as LAW
+def make(k):
+    return {"k": k}
+block = make(k=LAW)
+block["LAW"] = 7.0
+block[LAW[0]] = 7.0
+"""
+    module = built(tmp_path, {"LAW": [2.0], "block.k": 4.0}, text)
+    assert (module.LAW, module.block["k"]) == ([2.0], 4.0)
+
+
 def test_errors_of_the_script_are_at_its_own_lines(tmp_path):
     text = SCRIPT + "\n\n1 / 0\n"
     with pytest.raises(ZeroDivisionError) as caught:

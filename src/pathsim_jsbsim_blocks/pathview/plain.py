@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import copyreg
+import dis
+import os
 import random
 import sys
 import types
 from collections import deque
 from collections.abc import Mapping
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
@@ -15,7 +18,7 @@ from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 
-from ..scripts.script import Script
+from ..scripts.script import FOLLOWING, Script
 
 _NUMBERS = (bool, int, float, complex)
 _DEEP = 20
@@ -40,6 +43,8 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
         return f"{_kind(value)}({value.dtype}, {value.shape}, {_items(value.tolist(), _around)})"
     if id(value) in _around or len(_around) > _DEEP:
         return "..."
+    if value is os or value is os.getenv:
+        value = os.environ
     inside = (*_around, id(value))
     if isinstance(value, Mapping):
         pairs = [f"{text_of(k, inside)}: {text_of(v, inside)}" for k, v in value.items()]
@@ -49,9 +54,8 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, (set, frozenset)):
         return f"{_kind(value)}[{', '.join(sorted(text_of(v, inside) for v in value))}]"
     if isinstance(value, types.FunctionType):
-        # the rest of its code differs: calls are followed in the script, and names may change
-        floats = [c for c in value.__code__.co_consts if isinstance(c, float)]
-        return f"function{floats}{text_of({**_own_values(value), **vars(value)}, inside)}"
+        code = _of_code(value.__code__, value.__globals__)
+        return f"function{code}{text_of({**_own_values(value), **vars(value)}, inside)}"
     if isinstance(value, (staticmethod, classmethod)):
         return f"{_kind(value)}({text_of(value.__func__, inside)})"
     if isinstance(value, property):
@@ -64,7 +68,11 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     if isinstance(value, type):
         if value.__module__ not in _OWN:
             return f"{value.__module__}.{value.__qualname__}"
-        own = {k: v for k, v in vars(value).items() if not k.startswith("__")}
+        own = {
+            k: v
+            for k, v in vars(value).items()
+            if not k.startswith("__") or isinstance(v, types.FunctionType)
+        }
         return f"class {value.__qualname__} {text_of(own, inside)}"
     if type(value).__module__ in _OWN:
         return f"{_kind(value)}({_state(value, inside)}) {text_of(type(value), inside)}"
@@ -75,6 +83,8 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
 
 def _state(value: Any, around: tuple[int, ...]) -> str:
     """What would be pickled; of a file where it stands, of anything else its attributes."""
+    if isinstance(value, ContextVar):
+        return text_of(value.get(None), around)
     try:
         if hasattr(value, "tell"):
             return text_of(value.tell())
@@ -113,6 +123,31 @@ def _kind(value: Any) -> str:
     )
 
 
+def _of_code(code: types.CodeType, variables: Mapping[str, Any]) -> str:
+    """Constants and names in a code, in their order, and those of functions in it.
+
+    Not what the way into a model changes: the calls that follow a script's own, texts of several
+    lines, names of inner functions and of parts of the diagram.
+    """
+    constants = [
+        _of_code(c, variables) if isinstance(c, types.CodeType) else text_of(c)
+        for c in code.co_consts
+        if not (isinstance(c, bytes) or (isinstance(c, str) and ("\n" in c or "<locals>" in c)))
+    ]
+    names = [
+        i.argval
+        for i in dis.get_instructions(code)
+        if i.opcode in dis.hasname
+        and not (i.opname == "LOAD_GLOBAL" and _is_part(variables.get(i.argval)))
+        and i.argval not in FOLLOWING
+    ]
+    return f"{constants}{names}"
+
+
+def _is_part(value: Any) -> bool:
+    return isinstance(value, (Block, Event, Simulation))
+
+
 def _own_values(function: types.FunctionType) -> dict[str, Any]:
     """Default values of a function and variables around it, without parts of a diagram."""
     code, defaults = function.__code__, function.__defaults__ or ()
@@ -120,4 +155,4 @@ def _own_values(function: types.FunctionType) -> dict[str, Any]:
     own = dict(zip(code.co_varnames[code.co_argcount - len(defaults) :], defaults, strict=False))
     own |= function.__kwdefaults__ or {}
     own |= {name: cell.cell_contents for name, cell in cells.items()}
-    return {k: own[k] for k in sorted(own) if not isinstance(own[k], (Block, Event, Simulation))}
+    return {k: own[k] for k in sorted(own) if not _is_part(own[k])}

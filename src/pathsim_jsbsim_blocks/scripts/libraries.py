@@ -7,6 +7,7 @@ import contextlib
 import importlib
 import sys
 from collections.abc import Iterator
+from types import ModuleType
 from typing import Any
 
 _OURS = __name__.partition(".")[0]
@@ -51,17 +52,22 @@ class Libraries:
         return [
             (where, name, value)
             for where, (holder, before) in self._before.items()
-            # modules may import others at any time
-            for name in {**before, **(vars(holder) if isinstance(holder, type) else {})}
-            if vars(holder).get(name, ...) is not (value := before.get(name, ...))
+            for name, now in {**dict.fromkeys(before, ...), **vars(holder)}.items()
+            if now is not (value := before.get(name, ...))
+            and not (value is ... and isinstance(holder, ModuleType) and _is_loaded(now))
             # caches and flags are private
-            and (not name.startswith("_") or callable(vars(holder).get(name)) or callable(value))
+            and (not name.startswith("_") or callable(now) or callable(value))
         ]
 
 
 def _of_diagrams(module: str) -> bool:
     package = module.partition(".")[0]
     return package in _OF_DIAGRAMS or package.startswith("pathsim_")
+
+
+def _is_loaded(value: Any) -> bool:
+    """Whether a module may have got a value by an import, as it may at any time."""
+    return isinstance(value, ModuleType) or _of_diagrams(getattr(value, "__module__", None) or "")
 
 
 def _holders() -> Iterator[tuple[str, Any]]:

@@ -24,7 +24,7 @@ from .settings import Settings
 
 # stay in the script's namespace: its functions also call them later; not names of methods, which
 # would hide them in a class
-_CALL, _DECORATE, _SET = "__script_call__", "__script_decorate__", "__script_set__"
+FOLLOWING = _CALL, _DECORATE, _SET = "__script_call__", "__script_decorate__", "__script_set__"
 _LOADING = threading.RLock()  # `main_program` replaces values of the whole process
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 
@@ -120,8 +120,8 @@ class Script:
         """Where an object was built; None if no call of the script did."""
         return self._built.get(id(value))
 
-    def _call(self, index: int, make: Any, /, *args: Any, **kwargs: Any) -> Any:
-        node, settings = self._calls[index], self._settings
+    def _call(self, index: bytes, make: Any, /, *args: Any, **kwargs: Any) -> Any:
+        node, settings = self._calls[int(index)], self._settings
         if node in settings.calls:
             args, kwargs = settings.arguments(settings.calls[node], make, args, kwargs)
         made = make(*args, **kwargs)
@@ -167,7 +167,8 @@ class _Rewriter(ast.NodeTransformer):
 
     def _number(self, call: Any) -> ast.Constant:
         self.calls.append(call)
-        return ast.Constant(len(self.calls) - 1)
+        # as bytes: the numbers in a function stay its own
+        return ast.Constant(b"%d" % (len(self.calls) - 1))
 
 
 def _call(name: str, *args: Any, keywords: Sequence[ast.keyword] = ()) -> ast.Call:

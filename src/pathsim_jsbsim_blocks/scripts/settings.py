@@ -18,7 +18,7 @@ from pathsim.events import Event
 
 from .._core.checks import did_you_mean, nearest, refuse
 from ..errors import ParameterError
-from .names import assignments, own, references
+from .names import assignments, bound, own, references
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
 _LITERAL = (
@@ -150,15 +150,9 @@ class Settings:
             if variable in self._anywhere:
                 reason = f"{variable!r} is not the result of one call in {self._script}"
             return reason + _nearest_of(variable, blocks)
-        for node in ast.walk(self._tree):
-            if (
-                isinstance(node, ast.Attribute)
-                and isinstance(node.ctx, ast.Store)
-                and node.attr == parameter
-                and isinstance(node.value, ast.Name)
-                and node.value.id == variable
-            ):
-                return f"{self._script} sets it itself, in line {node.lineno}"
+        for root, names in _changes(self._tree):
+            if names[:2] in ([variable, parameter], [variable, ...]):
+                return f"{self._script} sets it itself, in line {root.lineno}"
         return ""
 
     def _no_constant(self, variable: str) -> str:
@@ -184,11 +178,24 @@ class Settings:
                 if variable in others:
                     names = ", ".join(sorted(others - {variable}))
                     return f"line {node.lineno} of {self._script} gives {names} the same value"
-        plain = {target for node in every for target, _ in assignments(node)}
-        for use in _uses(variable, own(self._tree.body)):
-            if not isinstance(use.ctx, ast.Load) and use not in plain:
-                return f"{self._script} changes it in line {use.lineno}"
-        return ""
+        lines = [n.lineno for n in self._changing(variable)]
+        return f"{self._script} changes it in line {min(lines)}" if lines else ""
+
+    def _changing(self, variable: str) -> Iterator[Any]:
+        """Where a variable is bound in other ways than by an assignment of its own, or changed."""
+        tree = self._tree
+        plain = {target for node in ast.walk(tree) for target, _ in assignments(node)}
+        for node in own(tree.body):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.alias)):
+                if variable in bound([node]):
+                    yield node
+            elif node not in plain and not isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
+                yield from _uses(variable, [node])
+        of_module = set(references(tree))
+        for root, names in _changes(tree):
+            through_module = names[0] in (..., "sys") and names[-1] == variable  # globals()["K"]
+            if through_module or (names[0] == variable and root in of_module):
+                yield root
 
     def constant(self, name: str, replaced: Any) -> Any:
         """The value of a variable, instead of the script's."""
@@ -249,6 +256,27 @@ def _nearest_of(name: str, names: Iterable[str]) -> str:
 
 def _uses(variable: str, nodes: Iterable[ast.AST]) -> Iterator[ast.Name]:
     return (n for n in nodes if isinstance(n, ast.Name) and n.id == variable)
+
+
+def _changes(tree: ast.AST) -> Iterator[tuple[ast.expr, list[Any]]]:
+    """What is assigned by attribute, key or ``setattr``: where it begins, and the names to it.
+
+    ``x.a["b"] = 1`` has the names x, a and b; ``...`` stands for what only a run can tell.
+    """
+    for node in ast.walk(tree):
+        target: Any = None
+        if isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(node.ctx, ast.Load):
+            target = node
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr":
+            part, name, *_ = *node.args, None, None
+            target = ast.Attribute(part, getattr(name, "value", ...))
+        names: list[Any] = []
+        while isinstance(target, (ast.Attribute, ast.Subscript)):
+            key = getattr(getattr(target, "slice", None), "value", None)
+            names.insert(0, getattr(target, "attr", key))
+            target = target.value
+        if names:
+            yield target, [getattr(target, "id", ...), *names]
 
 
 def _named(signature: inspect.Signature) -> dict[str, inspect.Parameter]:
