@@ -264,18 +264,18 @@ def _changes(tree: ast.AST) -> Iterator[tuple[ast.expr, list[Any]]]:
     ``x.a["b"] = 1`` has the names x, a and b; ``...`` stands for what only a run can tell.
     """
     for node in ast.walk(tree):
-        target: Any = None
-        if isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(node.ctx, ast.Load):
-            target = node
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr":
-            part, name, *_ = *node.args, None, None
-            target = ast.Attribute(part, getattr(name, "value", ...))
+        target: Any = node
         names: list[Any] = []
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr":
+            target, name, *_ = *node.args, None, None
+            names = [getattr(name, "value", ...)]
+        elif isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
+            continue
         while isinstance(target, (ast.Attribute, ast.Subscript)):
-            key = getattr(getattr(target, "slice", None), "value", None)
-            names.insert(0, getattr(target, "attr", key))
+            key = getattr(target, "slice", None)
+            names.insert(0, getattr(target, "attr", getattr(key, "value", None)))
             target = target.value
-        if names:
+        if target is not None and names:
             yield target, [getattr(target, "id", ...), *names]
 
 
