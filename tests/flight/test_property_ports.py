@@ -8,7 +8,8 @@ from plain_jsbsim import FLIGHTS, fly, trimmed
 
 from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, ParameterError, PropertyError
 from pathsim_jsbsim_blocks import fly as run
-from pathsim_jsbsim_blocks.flight.property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
+from pathsim_jsbsim_blocks._core.aircraft_ports import SHORT_INPUTS, SHORT_OUTPUTS
+from pathsim_jsbsim_blocks.flight.property_ports import behind
 
 T = 1 / 120
 ALTITUDE, SPEED = FLIGHTS["737"]

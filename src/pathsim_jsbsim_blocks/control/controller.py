@@ -10,7 +10,7 @@ from .._core.callers import warn_user
 from .._core.checks import number, one_of, refuse
 from .._core.docstrings import filler
 from .._core.pathsim_internals import port_names
-from .described import DescribedLaw
+from .described import DescribedLaw, as_described
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, EnvelopeLimits
 from .loops import AltitudeLoop, HeadingLoop, Reference, attitude_loop
@@ -157,6 +157,7 @@ class Hold(DescribedLaw):
             return Reference(value)
         return Reference(getattr(self.checked, port), value)
 
+    @as_described
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         for port, measured, least, name, unit in self._increments:
             if u[port] > u[measured] >= least:

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Any, ClassVar
+from collections.abc import Callable, Hashable
+from typing import Any, ClassVar, TypeVar
 
+from .._core.checks import refuse
 from .._core.tunable import TunableLaw
+from .jsbsim_xml import system
 from .signals import Law, compiled, flat
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+def as_described(law: Method) -> Method:
+    """Mark a method `law` that computes nothing beside what `describe` says and schedules."""
+    law.described = True  # type: ignore[attr-defined]
+    return law
 
 
 class DescribedLaw(TunableLaw):
@@ -23,6 +33,43 @@ class DescribedLaw(TunableLaw):
         """Outputs and next state from inputs and state; ``form`` is what else decides."""
         raise NotImplementedError
 
+    def form(self, u: list[float]) -> Hashable:
+        """What decides on the law beside parameters, at these inputs."""
+        return None
+
+    def to_jsbsim_xml(self, name: str | None = None, engines: int = 1) -> str:
+        """The law as a ``<system>`` of JSBSim, which flies as the block does, bit for bit.
+
+        All inputs count as wired: those that an `Aircraft` puts out are JSBSim's own properties,
+        the others become properties with units in their names. Outputs that an `Aircraft` takes in
+        move JSBSim's commands. The file's header lists the properties.
+
+        Parameters
+        ----------
+        name : str, optional
+            node of its properties under ``ap/pathsim/``; default is the block's ("pitch-hold")
+        engines : int
+            number of the aircraft's engines, for the throttle
+
+        Returns
+        -------
+        str
+            the text of the XML file
+
+        Raises
+        ------
+        ParameterError
+            for an invalid name or number, and for a block whose law JSBSim's XML cannot express
+        """
+        if not hasattr(type(self).law, "described"):
+            kind = type(self).__name__
+            refuse(
+                "block",
+                kind,
+                f"{kind} has no place in JSBSim's XML: it computes positions on the Earth",
+            )
+        return system(self, name, engines)
+
     def configure(self) -> None:
         self._laws: dict[Hashable, Law] = {}
         self.__dict__.pop("law", None)
@@ -32,6 +79,7 @@ class DescribedLaw(TunableLaw):
     def initial_state(self) -> tuple[Any, ...]:
         return flat(self.START)
 
+    @as_described
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         result = self.flown(u, state, None, self._inputs)
         if type(self).law is DescribedLaw.law:

@@ -314,10 +314,11 @@ class GainSchedule:
 
     def at(self, h: float, vc: float) -> AircraftGains:
         """The gains at an altitude (ft) and airspeed (KCAS)."""
-        weights = self._weights(number("h", h), number("vc", vc))
-        if len(weights) == 1:
-            return self.points[weights[0][0]].gains
-        row = self.row(vc, h)
+        h, vc = number("h", h), number("vc", vc)
+        for point in self.points:
+            if (point.altitude, point.speed) == (h, vc):
+                return point.gains
+        row = self._interpolated(h, vc)
         return AircraftGains(
             **{loop: LOOPS[loop](*row[start:end]) for loop, start, end in self.columns}
         )
@@ -330,28 +331,44 @@ class GainSchedule:
         nominal = self.points[self.nominal]
         if vc == 0.0:
             return self._rows[self.nominal].tolist()
-        weights = self._weights(nominal.altitude if h is None else h, vc)
-        row: np.ndarray = sum(share * self._rows[i] for i, share in weights)
+        return self._interpolated(nominal.altitude if h is None else h, vc)
+
+    def _interpolated(self, h: float, vc: float) -> list[float]:
+        # as JSBSim's tables do, which have the same rounding errors then
+        altitudes, speeds, numbers = self.grid
+        i, upwards = _between(altitudes, h)
+        j, along = _between(speeds, vc)
+        slower, faster = numbers[j - 1 : j + 1, i - 1 : i + 1]
+        low, high = slower * (1.0 - along) + faster * along
+        row: np.ndarray = self._rows[0].copy()
+        row[self.varying] = (low + upwards * (high - low))[self.varying]
         return row.tolist()
 
-    def _weights(self, h: float, vc: float) -> list[tuple[int, float]]:
-        """Points around an altitude and airspeed, and the share of each."""
-        altitudes, speeds, first = self._grid
-        found = []
-        for level, share in _around(altitudes, h):
-            for i, part in _around(speeds[level], vc):
-                if share * part:
-                    found.append((first[level] + i, share * part))
-        return found
+    @functools.cached_property
+    def varying(self) -> np.ndarray:
+        """Indices of the numbers that are not the same at all points."""
+        return np.flatnonzero((self._rows != self._rows[0]).any(axis=0))
 
     @functools.cached_property
-    def _grid(self) -> tuple[list[float], list[list[float]], list[int]]:
+    def grid(self) -> tuple[list[float], list[float], np.ndarray]:
+        """Altitudes, airspeeds, and the numbers at each airspeed and altitude.
+
+        It has all airspeeds at each altitude, and two of both at least.
+        """
         altitudes = sorted({point.altitude for point in self.points})
-        speeds: list[list[float]] = [[] for _ in altitudes]
-        for point in self.points:
-            speeds[altitudes.index(point.altitude)].append(point.speed)
-        first = [sum(len(row) for row in speeds[:i]) for i in range(len(altitudes))]
-        return altitudes, speeds, first
+        speeds = sorted({point.speed for point in self.points})
+        levels = []
+        for altitude in altitudes:
+            here = [i for i, point in enumerate(self.points) if point.altitude == altitude]
+            places = [self.points[i].speed for i in here]
+            columns = [np.interp(speeds, places, column) for column in self._rows[here].T]
+            levels.append(np.transpose(columns))
+        if len(altitudes) == 1:
+            altitudes, levels = [*altitudes, altitudes[0] + 1.0], levels * 2
+        numbers = np.stack(levels, axis=1)
+        if len(speeds) == 1:
+            speeds, numbers = [*speeds, speeds[0] + 1.0], np.repeat(numbers, 2, axis=0)
+        return altitudes, speeds, numbers
 
     @functools.cached_property
     def columns(self) -> list[tuple[str, int, int]]:
@@ -378,11 +395,8 @@ class GainSchedule:
 Gains = str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 
 
-def _around(places: list[float], x: float) -> list[tuple[int, float]]:
-    """Indices of the places below and above x, and the share of each; constant at the ends."""
-    above = bisect.bisect_right(places, x)
-    if above in (0, len(places)):
-        return [(min(above, len(places) - 1), 1.0)]
-    low, high = places[above - 1 : above + 1]
-    share = (x - low) / (high - low)
-    return [(above - 1, 1.0 - share), (above, share)]
+def _between(places: list[float], x: float) -> tuple[int, float]:
+    """Index of the place above x, and the share of the way to it; at the ends 0 or 1."""
+    above = min(max(bisect.bisect_left(places, x), 1), len(places) - 1)
+    share = (x - places[above - 1]) / (places[above] - places[above - 1])
+    return above, min(max(share, 0.0), 1.0)

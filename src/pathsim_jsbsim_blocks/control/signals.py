@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 Value = TypeVar("Value")
 
@@ -162,9 +162,28 @@ def _function(source: str) -> Law:
     return law
 
 
-def _source(outputs: Sequence[Any], state: Sequence[Any], before: str) -> str:
-    """A function in which equal operations are done once; those used once stand where they are."""
-    operations: dict[str, tuple[str, ...]] = {}
+class Operations(NamedTuple):
+    """The operations behind some values, each once, in an order in which they can be done."""
+
+    steps: dict[str, tuple[str, ...]]  # by the result: the operation, and what it is applied to
+    results: list[str]  # of the values: names of operations, or numbers
+
+    def uses(self, twice: Sequence[str] = ()) -> Counter[str]:
+        """How often each result is used; ``twice`` are operations that write their operands so."""
+        uses = Counter(self.results)
+        for operation, *operands in self.steps.values():
+            for operand in operands:
+                uses[operand] += 2 if operation in twice else 1
+        return uses
+
+
+# operations with these change nothing
+_NOTHING = {"add": "0.0", "sub": "0.0", "mul": "1.0", "truediv": "1.0"}
+
+
+def operations(values: Iterable[Any]) -> Operations:
+    """What leads to some values: equal operations are one."""
+    steps: dict[str, tuple[str, ...]] = {}
     named: dict[tuple[str, ...], str] = {}
     seen: dict[int, str] = {}
 
@@ -173,19 +192,27 @@ def _source(outputs: Sequence[Any], state: Sequence[Any], before: str) -> str:
             return repr(value)
         if id(value) not in seen:
             key = (value.operation, *map(name, value.operands))
-            seen[id(value)] = named.setdefault(key, f"t{len(named)}")
-            operations[named[key]] = key
+            operation, *operands = key
+            nothing = _NOTHING.get(operation)
+            if operands and operands[-1] == nothing:
+                seen[id(value)] = operands[0]
+            elif operands and operands[0] == nothing and operation in ("add", "mul"):
+                seen[id(value)] = operands[1]
+            else:
+                seen[id(value)] = named.setdefault(key, f"t{len(named)}")
+                steps[named[key]] = key
         return seen[id(value)]
 
-    results = [name(value) for value in (*outputs, *state)]
-    uses = Counter(results)
-    for operation, *operands in operations.values():
-        for operand in operands:
-            # these write it twice
-            uses[operand] += 2 if operation in ("limit", "smaller", "larger") else 1
+    return Operations(steps, [name(value) for value in values])
+
+
+def _source(outputs: Sequence[Any], state: Sequence[Any], before: str) -> str:
+    """A function in which equal operations are done once; those used once stand where they are."""
+    steps, results = found = operations((*outputs, *state))
+    uses = found.uses(twice=("limit", "smaller", "larger"))
     texts: dict[str, str] = {}
     lines = ["def law(u, x):", f"{before}= x"]
-    for result, (operation, *operands) in operations.items():
+    for result, (operation, *operands) in steps.items():
         if not operands:
             texts[result] = operation
             if operation[0] == "u":

@@ -5,55 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from .._core.aircraft_ports import (
+    ALMOST_NORTH,
+    DEG,
+    EXCESS,
+    OUTPUTS,
+    SHORT_INPUTS,
+    SHORT_OUTPUTS,
+    SURFACES,
+)
 from .._core.callers import warn_user
 from .._core.parameters import Parametric, parameter
 from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
-from .channels import ALMOST_NORTH, DEG, Channel, unit_of
+from .channels import Channel, unit_of
 from .docstrings import fill
-from .property_ports import SHORT_INPUTS, SHORT_OUTPUTS, behind
+from .property_ports import behind
 from .trimming.condition import TrimCondition
 
-_EXCESS = (None, 1.0)
 # of a normalised command, -1 to 1
 _STOP_TO_STOP = 2.0
 
-# port: (property, or None for a command's excess over its limit; factor to the port's unit).
-# Models store the port numbers, so new ports are appended
-_OUTPUTS: dict[str, tuple[str | None, float]] = {
-    "theta": ("attitude/theta-deg", 1.0),
-    "phi": ("attitude/phi-deg", 1.0),
-    "psi": ("attitude/psi-deg", 1.0),
-    "p": ("velocities/p-rad_sec", DEG),
-    "q": ("velocities/q-rad_sec", DEG),
-    "r": ("velocities/r-rad_sec", DEG),
-    "alpha": ("aero/alpha-deg", 1.0),
-    "beta": ("aero/beta-deg", 1.0),
-    "gamma": ("flight-path/gamma-deg", 1.0),
-    "h": ("position/h-sl-ft", 1.0),
-    "hdot": ("velocities/h-dot-fps", 1.0),
-    "vc": ("velocities/vc-kts", 1.0),
-    "vt": ("velocities/vt-fps", 1.0),
-    "mach": ("velocities/mach", 1.0),
-    "nx": ("accelerations/Nx", 1.0),
-    "nz": ("accelerations/Nz", 1.0),
-    "lat": ("position/lat-geod-deg", 1.0),
-    "lon": ("position/long-gc-deg", 1.0),
-    "elev_sat": _EXCESS,
-    "ail_sat": _EXCESS,
-    "rud_sat": _EXCESS,
-    "thr_sat": _EXCESS,
-}
-
-
-# port: property
-_SURFACES = {
-    "elevator": "fcs/elevator-cmd-norm",
-    "aileron": "fcs/aileron-cmd-norm",
-    "rudder": "fcs/rudder-cmd-norm",
-}
 _WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
 
 
@@ -173,9 +147,10 @@ class Aircraft(FlightBlock, Parametric):
     output_properties: Sequence[str] | None = parameter(None)
     sink_max: float = parameter(15.0)
     scrape_max: float = parameter(0.0)
+    systems: Sequence[str] | None = parameter(None)
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
-    output_port_labels = {name: i for i, name in enumerate(_OUTPUTS)}
+    output_port_labels = {name: i for i, name in enumerate(OUTPUTS)}
 
     _short = SHORT_INPUTS, SHORT_OUTPUTS
     _warned_of_units = False
@@ -185,12 +160,12 @@ class Aircraft(FlightBlock, Parametric):
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.airframe.engines))
-        inputs = [Channel(port, (name,), 1.0, "norm") for port, name in _SURFACES.items()]
+        inputs = [Channel(port, (name,), 1.0, "norm") for port, name in SURFACES.items()]
         return [*inputs, Channel("throttle", throttles, 1.0, "norm")], [
             Channel(port, (), 1.0, "norm")
             if name is None
             else Channel(port, (name,), factor, {DEG: "deg/s"}.get(factor) or unit_of(name))
-            for port, (name, factor) in _OUTPUTS.items()
+            for port, (name, factor) in OUTPUTS.items()
         ] + [
             Channel(port, names, 1.0, unit_of(names[0]))
             for port in self.further(self.outputs)
@@ -220,21 +195,21 @@ class Aircraft(FlightBlock, Parametric):
         return [0.0] * len(self.channels()[0])
 
     def _connect(self) -> tuple[Write, Read]:
-        writes = {**_SURFACES, **_WIND}
+        writes = {**SURFACES, **_WIND}
         self.check_properties(
             {self.airframe.canonical(name): port for port, name in writes.items()}
         )
         # of elevator, aileron, rudder and throttle over their limits
-        excess = [0.0] * list(_OUTPUTS.values()).count(_EXCESS)
+        excess = [0.0] * list(OUTPUTS.values()).count(EXCESS)
         return self._writer(excess), self._reader(excess)
 
     def _writer(self, excess: list[float]) -> Write:
         state, writer, canonical = self.trim, self.airframe.writer, self.airframe.canonical
         surfaces = [  # writer, trimmed command, lowest and highest command
             # JSBSim limits the sum of command and pitch trim
-            (writer(_SURFACES["elevator"]), state.elevator, *_range(state.pitch_trim)),
-            (writer(_SURFACES["aileron"]), state.aileron, -1.0, 1.0),
-            (writer(_SURFACES["rudder"]), state.rudder, -1.0, 1.0),
+            (writer(SURFACES["elevator"]), state.elevator, *_range(state.pitch_trim)),
+            (writer(SURFACES["aileron"]), state.aileron, -1.0, 1.0),
+            (writer(SURFACES["rudder"]), state.rudder, -1.0, 1.0),
         ]
         added = [
             (port, behind(name, SHORT_INPUTS))
@@ -297,11 +272,11 @@ class Aircraft(FlightBlock, Parametric):
         return write
 
     def _reader(self, excess: list[float]) -> Read:
-        ports = list(_OUTPUTS.values())
+        ports = list(OUTPUTS.values())
         names = [name for name, _ in ports if name is not None]
         names += [behind(name, SHORT_OUTPUTS)[0] for name in self.further(self.outputs)]
         read_all = self.airframe.reader_of(names)
-        first_excess, psi = ports.index(_EXCESS), list(_OUTPUTS).index("psi")
+        first_excess, psi = ports.index(EXCESS), list(OUTPUTS).index("psi")
         scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
 
         def read() -> list[float]:

@@ -67,6 +67,9 @@ _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", 
 # parameters that are those of its trim condition: a block's own setup is written after its
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
 
+# parameters that checkpoints name where they are not as usual: older ones do not name them
+_LATER = (("integrators", "default"), ("planet", None), ("gravity", None), ("systems", None))
+
 # parameters that act at once, and those that a reset refuses to change
 _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
@@ -99,6 +102,7 @@ class FlightBlock(NamedPorts, SampledPlant):
     create: Mapping[str, float] | None
     record_inputs: bool
     flightgear: str | None
+    systems: Sequence[str] | None = None
     input_properties: Sequence[str] | None
     output_properties: Sequence[str] | None
     # limits of a touch with the ground, ft/s and ft
@@ -561,10 +565,9 @@ class FlightBlock(NamedPorts, SampledPlant):
             f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
             f"create={self.create}, root={self.root}, "
             f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}"
-            # checkpoints saved before these existed do not name them
             + "".join(
                 f", {name}={getattr(self, name)!r}"
-                for name, usual in (("integrators", "default"), ("planet", None), ("gravity", None))
+                for name, usual in _LATER
                 if getattr(self, name) != usual
             )
         )

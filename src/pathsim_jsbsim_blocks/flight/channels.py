@@ -6,12 +6,8 @@ import math
 import re
 from dataclasses import dataclass
 
+from .._core.aircraft_ports import ALMOST_NORTH, DEG
 from .airframe import Airframe
-
-DEG = 180.0 / math.pi
-
-# deg; a heading above this is north with a rounding error, which JSBSim shows as up to 360
-ALMOST_NORTH = 360.0 - 1e-9
 
 
 @dataclass(frozen=True)

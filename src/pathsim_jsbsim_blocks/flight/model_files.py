@@ -10,10 +10,11 @@ import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import jsbsim
 
-from .._core.checks import as_path, did_you_mean, nearest
+from .._core.checks import as_path, did_you_mean, nearest, refuse
 from ..errors import AircraftError, FileError
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
@@ -145,8 +146,16 @@ class ModelFile:
         return [[int(feed.text or 0) for feed in engine.iterfind("feed")] for engine in engines]
 
     @contextlib.contextmanager
-    def with_cg(self, x: float) -> Iterator[str]:
-        """Context with an aircraft path to a copy whose empty-weight CG is at ``x``, inches."""
+    def staged(self, x: float | None, systems: Sequence[ET.Element]) -> Iterator[str]:
+        """Context with an aircraft path to a copy of the model.
+
+        Parameters
+        ----------
+        x : float, optional
+            where its empty-weight CG is, inches
+        systems : sequence of Element
+            further ``<system>`` elements
+        """
         with tempfile.TemporaryDirectory(
             prefix="jsbsim-aircraft-", ignore_cleanup_errors=True
         ) as stage:
@@ -154,13 +163,45 @@ class ModelFile:
             try:
                 shutil.copytree(self.path.parent, copy.parent)
                 model = self.parsed()
-                location, factor = self.cg(model)
-                node = location.find("x")
-                if node is None:
-                    raise self.error(f"the empty-weight CG of aircraft {self.aircraft!r} has no x")
-                node.text = repr(x / factor)
+                model.extend(systems)
+                if x is not None:
+                    self._move_cg(model, x)
                 copy.chmod(0o644)
                 ET.ElementTree(model).write(copy, encoding="utf-8", xml_declaration=True)
             except (OSError, shutil.Error) as error:
                 raise FileError("copy", self.path.parent, error) from None
             yield stage
+
+    def _move_cg(self, model: ET.Element, x: float) -> None:
+        location, factor = self.cg(model)
+        node = location.find("x")
+        if node is None:
+            raise self.error(f"the empty-weight CG of aircraft {self.aircraft!r} has no x")
+        node.text = repr(x / factor)
+
+
+def read_systems(parameter: str, files: Any) -> list[ET.Element]:
+    """The ``<system>`` elements of JSBSim XML files.
+
+    Raises
+    ------
+    ParameterError
+        for what is no list of paths, and a file whose root is not a ``<system>``
+    FileError
+        for a file that cannot be read
+    """
+    if not isinstance(files, (list, tuple)):
+        refuse(parameter, files, f"{parameter} must be a list of XML files, not {files!r}")
+    found = []
+    for file in files:
+        path = as_path(parameter, file)
+        try:
+            root = ET.parse(path).getroot()
+        except OSError as error:
+            raise FileError("read", path, error) from None
+        except (ET.ParseError, ValueError, LookupError) as error:
+            refuse(parameter, str(path), f"{path} is not well-formed XML: {error}")
+        if root.tag != "system":
+            refuse(parameter, str(path), f"{path} has a <{root.tag}>, not a <system> of JSBSim")
+        found.append(root)
+    return found

@@ -11,28 +11,6 @@ from ..errors import PropertyError
 from .airframe import Airframe
 from .writable import why_no_input
 
-# names that stand for properties, as inputs and as outputs; [i] is the number of an engine
-SHORT_INPUTS: Mapping[str, tuple[str, ...]] = {
-    "flaps": ("fcs/flap-cmd-norm",),
-    "gear": ("gear/gear-cmd-norm",),
-    "speedbrake": ("fcs/speedbrake-cmd-norm",),
-    "spoilers": ("fcs/spoiler-cmd-norm",),
-    "brakes": ("fcs/left-brake-cmd-norm", "fcs/right-brake-cmd-norm", "fcs/center-brake-cmd-norm"),
-    "left_brake": ("fcs/left-brake-cmd-norm",),
-    "right_brake": ("fcs/right-brake-cmd-norm",),
-    "steering": ("fcs/steer-cmd-norm",),
-    "throttle[i]": ("fcs/throttle-cmd-norm[i]",),
-}
-SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
-    "flaps": ("fcs/flap-pos-norm",),
-    "gear": ("gear/gear-pos-norm",),
-    "speedbrake": ("fcs/speedbrake-pos-norm",),
-    "spoilers": ("fcs/spoiler-pos-norm",),
-    "throttle[i]": ("fcs/throttle-pos-norm[i]",),
-    "thrust[i]": ("propulsion/engine[i]/thrust-lbs",),
-    "h_agl": ("position/h-agl-ft",),
-}
-
 
 def listed(parameter: str, names: Sequence[str] | None) -> list[str]:
     """A list of property names; none for None."""

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from .._core.aircraft_ports import ALMOST_NORTH, DEG
 from ..tracks.track import POSITION, Track
 from . import block
 from .block import FlightBlock
-from .channels import ALMOST_NORTH, DEG
 
 # label: property and factor; one that a model lacks is left out
 _SIGNALS = {

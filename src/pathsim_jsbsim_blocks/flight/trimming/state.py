@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..._core.aircraft_ports import ALMOST_NORTH
 from ..._core.extras import required
 from ..airframe import Airframe
-from ..channels import ALMOST_NORTH
 from .condition import TrimCondition
 
 if TYPE_CHECKING:

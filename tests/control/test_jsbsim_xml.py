@@ -1,0 +1,124 @@
+"""The law as JSBSim XML: it flies what the block flies, bit for bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flights import POINTS
+from how_many import first
+from xml_flights import both, during, in_jsbsim, step
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AirspeedHold,
+    AltitudeHold,
+    Autopilot,
+    CourseHold,
+    GlideslopeHold,
+    HeadingHold,
+    ParameterError,
+    PitchHold,
+    RollHold,
+    YawDamper,
+)
+from pathsim_jsbsim_blocks.errors import FileError
+
+HOLDS = [
+    (PitchHold, {"theta_ref": step(4.0, 0.5)}),
+    (RollHold, {"phi_ref": step(20.0, 0.5), "off": during(1.0, 1.5)}),
+    (HeadingHold, {"psi_ref": step(-20.0, 0.5)}),  # through north
+    (AltitudeHold, {"h_ref": step(100.0, 0.5)}),
+    (AirspeedHold, {"vc_ref": step(-8.0, 0.5)}),
+    (YawDamper, {}),
+]
+MODES = {
+    "h_ref": step(200.0, 0.5),
+    "psi_ref": step(20.0, 0.5),
+    "vc_ref": step(-10.0, 1.0),
+    "theta_ref": step(2.0, 1.5),
+    "pitch_mode": during(1.5, 2.5),
+    "roll_mode": during(2.0, 2.5),
+    "speed_off": step(1.0, 2.5),
+}
+
+
+def start(name, **options):
+    return {"aircraft": name, **POINTS[name], **options}
+
+
+@pytest.mark.parametrize(("kind", "ports"), HOLDS, ids=lambda x: getattr(x, "__name__", ""))
+def test_a_hold_flies_in_jsbsim_what_it_flies_in_pathsim(kind, ports, tmp_path):
+    flown, alone = both(lambda: kind("c172p"), start("c172p", heading=2.0), 3.0, ports, tmp_path)
+    assert np.ptp(flown[:, -1]) > 0.01
+    assert np.array_equal(alone, flown)
+
+
+@pytest.mark.parametrize(("name", "gains"), first([("737", "737-designed"), ("c172p", "c172p")]))
+def test_an_autopilot_on_a_schedule_and_protected_does(name, gains, tmp_path):
+    flown, alone = both(lambda: Autopilot(gains), start(name), 4.0, MODES, tmp_path)
+    assert (np.ptp(flown[:, -4:], axis=0) > 0.01).all()
+    assert np.array_equal(alone, flown)
+
+
+def test_a_law_may_sample_less_often_than_jsbsim_steps(tmp_path):
+    flight = start("c172p", T=1 / 60, substeps=2)
+    make = lambda: AltitudeHold("c172p", T=1 / 30)  # noqa: E731
+    flown, alone = both(make, flight, 3.0, {"h_ref": step(100.0, 0.5)}, tmp_path)
+    assert len(np.unique(flown[:, -1])) <= len(flown) / 2 + 1
+    assert np.array_equal(alone, flown)
+
+
+def test_it_captures_the_commands_at_engagement(tmp_path):
+    file = tmp_path / "pitch.xml"
+    file.write_text(PitchHold("c172p").to_jsbsim_xml(), encoding="utf-8")
+    engaged = "ap/pathsim/pitch-hold/engaged"
+    plane = Aircraft(**start("c172p"), systems=[str(file)], input_properties=[engaged])
+    fdm = plane.fdm
+    fdm["fcs/elevator-cmd-norm"] = -0.05
+    for _ in range(60):
+        fdm.run()
+    assert fdm["fcs/elevator-cmd-norm"] == -0.05
+    fdm[engaged] = 1.0
+    fdm.run()
+    # the increment starts at 0
+    assert fdm["fcs/elevator-cmd-norm"] == pytest.approx(-0.05, abs=1e-12)
+    theta = fdm["ap/pathsim/pitch-hold/theta-cmd-deg"]
+    for _ in range(1200):
+        fdm.run()
+    assert fdm["attitude/theta-deg"] == pytest.approx(theta, abs=0.05)
+    fdm[engaged] = 0.0
+    fdm.run()
+    fdm["fcs/elevator-cmd-norm"] = 0.3
+    fdm.run()
+    assert fdm["fcs/elevator-cmd-norm"] == 0.3
+
+
+def test_a_step_that_does_not_divide_the_period_leaves_it_inactive(tmp_path):
+    block = PitchHold("c172p", T=1 / 120)
+    flight = start("c172p", T=1 / 100)
+    rows = in_jsbsim(block, flight, 0.5, {}, tmp_path)
+    assert not rows[:, -1].any()
+
+
+@pytest.mark.parametrize("kind", [CourseHold, GlideslopeHold])
+def test_what_has_no_place_in_xml_is_refused_by_name(kind):
+    with pytest.raises(ParameterError, match=kind.__name__):
+        kind().to_jsbsim_xml()
+
+
+@pytest.mark.parametrize("name", ["", "Pitch Hold", "a--b", "a/b", "-a", 3])
+def test_a_name_that_makes_no_property_is_refused(name):
+    with pytest.raises(ParameterError, match="small letters"):
+        PitchHold().to_jsbsim_xml(name)
+
+
+def test_a_file_that_is_no_system_is_refused(tmp_path):
+    file = tmp_path / "a.xml"
+    with pytest.raises(FileError, match=r"a\.xml"):
+        Aircraft("c172p", systems=[str(file)])
+    for text, why in (("<system>", "well-formed"), ("<output/>", "<output>, not a <system>")):
+        file.write_text(text)
+        with pytest.raises(ParameterError, match=why):
+            Aircraft("c172p", systems=[str(file)])
+    with pytest.raises(ParameterError, match="list of XML files"):
+        Aircraft("c172p", systems=str(file))
