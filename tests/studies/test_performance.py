@@ -14,10 +14,12 @@ from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, energy_rate, loading
 from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     COLUMNS,
+    _burn,
+    _ceilings,
     _gusts,
     _load_factors,
     _stall,
@@ -108,6 +110,56 @@ def test_no_take_off_without_a_gain_table():
     plane = Plane({**C172P, "aircraft": "DHC6"})
     field(plane)
     assert {row["reason"] for row in plane.rows} == {"no gain table"}
+
+
+def test_fuel_is_weighed_up_to_where_a_tank_runs_dry():
+    """The Concorde's collector tanks are empty after 12 s; its next flight has engines again."""
+    plane = Plane({**C172P, "aircraft": "Concorde", "altitude": 0.0})
+    _burn(plane, plane.trim(302.0))
+    _, specific = plane.rows
+    assert abs(specific["difference_percent"]) < 1.0
+    plane.climb_to(30e3)
+    climb = plane.climb(301.4)
+    assert energy_rate(plane, climb) == pytest.approx(climb_rate(climb), rel=0.01)
+
+
+def test_level_flight_goes_on_where_an_afterburner_has_too_much_thrust():
+    plane = Plane({**C172P, "aircraft": "F4N", "altitude": 30e3})
+    assert plane.trim(450.0) is None
+    fast = plane.level(450.0)
+    assert (fast.mach > 1.1, fast.throttle[0], fast.gamma > 0.0) == (True, 1.0, True)
+
+
+@pytest.mark.long
+def test_a_model_that_climbs_ever_better_has_no_ceiling():
+    """The table of the F4N's engine ends at 50,000 ft."""
+    plane = Plane({**C172P, "aircraft": "F4N", "part": "level"})
+    _ceilings(plane)
+    for row in plane.rows:
+        assert row["reason"] == "above 90000 ft: its rate of climb is least at 55000 ft"
+
+
+def test_what_comes_after_the_time_of_a_part_says_so():
+    plane = Plane(C172P)
+    state = plane.glide(80.0)
+    plane._deadline = 0.0
+    assert plane.fly(state, 1.0) is None
+    plane.put("best glide ratio", 9.0, 80.0)
+    assert plane.rows[-1]["reason"] == "out of time"
+    plane.put("Vy", None)
+    plane.climb(80.0)
+    assert plane.reason == "out of time"
+    assert _work([{**C172P, "part": "turn", "altitude": 1e9}])[0]["rows"][0]["reason"]
+
+
+def test_a_chart_resumes_from_its_file(tmp_path, monkeypatch):
+    asked = {"altitudes": 0.0, "flaps": 0.0, "jobs": 1, "progress": False}
+    file = tmp_path / "sgs126.jsonl"
+    table = performance_table("sgs126", **asked, resume=file)
+    monkeypatch.setattr("pathsim_jsbsim_blocks.studies.performance._PARTS", {})
+    again = performance_table("sgs126", **asked, resume=file)
+    pandas.testing.assert_frame_equal(table, again)
+    assert again.value.notna().sum() > 20
 
 
 def test_gust_lines_are_those_of_the_printed_formula():

@@ -33,13 +33,7 @@ def add_study(commands: Commands) -> None:
     )
     sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
     sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table as CSV")
-    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
-    sub.add_argument(
-        "--resume",
-        metavar="FILE",
-        type=Path,
-        help="keep finished points in this file, and resume from it",
-    )
+    _jobs(sub)
     sub.add_argument("--wide", action="store_true", help="the larger grid, if there is one")
     own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
     own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
@@ -47,6 +41,12 @@ def add_study(commands: Commands) -> None:
     own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
     own.add_argument("--speed", metavar="KCAS", type=float, help="one airspeed")
     own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
+
+
+def _jobs(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
+    kept = "keep finished points in this file, and resume from it"
+    sub.add_argument("--resume", metavar="FILE", type=Path, help=kept)
 
 
 def study(args: argparse.Namespace) -> None:
@@ -122,7 +122,7 @@ def add_chart(commands: Commands) -> None:
         type=Path,
         help="compare with these values of a handbook, at their conditions",
     )
-    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
+    _jobs(sub)
     root_option(sub)
 
 
@@ -133,32 +133,24 @@ def chart(args: argparse.Namespace) -> None:
 
     for path in args.save:
         ending("save", writable("save", path), ".pdf", ".png", ".svg", ".csv")
-    options = {"root": args.root, "jobs": args.jobs}
+    options = {"root": args.root, "jobs": args.jobs, "resume": args.resume}
+    at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]
+    found = ["unit", "difference_percent", "reason"]
     if args.handbook is not None:
         for name in ("altitude", "weight", "flaps"):
             if getattr(args, name) is not None:
                 refuse(name, getattr(args, name), f"--handbook has its own: leave out --{name}")
         written, table = against_handbook(args.aircraft, args.handbook, **options)
-        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "speed_kcas"]
-        columns += ["value", "model"]
-        columns += ["unit", "difference_percent", "reason"]
-        _print_table(written[columns])
+        _print_table(written[[*at, "speed_kcas", "value", "model", *found]])
         terms = written.columns[written.columns.get_loc("reason") + 1 : -1]
         _print_table(written[["altitude_ft", "weight_lb", *terms]].drop_duplicates())
     else:
-        written = table = performance_table(
-            args.aircraft,
-            altitudes=args.altitude,
-            weights=args.weight,
-            flaps=args.flaps,
-            **options,
-        )
+        axes = {"altitudes": args.altitude, "weights": args.weight, "flaps": args.flaps}
+        written = table = performance_table(args.aircraft, **axes, **options)
         # a curve is drawn, its best value is printed
-        single = ~table.duplicated(["chart", "quantity", "altitude_ft", "weight_lb"], keep=False)
+        single = ~table.duplicated(["chart", *at[:3]], keep=False)
         kept = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
-        columns = ["quantity", "altitude_ft", "weight_lb", "flaps_norm", "load_factor"]
-        columns += ["speed_kcas", "value", "unit", "difference_percent", "reason"]
-        _print_table(table[kept][columns])
+        _print_table(table[kept][[*at, "load_factor", "speed_kcas", "value", *found]])
     for path in args.save:
         if path.suffix.lower() == ".csv":
             _save_table(written, path)

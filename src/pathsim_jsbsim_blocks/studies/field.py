@@ -13,7 +13,7 @@ from pathsim.events import Condition
 from ..control.gain_tables import tables
 from ..control.holds import PitchHold, RollHold
 from ..errors import BlocksError
-from ..flight import TrimCondition, trim
+from ..flight import TrimCondition, TrimState, trim
 from ..flight.aircraft import Aircraft
 from .flight_tests import LARGE, Plane, slowest
 
@@ -31,74 +31,74 @@ _READ = _HEIGHT, _GEAR, _SPEED = "position/h-agl-ft", "forces/fbz-gear-lbs", "ve
 
 def field(plane: Plane) -> None:
     """Take-off with half flaps, landing with full flaps, at the plane's altitude."""
-    if plane.airframe.aircraft not in tables():
-        plane.reason = "no gain table"
-        plane.put("field", "take-off distance", None)
-        plane.put("field", "landing distance", None)
-        return
     base = plane.base
     for name, flaps, fly in (("take-off", 0.5, _take_off), ("landing", 1.0, _landing)):
         plane.base = replace(base, flaps=flaps, gear=None if base.gear is None else 1.0)
-        try:
-            found = fly(plane)
-        except BlocksError as error:
-            found, plane.reason = None, getattr(error, "reason", str(error))
-        distance, roll, speed = found or (None, None, np.nan)
-        plane.put("field", f"{name} distance", distance, speed_kcas=speed)
-        plane.put("field", f"{name} ground roll", roll, speed_kcas=speed)
+        found: tuple[float | None, float | None, float] = None, None, np.nan
+        plane.reason = "no gain table"
+        if plane.airframe.aircraft in tables():
+            try:
+                found = fly(plane)
+            except BlocksError as error:
+                plane.reason = getattr(error, "reason", str(error))
+        distance, roll, speed = found
+        plane.put(f"{name} distance", distance, speed)
+        plane.put(f"{name} ground roll", roll, speed)
     plane.base = base
 
 
-def _take_off(plane: Plane) -> tuple[float, float, float] | None:
+def _take_off(plane: Plane) -> tuple[float, float, float]:
     """Distance to the screen, ground roll and airspeed at lift-off."""
     slow = slowest(plane)
-    if not slow:
-        return None
     climb = plane.climb(_CLIMB * slow.speed)
+    theta = min(climb.theta, _STEEPEST) if climb else _USUAL
     screen = _LARGE_SCREEN if plane.weight > LARGE else _SCREEN
     rotation = _ROTATION * slow.speed
-    on_ground = replace(_above_ground(plane), mode="ground")
-    on_wheels = trim(plane.flyer(), on_ground, hint=False).altitude - plane.base.altitude
-    track = _flown(
+    on_wheels = _on_wheels(plane)
+    above = on_wheels.altitude - plane.base.altitude + screen
+    way, speed, height, gear, _ = _flown(
         plane,
-        on_ground,
-        min(climb.theta, _STEEPEST) if climb else _USUAL,
+        on_wheels.condition,
+        theta,
         lambda speed, height, gear, ground: (float(speed < rotation), 0.0, 1.0, 0.0),
-        lambda speed, height, gear, ground: height > screen + on_wheels,
+        lambda speed, height, gear, ground: height > above,
     )
-    way, speed, height, gear, _ = track
-    if height[-1] < screen + on_wheels or not gear.any():
-        plane.reason = f"not at {screen:g} ft within {_LONGEST:g} s"
-        return None
+    if height[-1] < above or not gear.any():
+        raise BlocksError(f"not at {screen:g} ft within {_LONGEST:g} s")
     off = int(np.flatnonzero(gear)[-1])
     return float(way[-1]), float(way[off]), float(speed[off])
 
 
-def _landing(plane: Plane) -> tuple[float, float, float] | None:
+def _landing(plane: Plane) -> tuple[float, float, float]:
     """Distance from the screen to a stop, ground roll and airspeed at touchdown."""
-    slow = slowest(plane)
-    if not slow:
-        return None
-    path = plane.trim(_APPROACH * slow.speed, gamma=_PATH)
+    path = plane.trim(_APPROACH * slowest(plane).speed, gamma=_PATH)
     if not path:
-        return None
-    on_wheels = trim(plane.flyer(), replace(_above_ground(plane), mode="ground"), hint=False)
+        raise BlocksError(plane.reason)
+    on_wheels = _on_wheels(plane).altitude
     start = replace(_above_ground(plane), speed=path.speed, gamma=_PATH, solver="newton")
-    start = replace(start, altitude=on_wheels.altitude + _SCREEN)
     flare = _FLARE * -np.sin(np.radians(_PATH)) * path.tas
 
     def commands(speed: float, height: float, gear: float, ground: float) -> tuple[float, ...]:
-        wheels = height - on_wheels.altitude + plane.base.altitude
+        wheels = height - on_wheels + plane.base.altitude
         up = _NOSE_UP * min(max(1.0 - wheels / flare, 0.0), 1.0)
         return (1.0, 0.0, -1.0, 1.0) if gear else (0.0, up, -1.0, 0.0)
 
-    track = _flown(plane, start, None, commands, lambda v, h, gear, ground: ground < _STOPPED)
-    way, speed, _, gear, ground = track
+    way, speed, _, gear, ground = _flown(
+        plane,
+        replace(start, altitude=on_wheels + _SCREEN),
+        None,
+        commands,
+        lambda speed, height, gear, ground: ground < _STOPPED,
+    )
     down = int(np.flatnonzero(gear)[0]) if gear.any() else -1
     if down < 0 or ground[-1] > _STOPPED:
-        plane.reason = f"not at rest within {_LONGEST:g} s"
-        return None
+        raise BlocksError(f"not at rest within {_LONGEST:g} s")
     return float(way[-1]), float(way[-1] - way[down]), float(speed[down])
+
+
+def _on_wheels(plane: Plane) -> TrimState:
+    """The plane at rest on ground at its altitude."""
+    return trim(plane.flyer(), replace(_above_ground(plane), mode="ground"), hint=False)
 
 
 def _above_ground(plane: Plane) -> TrimCondition:
@@ -127,13 +127,9 @@ def _flown(
     pitch, roll = PitchHold(gains=gains, theta_ref=theta), RollHold(gains=gains, phi_ref=0.0)
     pilot, scope = Function(commands), Scope()
     wires = [Connection(aircraft[n], pilot[i], scope[i]) for i, n in enumerate(("vc", *_READ))]
+    wires += [Connection(aircraft[n], pitch[n]) for n in ("theta", "q", "elev_sat")]
+    wires += [Connection(aircraft[n], roll[n]) for n in ("phi", "p", "ail_sat")]
     wires += [
-        Connection(aircraft["theta"], pitch["theta"]),
-        Connection(aircraft["q"], pitch["q"]),
-        Connection(aircraft["elev_sat"], pitch["elev_sat"]),
-        Connection(aircraft["phi"], roll["phi"]),
-        Connection(aircraft["p"], roll["p"]),
-        Connection(aircraft["ail_sat"], roll["ail_sat"]),
         Connection(pilot[0], pitch["off"], roll["off"]),
         Connection(pilot[1], pitch["theta_ref"]),
         Connection(pilot[2], aircraft["throttle"]),
@@ -141,8 +137,11 @@ def _flown(
         Connection(pitch["elevator"], aircraft["elevator"]),
         Connection(roll["aileron"], aircraft["aileron"]),
     ]
-    read = lambda: [float(aircraft.outputs[n]) for n in ("vc", *_READ)]  # noqa: E731
-    done = Condition(func_evt=lambda t: ends(*read()), func_act=lambda t: sim.stop())
+
+    def over(t: float) -> bool:
+        return plane.late() or ends(*(float(aircraft.outputs[n]) for n in ("vc", *_READ)))
+
+    done = Condition(func_evt=over, func_act=lambda t: sim.stop())
     sim = Simulation([aircraft, pitch, roll, pilot, scope], wires, [done], dt=aircraft.T, log=False)
     sim.run(_LONGEST)
     _, (speed, height, gear, ground) = scope.read()

@@ -370,31 +370,31 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         refuse("table", table, "performance_chart draws a table (DataFrame) of performance_table")
     found = table.dropna(subset=["value"])
     pull = "power" if (found.quantity == "power required").any() else "thrust"
-    over_speed = {
-        (0, 2): ("level", f"{pull} available", f"{pull} required"),
-        (1, 0): ("climb", "rate of climb"),
-        (1, 2): ("glide", "sink rate"),
-        (2, 0): ("turn", "instantaneous load factor", "sustained load factor"),
-        (2, 1): ("range", "specific range"),
-    }
-    figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
-    _stall_speeds(axes[0, 0], found[found.quantity == "stall speed"])
-    _load_factors(axes[0, 1], table[table.chart == "V-n"])
     speeds = ("stall speed, throttle closed", "lowest level speed", "highest level speed")
-    _over_altitude(axes[1, 1], found, speeds, "true airspeed [kt]")
-    _over_altitude(axes[2, 2], found, ["best rate of climb"], "best rate of climb [ft/min]")
-    for place, (_, *quantities) in over_speed.items():
-        _over_speed(axes[place], found, quantities)
-    axes[1, 2].invert_yaxis()
-    charts = ("stall", "V-n", "level", "climb", "level", "glide", "turn", "range", "climb")
-    for chart, ax in zip(charts, axes.flat, strict=True):
+    panels = (
+        ("stall", _stall_speeds, ("stall speed",)),
+        ("V-n", _load_factors, ()),
+        ("level", _over_speed, (f"{pull} available", f"{pull} required")),
+        ("climb", _over_speed, ("rate of climb",)),
+        ("level", _over_altitude, speeds),
+        ("glide", _over_speed, ("sink rate",)),
+        ("turn", _over_speed, ("instantaneous load factor", "sustained load factor")),
+        ("range", _over_speed, ("specific range",)),
+        ("climb", _over_altitude, ("best rate of climb",)),
+    )
+    figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
+    for ax, (chart, draw, quantities) in zip(axes.flat, panels, strict=True):
+        draw(ax, table[table.chart == "V-n"] if chart == "V-n" else found, quantities)
         if ax.lines:
             ax.grid(alpha=0.4)
-            ax.legend(fontsize="x-small")
+            ax.legend()
             continue
-        why = table[(table.chart == chart) & table.value.isna()].reason.unique()
         ax.set_axis_off()
+        failed = table[table.quantity.str.startswith("all of ")]
+        why = table[(table.chart == chart) & table.value.isna()]
+        why = (failed if why.empty else why).reason.unique()
         ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
+    axes[1, 2].invert_yaxis()
     worst = table.difference_percent.abs()
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
     field = found[found.quantity.isin(["take-off distance", "landing distance"])]
@@ -403,10 +403,10 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     return figure
 
 
-def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
+def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
     """Quantities against airspeed, one line for each altitude and weight."""
     for quantity, style in zip(quantities, "-:", strict=False):
-        rows = table[table.quantity == quantity]
+        rows = found[found.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
             label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
             ax.plot(line.speed_kcas, line.value, style, color=f"C{i}", label=label)
@@ -415,13 +415,30 @@ def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> Non
     ax.set_xlabel("calibrated airspeed [kt]")
 
 
-def _stall_speeds(ax: Axes, rows: pd.DataFrame) -> None:
-    for flaps, line in rows.sort_values("weight_lb").groupby("flaps_norm"):
+def _stall_speeds(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
+    rows = found[found.quantity.isin(quantities)].sort_values("weight_lb")
+    for flaps, line in rows.groupby("flaps_norm"):
         ax.plot(line.weight_lb, line.value, "o-", label=f"flaps {flaps:g}")
     ax.set(xlabel="weight [lb]", ylabel="stall speed, throttle closed [KCAS]")
 
 
-def _load_factors(ax: Axes, rows: pd.DataFrame) -> None:
+def _over_altitude(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
+    """Quantities and ceilings against altitude."""
+    for i, quantity in enumerate(quantities):
+        rows = found[found.quantity == quantity]
+        for weight, line in rows.groupby("weight_lb"):
+            name = f"{quantity}, {weight:.0f} lb"
+            ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
+        for unit in rows.unit[:1]:
+            name = quantity if len(quantities) == 1 else "true airspeed"
+            ax.set_xlabel(f"{name} [{'kt' if unit == 'KTAS' else unit}]")
+    for ceiling, style in (("absolute ceiling", "-"), ("service ceiling", ":")):
+        for height in found[found.quantity == ceiling].value if ax.lines else ():
+            ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:.0f} ft")
+    ax.set_ylabel("altitude [ft]")
+
+
+def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> None:
     """Manoeuvre and gust lines of a V-n diagram."""
     limit = rows[rows.quantity == "speed at the lift limit"]
     end = rows[rows.quantity.isin(["VC", "VD"])].value.max()
@@ -444,15 +461,3 @@ def _load_factors(ax: Axes, rows: pd.DataFrame) -> None:
             ends = [speed, 0.0, speed], [1.0 + jump, 1.0, 1.0 - jump]
             ax.plot(*ends, f"C{i}--", label=f"gust at {name}")
     ax.set(xlabel="equivalent airspeed [kt]", ylabel="load factor [g]")
-
-
-def _over_altitude(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str], label: str) -> None:
-    """Quantities and ceilings against altitude."""
-    for i, quantity in enumerate(quantities):
-        for weight, line in rows[rows.quantity == quantity].groupby("weight_lb"):
-            name = f"{quantity}, {weight:.0f} lb"
-            ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
-    for ceiling, style in (("absolute ceiling", "-"), ("service ceiling", ":")):
-        for height in rows[rows.quantity == ceiling].value if ax.lines else ():
-            ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:.0f} ft")
-    ax.set(xlabel=label, ylabel="altitude [ft]")

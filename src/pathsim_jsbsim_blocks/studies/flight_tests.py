@@ -22,13 +22,19 @@ from ..flight.trimming.hints import speed_of_lift
 
 Row = dict[str, Any]
 Find = Callable[[float], TrimState | None]
+Size = Callable[[TrimState], float]
 
 _FINEST = 1.001  # ratio to which the ends of a range of speeds are found
 _GUESSES = (0.4, 0.6, 0.25, 0.8)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s that a value is flown for
 _DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of the condition
-_TIME = 15.0  # s of processor time for one part of the charts, so that 16 take two minutes on 2
+
+# s of processor time for one part of the charts: those of a propeller aircraft, 5 with levels, 9
+# stalls and 4 others, take 100 s on 2 cores, with the last trim of each (1 s) 110 s
+_TIME = {"level": 16.0, "stall": 8.0}
+_USUAL_TIME = 12.0
+_LATE = "out of time"
 LARGE = 19000.0  # lb, above which CS-25 applies
 _LEAST_FUEL = 0.05  # of full tanks
 _HEAVIEST = 1.5  # times the weight with full tanks and the model's payload
@@ -50,42 +56,52 @@ _RECORDED = {
     "g": "accelerations/gravity-ft_sec2",
 }
 
-
-_QUANTITIES = {
-    "KCAS": "stall speed; Vx; Vy",
-    "KEAS": "speed at the lift limit; VC; VD",
-    "KTAS": "stall speed, throttle closed; highest level speed; lowest level speed",
-    "ft/min": "rate of climb; best rate of climb; sink rate; least sink rate",
-    "deg": "climb angle; best angle of climb",
-    "deg/s": "sustained turn rate; instantaneous turn rate",
-    "lbf": "thrust available; thrust required; thrust of level flight; full thrust at Vy",
-    "hp": "power available; power required",
-    "lb/h": "fuel flow; least fuel flow",
-    "nmi/lb": "specific range; best specific range",
-    "ft": "sustained turn radius; instantaneous turn radius; absolute ceiling; service ceiling; "
-    "take-off distance; take-off ground roll; landing distance; landing ground roll",
-    "g": "sustained load factor; instantaneous load factor; gust load factor at VC; "
-    "gust load factor at VD",
-    "1/rad": "lift slope",
-    "": "level flight; highest level Mach number; lowest level Mach number; best glide ratio; "
-    "drag at zero lift; induced drag factor",
-}
-UNITS = {name: unit for unit, names in _QUANTITIES.items() for name in names.split("; ")}
+_CHARTS = """
+stall KCAS: stall speed
+envelope KTAS: stall speed, throttle closed
+envelope: highest level Mach number; lowest level Mach number
+level KTAS: highest level speed; lowest level speed
+level lbf: thrust available; thrust required; thrust of level flight
+level hp: power available; power required
+climb ft/min: rate of climb; best rate of climb
+climb deg: climb angle; best angle of climb
+climb KCAS: Vx; Vy
+climb ft: absolute ceiling; service ceiling
+glide ft/min: sink rate; least sink rate
+glide: best glide ratio
+range lb/h: fuel flow; least fuel flow
+range nmi/lb: specific range; best specific range
+turn g: sustained load factor; instantaneous load factor
+turn deg/s: sustained turn rate; instantaneous turn rate
+turn ft: sustained turn radius; instantaneous turn radius
+V-n KEAS: speed at the lift limit; VC; VD
+V-n g: gust load factor at VC; gust load factor at VD
+field ft: take-off distance; take-off ground roll; landing distance; landing ground roll
+terms 1/rad: lift slope
+terms: drag at zero lift; induced drag factor
+terms lbf: full thrust at Vy
+"""
+_LINES = (line.split(": ") for line in _CHARTS.strip().splitlines())
+# chart and unit of each quantity
+QUANTITIES = {n: (*at.split(), "")[:2] for at, names in _LINES for n in names.split("; ")}
 
 
 class Plane:
-    """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found."""
+    """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found.
+
+    Every value is a row: its condition, the value, what a flight finds for it, or the reason.
+    """
 
     def __init__(self, task: Mapping[str, Any]):
+        self._deadline = time.process_time() + _TIME.get(task.get("part", ""), _USUAL_TIME)
         self.airframe, self.create, base = prepared(task["aircraft"], task["root"])
         self.flyer = partial(Airframe, task["aircraft"], root=task["root"], create=self.create)
         self.rows: list[Row] = []
         self.reason = ""
         self._twin: Airframe | None = None
-        self._deadline = time.process_time() + _TIME
         fdm = self.airframe.fdm
         self.area, self.chord = (fdm[f"metrics/{name}"] for name in ("Sw-sqft", "cbarw-ft"))
-        self.kind = "propeller" if self.airframe.of_engines("propeller-rpm") else "jet"
+        self.propeller = bool(self.airframe.of_engines("propeller-rpm"))
         self.weight = fdm["inertia/weight-lbs"]
         # a flight that burns fuel would otherwise leave the next one lighter
         mass: dict[str, Any] = {"fuel": [fdm[name] for name in self.airframe.tanks]}
@@ -102,21 +118,36 @@ class Plane:
         setup = {**self.base.setup, **_NO_GROUND, **lean}
         self.base = replace(self.base, altitude=altitude, setup=setup)
 
-    def put(self, chart: str, quantity: str, value: float | None, **more: Any) -> None:
-        """Keep a value; without one its reason."""
+    def put(self, quantity: str, value: float | None, speed: float = math.nan, **more: Any) -> None:
+        """Keep a value, at an airspeed in KCAS; without one its reason."""
+        chart, unit = QUANTITIES[quantity]
         self.rows.append(
             {
                 **{"chart": chart, "quantity": quantity, "altitude_ft": self.base.altitude},
                 **{"weight_lb": self.weight, "flaps_norm": self.base.flaps or 0.0},
-                **{"value": math.nan if value is None else value, "unit": UNITS[quantity]},
-                **{"reason": self.reason if value is None else "", **more},
+                **{"speed_kcas": speed, "unit": unit},
+                **{"value": math.nan if value is None else value},
+                **{"reason": self.reason if value is None else _LATE * self.late(), **more},
             }
         )
 
+    def flown(self, found: float | None) -> None:
+        """Add to the last value what a flight has found for it, and the difference in percent."""
+        row = self.rows[-1]
+        if found is None:
+            row["reason"] = _LATE if self.late() else "the flight does not stay at the condition"
+        else:
+            row["flown"] = found
+            row["difference_percent"] = 100.0 * (found - row["value"]) / row["value"]
+
+    def late(self) -> bool:
+        """Whether the time for this part is used up."""
+        return time.process_time() > self._deadline
+
     def trim(self, speed: float, **fields: Any) -> TrimState | None:
         """The trim at an airspeed in KCAS; None without one, with ``reason`` set."""
-        if time.process_time() > self._deadline:
-            self.reason = "out of time"
+        if self.late():
+            self.reason = _LATE
             return None
         try:
             condition = replace(self.base, speed=speed, **fields)
@@ -124,6 +155,14 @@ class Plane:
         except BlocksError as error:
             self.reason = getattr(error, "reason", str(error))
             return None
+
+    def level(self, speed: float) -> TrimState | None:
+        """Level flight, or a climb at full throttle where an afterburner's thrust jumps past it."""
+        found = self.trim(speed)
+        if found is None and self.reason == "no convergence":
+            full = self.climb(speed)
+            found = full if full and full.gamma >= 0.0 else None
+        return found
 
     def climb(self, speed: float) -> TrimState | None:
         return self.trim(speed, throttle=1.0)
@@ -148,6 +187,11 @@ class Plane:
                 fdm["fcs/elevator-cmd-norm"] = max(start + elevator * step * plane.dt, -1.0)
             fdm.run()
             rows.append(read())
+            if step % 1000 == 0 and self.late():
+                return None
+        if plane.starved():
+            # its engines would start only during the next flight
+            self._twin = None
         signals = np.array(rows).T
         if not np.isfinite(signals).all():
             return None
@@ -222,7 +266,7 @@ def first(plane: Plane, find: Find) -> TrimState | None:
     return next(filter(None, map(find, speeds)), None)
 
 
-def last(find: Find, good: TrimState, ratio: float, size: Any = None) -> TrimState:
+def last(find: Find, good: TrimState, ratio: float, size: Size | None = None) -> TrimState:
     """The last trim in steps of a ratio of speed, ever finer; its size must grow, if there is one.
 
     It ends for the reason of the last search.
@@ -236,16 +280,16 @@ def last(find: Find, good: TrimState, ratio: float, size: Any = None) -> TrimSta
     return good
 
 
-def slowest(plane: Plane) -> TrimState | None:
-    """The glide with the largest lift coefficient."""
+def slowest(plane: Plane) -> TrimState:
+    """The glide with the largest lift coefficient, ``reason`` what ends it."""
     start = first(plane, plane.glide)
     if start is None:
-        return None
+        raise BlocksError(plane.reason)
     plane.reason = "largest lift"
     return last(plane.glide, start, 0.93, _lift)
 
 
-def best_of(find: Find, size: Any, start: TrimState, ratio: float = 1.05) -> TrimState:
+def best_of(find: Find, size: Size, start: TrimState, ratio: float = 1.05) -> TrimState:
     """The trim with the largest size at the speeds around ``start``."""
     best = start
     while ratio > _FINEST**2:
@@ -263,13 +307,6 @@ def best_of(find: Find, size: Any, start: TrimState, ratio: float = 1.05) -> Tri
     return best
 
 
-def flown(value: float, found: float | None) -> Row:
-    """What a flight has found for a value, and the difference in percent."""
-    if found is None:
-        return {"reason": "the flight does not stay at the condition"}
-    return {"flown": found, "difference_percent": 100.0 * (found - value) / value}
-
-
 def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
     """Force across the flight path over the weight, from a flight that starts in a steady state.
 
@@ -280,21 +317,23 @@ def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
     return force / force[0] * np.cos(flight["gamma"][0])
 
 
-def energy_rate(plane: Plane, state: TrimState, climb: float) -> float | None:
+def energy_rate(plane: Plane, state: TrimState) -> float | None:
     """Rate of change of the energy height in ft/min in a flight with controls fixed.
 
-    It passes the altitude in its middle, climbing so many ft/min; the last of three starts at an
-    airspeed with which it has that of the trim there. A phugoid leaves the energy as it is, but for
-    the drag of its load factor: that is reduced to the trim's, by a trim with that load factor.
+    It passes the altitude in its middle; the last of three starts at an airspeed with which it has
+    that of the trim there. A phugoid leaves the energy as it is, but for the drag of its load
+    factor: that is reduced to the trim's, by a trim with that load factor.
     """
+    climb = climb_rate(state)
+    climbs = abs(climb) > 1.0
     altitude = max(state.condition.altitude - 0.5 * climb * _FLIGHT / 60.0, -1500.0)
     speed = state.speed
-    for _ in range(3 if climb else 1):
+    for _ in range(3 if climbs else 1):
         flight = plane.fly(state, _FLIGHT, altitude=altitude, speed=speed)
         if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
             return None
         middle = len(flight["h"]) // 2
-        there = abs(flight["h"] - state.condition.altitude).argmin() if climb else middle
+        there = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle
         speed *= state.speed / flight["vc"][there]
     assert flight is not None
     height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
@@ -303,7 +342,7 @@ def energy_rate(plane: Plane, state: TrimState, climb: float) -> float | None:
     rate = float(np.polyval(slope, at[there])) * 60.0 / _FLIGHT
     load, throttle = float(_load_factor(flight)[there]), max(state.throttle, default=0.0)
     curved = plane.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
-    return rate + climb_rate(state) - climb_rate(curved) if curved else rate
+    return rate + climb - climb_rate(curved) if curved else rate
 
 
 def lift_flown(plane: Plane, start: TrimState, limit: TrimState, seconds: float) -> float | None:

@@ -11,7 +11,7 @@ import numpy as np
 from .._core.checks import as_path, did_you_mean, nearest, refuse
 from .._core.extras import required
 from ..errors import FileError
-from .flight_tests import UNITS
+from .flight_tests import QUANTITIES
 from .performance import performance_table
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def against_handbook(
         ``speed_kcas`` for values at an airspeed. An altitude that is left open is 0 ft, a weight
         the model's own, flaps are up
     **options
-        ``root``, ``jobs`` and ``progress`` of `performance_table`
+        ``root``, ``jobs``, ``resume`` and ``progress`` of `performance_table`
 
     Returns
     -------
@@ -56,17 +56,15 @@ def against_handbook(
         for a missing column, and for a quantity or unit that the charts do not have
     """
     rows = _rows(handbook)
-    weights = rows.weight_lb.dropna().unique().tolist()
     table = performance_table(
         aircraft,
-        altitudes=sorted(rows.altitude_ft.unique().tolist()),
-        weights=weights or None,
-        flaps=sorted(rows.flaps_norm.unique().tolist()),
+        altitudes=sorted(rows.altitude_ft.unique()),
+        weights=[*rows.weight_lb.dropna().unique()] or None,
+        flaps=sorted(rows.flaps_norm.unique()),
         **options,
     )
     pd = required("pandas", "studies")
-    compared = pd.DataFrame([_compared(row, table) for row in rows.to_dict("records")])
-    return compared, table
+    return pd.DataFrame([_compared(row, table) for row in rows.to_dict("records")]), table
 
 
 def _rows(handbook: Any) -> pd.DataFrame:
@@ -87,10 +85,12 @@ def _rows(handbook: Any) -> pd.DataFrame:
         refuse("handbook", handbook, "the handbook has no rows")
     handbook = handbook.fillna({"altitude_ft": 0.0, "flaps_norm": 0.0})
     for name, unit in zip(handbook.quantity, handbook.unit.astype(object).fillna(""), strict=True):
-        if name not in UNITS:
-            refuse("quantity", name, f"no chart has {name!r}{did_you_mean(nearest(name, UNITS))}")
-        if unit != UNITS[name]:
-            refuse("unit", unit, f"{name} is in {UNITS[name] or 'no unit'}, not {unit!r}")
+        if name not in QUANTITIES:
+            guess = did_you_mean(nearest(name, QUANTITIES))
+            refuse("quantity", name, f"no chart has {name!r}{guess}")
+        usual = QUANTITIES[name][1]
+        if unit != usual:
+            refuse("unit", unit, f"{name} is in {usual or 'no unit'}, not {unit!r}")
     for name in handbook.columns.intersection(_NUMBERS):
         try:
             handbook[name] = pd.to_numeric(handbook[name]).astype(float)
@@ -103,31 +103,28 @@ def _rows(handbook: Any) -> pd.DataFrame:
 
 def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
     """A handbook's value with the model's."""
-    name = row["quantity"]
-    failed = table[table.quantity.str.startswith("all of ")]
+    name, speed = row["quantity"], row.get("speed_kcas", math.nan)
 
-    def at(column: str, rows: pd.DataFrame, within: float = 1.0) -> pd.DataFrame:
+    def near(rows: pd.DataFrame, column: str, within: float = 1.0) -> pd.DataFrame:
         is_open = math.isnan(row[column])
         return rows if is_open else rows[(rows[column] - row[column]).abs() < within]
 
-    here = at("weight_lb", table)
-    same = at("flaps_norm", here[here.quantity == name], 1e-6)
-    level = at("altitude_ft", here)
-    if "ceiling" not in name:
-        same = at("altitude_ft", same)
-    speed = row.get("speed_kcas", math.nan)
+    here = near(table, "weight_lb")
+    level = near(here, "altitude_ft")
+    same = near(here if "ceiling" in name else level, "flaps_norm", 1e-6)
+    same = same[same.quantity == name]
     if not math.isnan(speed):
         same = _at_speed(same, speed)
-    terms = {term: level.value[level.quantity == term].max() for term in _TERMS}
-    model = same.value.iloc[0] if len(same) else math.nan
-    why = failed.reason.iloc[0] if len(failed) else "not at these conditions"
+    failed = table.reason[table.quantity.str.startswith("all of ")]
+    why = "not at these conditions" if failed.empty else failed.iloc[0]
+    model, reason = (math.nan, why) if same.empty else same.iloc[0][["value", "reason"]]
     return {
         **{column: row[column] for column in _GIVEN[:-1]},
         "speed_kcas": speed,
         "model": model,
         "difference_percent": 100.0 * (model / row["value"] - 1.0),
-        "reason": same.reason.iloc[0] if len(same) else why,
-        **terms,
+        "reason": reason,
+        **{term: level.value[level.quantity == term].max() for term in _TERMS},
         "source": row["source"],
     }
 
@@ -135,6 +132,6 @@ def _compared(row: dict[str, Any], table: pd.DataFrame) -> dict[str, Any]:
 def _at_speed(curve: pd.DataFrame, speed: float) -> pd.DataFrame:
     """The value of a curve at an airspeed; nothing beyond its ends."""
     curve = curve.dropna(subset=["value"]).sort_values("speed_kcas")
-    if curve.empty or not curve.speed_kcas.iloc[0] <= speed <= curve.speed_kcas.iloc[-1]:
+    if not curve.speed_kcas.min() <= speed <= curve.speed_kcas.max():
         return curve[:0]
     return curve[:1].assign(value=np.interp(speed, curve.speed_kcas, curve.value), reason="")

@@ -10,9 +10,11 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from .._core.checks import positive, refuse
 from .._core.extras import required
@@ -22,6 +24,7 @@ from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
 from .flight_tests import (
     LARGE,
+    Find,
     Plane,
     Row,
     best_of,
@@ -29,7 +32,6 @@ from .flight_tests import (
     energy_rate,
     extremes,
     first,
-    flown,
     last,
     lift_flown,
     path_angle,
@@ -43,13 +45,13 @@ if TYPE_CHECKING:
 # ft; those of propeller aircraft and gliders, and of jets
 _ALTITUDES = ((0.0, 5000.0, 10e3, 15e3, 20e3), (0.0, 10e3, 20e3, 30e3, 40e3, 50e3))
 _FLAPS = (0.0, 0.5, 1.0)
-_SERVICE = {"propeller": 100.0, "jet": 500.0}  # ft/min of climb left at the service ceiling
 _HIGHEST = 90e3  # ft, where the search for a ceiling ends
+_FASTEST = 5000.0  # ft/min, for a climb that is steeper than the search goes
 _STEEPEST = 9.0  # g, what pilots stand
 
 _GRID, _STEPS = 1.12, 22  # ratio of neighbouring airspeeds from the stall on, and their number
-_DIVE = -20.0  # deg, a glide so steep that a chart above the ceiling ends
-_TRIES = 6  # speeds at which a climb or level flight is looked for in vain
+_FAILURES = 6  # speeds in a row without trim, after which a curve ends
+_ENDS = ("highest level speed", "lowest level speed")
 
 _TURN = 10.0  # s, before a spiral grows
 _BURN = 20.0  # s in which the fuel flow of a turbine settles
@@ -64,67 +66,75 @@ COLUMNS = (
 def _stall(plane: Plane) -> None:
     """The stall speed at one weight and flap setting, throttle closed, load factor 1."""
     slow, why = slowest(plane), plane.reason
-    if slow is None:
-        plane.put("stall", "stall speed", None)
-        return
     value = slow.speed / math.sqrt(math.cos(math.radians(slow.gamma)))
+    plane.put("stall speed", value, slow.speed, reason=why)
     fast = plane.glide(1.15 * slow.speed)
     lift = fast and lift_flown(plane, fast, slow, 0.15 * slow.speed / _DECELERATION)
-    found = flown(value, value / math.sqrt(lift) if lift else None)
-    more = {"speed_kcas": slow.speed, "reason": why, **found}
-    plane.put("stall", "stall speed", value, **more)
+    plane.flown(value / math.sqrt(lift) if lift else None)
 
 
 def _levels(plane: Plane) -> None:
     """Level flight, climb, glide and range at one altitude, against airspeed."""
-    slow, why = slowest(plane), plane.reason
-    if slow is None:
-        plane.put("level", "level flight", None)
-        return
-    at = {"speed_kcas": slow.speed, "reason": why}
-    plane.put("envelope", "stall speed, throttle closed", slow.tas / KNOT, **at)
-    climbs: list[TrimState] = []
-    glides: list[TrimState] = []
-    levels: list[TrimState] = []
-    engines, speed = plane.airframe.engines, 1.001 * slow.speed
-    why_climb = plane.reason = "no engine"
-    for step in range(_STEPS if engines else _STEPS // 2):
-        at = {"speed_kcas": speed}
-        if glide := plane.glide(speed):
-            glides.append(glide)
-            plane.put("glide", "sink rate", -climb_rate(glide), **at)
-        # a search in vain is not repeated at every speed
-        climb = plane.climb(speed) if engines and (climbs or step < _TRIES) else None
-        if climb:
-            climbs.append(climb)
-            plane.put("climb", "rate of climb", climb_rate(climb), **at)
-            plane.put("climb", "climb angle", climb.gamma, **at)
-            _thrust(plane, "available", climb)
-        elif engines and step < _TRIES:
-            why_climb = plane.reason
-        level = plane.trim(speed) if engines and (levels or step < _TRIES) else None
-        if level:
-            levels.append(level)
-            _thrust(plane, "required", level)
-            _burn(plane, level)
-        elif levels or (glide and glide.gamma < _DIVE):
-            break
-        speed *= _GRID
-    if not engines:
-        plane.reason = "no engine"
-    _ends_of_level(plane, levels)
-    plane.reason = why_climb
-    _bests(plane, climbs)
+    slow = slowest(plane)
+    plane.put("stall speed, throttle closed", slow.tas / KNOT, slow.speed, reason=plane.reason)
+    speeds = [1.001 * slow.speed * _GRID**i for i in range(_STEPS)]
+    levels = _curve(plane, plane.level, speeds, *_ENDS, "best specific range")
+    end = 1.01 * _GRID * levels[-1].speed if levels else speeds[_STEPS // 2]
+    speeds = [speed for speed in speeds if speed < end]
+    glides = _curve(plane, plane.glide, speeds)
+    _climbs(plane, _curve(plane, plane.climb, speeds, "best rate of climb"))
     _glides(plane, glides)
-    _farthest(plane)
+    _level(plane, levels)
+
+
+def _curve(plane: Plane, find: Find, speeds: Sequence[float], *wanted: str) -> list[TrimState]:
+    """States at these airspeeds; where there are none, the reason for what was wanted of them."""
+    found: list[TrimState] = []
+    failures, plane.reason = 0, "no engine"
+    if plane.airframe.engines or find == plane.glide:
+        for speed in speeds:
+            state = find(speed)
+            found += [state] if state else []
+            failures = 0 if state else failures + 1
+            if failures == _FAILURES:
+                break
+    for quantity in () if found else wanted:
+        plane.put(quantity, None)
+    return found
+
+
+def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
+    """Thrust and fuel flow in level flight, and the ends of its airspeeds."""
+    exact = [state for state in levels if state.condition.throttle is None]
+    find, slow = (plane.trim, exact) if exact else (plane.level, levels)
+    searches = ((plane.level, levels[-1:], _GRID), (find, slow[:1], 1.0 / _GRID))
+    for quantity, (find, states, ratio) in zip(_ENDS, searches, strict=True):
+        for edge in (last(find, state, ratio) for state in states):
+            at: Row = {"speed": edge.speed, "reason": plane.reason}
+            plane.put(quantity, edge.tas / KNOT, **at)
+            plane.put(quantity.replace("speed", "Mach number"), edge.mach, **at)
+    for state in exact:
+        _thrust(plane, "required", state)
+        _burn(plane, state)
+    for name, best, choose in (("specific range", "best", max), ("fuel flow", "least", min)):
+        rows = [row for row in plane.rows if row["quantity"] == name]
+        if rows:
+            row = choose(rows, key=lambda row: row["value"])
+            plane.rows.append({**row, "quantity": f"{best} {name}"})
+        elif levels and best == "best":
+            plane.put("best specific range", None, reason="the model burns no fuel")
+    for level in exact[len(exact) // 2 :][:1]:
+        rate = energy_rate(plane, level)
+        less = None if rate is None else level.weight * rate / 60.0 / level.tas
+        plane.put("thrust of level flight", level.thrust, level.speed)
+        plane.flown(None if less is None else level.thrust - less)
 
 
 def _thrust(plane: Plane, name: str, state: TrimState) -> None:
     """Thrust, and with propellers its power, required or available."""
-    plane.put("level", f"thrust {name}", state.thrust, speed_kcas=state.speed)
-    if plane.kind == "propeller":
-        power = state.thrust * state.tas / 550.0
-        plane.put("level", f"power {name}", power, speed_kcas=state.speed)
+    plane.put(f"thrust {name}", state.thrust, state.speed)
+    if plane.propeller:
+        plane.put(f"power {name}", state.thrust * state.tas / 550.0, state.speed)
 
 
 def _burn(plane: Plane, level: TrimState) -> None:
@@ -133,80 +143,50 @@ def _burn(plane: Plane, level: TrimState) -> None:
     flight = plane.fly(level, _BURN, setup=setup)
     if flight is None or flight["fuel"][-1] <= 0.0:
         return
-    half, flow = len(flight["w"]) // 2, 3600.0 * float(flight["fuel"][-1])
-    lost = float(flight["w"][half] - flight["w"][-1])
-    way = float(flight["v"][half:].mean()) / KNOT * 0.5 * _BURN / 3600.0
-    value, at = level.tas / KNOT / flow, {"speed_kcas": level.speed}
-    plane.put("range", "fuel flow", flow, **at)
-    found = flown(value, way / lost if lost > 0.0 else None)
-    plane.put("range", "specific range", value, **at, **found)
-
-
-def _farthest(plane: Plane) -> None:
-    """Best range and endurance among the speeds of the chart."""
-    flow, reach = (
-        [row for row in plane.rows if row["quantity"] == name]
-        for name in ("fuel flow", "specific range")
-    )
-    if not flow:
-        flies = any(row["quantity"] == "thrust required" for row in plane.rows)
-        why = "the model burns no fuel" if flies else "no level flight"
-        plane.put("range", "best specific range", None, reason=why)
+    weight, step = flight["w"], _BURN / len(flight["w"])
+    # up to where a tank runs dry, as the Concorde's do
+    fed = np.flatnonzero(-np.diff(weight) > 0.9 * step * flight["fuel"][1:])
+    if not len(fed):
         return
-    best = max(reach, key=lambda row: row["value"])
-    least = min(flow, key=lambda row: row["value"])
-    plane.rows += [{**best, "quantity": "best specific range"}]
-    plane.rows += [{**least, "quantity": "least fuel flow"}]
+    end = int(fed[-1]) + 1
+    begin = (end + 1) // 2
+    flow, lost = 3600.0 * float(flight["fuel"][end]), float(weight[begin] - weight[end])
+    way = float(flight["v"][begin:end].sum()) * step / KNOT / 3600.0
+    plane.put("fuel flow", flow, level.speed)
+    plane.put("specific range", level.tas / KNOT / flow, level.speed)
+    plane.flown(way / lost if lost > 0.0 else None)
 
 
-def _ends_of_level(plane: Plane, levels: Sequence[TrimState]) -> None:
-    """The highest and the lowest airspeed of level flight, and its thrust in a flight."""
-    for end, i, ratio in (("highest", -1, _GRID), ("lowest", 0, 1.0 / _GRID)):
-        if not levels:
-            plane.put("level", f"{end} level speed", None)
-            continue
-        plane.reason = ""
-        edge = last(plane.trim, levels[i], ratio)
-        at = {"speed_kcas": edge.speed, "reason": plane.reason}
-        plane.put("level", f"{end} level speed", edge.tas / KNOT, **at)
-        plane.put("envelope", f"{end} level Mach number", edge.mach, **at)
-    if levels:
-        level = levels[len(levels) // 2]
-        rate = energy_rate(plane, level, 0.0)
-        thrust = None if rate is None else level.thrust - level.weight * rate / 60.0 / level.tas
-        found = {"speed_kcas": level.speed, **flown(level.thrust, thrust)}
-        plane.put("level", "thrust of level flight", level.thrust, **found)
-
-
-def _bests(plane: Plane, climbs: Sequence[TrimState]) -> None:
-    """Best rate and angle of climb."""
+def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
+    """Rate and angle of climb, the best of them, and the thrust available."""
     if not climbs:
-        plane.put("climb", "best rate of climb", None)
         return
+    for state in climbs:
+        plane.put("rate of climb", climb_rate(state), state.speed)
+        plane.put("climb angle", state.gamma, state.speed)
+        _thrust(plane, "available", state)
     fast = best_of(plane.climb, climb_rate, max(climbs, key=climb_rate))
     steep = best_of(plane.climb, path_angle, max(climbs, key=path_angle))
-    found = {
-        "speed_kcas": fast.speed,
-        **flown(climb_rate(fast), energy_rate(plane, fast, climb_rate(fast))),
-    }
-    plane.put("climb", "best rate of climb", climb_rate(fast), **found)
-    plane.put("climb", "best angle of climb", steep.gamma, speed_kcas=steep.speed)
-    plane.put("climb", "Vy", fast.speed)
-    plane.put("climb", "Vx", steep.speed)
-    plane.put("terms", "full thrust at Vy", fast.thrust, speed_kcas=fast.speed)
+    plane.put("best rate of climb", climb_rate(fast), fast.speed)
+    plane.flown(energy_rate(plane, fast))
+    plane.put("best angle of climb", steep.gamma, steep.speed)
+    plane.put("Vy", fast.speed)
+    plane.put("Vx", steep.speed)
+    plane.put("full thrust at Vy", fast.thrust, fast.speed)
 
 
 def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
-    """Best glide, least sink, and the terms of lift and drag: least squares over glides."""
+    """Sink rates, best glide, least sink, and the terms of lift and drag: least squares."""
     if not glides:
         return
+    for state in glides:
+        plane.put("sink rate", -climb_rate(state), state.speed)
     far = best_of(plane.glide, path_angle, max(glides, key=path_angle))
     slow = best_of(plane.glide, climb_rate, max(glides, key=climb_rate))
-    ratio, rate = -1.0 / math.tan(math.radians(far.gamma)), energy_rate(plane, far, climb_rate(far))
-    seen = rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas))
-    found = {"speed_kcas": far.speed, **flown(ratio, seen)}
-    plane.put("glide", "best glide ratio", ratio, **found)
-    plane.put("glide", "least sink rate", -climb_rate(slow), speed_kcas=slow.speed)
+    rate = energy_rate(plane, far)
+    plane.put("best glide ratio", -1.0 / math.tan(math.radians(far.gamma)), far.speed)
+    plane.flown(rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas)))
+    plane.put("least sink rate", -climb_rate(slow), slow.speed)
     used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
     if len(used) < 3 or plane.area <= 0.0:
         return
@@ -216,9 +196,9 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
     lift = (plane.weight * np.cos(gamma) - thrust * np.sin(alpha)) / force
     drag = (thrust * np.cos(alpha) - plane.weight * np.sin(gamma)) / force
     induced, zero = np.polyfit(lift**2, drag, 1)
-    plane.put("terms", "lift slope", float(np.polyfit(alpha, lift, 1)[0]))
-    plane.put("terms", "drag at zero lift", float(zero))
-    plane.put("terms", "induced drag factor", float(induced))
+    plane.put("lift slope", float(np.polyfit(alpha, lift, 1)[0]))
+    plane.put("drag at zero lift", float(zero))
+    plane.put("induced drag factor", float(induced))
 
 
 def _ceilings(plane: Plane) -> None:
@@ -237,82 +217,70 @@ def _ceilings(plane: Plane) -> None:
         best = best_of(plane.climb, climb_rate, start, 1.1)
         return climb_rate(best)
 
+    def over(limit: float, altitude: float) -> float:
+        if altitude not in rates:
+            rates[altitude] = climb(altitude)
+        return min(max(rates[altitude] - limit, -_FASTEST), _FASTEST)
+
     plane.reason = "no engine"
     rates = {-5000.0: math.inf, 0.0: climb(0.0) if plane.airframe.engines else -math.inf}
-    why_none = "below 0 ft" if math.isfinite(rates[0.0]) else plane.reason
+    why = "below 0 ft" if math.isfinite(rates[0.0]) else plane.reason
     while (top := max(rates)) < _HIGHEST and rates[top] > 0.0:
         rates[top + 5000.0] = climb(top + 5000.0)
-    for name, limit in (("absolute", 0.0), ("service", _SERVICE[plane.kind])):
-        high = next((h for h, rate in rates.items() if rate < limit), math.inf)
-        if high == 0.0 or math.isinf(high):
-            why = f"above {_HIGHEST:,.0f} ft" if high else why_none
-            plane.put("climb", f"{name} ceiling", None, reason=why)
+    for name, limit in (("absolute", 0.0), ("service", 100.0 if plane.propeller else 500.0)):
+        order = sorted(rates)
+        high = next((i for i, altitude in enumerate(order) if rates[altitude] < limit), 0)
+        if not high:
+            least = min(rates, key=lambda altitude: rates[altitude])
+            why = f"above {_HIGHEST:.0f} ft: its rate of climb is least at {least:.0f} ft"
+        if high < 2:
+            plane.put(f"{name} ceiling", None, reason=why)
             continue
-        low, why = high - 5000.0, ""
-        up, down = rates[low], rates[high]
-        while high - low > 20.0:
-            share = (up - limit) / (up - down) if math.isfinite(up - down) else 0.5
-            middle = low + min(max(share, 0.05), 0.95) * (high - low)
-            rate = climb(middle)
-            if rate > limit:
-                low, up = middle, rate
-            else:
-                high, down, why = middle, rate, "" if math.isfinite(rate) else plane.reason
-            if abs(rate - limit) < 1.0:
-                low = high = middle
-        at = {"altitude_ft": low, "speed_kcas": best.speed if best else math.nan, "reason": why}
-        plane.put("climb", f"{name} ceiling", low, **at)
-
-
-def _steepest(plane: Plane, speed: float, **fields: Any) -> TrimState | None:
-    """The turn with the largest load factor, in steps of a ratio, ever finer."""
-    found, load, ratio = None, 1.02, 1.3
-    while ratio > 1.01:
-        plane.reason = f"{_STEEPEST:g} g"
-        bank = math.degrees(math.acos(1.0 / (load * ratio)))
-        steep = load * ratio > _STEEPEST
-        turn = None if steep else plane.trim(speed, mode="turn", bank=bank, **fields)
-        if turn:
-            found, load = turn, load * ratio
-        else:
-            ratio = math.sqrt(ratio)
-    return found
+        ceiling = brentq(partial(over, limit), order[high - 1], order[high], xtol=10.0)
+        lost = any(rates[h] == -math.inf for h in rates if abs(h - ceiling) < 20.0)
+        at: Row = {"altitude_ft": ceiling, "speed": best.speed if best else math.nan}
+        plane.put(f"{name} ceiling", ceiling, **at, reason=plane.reason if lost else "")
 
 
 def _turns(plane: Plane) -> None:
     """Load factor, rate and radius of turns, sustained in level flight and at the lift limit."""
+    plane.reason = "no engine"
     slow = slowest(plane) if plane.airframe.engines else None
     if slow is None or plane.trim(1.6 * slow.speed) is None:
-        plane.reason = plane.reason or "no engine"
-        plane.put("turn", "sustained load factor", None)
+        plane.put("sustained load factor", None)
         return
-    for factor, (name, fields) in itertools.product(
-        (1.2, 1.4, 1.6, 1.85, 2.1, 2.8),
-        {"sustained": {}, "instantaneous": {"throttle": 1.0}}.items(),
-    ):
-        turn = _steepest(plane, factor * slow.speed, **fields)
-        at: Row = {"speed_kcas": factor * slow.speed, "reason": plane.reason}
-        n = 1.0 / math.cos(math.radians(turn.phi)) if turn else None
-        plane.put("turn", f"{name} load factor", n, **at)
+    kinds: dict[str, Callable[..., TrimState | None]]
+    kinds = {"sustained": plane.trim, "instantaneous": partial(plane.trim, throttle=1.0)}
+    for factor, (name, find) in itertools.product((1.2, 1.4, 1.6, 1.85, 2.1, 2.8), kinds.items()):
+        speed = factor * slow.speed
+        turn = _steepest(plane, partial(find, speed, mode="turn"))
+        at: Row = {"speed": speed, "reason": plane.reason}
+        load = 1.0 / math.cos(math.radians(turn.phi)) if turn else None
+        plane.put(f"{name} load factor", load, **at)
         if turn is None:
             continue
-        plane.put("turn", f"{name} turn radius", turn.turn_radius, **at)
-        rate = abs(turn.turn_rate)
+        plane.put(f"{name} turn radius", turn.turn_radius, **at)
+        plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
         if factor == 1.6 and name == "sustained":
             flight = plane.fly(turn, _TURN)
-            heading = None if flight is None else np.unwrap(flight["psi"], period=360.0)
-            at |= flown(
-                rate, None if heading is None else abs(float(heading[-1] - heading[0])) / _TURN
-            )
-        plane.put("turn", f"{name} turn rate", rate, **at)
+            psi = None if flight is None else np.unwrap(flight["psi"], period=360.0)
+            plane.flown(None if psi is None else abs(float(psi[-1] - psi[0])) / _TURN)
+
+
+def _steepest(plane: Plane, find: Callable[..., TrimState | None]) -> TrimState | None:
+    """The turn with the largest load factor, in steps of a ratio, ever finer."""
+    found, load, ratio = None, 1.02, 1.3
+    while ratio > 1.01:
+        n = load * ratio
+        plane.reason = f"{_STEEPEST:g} g"
+        turn = None if n > _STEEPEST else find(bank=math.degrees(math.acos(1.0 / n)))
+        found, load, ratio = (turn, n, ratio) if turn else (found, load, math.sqrt(ratio))
+    return found
 
 
 def _load_factors(plane: Plane) -> None:
     """V-n diagram: airspeeds at the lift limit, throttle closed, by load factor."""
     slow = slowest(plane)
-    if slow is None:
-        plane.put("V-n", "speed at the lift limit", None)
-        return
     # limit load factors: CS 23.337 (amendment 4), CS 25.337, CS 22.337
     high = min(max(2.1 + 24000.0 / (plane.weight + 10000.0), 2.5), 3.8)
     low = -1.0 if plane.weight > LARGE else -0.4 * high
@@ -324,16 +292,14 @@ def _load_factors(plane: Plane) -> None:
         pull = partial(plane.trim, mode="pull-up", throttle=0.0, load_factor=n)
         usual = math.sqrt(abs(n)) * slow.speed
         start = next(filter(None, (pull(factor * usual) for factor in (1.2, 1.8, 3.0, 4.5))), None)
-        if start is None and n == 1.0:
-            plane.put("V-n", "speed at the lift limit", None)
-            return
         least = start and last(pull, start, 0.93)
         keas = _keas(plane, least) if least else None
-        more: Row = {"load_factor": n, "reason": plane.reason}
+        plane.put("speed at the lift limit", keas, load_factor=n, reason=plane.reason)
+        if n == 1.0 and start is None:
+            return
         if n == 2.0 and least and keas and (fast := plane.glide(least.speed)):
             lift = lift_flown(plane, fast, least, 2.0)
-            more |= flown(keas, keas / math.sqrt(lift) if lift else None)
-        plane.put("V-n", "speed at the lift limit", keas, **more)
+            plane.flown(keas / math.sqrt(lift) if lift else None)
     _gusts(plane, slow)
 
 
@@ -349,13 +315,13 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
     W. G. Walker, NACA Report 1206, 1954. The models have no design speeds: VC = 0.9 VH and
     VD = 1.25 VC are the lowest that CS 23.335 allows.
     """
-    start = plane.trim(1.5 * slow.speed) if plane.airframe.engines else None
-    cruise = 0.9 * last(plane.trim, start, _GRID).speed if start else 2.0 * slow.speed
+    start = plane.level(1.5 * slow.speed) if plane.airframe.engines else None
+    cruise = 0.9 * last(plane.level, start, _GRID).speed if start else 2.0 * slow.speed
     for name, speed, gust in (("VC", cruise, 50.0), ("VD", 1.25 * cruise, 25.0)):
         pull = partial(plane.trim, speed, mode="pull-up", throttle=0.0)
         one, more = pull(load_factor=1.0), pull(load_factor=1.2)
         if one is None or more is None or plane.area <= 0.0 or plane.chord <= 0.0:
-            plane.put("V-n", f"gust load factor at {name}", None)
+            plane.put(f"gust load factor at {name}", None)
             continue
         rho, wing = RHO0 * plane.light, plane.weight / plane.area
         lift = 0.2 * wing / (0.5 * rho * one.tas**2)
@@ -363,13 +329,13 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
         mu = 2.0 * wing / (rho * plane.chord * slope * GRAVITY)
         relief, keas = 0.88 * mu / (5.3 + mu), _keas(plane, one)
         jump = relief * RHO0 * gust * keas * KNOT * slope / (2.0 * wing)
-        plane.put("V-n", name, keas)
-        plane.put("V-n", f"gust load factor at {name}", 1.0 + jump, speed_kcas=speed)
+        plane.put(name, keas)
+        plane.put(f"gust load factor at {name}", 1.0 + jump, speed)
 
 
 def _field(plane: Plane) -> None:
-    """Take-off and landing."""
-    from .field import field  # with PathSim, which no trim needs
+    """Take-off and landing, with PathSim, which no trim needs."""
+    from .field import field
 
     field(plane)
 
@@ -385,7 +351,7 @@ _PARTS: Mapping[str, Callable[[Plane], None]] = {
 
 
 def _work(tasks: list[Mapping[str, Any]]) -> list[Row]:
-    """The rows of each task; where an aircraft cannot be loaded so, the reason."""
+    """The rows of each task; where an aircraft cannot be loaded so, or does not glide, why."""
     found = []
     for task in tasks:
         try:
@@ -393,7 +359,8 @@ def _work(tasks: list[Mapping[str, Any]]) -> list[Row]:
             _PARTS[task["part"]](plane)
             rows = plane.rows
         except BlocksError as error:
-            rows = [{"quantity": f"all of {task['part']}", "reason": str(error), **_place(task)}]
+            reason = getattr(error, "reason", str(error))
+            rows = [{"quantity": f"all of {task['part']}", "reason": reason, **_place(task)}]
         found.append({"rows": rows})
     return found
 
@@ -411,13 +378,13 @@ def performance_table(
     flaps: float | Iterable[float] | None = None,
     root: str | None = None,
     jobs: int = -1,
+    resume: str | Path | None = None,
     progress: bool = True,
 ) -> pd.DataFrame:
     """What an aircraft can do: stall, level flight, climb, ceilings, glide, range, turns, V-n.
 
-    Retractable gear is up and fuel is frozen; piston engines are leaned in proportion to the air
-    density. A sample of each chart is flown for 60 s with controls fixed (turns 10 s, the stall in
-    a deceleration of 1 kt/s).
+    Retractable gear is up, fuel frozen, piston engines leaned in proportion to the air density. A
+    sample of each chart is flown with controls fixed.
 
     Parameters
     ----------
@@ -431,10 +398,8 @@ def performance_table(
         the first one. Default is the model's own, and for the stall its lightest and heaviest too
     flaps : float or iterable, optional
         flap commands for the stall speeds, 0 to 1; default 0, 0.5 and 1
-    root : str, optional
-        JSBSim root directory; default is the one shipped with jsbsim
-    jobs, progress
-        as in `trim_sweep`
+    root, jobs, resume, progress
+        as in `trim_sweep`; parts that ran out of time are kept so
 
     Returns
     -------
@@ -442,8 +407,8 @@ def performance_table(
         one row for each value: ``chart``, ``quantity``, its condition (``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``speed_kcas``, ``load_factor``), ``value`` and ``unit``,
         ``flown``, what a time history has found, ``difference_percent`` of it, and ``reason``: why
-        there is no value, or what limits it. Work on one part ends after 15 s of processor time,
-        with the reason "out of time"
+        there is no value, what limits it, or "out of time": each part of the work has 8 to 16 s of
+        processor time
 
     Raises
     ------
@@ -459,13 +424,8 @@ def performance_table(
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)
     given = [None] if weights is None else _axis("weight", weights)
     settings = _FLAPS if flaps is None else _axis("flaps", flaps)
-    common = {
-        "aircraft": aircraft,
-        "root": root,
-        "flaps": None,
-        "altitude": at[0],
-        "weight": given[0],
-    }
+    common: Row = {"aircraft": aircraft, "root": root, "flaps": None}
+    common |= {"altitude": at[0], "weight": given[0]}
     parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in given for h in at]
     parts += [{**common, "part": part} for part in ("turn", "V-n", "field")]
     parts += [{**common, "part": "ceiling", "weight": w} for w in given]
@@ -479,7 +439,7 @@ def performance_table(
         title=f"charts of {aircraft}",
         job=lambda: {"aircraft": aircraft, "parts": parts},
         jobs=jobs,
-        resume=None,
+        resume=resume,
         progress=progress,
     )
     table = pd.DataFrame([row for part in found for row in part["rows"]], columns=list(COLUMNS))
