@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from .._core.checks import positive, refuse
 from .._core.extras import required
@@ -203,6 +202,8 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
 
 def _ceilings(plane: Plane) -> None:
     """The altitudes at which the best rate of climb has fallen to 0 and to the service limit."""
+    from scipy.optimize import brentq  # no trim needs it
+
     best: TrimState | None = None
 
     def climb(altitude: float) -> float:
