@@ -102,7 +102,17 @@ print(json.dumps([brought, offered, replaced, said]))
 
 def test_the_import_brings_no_heavy_module(asked):
     # pathsim itself brings numpy, scipy and matplotlib.pyplot
-    heavy = ["pandas", "joblib", "dask", "pathview", "flask", "pymap3d", "docutils", "tqdm"]
+    heavy = [
+        "pandas",
+        "joblib",
+        "dask",
+        "pathview",
+        "flask",
+        "pymap3d",
+        "docutils",
+        "tqdm",
+        "gymnasium",
+    ]
     brought = asked[0]
     assert "pathsim_jsbsim_blocks" in brought
     assert set(brought).isdisjoint(heavy)

@@ -13,6 +13,7 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``errors``: all errors
 - ``flight``: aircraft without a diagram, ``trim``, ``linear_model``, ``level_flight``,
   ``aircraft_names``
+- ``gym``: ``make_env``, any diagram as an environment of Gymnasium
 - ``linear``: ``LinearModel``, its modes and ``flying_qualities``, figures such as ``bode``
 - ``pathview``: ``view``, ``export_script``, ``convert_model``
 - ``plots``: figures, such as ``time_histories`` and ``show``

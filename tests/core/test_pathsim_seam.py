@@ -15,7 +15,7 @@ import pytest
 from package_source import nodes
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Block, Constant, Integrator, Scope, Source
-from pathsim.events import Event, ZeroCrossing
+from pathsim.events import Condition, Event, ZeroCrossing
 from pathsim.solvers import EUB, EUF, RK4, SSPRK22
 from pathsim.utils.logger import LoggerManager
 from pathsim.utils.register import Register
@@ -224,6 +224,25 @@ def test_the_truth_value_of_what_a_diagram_has_is_whether_it_is_active():
         assert thing
         thing._active = False
         assert not thing, f"{type(thing).__name__}._active no longer says whether it is on"
+
+
+def test_a_piece_of_a_run_begins_as_a_run_does():
+    def diagram():
+        source, scope, calls = Source(lambda t: t), Scope(), []
+        event = Condition(lambda t: source.outputs[0] >= 0.5, lambda t: calls.append(t))
+        sim = Simulation([source, scope], [Connection(source, scope)], [event], dt=0.25, log=False)
+        return sim, scope, calls
+
+    (sim, scope, calls), (other, again, late) = diagram(), diagram()
+    pieces = running.Pieces(other)
+    for count in (1, 2, 3):
+        sim.run(count * 0.25)
+        assert pieces.run(count)
+    assert other.time == sim.time == 1.5
+    assert calls == late
+    assert len(calls) > 0
+    for one, two in zip(scope.read(), again.read(), strict=True):
+        assert np.array_equal(one, two)
 
 
 def test_a_step_samples_as_pathsim_does():

@@ -60,6 +60,11 @@ def port_names(register: Register) -> dict[str, int]:
     return register._mapping
 
 
+def port_reader(register: Register, number: int) -> Callable[[], float]:
+    """A function that reads a port, whatever array the register then has."""
+    return lambda: register._data.item(number)
+
+
 def port_number(register: Register, port: str | int) -> int:
     """Number of a port that is given by name or number."""
     return register._map(port)
@@ -462,6 +467,15 @@ def run_in_real_time(
     finally:
         del sim._run_loop
     return trackers[0].stats
+
+
+def show_edited(sim: Simulation, dt: float) -> None:
+    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins."""
+    sim._update(sim.time)
+    for event, *_ in sim._detected_events(sim.time):
+        event.resolve(sim.time)
+        sim._update(sim.time)
+    sim._sample(sim.time, dt)
 
 
 def fixed_step(sim: Simulation, dt: float) -> Callable[[], bool]:

@@ -85,6 +85,49 @@ def fly(
     return tracker.stats
 
 
+class Pieces:
+    """A run from the initial state, made in pieces; in between, values may be edited.
+
+    Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit, without the checks with which
+    a run begins.
+
+    Parameters
+    ----------
+    sim : pathsim.Simulation
+        with a fixed step; it is reset
+    """
+
+    def __init__(self, sim: Simulation):
+        self._sim, self._dt = sim, number("dt", positive("dt", sim.dt))
+        self._steps = pathsim_internals.run_loop(
+            sim, sim.dt, True, False, pathsim_internals.tracker(sim, sim.dt)
+        )
+        self._steps.close()
+        sim.reset()
+        self._step = pathsim_internals.fixed_step(sim, self._dt)
+
+    def show(self) -> None:
+        """Show what follows from the values as they are now."""
+        with self._steps:
+            self._steps.go_on()
+            pathsim_internals.show_edited(self._sim, self._dt)
+
+    def run(self, count: int) -> bool:
+        """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""
+        sim, steps, step = self._sim, self._steps, self._step
+        try:
+            with steps:
+                steps.go_on()
+                pathsim_internals.show_edited(sim, self._dt)
+                for _ in range(count):
+                    if not steps.go_on():
+                        break
+                    step()
+        except StopSimulation:
+            sim.stop()
+        return pathsim_internals.is_running(sim)
+
+
 @contextlib.contextmanager
 def with_progress() -> Iterator[None]:
     """Context in which ``Simulation.run`` shows the progress bar of `fly`."""

@@ -5,12 +5,17 @@ from __future__ import annotations
 import contextlib
 import pickle
 import random
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from pathsim import Simulation
-from pathsim.blocks import Block
+from pathsim.blocks import (
+    Block,
+    ChirpPhaseNoiseSource,
+    RandomNumberGenerator,
+    SinusoidalPhaseNoiseSource,
+)
 
 from .noise import WhiteNoise
 from .pathsim_internals import draw_first
@@ -67,12 +72,7 @@ class Seeding:
         Those of ``given`` keep theirs.
         """
         self._look()
-        blocks = [b for b in contents(sim)[0] if hasattr(b, "seed") or _sources(b)]
-        children = np.random.SeedSequence(self.seed).spawn(len(blocks))
-        for block, child in zip(blocks, children, strict=True):
-            if not any(block is x for x in given):
-                _seed(block, int(child.generate_state(1)[0]))
-                self._blocks.append(block)
+        self._blocks += seed_blocks(random_blocks(sim), self.seed, given)
         self._before = self._state()
 
     def _look(self) -> None:
@@ -83,12 +83,34 @@ class Seeding:
         return pickle.dumps((shared, [_sources(block) for block in self._blocks]))
 
 
+_SHARED = (RandomNumberGenerator, SinusoidalPhaseNoiseSource, ChirpPhaseNoiseSource)
 _KINDS = (np.random.Generator, np.random.RandomState, random.Random, WhiteNoise)
 
 
 def _sources(block: Block) -> list[Any]:
     """The generators that a block holds."""
     return [x for x in vars(block).values() if isinstance(x, _KINDS)]
+
+
+def random_blocks(sim: Simulation) -> list[Block]:
+    """The blocks of a diagram that have a seed or a generator, those in subsystems included."""
+    return [b for b in contents(sim)[0] if hasattr(b, "seed") or _sources(b)]
+
+
+def draws_from_shared(block: Block) -> bool:
+    """Whether a block draws from NumPy's global generator."""
+    return isinstance(block, _SHARED)
+
+
+def seed_blocks(blocks: Sequence[Block], seed: int, given: Collection[Any] = ()) -> list[Block]:
+    """Give each block but those of ``given`` a seed of its own; returns those that have got one."""
+    seeded = []
+    children = np.random.SeedSequence(seed).spawn(len(blocks))
+    for block, child in zip(blocks, children, strict=True):
+        if not any(block is x for x in given):
+            _seed(block, int(child.generate_state(1)[0]))
+            seeded.append(block)
+    return seeded
 
 
 def _seed(block: Block, seed: int) -> None:

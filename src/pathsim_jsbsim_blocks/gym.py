@@ -1,0 +1,516 @@
+"""Any diagram as an environment of Gymnasium: `make_env`, and three registered tasks.
+
+Importing this module registers ``pathsim-jsbsim/PitchHold-v0``,
+``pathsim-jsbsim/HeadingInTurbulence-v0`` and ``pathsim-jsbsim/Approach-v0``.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from pathsim import Connection, Simulation
+from pathsim.blocks import Block
+
+from ._core.callers import frames
+from ._core.checks import (
+    did_you_mean,
+    limits,
+    mapping,
+    nearest,
+    nearest_ports,
+    number,
+    one_of,
+    positive,
+    refuse,
+)
+from ._core.extras import required
+from ._core.pathsim_internals import port_names, port_number, port_reader, show, values
+from ._core.running import Pieces
+from ._core.seeding import draws_from_shared, random_blocks, seed_blocks
+from ._core.wiring import contents
+from .catalogue import find_diagram
+from .errors import FlightError
+from .flight import Aircraft
+from .scripts.script import Script
+from .tracks.track import POSITION, Track
+from .wind.turbulence import DrydenTurbulence
+
+if TYPE_CHECKING:
+    import gymnasium
+    from matplotlib.figure import Figure
+else:
+    gymnasium = required("gymnasium", "gym")
+
+__all__ = ["DiagramEnv", "make_env"]
+
+# relative; how far a step may be from a whole number of the diagram's steps
+_ROUNDING = 1e-9
+
+Judge = Callable[[Mapping[str, float]], Any]
+Ranges = Mapping[str, tuple[float, float]]
+
+
+class _Port(NamedTuple):
+    """A port with the range of its values."""
+
+    name: str
+    block: Block
+    number: int
+    read: Callable[[], float]
+    low: float = -np.inf
+    high: float = np.inf
+
+
+class _Values(Mapping[str, float]):
+    """Values of all ports of a diagram by ``"BLOCK.PORT"``, and ``"time"`` in s."""
+
+    def __init__(self, sim: Simulation, blocks: Mapping[str, Block]):
+        self._blocks = blocks
+        self._read: dict[str, Callable[[], float]] = {"time": lambda: float(sim.time)}
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self._read:
+            self._read[name] = _port(self._blocks, "values", name).read
+        return self._read[name]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._read)
+
+    def __len__(self) -> int:
+        return len(self._read)
+
+
+class DiagramEnv(gymnasium.Env):
+    """A diagram as an environment, made by `make_env`.
+
+    Attributes
+    ----------
+    simulation : pathsim.Simulation
+        the diagram
+    values : mapping
+        values of its ports now, as ``reward`` gets them
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
+    simulation: Simulation
+    values: Mapping[str, float]
+    action_space: gymnasium.spaces.Box
+    observation_space: gymnasium.spaces.Box
+
+    def __init__(self, build: Callable[[Mapping[str, Any]], Any], given: Mapping[str, Any]):
+        self._build, self._given = build, given
+        self._vary = {n: _range(n, r) for n, r in mapping("vary", given["vary"]).items()}
+        # a variable of a script takes effect where the script is built again
+        self._anew = any("." not in name for name in self._vary)
+        self._crash = number("crash", given["crash"])
+        self._reward, self._terminated = given["reward"], given["terminated"] or (lambda _: False)
+        for name, judge in (("reward", self._reward), ("terminated", self._terminated)):
+            if not callable(judge):
+                refuse(name, judge, f"{name} must be a function of the values, not {judge!r}")
+        self.render_mode = given["render_mode"]
+        if self.render_mode is not None:
+            one_of("render_mode", self.render_mode, self.metadata["render_modes"])
+        self._load({})
+        step, dt = positive("step", given["step"]), self.simulation.dt
+        self._count = round(step / dt)
+        if not self._count or abs(step / dt - self._count) > _ROUNDING * self._count:
+            refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
+        self._longest = round(positive("duration", given["duration"]) / step)
+        self.action_space = self._space(self._actions)
+        self.observation_space = self._space(self._observed)
+        self._pieces: Pieces | None = None
+        self._rows: list[list[float]] = []
+
+    def _load(self, varied: Mapping[str, Any]) -> None:
+        """Build the diagram and lead the actions into it."""
+        given = self._given
+        sim, blocks = self.simulation, self._blocks = self._build(varied)
+        if sim.engine.is_adaptive:
+            refuse("diagram", sim, "an environment needs a solver with a fixed step")
+        if shared := [type(b).__name__ for b in sim.blocks if draws_from_shared(b)]:
+            why = "draws from NumPy's global generator, which no seed reaches: use WhiteNoise"
+            refuse("diagram", sim, f"{shared[0]} {why}")
+        self.values = _Values(sim, blocks)
+        seen = given["observation"]
+        seen = seen if isinstance(seen, Mapping) else dict.fromkeys(seen, (-np.inf, np.inf))
+        self._observed = [_port(blocks, "observation", n, *_range(n, r)) for n, r in seen.items()]
+        self._actions = [
+            _port(blocks, "action", n, *_range(n, r), inputs=True)
+            for n, r in mapping("action", given["action"]).items()
+        ]
+        if not self._anew:
+            self._places = {name: _parameter(blocks, name) for name in self._vary}
+        one_of("wired", given["wired"], ("refuse", "replace"))
+        # plain blocks: the outputs of the first stay as they are written; the second takes what an
+        # action replaces, which so keeps a wire
+        self._source, self._spare = Block(), Block()
+        sim.add_block(self._source)
+        sim.add_block(self._spare)
+        for i, action in enumerate(self._actions):
+            self._lead(i, action)
+        self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "airframe")]
+        self._random = random_blocks(sim)
+
+    def _lead(self, i: int, action: _Port) -> None:
+        """Lead an action into its port, in place of a wire that leads there."""
+        sim, port = self.simulation, (action.block, action.number)
+        if action.block not in sim.blocks:
+            refuse("action", action.name, f"{action.name!r} is inside a subsystem")
+        for wire in list(sim.connections):
+            pairs = [
+                (source, (target.block, port_number(target.block.inputs, p)))
+                for target in wire.targets
+                for source, p in zip(wire.source.ports, target.ports, strict=True)
+            ]
+            if not any(end == port for _, end in pairs):
+                continue
+            if self._given["wired"] == "refuse":
+                why = f"a wire leads into {action.name!r}; wired='replace' takes its place"
+                refuse("wired", "refuse", why)
+            sim.remove_connection(wire)
+            for source, (block, k) in pairs:
+                end = self._spare[i] if (block, k) == port else block[k]
+                sim.add_connection(Connection(wire.source.block[source], end))
+        sim.add_connection(Connection(self._source[i], action.block[action.number]))
+
+    def _space(self, ports: Sequence[_Port]) -> gymnasium.spaces.Box:
+        low, high = _limits(ports)
+        if self._given["normalise"]:
+            if endless := [p.name for p in ports if not np.isfinite(p.high - p.low)]:
+                refuse("normalise", True, f"normalise needs a range of {endless[0]!r}")
+            low, high = -np.ones(len(ports)), np.ones(len(ports))
+        return gymnasium.spaces.Box(low, high, dtype=np.float64)
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode; ``options`` are values of what is varied, in place of those drawn.
+
+        ``info["varied"]`` has the values. The ``seed`` decides all random numbers from here on.
+
+        Raises
+        ------
+        ParameterError
+            for an option that is not varied
+        TrimError
+            where the aircraft does not trim
+        """
+        super().reset(seed=seed)
+        chosen = {
+            one_of("options", n, self._vary): v for n, v in mapping("options", options).items()
+        }
+        varied = {n: self.np_random.uniform(*r) for n, r in self._vary.items()} | chosen
+        drawn = int(self.np_random.integers(2**31))
+        if self._anew:
+            self._load(varied)
+        else:
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
+                for name, value in varied.items():
+                    setattr(*self._places[name], value)
+        self._pieces, self._made, self._rows = Pieces(self.simulation), 0, []
+        seed_blocks(self._random, drawn)
+        self._pieces.show()
+        return self._observe(), {"varied": varied}
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Fly on for a step; an action beyond its range is limited to it.
+
+        A `FlightError` terminates the episode; ``info["reason"]`` has its text.
+
+        Raises
+        ------
+        ParameterError
+            for an action of another shape, or one that is not finite
+        """
+        if self._pieces is None:
+            raise gymnasium.error.ResetNeeded("the episode has ended, or none has begun: reset()")
+        box, u = self.action_space, np.asarray(action, dtype=float)
+        if u.shape != box.shape or not np.isfinite(u).all():
+            refuse("action", action, f"action must be {len(self._actions)} numbers, not {action!r}")
+        u = u.clip(box.low, box.high)
+        if self._given["normalise"]:
+            low, high = _limits(self._actions)
+            u = low + 0.5 * (u + 1.0) * (high - low)
+        show(self._source.outputs, u.tolist())
+        self._made += 1
+        info = {}
+        try:
+            goes_on = self._pieces.run(self._count)
+            reward = float(self._reward(self.values))
+            terminated = not goes_on or bool(self._terminated(self.values))
+        except FlightError as error:
+            reward, terminated, info = self._crash, True, {"reason": str(error)}
+        if terminated:
+            self._pieces = None
+        return self._observe(), reward, terminated, self._made >= self._longest, info
+
+    def _observe(self) -> np.ndarray:
+        """The observation, kept for `figure` and `track`."""
+        y = [port.read() for port in self._observed]
+        row = [self.values["time"], *y, *values(self._source.outputs)[: len(self._actions)]]
+        for block in self._flown[:1]:
+            row += [block.outputs[name] for name in POSITION if name in port_names(block.outputs)]
+        self._rows.append(row)
+        box, seen = self.observation_space, np.array(y)
+        if self._given["normalise"]:
+            low, high = _limits(self._observed)
+            seen = 2.0 * (seen - low) / (high - low) - 1.0
+        return seen.clip(box.low, box.high)
+
+    def _columns(self) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, Any]]:
+        """Times of the episode, observations and actions, and the track of its first aircraft."""
+        time, *columns = np.array(self._rows).T
+        names = [port.name for port in (*self._observed, *self._actions)]
+        place = dict(zip(POSITION, columns[len(names) :], strict=False))
+        return time, dict(zip(names, columns, strict=False)), place
+
+    def figure(self) -> Figure:
+        """The episode so far: observations and actions over time, and the path over the ground."""
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        time, signals, place = self._columns()
+        drawing = Figure(figsize=(10.0, 1.5 + 0.9 * len(signals)), layout="constrained")
+        FigureCanvasAgg(drawing)
+        sides: Any = drawing.subfigures(1, 2, width_ratios=(3, 2))
+        left, right = sides
+        axes = left.subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
+        for i, (ax, (name, column)) in enumerate(zip(axes, signals.items(), strict=True)):
+            seen = i < len(self._observed)
+            # an action is held over the step that ends at its time
+            ax.plot(
+                time, column, *(["C0"] if seen else ["C1"]), drawstyle=None if seen else "steps-pre"
+            )
+            ax.set_ylabel(name.replace(".", "\n"), fontsize="small", rotation=0, ha="right")
+            ax.grid(alpha=0.4)
+        axes[-1].set_xlabel("time [s]")
+        ax = right.subplots()
+        if len(place) == len(POSITION):
+            ax.plot(place["lon"], place["lat"], marker="o", markevery=[-1])
+        ax.set(xlabel="longitude [deg]", ylabel="latitude [deg]", title="path over the ground")
+        ax.ticklabel_format(useOffset=False)
+        ax.grid(alpha=0.4)
+        return drawing
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """The picture of `figure` as an array of RGB values."""
+        if self.render_mode is None:
+            return None
+        canvas: Any = self.figure().canvas
+        canvas.draw()
+        return np.array(canvas.buffer_rgba())[..., :3]
+
+    def track(self) -> Track:
+        """The episode's flight, a row for each step, as `save_tracks` takes it.
+
+        Raises
+        ------
+        ParameterError
+            for a diagram without an `Aircraft`
+        """
+        time, signals, place = self._columns()
+        if len(place) < len(POSITION):
+            refuse("diagram", self.simulation, "the diagram has no Aircraft, and so no track")
+        model = self._flown[0].airframe.aircraft
+        return Track(model, model, time, **place, signals=signals)
+
+
+def make_env(
+    diagram: str | Path | Simulation,
+    *,
+    action: Ranges,
+    observation: Sequence[str] | Ranges,
+    reward: Judge,
+    terminated: Judge | None = None,
+    step: float = 0.1,
+    duration: float = 20.0,
+    vary: Ranges | None = None,
+    settings: Mapping[str, Any] | None = None,
+    wired: str = "refuse",
+    normalise: bool = False,
+    crash: float = 0.0,
+    render_mode: str | None = None,
+) -> DiagramEnv:
+    """An environment of Gymnasium made of a diagram.
+
+    Ports are ``"BLOCK.PORT"``: BLOCK is a variable of the script, or of the caller for a
+    simulation, PORT a name or number of an output, or of an input where no output has it.
+
+    Parameters
+    ----------
+    diagram : str, Path or Simulation
+        name in the catalogue, path of a script that builds ``sim``, or a simulation, which the
+        actions are wired into; its step is fixed
+    action : dict
+        input ports with the range of their values, held over each step; at an `Aircraft` they are
+        increments on the trimmed commands
+    observation : list or dict
+        ports, or ports with their ranges, to which the observations are limited
+    reward : callable
+        called after each step with the values of all ports by name, ``values["aircraft.theta"]``,
+        and ``values["time"]`` in s
+    terminated : callable, optional
+        called likewise: whether the episode ends here, as it does by a ``sim.stop()`` in the
+        diagram and by a `FlightError`
+    step : float
+        simulated time of a step in s, a multiple of the diagram's ``dt``
+    duration : float
+        time after which an episode is truncated, s
+    vary : dict
+        ranges from which each episode draws: ``"BLOCK.PARAMETER"``, set on the block before the
+        reset, or ``"NAME"``, a variable of the script, which is then built again
+    settings : dict, optional
+        values that the script is built with, as `load_diagram` takes them
+    wired : str
+        "refuse" a wire that leads into an action's port, or "replace" it
+    normalise : bool
+        observations and actions between -1 and 1 over their ranges
+    crash : float
+        reward of a step that ends in a `FlightError`
+    render_mode : str, optional
+        "rgb_array"
+
+    Raises
+    ------
+    ParameterError
+        for a port, parameter or variable that does not exist, naming the nearest, a port that is
+        wired, an adaptive solver, and a ``step`` that is no multiple of ``dt``
+    """
+    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
+    if not action or not observation:
+        refuse("action", action, "an environment needs at least one action and one observation")
+    chosen = mapping("settings", settings)
+    if isinstance(diagram, Simulation):
+        if chosen or any("." not in name for name in mapping("vary", vary)):
+            refuse("settings", settings, "settings and variables are those of scripts")
+        names = (_named(diagram, {**f.f_globals, **f.f_locals}) for f in frames())
+        built = diagram, next(filter(None, names), {})
+        return DiagramEnv(lambda varied: built, given)
+    script = find_diagram(str(diagram))
+
+    def build(varied: Mapping[str, Any]) -> tuple[Simulation, dict[str, Block]]:
+        module = Script(script, {**chosen, **varied}).load()
+        sim = getattr(module, "sim", None)
+        if not isinstance(sim, Simulation):
+            refuse("diagram", str(script), f"{script.name} builds no Simulation named sim")
+        return sim, _named(sim, vars(module))
+
+    return DiagramEnv(build, given)
+
+
+def _named(sim: Simulation, names: Mapping[str, Any]) -> dict[str, Block]:
+    known = {id(block) for block in contents(sim)[0]}
+    return {name: value for name, value in names.items() if id(value) in known}
+
+
+def _block(blocks: Mapping[str, Block], parameter: str, name: Any) -> tuple[Block, str]:
+    """The block of a name, and what follows the point."""
+    block, _, rest = str(name).partition(".")
+    if block not in blocks or not rest:
+        close = did_you_mean(f"{b}.{rest}" for b in nearest(block, blocks) if rest)
+        refuse(parameter, name, f"no {name!r} in the diagram{close or f'; it has {[*blocks]}'}")
+    return blocks[block], rest
+
+
+def _port(
+    blocks: Mapping[str, Block], parameter: str, name: str, *bounds: float, inputs: bool = False
+) -> _Port:
+    block, port = _block(blocks, parameter, name)
+    sides = [block.inputs] if inputs else [block.outputs, block.inputs]
+    for register in sides:
+        known = port_names(register)
+        if port in known or (port.isdecimal() and int(port) < max(len(register), 1 + inputs)):
+            i = known.get(port, int(port) if port.isdecimal() else 0)
+            return _Port(name, block, i, port_reader(register, i), *bounds)
+    names = [n for register in sides for n in port_names(register)]
+    close = did_you_mean(nearest_ports(port, names)) or f"; there is {', '.join(names)}"
+    refuse(parameter, name, f"no {'input' if inputs else 'port'} {name!r}{close}")
+
+
+def _parameter(blocks: Mapping[str, Block], name: str) -> tuple[Block, str]:
+    block, parameter = _block(blocks, "vary", name)
+    known = block.info()["parameters"]
+    if parameter not in known:
+        close = did_you_mean(nearest(parameter, known)) or f"; there is {', '.join(known)}"
+        refuse("vary", name, f"no parameter {name!r}{close}")
+    return block, parameter
+
+
+def _range(name: str, bounds: Any) -> tuple[float, float]:
+    if not isinstance(bounds, (tuple, list)) or len(bounds) != 2:
+        refuse(name, bounds, f"{name} needs a range (low, high), not {bounds!r}")
+    return limits(*bounds)
+
+
+def _limits(ports: Sequence[_Port]) -> tuple[np.ndarray, np.ndarray]:
+    return np.array([p.low for p in ports]), np.array([p.high for p in ports])
+
+
+def _pitch_hold(**options: Any) -> DiagramEnv:
+    """The elevator is to follow the pitch angle that `PitchHold` commands."""
+    usual: dict[str, Any] = {
+        "action": {"aircraft.elevator": (-0.3, 0.3)},
+        "observation": dict.fromkeys(("aircraft.theta", "aircraft.q", "hold.theta_cmd"), (-30, 30)),
+        "reward": lambda v: -abs(v["aircraft.theta"] - v["hold.theta_cmd"]),
+        "vary": {"hold.theta_ref": (0.0, 4.0)},
+        "wired": "replace",
+        "crash": -1000.0,
+    }
+    return make_env("pitch_hold", **{**usual, **options})
+
+
+def _heading(**options: Any) -> DiagramEnv:
+    """Turn a Cessna 172 from 170 to 190 deg at 5000 ft, in moderate turbulence."""
+    plane = Aircraft("c172p", altitude=5000.0, speed=90.0, heading=170.0)
+    air = DrydenTurbulence(severity="moderate", span=35.8)
+    wires = [Connection(plane[port], air[port]) for port in ("h", "vt", "psi")]
+    wires += [Connection(air[axis], plane[f"wind_{axis}"]) for axis in ("north", "east", "down")]
+    sim = Simulation([plane, air], wires, dt=1 / 120, log=False)
+    angles = [f"plane.{port}" for port in ("theta", "phi", "p", "q", "r", "beta")]
+    ranges = {"plane.psi": (0, 360), "plane.h": (0, 10_000), "plane.vc": (0, 200)}
+    usual: dict[str, Any] = {
+        "action": {"plane.aileron": (-0.5, 0.5), "plane.elevator": (-0.3, 0.3)},
+        "observation": {**dict.fromkeys(angles, (-90, 90)), **ranges},
+        "reward": lambda v: -abs(v["plane.psi"] - 190) / 10 - abs(v["plane.h"] - 5000) / 100,
+        "step": 0.2,
+        "duration": 60.0,
+        "crash": -1000.0,
+    }
+    return make_env(sim, **{**usual, **options})
+
+
+def _approach(**options: Any) -> DiagramEnv:
+    """Fly a 737 along localizer and glide path to the decision height, at 150 KCAS."""
+    commands = [f"aircraft.{port}" for port in ("aileron", "elevator", "throttle")]
+    angles = [f"aircraft.{port}" for port in ("theta", "phi", "p", "q", "r")]
+    ranges = {"aircraft.vc": (0, 400), "course.chi": (0, 360), "course.across": (-50_000, 50_000)}
+    path = {"glide.gs_ft": (-10_000, 10_000), "glide.dist": (-20_000, 200_000)}
+    usual: dict[str, Any] = {
+        "action": dict.fromkeys(commands, (-0.5, 0.5)),
+        "observation": {**dict.fromkeys(angles, (-90, 90)), **ranges, **path},
+        "reward": lambda v: (
+            -(
+                abs(v["course.across"]) / 1000
+                + abs(v["glide.gs_ft"]) / 100
+                + abs(v["aircraft.vc"] - 150) / 20
+            )
+        ),
+        "step": 0.5,
+        "duration": 330.0,
+        "wired": "replace",
+        "crash": -10_000.0,
+    }
+    return make_env("approach_737", **{**usual, **options})
+
+
+for _id, _task in (
+    ("PitchHold", _pitch_hold),
+    ("HeadingInTurbulence", _heading),
+    ("Approach", _approach),
+):
+    gymnasium.register(f"pathsim-jsbsim/{_id}-v0", f"{__name__}:{_task.__name__}")

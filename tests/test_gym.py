@@ -1,0 +1,318 @@
+"""Diagrams as environments of Gymnasium."""
+
+import numpy as np
+import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, Source, WhiteNoise
+from pathsim.solvers import RKCK54
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+
+from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, Sensor  # noqa: E402
+from pathsim_jsbsim_blocks.gym import make_env  # noqa: E402
+
+TASKS = ("PitchHold", "HeadingInTurbulence", "Approach")
+ELEVATOR = {"plane.elevator": (-0.3, 0.3)}
+PITCH = ["plane.theta", "plane.q"]
+ACTIONS = np.random.default_rng(1).uniform(-0.1, 0.1, (20, 1))
+
+
+def level(values):
+    return -abs(values["plane.theta"])
+
+
+def bare(**options):
+    """A Cessna 172 whose elevator is the action."""
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    sim = Simulation([plane], [], dt=1 / 120, log=False)
+    given = {"action": ELEVATOR, "observation": PITCH, "reward": level, "step": 0.05}
+    return make_env(sim, **{**given, **options})
+
+
+def flown(env, actions=ACTIONS, **reset):
+    rows = [env.reset(**reset)[0]]
+    for action in actions:
+        seen, _, terminated, _, _ = env.step(action)
+        rows.append(seen)
+        if terminated:
+            break
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_gymnasium_finds_no_fault_with_the_tasks(task):
+    env = gymnasium.make(f"pathsim-jsbsim/{task}-v0")
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+def test_the_picture_and_the_track_of_an_episode(tmp_path):
+    from pathsim_jsbsim_blocks.tracks import save_tracks
+
+    env = gymnasium.make("pathsim-jsbsim/PitchHold-v0", render_mode="rgb_array").unwrapped
+    flown(env, seed=1)
+    picture = env.render()
+    assert picture.dtype == np.uint8
+    assert picture.shape[2] == 3
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
+    track = env.track()
+    assert np.allclose(track.time, 0.1 * np.arange(21))
+    assert np.array_equal(track.signals["aircraft.elevator"][1:], ACTIONS[:, 0])
+    assert track.h[0] == pytest.approx(5000)
+    save_tracks(tmp_path / "flight.kml", [track])
+
+
+def test_a_step_flies_what_a_run_flies():
+    plane, hold, command = Aircraft("c172p", altitude=5000, speed=90), PitchHold(), Constant(0.0)
+    clock, height = Source(lambda t: t), Integrator(0.0)
+    sim = Simulation(
+        [plane, hold, command, clock, height],
+        [
+            Connection(plane["theta"], hold["theta"]),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(plane["hdot"], height),
+            Connection(command, hold["theta_ref"]),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    expected = []
+    for (reference,) in 10.0 * ACTIONS:
+        command.value = reference
+        sim.run(0.1)
+        expected.append([*plane.outputs.to_array(), height.outputs[0]])
+    other = Aircraft("c172p", altitude=5000, speed=90)
+    again, integral = PitchHold(), Integrator(0.0)
+    diagram = Simulation(
+        [other, again, integral],
+        [
+            Connection(other["theta"], again["theta"]),
+            Connection(other["q"], again["q"]),
+            Connection(again["elevator"], other["elevator"]),
+            Connection(other["hdot"], integral),
+        ],
+        dt=1 / 120,
+        log=False,
+    )
+    ports = [f"other.{port}" for port in Aircraft.output_port_labels]
+    env = make_env(
+        diagram,
+        action={"again.theta_ref": (-10, 10)},
+        observation=[*ports, "integral.0"],
+        reward=lambda v: v["time"],
+    )
+    for _ in range(2):
+        assert np.array_equal(flown(env, 10.0 * ACTIONS)[1:], expected)
+
+
+def test_what_a_reward_sees():
+    seen = []
+    env = bare(reward=lambda v: seen.append((v["time"], v["plane.elevator"], v["plane.h"])) or 3)
+    env.reset()
+    _, reward, *_ = env.step([-0.1])
+    assert (reward, type(reward)) == (3.0, float)
+    time, elevator, height = seen[0]
+    assert (time, elevator) == (pytest.approx(0.05), -0.1)
+    assert height == env.simulation.blocks[0].outputs["h"]
+
+
+def test_the_end_of_an_episode():
+    env = bare(duration=0.2, terminated=lambda v: v["plane.theta"] > 1.5)
+    env.reset()
+    assert [env.step([0.0])[2:4] for _ in range(4)] == [(False, False)] * 3 + [(False, True)]
+    env.reset()
+    while not (last := env.step([-0.3]))[2]:
+        pass
+    assert last[0][0] > 1.5
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step([0.0])
+
+
+def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
+    plane = Aircraft("c172p", altitude=300, speed=90)
+    sim = Simulation([plane], [], dt=1 / 120, log=False)
+    env = make_env(sim, action=ELEVATOR, observation=PITCH, reward=level, step=0.5, crash=-7.0)
+    gentle = flown(env)
+    env.reset()
+    while not (last := env.step([0.3]))[2]:
+        assert last[1] != -7.0
+    _, reward, terminated, truncated, info = last
+    assert (reward, terminated, truncated) == (-7.0, True, False)
+    assert "touched the ground" in info["reason"]
+    assert np.array_equal(flown(env), gentle)
+
+
+def test_a_stop_in_the_diagram_ends_the_episode():
+    options = {"settings": {"DECISION_HEIGHT": 1999.0}}
+    env = gymnasium.make("pathsim-jsbsim/Approach-v0", **options).unwrapped
+    env.reset()
+    last = env.step([0.0, 0.2, -0.5])
+    while not last[2]:
+        last = env.step([0.0, 0.2, -0.5])
+    assert 2450 < env.values["aircraft.h"] <= 2499
+    assert last[4] == {}
+
+
+def test_one_seed_decides_all_random_numbers():
+    def noisy():
+        plane, noise = Aircraft("c172p", altitude=5000, speed=90), WhiteNoise(0.05)
+        gyro = Sensor(noise=1.0)
+        wires = [Connection(noise, plane["aileron"]), Connection(plane["q"], gyro)]
+        sim = Simulation([plane, noise, gyro], wires, dt=1 / 120, log=False)
+        return make_env(
+            sim,
+            action=ELEVATOR,
+            observation=["plane.phi", "gyro.y"],
+            reward=lambda v: 0.0,
+            vary={"plane.speed": (80, 100)},
+        )
+
+    env = noisy()
+    first, second = flown(env, seed=5), flown(env)
+    assert not np.array_equal(first, second)
+    assert first[0, 1] != second[0, 1]
+    for again in (env, noisy()):
+        assert np.array_equal(flown(again, seed=5), first)
+        assert np.array_equal(flown(again), second)
+
+
+def test_what_varies():
+    env = bare(
+        vary={"plane.speed": (80, 100), "plane.altitude": (3000, 6000)},
+        observation=["plane.vc", "plane.h"],
+    )
+    seen = np.array([env.reset(seed=k)[0] for k in range(4)])
+    assert np.ptp(seen, axis=0).min() > 1.0
+    (speed, height), info = env.reset(options={"plane.speed": 85.0})
+    assert speed == pytest.approx(85, abs=1e-6)
+    assert info["varied"] == {"plane.speed": 85.0, "plane.altitude": pytest.approx(height)}
+    with pytest.raises(ParameterError, match=r"'plane\.speed'"):
+        env.reset(options={"plane.sped": 85.0})
+
+
+def test_a_variable_of_a_script_is_varied_by_building_it_again(tmp_path):
+    script = tmp_path / "flight.py"
+    script.write_text(
+        "from pathsim import Simulation\n"
+        "from pathsim_jsbsim_blocks import Aircraft\n"
+        "SPEED = 90.0\n"
+        "plane = Aircraft('c172p', altitude=5000.0, speed=SPEED + 1.0)\n"
+        "sim = Simulation([plane], [], dt=1 / 120, log=False)\n"
+    )
+    env = make_env(
+        script, action=ELEVATOR, observation=["plane.vc"], reward=level, vary={"SPEED": (80, 95)}
+    )
+    for seed in range(3):
+        seen, info = env.reset(seed=seed)
+        assert seen[0] == pytest.approx(info["varied"]["SPEED"] + 1.0, abs=1e-6)
+    env.step([0.0])
+
+
+def test_a_wire_into_an_action_is_refused_or_replaced():
+    given = {
+        "action": {"aircraft.elevator": (-0.3, 0.3)},
+        "observation": ["aircraft.theta", "hold.elevator"],
+        "reward": lambda v: 0.0,
+    }
+    with pytest.raises(ParameterError, match=r"wire leads into 'aircraft\.elevator'.*'replace'"):
+        make_env("pitch_hold", **given)
+    seen = flown(make_env("pitch_hold", wired="replace", **given), 0.0 * ACTIONS)
+    # trimmed controls, whatever the hold commands
+    free = Aircraft("c172p", altitude=5000.0, speed=90.0)
+    Simulation([free], [], dt=1 / 120, log=False).run(2.0)
+    assert seen[-1, 0] == free.outputs["theta"]
+    assert abs(seen[-1, 1]) > 0.01
+
+
+def test_ranges_and_normalised_values():
+    ranges = {"plane.theta": (1.0, 1.5), "plane.q": (-30, 30)}
+    env, plain = bare(observation=ranges, normalise=True), bare()
+    assert env.observation_space == gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float64)
+    assert env.action_space == gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float64)
+    rows, expected = flown(env, ACTIONS / 0.3), flown(plain)
+    assert np.allclose(rows[:, 1] * 30, expected[:, 1], atol=1e-9)
+    assert np.allclose(rows[:, 0], ((expected[:, 0] - 1.0) / 0.25 - 1.0).clip(-1, 1), atol=1e-9)
+    assert rows[:, 0].max() == 1.0
+    # an action beyond its range is limited to it
+    assert np.array_equal(flown(plain, [[5.0]] * 5), flown(plain, [[0.3]] * 5))
+
+
+def test_worker_processes_fly_what_this_one_flies():
+    envs = gymnasium.make_vec("pathsim-jsbsim/PitchHold-v0", 2, vectorization_mode="async")
+    try:
+        seen, _ = envs.reset(seed=[3, 4])
+        rows = [seen] + [envs.step(np.repeat([a], 2, axis=0))[0] for a in ACTIONS[:5]]
+    finally:
+        envs.close()
+    for i, seed in enumerate((3, 4)):
+        alone = gymnasium.make("pathsim-jsbsim/PitchHold-v0")
+        assert np.array_equal(flown(alone, ACTIONS[:5], seed=seed), np.array(rows)[:, i])
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"action": {"plane.elevatr": (-1, 1)}}, "did you mean 'elevator'"),
+        ({"action": {"plan.elevator": (-1, 1)}}, "did you mean 'plane.elevator'"),
+        ({"action": {"plane.theta": (-1, 1)}}, "no input 'plane.theta'"),
+        ({"action": {"plane.elevator": (1, -1)}}, "must not be above"),
+        ({"action": {"plane.elevator": 1.0}}, r"range \(low, high\)"),
+        ({"action": {}}, "at least one action"),
+        ({"observation": ["plane.pitch"]}, "did you mean 'theta'"),
+        ({"observation": ["theta"]}, "no 'theta'"),
+        ({"vary": {"plane.sped": (80, 90)}}, "did you mean 'speed'"),
+        ({"vary": {"SPEED": (80, 90)}}, "those of scripts"),
+        ({"settings": {"SPEED": 3}}, "those of scripts"),
+        ({"step": 0.013}, "multiple of dt"),
+        ({"step": 0.001}, "multiple of dt"),
+        ({"duration": -1.0}, "duration"),
+        ({"reward": 3.0}, "reward must be a function"),
+        ({"normalise": True}, "normalise needs a range of 'plane.theta'"),
+        ({"wired": "yes"}, "'refuse', 'replace'"),
+        ({"render_mode": "human"}, "rgb_array"),
+    ],
+)
+def test_bad_input_is_refused(options, said):
+    with pytest.raises(ParameterError, match=said):
+        bare(**options)
+
+
+@pytest.mark.parametrize("action", [[0.0, 0.0], [np.nan], [np.inf], 0.0, "up"])
+def test_bad_actions_are_refused(action):
+    env = bare()
+    env.reset()
+    with pytest.raises((ParameterError, ValueError)):
+        env.step(action)
+    env.step([0.0])
+
+
+def test_diagrams_that_cannot_be_environments():
+    plane, dice, scope = (
+        Aircraft("c172p", altitude=5000, speed=90),
+        RandomNumberGenerator(),
+        Scope(),
+    )
+    given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
+    random = Simulation([plane, dice, scope], [Connection(dice, scope)], dt=1 / 120, log=False)
+    with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's global"):
+        make_env(random, **given)
+    adaptive = Simulation([plane], [], dt=1 / 120, Solver=RKCK54, log=False)
+    with pytest.raises(ParameterError, match="fixed step"):
+        make_env(adaptive, **given)
+    with pytest.raises(ParameterError, match="did you mean 'pitch_hold'"):
+        make_env("pitch_hld", **given)
+
+
+@pytest.mark.long
+def test_ten_thousand_resets_do_not_grow():
+    resource = pytest.importorskip("resource")
+    env = bare()
+    for k in range(10_000):
+        env.reset(seed=k)
+        env.step([0.1])
+        if k == 2000:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert after - before < 4096  # kB
