@@ -171,6 +171,7 @@ class _System:
         held = self.take_inputs()
         commands = self.capture()
         self.start()
+        self.gains = self.schedule()
         shown = self.fly()
         for port, captured in commands.items():
             self.command(port, captured, shown[port])
@@ -280,41 +281,68 @@ class _System:
             port: self.property(_property_of(port), about=documented.get(port, ""))
             for port in self.outputs
         }
-        start = [float(x) for x in flat(self.block.START)]
-        state = [self.property(f"state/{name}") for name in _names(self.block.START)]
-        self.leaves |= {f"x{i}": _p(path) for i, path in enumerate(state)}
-        values = self.expressions(self.traced(len(state)))
-        for path, expression in zip(shown.values(), values, strict=False):
-            self.kept(path, expression, 0.0)
-        after = dict(zip(state, values[len(shown) :], strict=True))
-        self.go_on(after, dict(zip(state, start, strict=True)))
+        start, names = flat(self.block.START), _names(self.block.START)
+        outputs, after = self.reduced(start)
+        found = operations([*outputs, *after.values()])
+        results = found.results[len(outputs) :]
+        # the first of equal values by its result
+        keep = dict(zip(found.results, shown.values(), strict=False))
+        for i, result in zip(after, results, strict=True):
+            if start[i] or result not in keep:
+                keep[f"x{i}"] = self.property(f"state/{names[i]}")
+            self.leaves[f"x{i}"] = _p(keep.get(f"x{i}", keep.get(result, "")))
+        expressions = self.expressions(found)
+        paths = [*shown.values(), *(str(self.leaves[f"x{i}"].text) for i in after)]
+        starts = dict.fromkeys(paths, 0.0)
+        starts |= {str(self.leaves[f"x{i}"].text): float(start[i]) for i in after}
+        self.go_on(dict(zip(paths, expressions, strict=True)), starts)
         return shown
 
-    def traced(self, states: int) -> Operations:
-        """Outputs and next state as operations on inputs, gains and state."""
+    def traced(self, x: Sequence[Any]) -> tuple[list[Any], tuple[Any, ...]]:
+        """Outputs and next state, flat, from inputs, gains and the state given."""
         block, n = self.block, len(self.inputs)
         u = [Signal(f"u{i}") for i in range(n)]
-        x = [Signal(f"x{i}") for i in range(states)]
         wired, block.inputs.wired = block.inputs.wired, set(range(n))
         try:
             form = block.form([1.0] * n)
             state = nested(iter(x), block.START)
-            outputs, state = block.describe([*u, *self.schedule()], state, form)
+            outputs, state = block.describe([*u, *self.gains], state, form)
         finally:
             block.inputs.wired = wired
-        return operations((*outputs, *flat(state)))
+        return outputs, flat(state)
+
+    def reduced(self, start: Sequence[float]) -> tuple[list[Any], dict[int, Any]]:
+        """Outputs and next state by its indices, without what is constant, equal or not used."""
+        # all are constant or equal until a sample tells them apart
+        x: list[Any] = list(start)
+        while True:
+            outputs, state = self.traced(x)
+            groups: dict[Any, int] = {}
+            after = list(x)
+            for i, result in enumerate(operations(state).results):
+                leaf = x[i].operation if isinstance(x[i], Signal) else repr(float(x[i]))
+                if result not in (repr(start[i]), repr(float(start[i]))) or leaf[0] == "x":
+                    after[i] = Signal(f"x{groups.setdefault((leaf, result), i)}")
+            if [getattr(s, "operation", s) for s in after] == [
+                getattr(s, "operation", s) for s in x
+            ]:
+                break
+            x = after
+        used: dict[int, Any] = {}
+        while True:
+            steps = operations([*outputs, *used.values()]).steps.values()
+            read = {int(leaf[1:]) for leaf, *operands in steps if leaf[0] == "x" and not operands}
+            if read == used.keys():
+                return outputs, used
+            used = {i: state[i] for i in sorted(read)}
 
     def expressions(self, found: Operations) -> list[ET.Element]:
         """The results; operations that are used several times become properties."""
         uses, texts = found.uses(twice=("mod",)), dict(self.leaves)
 
         def operand(name: str) -> ET.Element:
-            # True and False, or a number
-            return (
-                texts[name]
-                if name in texts
-                else _v(float(name == "True" or (name != "False" and name)))
-            )
+            numbers = {"True": 1.0, "False": 0.0}
+            return texts[name] if name in texts else _v(float(numbers.get(name, name)))
 
         for result, (operation, *operands) in found.steps.items():
             if not operands:

@@ -181,6 +181,18 @@ class Operations(NamedTuple):
 _NOTHING = {"add": "0.0", "sub": "0.0", "mul": "1.0", "truediv": "1.0"}
 
 
+def _simple(operation: str, operands: Sequence[str]) -> str | None:
+    """The result of an operation that need not be done."""
+    nothing = _NOTHING.get(operation)
+    if operation == "mul" and "0.0" in operands:
+        return "0.0"
+    if operation in ("add", "mul") and operands[0] == nothing:
+        return operands[1]
+    if operands and operands[-1] in (nothing, operands[1] if operation == "select" else None):
+        return operands[-2]
+    return None
+
+
 def operations(values: Iterable[Any]) -> Operations:
     """What leads to some values: equal operations are one."""
     steps: dict[str, tuple[str, ...]] = {}
@@ -192,18 +204,18 @@ def operations(values: Iterable[Any]) -> Operations:
             return repr(value)
         if id(value) not in seen:
             key = (value.operation, *map(name, value.operands))
-            operation, *operands = key
-            nothing = _NOTHING.get(operation)
-            if operands and operands[-1] == nothing:
-                seen[id(value)] = operands[0]
-            elif operands and operands[0] == nothing and operation in ("add", "mul"):
-                seen[id(value)] = operands[1]
-            else:
-                seen[id(value)] = named.setdefault(key, f"t{len(named)}")
+            simple = _simple(key[0], key[1:])
+            seen[id(value)] = simple or named.setdefault(key, f"t{len(named)}")
+            if simple is None:
                 steps[named[key]] = key
         return seen[id(value)]
 
-    return Operations(steps, [name(value) for value in values])
+    results = [name(value) for value in values]
+    needed = set(results)
+    for result, (_, *operands) in reversed(steps.items()):
+        if result in needed:
+            needed.update(operands)
+    return Operations({r: step for r, step in steps.items() if r in needed}, results)
 
 
 def _source(outputs: Sequence[Any], state: Sequence[Any], before: str) -> str:
