@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
+
 import numpy as np
 import pytest
 from flights import POINTS
@@ -9,11 +12,13 @@ from how_many import first
 from xml_flights import both, during, in_jsbsim, step
 
 from pathsim_jsbsim_blocks import (
+    Actuator,
     Aircraft,
     AirspeedHold,
     AltitudeHold,
     Autopilot,
     CourseHold,
+    DiscretePID,
     GlideslopeHold,
     HeadingHold,
     ParameterError,
@@ -21,7 +26,13 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
+from pathsim_jsbsim_blocks._core.aircraft_ports import OUTPUTS
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.control import holds
+from pathsim_jsbsim_blocks.control.controller import Hold
+from pathsim_jsbsim_blocks.control.gain_tables import table, tables
 from pathsim_jsbsim_blocks.errors import FileError
+from pathsim_jsbsim_blocks.flight.fleet import prepared
 
 HOLDS = [
     (PitchHold, {"theta_ref": step(4.0, 0.5)}),
@@ -31,6 +42,9 @@ HOLDS = [
     (AirspeedHold, {"vc_ref": step(-8.0, 0.5)}),
     (YawDamper, {}),
 ]
+REFUSED = [CourseHold, GlideslopeHold]
+LAWS = [Actuator, Autopilot, DiscretePID, *(getattr(holds, name) for name in holds.__all__)]
+LAWS = [kind for kind in LAWS if kind not in REFUSED]
 MODES = {
     "h_ref": step(200.0, 0.5),
     "psi_ref": step(20.0, 0.5),
@@ -60,12 +74,83 @@ def test_an_autopilot_on_a_schedule_and_protected_does(name, gains, tmp_path):
     assert np.array_equal(alone, flown)
 
 
+def whole_flight(seconds):
+    """A step of every mode, spread over a flight."""
+    at = seconds / 12.0
+    return {
+        "h_ref": step(200.0, at),
+        "psi_ref": step(-25.0, 2.0 * at),
+        "vc_ref": step(-5.0, 3.0 * at),
+        "pitch_mode": during(5.0 * at, 7.0 * at),
+        "theta_ref": step(2.0, 6.0 * at),
+        "roll_mode": during(6.0 * at, 8.0 * at),
+        "phi_ref": step(15.0, 7.0 * at),
+        "speed_off": during(8.0 * at, 8.5 * at),
+        "yaw_off": during(8.5 * at, 9.0 * at),
+        "pitch_off": during(9.0 * at, 9.2 * at),
+        "roll_off": during(9.2 * at, 9.4 * at),
+    }
+
+
+def nominal_flight(name):
+    """The aircraft of a table at its nominal point."""
+    schedule = table(name)
+    point = schedule.points[schedule.nominal]
+    _, create, clean = prepared(schedule.aircraft)
+    condition = dataclasses.replace(clean, altitude=point.altitude, speed=point.speed)
+    return {"aircraft": schedule.aircraft, "condition": condition, "create": create}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", tables())
+def test_every_table_flies_in_jsbsim_as_in_pathsim(name, tmp_path):
+    seconds, flight = 40.0, nominal_flight(name)
+    modes = whole_flight(seconds)
+    flown, alone = both(lambda: Autopilot(name), flight, seconds, modes, tmp_path)
+    assert len(flown) == round(seconds * 120) + 1
+    assert np.array_equal(alone, flown)
+
+
 def test_a_law_may_sample_less_often_than_jsbsim_steps(tmp_path):
     flight = start("c172p", T=1 / 60, substeps=2)
     make = lambda: AltitudeHold("c172p", T=1 / 30)  # noqa: E731
     flown, alone = both(make, flight, 3.0, {"h_ref": step(100.0, 0.5)}, tmp_path)
     assert len(np.unique(flown[:, -1])) <= len(flown) / 2 + 1
     assert np.array_equal(alone, flown)
+
+
+MEASURED = {name: found for name, found in OUTPUTS.items() if found[0]}
+MEASURED |= {"h_agl": ("position/h-agl-ft", 1.0), "wow": ("gear/wow", 1.0)}
+
+
+@pytest.mark.parametrize("kind", LAWS, ids=lambda kind: kind.__name__)
+def test_a_law_of_any_block_computes_the_same(kind, tmp_path):
+    block = kind("737-designed") if issubclass(kind, Hold) else kind()
+    file = tmp_path / "law.xml"
+    file.write_text(block.to_jsbsim_xml("law", engines=2), encoding="utf-8")
+    plane = Aircraft(**start("737"), systems=[str(file)])
+    fdm, rng, state = plane.fdm, np.random.default_rng(4), block.initial_state()
+    fdm["ap/pathsim/law/engaged"] = 1.0
+    nodes = plane.airframe.property_names("ap/pathsim/law/")
+
+    def own(port, given=""):
+        name = f"ap/pathsim/law/{given}{port.replace('_', '-')}"
+        return min((n for n in nodes if re.fullmatch(f"{name}(-[a-z_]+)?", n)), key=len)
+
+    for _ in range(60):
+        u = []
+        for port in block.input_port_labels:
+            if port in MEASURED:
+                name, factor = MEASURED[port]
+                u.append(fdm[name] * factor)
+            elif port.endswith("_sat"):
+                u.append(fdm[own(port)])
+            else:
+                u.append(float(rng.normal() * (rng.random() < 0.7)))
+                fdm[own(port, "given-" * (port in block.output_port_labels))] = u[-1]
+        outputs, state = block.law(u, state)
+        fdm.run()
+        assert [fdm[own(port)] for port in block.output_port_labels] == outputs
 
 
 def test_it_captures_the_commands_at_engagement(tmp_path):
@@ -100,7 +185,7 @@ def test_a_step_that_does_not_divide_the_period_leaves_it_inactive(tmp_path):
     assert not rows[:, -1].any()
 
 
-@pytest.mark.parametrize("kind", [CourseHold, GlideslopeHold])
+@pytest.mark.parametrize("kind", REFUSED)
 def test_what_has_no_place_in_xml_is_refused_by_name(kind):
     with pytest.raises(ParameterError, match=kind.__name__):
         kind().to_jsbsim_xml()
@@ -122,3 +207,12 @@ def test_a_file_that_is_no_system_is_refused(tmp_path):
             Aircraft("c172p", systems=[str(file)])
     with pytest.raises(ParameterError, match="list of XML files"):
         Aircraft("c172p", systems=str(file))
+
+
+def test_the_command_writes_the_autopilot_of_a_table(tmp_path, capsys):
+    file = tmp_path / "a4.xml"
+    assert main(["gains", "A4", "--table", "--xml", str(file)]) == 0
+    assert "10000 ft" in capsys.readouterr().out
+    assert file.read_text(encoding="utf-8") == Autopilot("A4").to_jsbsim_xml()
+    assert main(["gains", "A4", "--table", "--xml", str(file), "--flaps", "1"]) != 0
+    assert "--table takes no --flaps" in capsys.readouterr().err

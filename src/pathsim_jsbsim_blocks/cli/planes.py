@@ -25,6 +25,7 @@ from .arguments import (
 from .saving import saving_figures
 
 if TYPE_CHECKING:
+    from ..control.gains import GainSchedule
     from ..design import DesignedGains
     from ..flight.airframe import Airframe
 
@@ -293,18 +294,60 @@ def add_gains(commands: Commands) -> None:
     sub.add_argument(
         "--save", metavar="FILE.json", type=Path, help="write the gains, as gains= takes them"
     )
+    sub.add_argument(
+        "--table",
+        action="store_true",
+        help="do not design: take the gain table of this name that comes with the package",
+    )
+    sub.add_argument(
+        "--xml",
+        metavar="FILE.xml",
+        type=Path,
+        help="write the autopilot with these gains as a <system> of JSBSim",
+    )
     root_option(sub)
     property_options(sub)
 
 
 def print_gains(args: argparse.Namespace) -> int:
-    from .._core.checks import ending, writable
+    from .._core.checks import ending, refuse, writable
+    from ..control.gain_tables import table
+
+    for option, kind in (("save", ".json"), ("xml", ".xml")):
+        if (path := getattr(args, option)) is not None:
+            ending(option, writable(option, path), kind)
+    if not args.table:
+        return _design(args)
+    for option in ("altitude", "speed", "gear", "flaps", "save"):
+        if (value := getattr(args, option)) is not None:
+            refuse(option, value, f"--table takes no --{option}: it designs nothing")
+    gains = table(args.aircraft)
+    print(f"gains of {gains.aircraft} at {len(gains.points)} points")
+    for i, point in enumerate(gains.points):
+        nominal = ", nominal" * (i == gains.nominal)
+        print(f"  {point.altitude:g} ft, {point.speed:g} KCAS{nominal}")
+    _write_xml(args, gains)
+    return 0
+
+
+def _write_xml(args: argparse.Namespace, gains: GainSchedule) -> None:
+    """Write the autopilot as JSBSim XML, if it is asked for."""
+    from .._core.files import write_whole
+    from ..control.autopilot import Autopilot
+    from ..flight.model_files import ModelFile
+
+    if args.xml is not None:
+        engines = len(ModelFile(gains.aircraft, args.root).feeds())
+        write_whole(args.xml, Autopilot(gains).to_jsbsim_xml(engines=max(engines, 1)))
+        print(f"autopilot saved: {args.xml}")
+
+
+def _design(args: argparse.Namespace) -> int:
+    """Design gains; returns the exit code."""
     from ..design import design_schedule
     from ..flight import level_flight
     from ..flight.fleet import prepared
 
-    if args.save is not None:
-        ending("save", writable("save", args.save), ".json")
     if args.altitude is None or args.speed is None:
         flight = level_flight(args.aircraft, args.root)
         condition, needed = flight.condition, flight.create
@@ -345,4 +388,5 @@ def print_gains(args: argparse.Namespace) -> int:
     if args.save is not None:
         found.save(args.save)
         print(f"gains saved: {args.save}")
+    _write_xml(args, found.schedule)
     return 0

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
 
 from .._core.checks import limits, number, positive, refuse
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .described import DescribedLaw
+from .signals import larger, limit, select, smaller
 
 
-class Actuator(TunableLaw):
+class ActuatorState(NamedTuple):
+    """State of an `Actuator`, which is not known at the start."""
+
+    known: bool = False
+    y: float = 0.0
+    rate: float = 0.0
+
+
+class Actuator(DescribedLaw):
     """Second-order actuator with limits of rate and position.
 
     .. math::
@@ -93,21 +103,19 @@ class Actuator(TunableLaw):
         self._transition = transition.tolist()
         self._farthest = self._max_rate * period
 
-    def initial_state(self) -> tuple[float, float] | None:
-        return None
+    START = ActuatorState()
 
-    def law(
-        self, u: list[float], state: tuple[float, float] | None
-    ) -> tuple[list[float], tuple[float, float]]:
-        y, rate = state or (self._initial, 0.0)
-        command = min(max(u[0], self._low), self._high)
+    def describe(
+        self, u: list[Any], state: ActuatorState, form: Any
+    ) -> tuple[list[Any], ActuatorState]:
+        y, rate = select(state.known, state.y, self._initial), state.rate
+        command = limit(u[0], self._low, self._high)
         (a, b), (c, d) = self._transition
         distance = y - command
         moved = command + a * distance + b * rate
-        moved = min(max(moved, y - self._farthest), y + self._farthest)
-        new_rate = min(max(c * distance + d * rate, -self._max_rate), self._max_rate)
+        moved = limit(moved, y - self._farthest, y + self._farthest)
+        new_rate = limit(c * distance + d * rate, -self._max_rate, self._max_rate)
         # a limit that was moved past the position lets it come back with the motion
-        position = min(max(moved, min(self._low, y)), max(self._high, y))
-        if position != moved:
-            new_rate = 0.0
-        return [y, rate, u[0] - command], (position, new_rate)
+        position = limit(moved, smaller(self._low, y), larger(self._high, y))
+        new_rate = select(position == moved, new_rate, 0.0)
+        return [y, rate, u[0] - command], ActuatorState(True, position, new_rate)

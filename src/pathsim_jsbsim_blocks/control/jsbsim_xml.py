@@ -113,7 +113,7 @@ def _documented(block: Any, section: str) -> dict[str, str]:
     _, _, text = (inspect.getdoc(type(block)) or "").partition(f"\n{section}\n---")
     entries = re.findall(r"^(\w[\w, ]*)\n((?: +.*\n)+)", text.partition("\n\n")[0] + "\n", re.M)
     return {
-        port: " ".join(about.split()).replace("--", "-")
+        port: re.sub(r"``|\*\*|-(?=-)", "", " ".join(about.split()))
         for ports, about in entries
         for port in ports.split(", ")
     }
@@ -183,8 +183,10 @@ class _System:
 
         system = ET.Element("system", name=f"{type(self.block).__name__} at {self.base}")
         system.extend([*self.declared, *self.functions])
+        schedule, kind = getattr(self.block, "_schedule", None), type(self.block).__name__
+        law = f"{kind} with gains for {schedule.aircraft}" if schedule else repr(self.block)
         header = _HEADER.format(
-            block=repr(self.block).replace("--", "- -"),
+            law=law.replace("--", "- -"),
             T=self.block.clock.period,
             base=self.base,
             about="\n".join(self.about),
@@ -228,7 +230,8 @@ class _System:
             if port not in _MEASURED:
                 name = _property_of(port)
                 name = f"given-{name}" if port in self.outputs else name
-                value = _p(self.property(name, about=documented.get(port, "")))
+                about = "" if port in _EXCESS else documented.get(port, "")
+                value = _p(self.property(name, about=about))
             else:
                 name, factor = str(_MEASURED[port][0]), _MEASURED[port][1]
                 value = _p(name) if factor == 1.0 else _tag("product", _p(name), _v(factor))
@@ -423,15 +426,15 @@ def _mean_of_running(values: Sequence[ET.Element]) -> ET.Element:
 
 
 _HEADER = """\
-{block}
-of pathsim-jsbsim-blocks, sampled every {T!r} s; it computes what the block computes in PathSim.
+{law}
+of pathsim-jsbsim-blocks, sampled every {T!r} s.
 
-Include it in the aircraft's file: <system file="NAME"/>, with this file in the aircraft's folder or
-in its folder Systems. JSBSim's time step must divide the sample period. It takes effect with
+Include this file in the aircraft's, <system file="NAME"/>, from the aircraft's folder or its folder
+Systems. JSBSim's time step must divide the sample period. With
 
   {base}/engaged = 1
 
-and adds its increments to the commands as they are then.
+it adds increments to the commands as they are then. Names of properties end in their units.
 
 {about}
 """

@@ -234,7 +234,7 @@ class Aircraft(FlightBlock, Parametric):
 
         def mean_of_running() -> float:
             values = [x for x, runs in zip(beyond, running, strict=True) if runs()] or beyond
-            return math.fsum(values) / len(values)
+            return sum(values) / len(values)
 
         def write(u: list[float]) -> None:
             nonlocal north, east, down
