@@ -52,6 +52,14 @@ from pathsim_jsbsim_blocks.studies import STUDIES
 
 DOCS = Path(__file__).resolve().parent
 EVIDENCE = DOCS / "evidence"
+PERFORMANCE = """\
+## Performance charts
+
+What an aircraft can do, on one page: `pathsim-jsbsim chart NAME --save NAME.pdf`.
+[How to read it](performance.md), [the pages of the fleet](evidence/performance.md).
+
+[![Performance charts of a c172p](pictures/performance.png)](performance.md)
+"""
 GALLERY_INTRODUCTION = """\
 # Gallery
 
@@ -142,7 +150,7 @@ def gallery():
         cells += [""] * (-len(cells) % 3)
         rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
         parts.append(f"## {title}\n\n| | | |\n|---|---|---|\n{''.join(rows)}")
-    return "\n".join(parts)
+    return "\n".join([*parts, PERFORMANCE])
 
 
 def gallery_cell(name):

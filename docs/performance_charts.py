@@ -2,9 +2,9 @@
 
     python docs/performance_charts.py FOLDER [AIRCRAFT ...]
 
-writes a PDF page and a CSV table into FOLDER for each of these aircraft (default: all that trim)
-that has none there yet, and the evidence page from all tables there. The fleet takes half an hour
-on two cores.
+writes the table of each of these aircraft (default: all that trim) that is not yet there as CSV
+into FOLDER, a PDF page of it into docs/evidence/performance, and the evidence page from all tables
+in FOLDER. One core works; two in two folders take half the time. The fleet takes an hour.
 """
 
 import re
@@ -12,9 +12,13 @@ import sys
 import time
 from pathlib import Path
 
+import matplotlib
 import pandas as pd
 
-from pathsim_jsbsim_blocks.plots import saving_to, show
+matplotlib.use("agg")
+
+from matplotlib import pyplot as plt
+
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
 
 EVIDENCE = Path(__file__).parent / "evidence"
@@ -40,12 +44,13 @@ HEAD = """\
 The charts of {count} of the {all} aircraft that trim, with default settings of
 `pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's
 own weight, flaps up; the sustained turn is the steepest of six airspeeds.
-`python docs/performance_charts.py FOLDER` makes the pages (PDF), the tables (CSV) and this page.
+A name leads to the aircraft's charts on one page (PDF). `python docs/performance_charts.py FOLDER`
+makes all pages and the tables (CSV).
 
 {flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
 on the right have how many values of an aircraft were flown, the median of the differences, and the
-time that two shared cores took. Below the table stand the values that are missing, with their
-reasons.
+processor time, which two cores share: `chart` takes half of it. Below the table stand the values
+that are missing, with their reasons.
 
 """
 
@@ -58,17 +63,21 @@ def fleet():
 
 
 def make(name, folder):
-    """The table of an aircraft, computed if it is not there."""
-    file = folder / f"{name}.csv"
+    """The table of an aircraft, computed if it is not there, and its page."""
+    file, page = folder / f"{name}.csv", EVIDENCE / "performance" / f"{name}.pdf"
     if not file.exists():
-        start = time.time()
-        table = performance_table(name, progress=False)
-        table["seconds"] = time.time() - start
-        with saving_to(folder / f"{name}.pdf"):
-            show(performance_chart(table.drop(columns="seconds")), name)
+        start = time.process_time()
+        table = performance_table(name, jobs=1, progress=False)
+        table["seconds"] = time.process_time() - start
         table.to_csv(file, index=False)
+        page.unlink(missing_ok=True)
     table = pd.read_csv(file)
     table.attrs["aircraft"] = name
+    if not page.exists():
+        figure = performance_chart(table.drop(columns="seconds"))
+        # without a date the file depends on the table alone
+        figure.savefig(page, metadata={"CreationDate": None})
+        plt.close(figure)
     return table
 
 
@@ -80,19 +89,22 @@ def value(table, quantity):
         rows = rows[rows.weight_lb.isin(own) & (rows.flaps_norm == 0.0)]
     if quantity == "sustained load factor" and rows.value.notna().any():
         return rows.value.max(), ""
-    first = rows.iloc[0] if len(rows) else None
-    return (float("nan"), "no trim there") if first is None else (first.value, first.reason)
+    if rows.empty:
+        failed = table.reason[table.quantity.str.startswith("all of ")]
+        return float("nan"), failed.iloc[0] if len(failed) else "no trim there"
+    return rows.value.iloc[0], rows.reason.iloc[0]
 
 
 def line(name, table):
-    cells, missing = [name], []
+    cells, missing = [f"[{name}](performance/{name}.pdf)"], []
     for quantity, form in COLUMNS.values():
         number, reason = value(table, quantity)
         cells.append("" if pd.isna(number) else f"{number:{form}}")
         if pd.isna(number):
             missing.append(f"{quantity} ({reason})")
     differences = table.difference_percent.abs()
-    cells += [f"{differences.count()}", f"{differences.median():.2f} %"]
+    median = f"{differences.median():.2f} %" if differences.count() else ""
+    cells += [f"{differences.count()}", median]
     cells += [f"{table.seconds.iloc[0]:.0f}"]
     late = (table.reason == "out of time").sum()
     missing += [f"{late} values (out of time)"] * bool(late)
@@ -120,6 +132,7 @@ def main():
     folder, *names = sys.argv[1:]
     folder = Path(folder)
     folder.mkdir(exist_ok=True)
+    (EVIDENCE / "performance").mkdir(exist_ok=True)
     for name in names or fleet():
         print(f"{name}: {make(name, folder).seconds.iloc[0]:.0f} s", flush=True)
     tables = {name: make(name, folder) for name in fleet() if (folder / f"{name}.csv").exists()}

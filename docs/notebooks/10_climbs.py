@@ -215,5 +215,5 @@ airliner.sim.run(airliner.DURATION)
 airliner.figure()
 
 # %% [markdown]
-# [Forces in a climb](../concepts/forces-in-a-climb.md) has the equations. This is the end of the course; from here on
-# [a controller](../own-controller.md) and [a study](../own-study.md) of your own.
+# [Forces in a climb](../concepts/forces-in-a-climb.md) has the equations. Next:
+# [performance charts](11_performance.ipynb).

@@ -324,6 +324,6 @@ def test_the_page_of_the_fleet_is_current(aircraft, monkeypatch):
     charts = importlib.import_module("performance_charts")
     row, _ = charts.line(aircraft, performance_table(aircraft, progress=False).assign(seconds=0.0))
     page = (docs / "evidence" / "performance.md").read_text(encoding="utf-8")
-    (printed,) = (line for line in page.splitlines() if line.startswith(f"| {aircraft} |"))
+    (printed,) = (line for line in page.splitlines() if line.startswith(f"| [{aircraft}]("))
     # but for the time
     assert printed.split("|")[:-2] == row.split("|")[:-2]
