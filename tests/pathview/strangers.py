@@ -268,6 +268,47 @@ src = Source(lambda t: gain(1.0) if t > 0.2 else 0.0)
         + SRC,
         "refused",
     ),
+    "dict subclass attribute by assigned call": (
+        """
+class Table(dict):
+    scale = 1.0
+    def tuned(self, k):
+        self.scale = k
+        return self
+table = Table(a=2.0)
+same = table.tuned(5.0)
+src = Source(lambda t: t if t < 5 else table.scale * table["a"])
+"""
+        + SRC,
+        "refused",
+    ),
+    "partial's keyword list grown later": (
+        """
+from functools import partial
+def f(t, k=None):
+    return sum(k) * t
+p = partial(f, k=[1.0])
+p.keywords["k"].append(2.0)
+src = Source(p)
+"""
+        + SRC,
+        "equal",
+    ),
+    "list shared with an event, in a factory": (
+        """
+def build():
+    k = np.array([1.0])
+    def late(t):
+        k[0] = 9.0
+    return Amplifier(k), ScheduleList([3.0], func_act=late)
+amp, ev = build()
+src, scope = Source(np.sin), Scope()
+sim = Simulation([src, amp, scope], [Connection(src, amp), Connection(amp, scope)],
+   [ev], dt=0.05, log=False)
+sim.run(0.5)
+""",
+        "either",
+    ),
 }
 
 CHANGED = {
@@ -462,6 +503,53 @@ src = Source(lambda t: t if t < 5 else config.limit)
         + SRC,
         "either",
     ),
+    "code of a function exchanged": (
+        """
+def f(t):
+    return t
+def g(t):
+    return t if t < 5 else 9.0
+_ = setattr(f, "__code__", g.__code__)
+src = Source(f)
+"""
+        + SRC,
+        "either",
+    ),
+    "spline changed by assigned call": (
+        """
+from scipy.interpolate import interp1d
+f = interp1d([0, 1.0], [0, 2.0], bounds_error=False, fill_value=0.0)
+_ = setattr(f, "fill_value", 9.0)
+src = Source(lambda t: float(f(t)))
+"""
+        + SRC,
+        "refused",
+    ),
+    "dataclass replaced": (
+        """
+from dataclasses import dataclass, replace
+@dataclass(frozen=True)
+class Cfg:
+    k: float = 1.0
+cfg = Cfg()
+cfg = replace(cfg, k=3.0)
+src = Source(lambda t: cfg.k * t)
+"""
+        + SRC,
+        "equal",
+    ),
+    "singledispatch": (
+        """
+from functools import singledispatch
+@singledispatch
+def law(x):
+    return 1.0
+_ = law.register(float, lambda x: 2.0 * x)
+src = Source(lambda t: law(float(t)) if t > 5 else t)
+"""
+        + SRC,
+        "refused",
+    ),
 }
 
 RANDOM = {
@@ -565,6 +653,49 @@ src = Source(lambda t: float(len(list(names)[0])) if t > 0.2 else 0.0)
         "either",
     ),
     "hash of a text": ("amp = Amplifier(hash('gain') % 10)" + AMP, "equal"),
+    "seed alias late": (
+        """
+s = np.random.seed
+s(4)
+src = Source(lambda t: t if t < 5 else np.random.rand())
+"""
+        + SRC,
+        "refused",
+    ),
+    "seed in a function, late": (
+        """
+def setup():
+    np.random.seed(4)
+setup()
+src = Source(lambda t: t if t < 5 else np.random.rand())
+"""
+        + SRC,
+        "refused",
+    ),
+    "random seed of other name in function": (
+        """
+import random as r
+def setup(n):
+    r.seed(n)
+    return n
+n = setup(5)
+src = Source(lambda t: t if t < 5 else r.random())
+"""
+        + SRC,
+        "refused",
+    ),
+    "spawned generators": (
+        """
+a, b = [np.random.default_rng(s) for s in np.random.SeedSequence(7).spawn(2)]
+amp = Amplifier(a.normal())
+src = Source(lambda t: b.normal())
+two = Amplifier(b.normal())
+scope = Scope()
+sim = Simulation([src, amp, two, scope], [Connection(src, amp, two), Connection(amp, scope[0]), Connection(two, scope[1])], dt=0.05, log=False)
+sim.run(0.5)
+""",
+        "either",
+    ),
 }
 
 NUMPY = {
@@ -655,6 +786,40 @@ amps = {name: Amplifier(k) for name, k in (("a", True), ("b", np.int8(3)))}
 amp = amps["b"]
 """
         + AMP,
+        "equal",
+    ),
+    "ndarray subclass attribute by assigned call": (
+        """
+class V(np.ndarray):
+    pass
+v = np.zeros(3).view(V)
+v.k = 1.0
+_ = setattr(v, "k", 7.0)
+src = Source(lambda t: t if t < 5 else v.k)
+"""
+        + SRC,
+        "refused",
+    ),
+    "float subclass counts": (
+        """
+class F(float):
+    def up(self):
+        self.n = getattr(self, "n", 0) + 1
+        return self.n
+f = F(2.0)
+first = f.up()
+src = Source(lambda t: t if t < 5 else float(f.up()))
+"""
+        + SRC,
+        "refused",
+    ),
+    "object array of functions": (
+        """
+laws = np.array([np.sin, lambda t: 3 * t], dtype=object)
+laws[0] = np.cos
+src = Source(lambda t: laws[0](t) + laws[1](t))
+"""
+        + SRC,
         "equal",
     ),
 }
@@ -805,6 +970,41 @@ for s in sims:
     ),
     "block that PathView lacks": ("src = Comparator()" + SRC, "refused"),
     "state set before the run": (DECAY + "x.engine.set(5.0)\nsim.run(0.5)", "refused"),
+    "operator of a block replaced, late": (
+        """
+amp = Amplifier(2.0)
+from pathsim.optim.operator import Operator
+amp.op_alg = Operator(func=lambda x: 2.0 * x if abs(x) < 3 else 0 * x, jac=lambda x: np.array([[2.0]]))
+"""
+        + AMP,
+        "refused",
+    ),
+    "delay filled": (
+        """
+amp = Delay(0.8)
+amp._buffer.add(-0.2, 3.0)
+"""
+        + AMP,
+        "refused",
+    ),
+    "event detect replaced": (
+        """
+x, scope = Integrator(1.0), Scope()
+c = Condition(lambda t: t > 5, lambda t: None)
+c.detect = lambda t: (False, False, 1.0)
+sim = Simulation([x, scope], [Connection(x, scope)], [c], dt=0.05, log=False)
+sim.run(0.5)
+""",
+        "refused",
+    ),
+    "engine step replaced": (
+        DECAY
+        + """
+sim.engine.step = lambda *a, **k: (True, 0.0, 1.0)
+sim.run(0.5)
+""",
+        "refused",
+    ),
 }
 
 WORLD = {
@@ -915,6 +1115,35 @@ src = Source(wave)
     "run_realtime": (DECAY + "for _ in sim.run_realtime(duration=0.2):\n    pass\n", "equal"),
     "loop of time steps": (DECAY + "while sim.time < 0.5:\n    sim.timestep()\n", "equal"),
     "fly": ("from pathsim_jsbsim_blocks import fly" + DECAY + "fly(sim, 0.5)\n", "equal"),
+    "csv reader read": (
+        """
+import csv, io
+rows = csv.reader(io.StringIO("1\\n2\\n3\\n"))
+header = next(rows)
+src = Source(lambda t: t if t < 5 else float(next(rows)[0]))
+"""
+        + SRC,
+        "refused",
+    ),
+    "StringIO rewritten": (
+        """
+import io
+buf = io.StringIO("1.0")
+_ = buf.write("9.0"); _ = buf.seek(0)
+src = Source(lambda t: t if t < 5 else float(buf.getvalue()))
+"""
+        + SRC,
+        "refused",
+    ),
+    "file from the start": (
+        """
+import io
+buf = io.StringIO("1.0\\n2.0\\n" * 50)
+src = Source(lambda t: float(buf.readline() or 0))
+"""
+        + SRC,
+        "equal",
+    ),
 }
 
 SCRIPTS = {

@@ -791,6 +791,24 @@ def test_a_name_added_to_a_library_is_refused(module, export):
         export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
 
 
+def test_an_array_that_an_event_changes_later_stays_the_parameter(export):
+    model = export(
+        script(
+            "for k in (gain,):\n    amp = Amplifier(k)\nscope = Scope()",
+            before="gain = np.array([1.0])\ndef late(t):\n    gain[0] = 9.0\n",
+            names="amp, scope",
+            events="[ScheduleList([3.0], func_act=late)]",
+            after="sim.run(0.05)",
+        )
+    )
+    assert node(model, "amp")["params"] == {"gain": "gain"}
+
+
+def test_a_parameter_changed_before_the_flight_needs_it_is_seen(export):
+    model = export(script("a = Delay(5.0)\na.tau = 3.0", names="a", after="sim.run(0.05)"))
+    assert node(model, "a")["params"] == {"tau": "3.0"}
+
+
 def test_numpy_that_raises_is_refused(export):
     with pytest.raises(DiagramError, match=r"'np.seterr' changes .*'divide'"):
         export(script("a = Amplifier(2.0)", before="old = np.seterr(all='raise')"))

@@ -118,6 +118,10 @@ ORDINARY = (
     "pathsim: stop replaced on the simulation",
     "pathsim: scipy patched",
     "world: loop of time steps",
+    "numpy: float subclass counts",
+    "random: seed alias late",
+    "pathsim: operator of a block replaced, late",
+    "world: csv reader read",
 )
 
 

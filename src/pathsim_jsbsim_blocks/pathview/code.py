@@ -11,15 +11,10 @@ from collections.abc import Collection, Iterable, Mapping
 from textwrap import dedent
 from typing import Any
 
-from pathsim import Connection, Simulation
-from pathsim.blocks import Block
-from pathsim.events import Event
-
 from ..scripts.first_run import FirstRun
 from ..scripts.names import bound, own, references, root, used
-from .plain import text_of
+from .plain import PARTS, text_of
 
-PARTS = (Block, Event, Connection, Simulation)
 # what sees the names of the script, of which the code has only those that it needs
 _MEANINGLESS = {"__file__", "__name__", "globals", "eval", "exec"}
 _RANDOM = ("np.random.", "numpy.random.", "random.")

@@ -26,6 +26,7 @@ from .shape import Json, shortened
 from .toolboxes import required_toolboxes
 
 _CHECKED = 60.0  # s of processing
+_DRAWS = "draws from a global random generator, whose state differs; give it its own"
 _ONE_AT_A_TIME = threading.RLock()  # an export replaces functions of the whole process
 
 
@@ -131,6 +132,7 @@ class _Export:
             "reset": bool(script.begun and script.begun.arguments.get("reset")),
             "adaptive": True,
         }
+        self.frozen.begin()  # the global generators are compared, too
         content, diagram = self._equal(existing, settings, run)
         parts = {name: part.value for name, part in diagram.parts.items()}
         self.frozen.begin()
@@ -245,6 +247,8 @@ class _Export:
             owner = name if part is None else f"parameter {name!r} of {what}"
             reason = f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}"
             place = script.built_at(part)
+        elif " in state " in here:
+            reason, place = f"{what} {_DRAWS}", place or script.built_at(part)
         elif name in diagram.code_values:
             reason = (
                 f"{what} is changed by a statement that the model does not have: it is {values}; "
@@ -279,7 +283,7 @@ class _Export:
         elif place is not None:
             why = f"line {place.lineno} may change it after it is built"
         elif self.frozen.seeded:
-            why = "it draws from a global random generator, whose state differs; give it its own"
+            why = f"it {_DRAWS}"
         else:
             why = "it depends on something that the model does not have"
         script.refuse(

@@ -8,13 +8,14 @@ import os
 import random
 import sys
 import types
+import zlib
 from collections import deque
 from collections.abc import Mapping
 from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
-from pathsim import Simulation
+from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 
@@ -28,15 +29,21 @@ _OWN = ("__main__", MODEL, Script.__module__)
 # the flight sets the state of these
 _GLOBAL_GENERATORS = (random._inst, np.random.mtrand._rand)  # type: ignore[attr-defined]
 # generators, counters, files: what they give next depends on what was read before
-_STATEFUL = {*sys.stdlib_module_names, "numpy"}
+_STATEFUL = {*sys.stdlib_module_names, "numpy", "pathsim", "scipy"}
+PARTS = (Block, Connection, Event, Simulation)
 
 
 def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
     """A text that is equal for equal plain values, of any depth.
 
-    Plain are numbers, texts, arrays, collections, objects of Python and numpy, and of classes that
-    a script defines, with their state. Of anything else it is the type only.
+    Plain are numbers, texts, arrays, collections, objects of Python, numpy, scipy and PathSim, and
+    of classes that a script defines, with their state. Of anything else, and of parts of a diagram,
+    it is the type only.
     """
+    if type(value).__module__ in _OWN and not (id(value) in _around or len(_around) > _DEEP):
+        inside = (*_around, id(value))
+        state = _state(value, inside), text_of(getattr(value, "__dict__", None), inside)
+        return f"{_kind(value)}{state} {text_of(type(value), inside)}"
     if value is None or isinstance(value, (*_NUMBERS, str, bytes, range, slice)):
         return repr(value) if type(value) in _NUMBERS else f"{_kind(value)}({value!r})"
     if isinstance(value, (np.ndarray, np.generic)):
@@ -74,40 +81,47 @@ def text_of(value: Any, _around: tuple[int, ...] = ()) -> str:
             if not k.startswith("__") or isinstance(v, types.FunctionType)
         }
         return f"class {value.__qualname__} {text_of(own, inside)}"
-    if type(value).__module__ in _OWN:
-        return f"{_kind(value)}({_state(value, inside)}) {text_of(type(value), inside)}"
-    if type(value).__module__.partition(".")[0] in _STATEFUL:
+    if type(value).__module__.partition(".")[0] in _STATEFUL and not isinstance(value, PARTS):
         return f"{_kind(value)}({_state(value, inside)})"
     return _kind(value)
 
 
 def _state(value: Any, around: tuple[int, ...]) -> str:
-    """What would be pickled; of a file where it stands, of anything else its attributes."""
+    """What would be pickled, and where a file stands; else its attributes."""
     if isinstance(value, ContextVar):
         return text_of(value.get(None), around)
+    place = None
     try:
-        if hasattr(value, "tell"):
-            return text_of(value.tell())
+        place = value.tell() if hasattr(value, "tell") else None
         make, given, *state = value.__reduce_ex__(2)
         if make is copyreg.__newobj__:  # type: ignore[attr-defined]
             given = given[1:]
-        return text_of([s for s in (given, *state) if s is not None and s != ()], around)
+        parts = [s for s in (place, given, *state) if s is not None and s != ()]
     except Exception:  # classes refuse in ways of their own
-        return text_of(getattr(value, "__dict__", {}), around)
+        parts = [place, getattr(value, "__dict__", {})]
+        if hasattr(value, "__next__") and place is None:
+            parts = [id(value)]  # nobody can tell what comes next: unlike any other
+    return text_of(parts, around)
 
 
 def attributes(part: Any) -> dict[str, str]:
-    """The public attributes of a block or an event, and whether it is on, each as text."""
-    public = {
-        name: text_of(value)
+    """The attributes of a block or an event as texts, private ones of PathSim's classes only.
+
+    PathSim keeps a parameter that may change later under ``_p_`` and its name.
+    """
+    kind = next(c for c in type(part).__mro__ if c.__module__ not in _OWN)
+    of_pathsim = kind.__module__.startswith("pathsim.")
+    return {
+        name.removeprefix("_p_"): text_of(value)
         for name, value in vars(part).items()
-        if not (name.startswith("_") or name in _ELSEWHERE)
+        if name == "_active" or not (name in _ELSEWHERE or (name[0] == "_" and not of_pathsim))
     }
-    return {"on": str(bool(part)), **public}
 
 
-# wires are compared by their numbers, and what a subsystem consists of by `structure`
-_ELSEWHERE = {"input_port_labels", "output_port_labels", "blocks", "connections"}
+# wires are compared by their numbers, what a subsystem consists of by `structure`, and what a
+# run changes by the flight
+_ELSEWHERE = {"input_port_labels", "output_port_labels", "blocks", "connections", "graph"}
+_ELSEWHERE |= {"inputs", "outputs", "engine", "_solver_args"}
 
 
 def _items(value: Any, around: tuple[int, ...]) -> str:
@@ -138,14 +152,10 @@ def _of_code(code: types.CodeType, variables: Mapping[str, Any]) -> str:
         i.argval
         for i in dis.get_instructions(code)
         if i.opcode in dis.hasname
-        and not (i.opname == "LOAD_GLOBAL" and _is_part(variables.get(i.argval)))
+        and not (i.opname == "LOAD_GLOBAL" and isinstance(variables.get(i.argval), PARTS))
         and i.argval not in FOLLOWING
     ]
     return f"{constants}{names}"
-
-
-def _is_part(value: Any) -> bool:
-    return isinstance(value, (Block, Event, Simulation))
 
 
 def _own_values(function: types.FunctionType) -> dict[str, Any]:
@@ -155,4 +165,11 @@ def _own_values(function: types.FunctionType) -> dict[str, Any]:
     own = dict(zip(code.co_varnames[code.co_argcount - len(defaults) :], defaults, strict=False))
     own |= function.__kwdefaults__ or {}
     own |= {name: cell.cell_contents for name, cell in cells.items()}
-    return {k: own[k] for k in sorted(own) if not _is_part(own[k])}
+    used = [function.__globals__.get(name) for name in code.co_names]
+    sources = (random, np.random, *_GLOBAL_GENERATORS)
+    if "random" in code.co_names or any(
+        getattr(u, "__self__", u) is s for u in used for s in sources
+    ):
+        state = text_of([random.getstate(), np.random.get_state()])  # noqa: NPY002
+        own["random"] = f"global generators in state {zlib.crc32(state.encode())}"
+    return {k: own[k] for k in sorted(own) if not isinstance(own[k], PARTS)}

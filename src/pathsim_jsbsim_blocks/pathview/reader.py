@@ -58,6 +58,7 @@ class _Reader:
         self.stand_ins: dict[str, Any] = {}
         self.values: dict[int, str] = {}  # of functions' variables: what can change, by id
         self.memories: dict[int, Any] = {}
+        self.literals: list[tuple[Part, str, Any]] = []  # parameters written with their values
         self.functions = Functions(script.tree, str(script.path))
         self.registry = core_registry()
         self.parts: dict[int, Part] = {}
@@ -74,6 +75,11 @@ class _Reader:
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
         for part in self.parts.values():
             self._settle(part)
+        for part, name, value in self.literals:  # a function may change them
+            held = [n for n in self.script.names_of(value) if n in self.code.names]
+            if held or id(value) in self.values:
+                known = held[0] if held else self.values[id(value)]
+                part.arguments[name] = ast.Name(known, ast.Load())
         settings = self._settings()
         code = self.code
         for name in sorted(code.names):
@@ -272,6 +278,8 @@ class _Reader:
             self._refuse(part.value, f"{what} cannot be read from the block", where)
         try:
             if not inspect.isfunction(value):
+                if any(memories(value)):
+                    self.literals.append((part, name, value))
                 return _without_places(ast.parse(literal(value), mode="eval").body)
             function = _without_places(
                 self.functions.written(value, node, self._stand_in, self._value)

@@ -149,7 +149,7 @@ def rehearse(pipe: Connection, job: Job) -> None:
         pipe.send(differences)
         if not differences:
             rows = _rows(pipe)
-            pipe.send(_flown(namespace, job, frozen, rows))
+            pipe.send(_flown(namespace, job, rows))
             with contextlib.suppress(Ended):
                 for _ in rows:
                     pass
@@ -188,6 +188,7 @@ def _built(content: Json, job: Job, frozen: Frozen) -> dict[str, Any]:
     exec(compile(code, "model", "exec", dont_inherit=True), namespace)
     if job.run["reset"]:
         namespace["sim"].reset()
+    frozen.begin()
     return namespace
 
 
@@ -208,9 +209,7 @@ def _compared(namespace: dict[str, Any], job: Job) -> list[Difference]:
     ]
 
 
-def _flown(
-    namespace: dict[str, Any], job: Job, frozen: Frozen, rows: Iterator[Row]
-) -> Parting | None:
+def _flown(namespace: dict[str, Any], job: Job, rows: Iterator[Row]) -> Parting | None:
     """Fly the model beside the script, and say where they part."""
     simulation, blocks = namespace["sim"], blocks_of({name: namespace[name] for name in job.parts})
 
@@ -221,7 +220,6 @@ def _flown(
         if mine != theirs:
             raise _parting(blocks, theirs, mine)
 
-    frozen.begin()
     try:
         with each_sample(simulation, take):
             simulation.run(**job.run)
