@@ -20,6 +20,8 @@ from pathsim_jsbsim_blocks import (
     HeadingHold,
     PitchHold,
     RollHold,
+    SpeedOnPitchHold,
+    VerticalSpeedHold,
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control import holds
@@ -308,6 +310,100 @@ def test_altitude_hold(wires, target, hdot_max, theta_max, of_table):
     assert set(np.abs(demanded)) >= {0.0, climb}
 
 
+G = 32.174  # ft/s2
+
+
+def capturing(Kh, hdot_max, target, h, hdot):
+    """Captures an altitude: the rate of climb, which is asked for until then."""
+    far, near = 0.1 * G, 0.1 * G / Kh**2
+
+    def rate(error):
+        away = abs(error)
+        slow = Kh * away if away < near else math.sqrt(2.0 * far * away - far * near)
+        return math.copysign(slow, error)
+
+    state = {"captured": False}
+
+    def demanded(k, asked, engaging):
+        if engaging:
+            state.update(captured=False)
+        error = target - h[k]
+        state["captured"] |= error * asked > 0.0 and abs(rate(error)) <= abs(asked)
+        if not state["captured"]:
+            return asked
+        level = clip(Kh * error, -hdot_max, hdot_max)
+        still = clip(rate(error), -abs(hdot[k]), abs(hdot[k]))
+        return max(level, still, key=abs)
+
+    return demanded, state
+
+
+@pytest.mark.parametrize("hold", [VerticalSpeedHold, SpeedOnPitchHold])
+def test_climbs(wires, hold):
+    limits, theta, target = (-0.7, 0.7), (-2.0, 5.0), 5040.0
+    wires = wires | {"h": 4920.0 + 0.2 * np.arange(N), "vc": wires["vc"] - 1.0}
+    speed = {"speed": SPEED} if hold is SpeedOnPitchHold else {}
+    block = hold(
+        gains={"altitude": ALTITUDE, "pitch": ATTITUDE, **speed},
+        h_ref=target - wires["h_ref"][0],
+        theta_min=theta[0],
+        theta_max=theta[1],
+        authority=0.7,
+        T=T,
+    )
+    wires["h_ref"] = NOTHING + wires["h_ref"][0]
+    wires["hdot_ref"] = np.abs(wander(np.random.default_rng(3), 3.0, 2.0))
+    fly, state = capturing(ALTITUDE["Kh"], ALTITUDE["hdot_max"], target, wires["h"], wires["hdot"])
+    now, demanded, captured = {}, np.zeros(N), np.zeros(N)
+    knot = 6076.1154856 / 3600 * (1.0 - 6.8756e-6 * wires["h"]) ** -2.128
+
+    def by_speed(k, engaging):
+        """V/g (2 zeta omega e + omega^2 int e dt), with the reference on its ramp."""
+        gain = 0.15 * wires["vc"][k] * knot[k] ** 2 / G
+        angles = np.radians(theta) * wires["vc"][k] * knot[k]
+        if engaging:
+            now.update(found=wires["vc"][k], ref=wires["vc"][k])
+            now["speed"] = PI(1.8 * gain, 0.15 * gain, -angles[1], -angles[0])
+            now["speed"].u = -wires["hdot"][k]
+        else:
+            step = SPEED["ramp"] * T
+            goal = now["found"] + wires["vc_ref"][k]
+            now["ref"] += clip(goal - now["ref"], -step, step)
+        pi = now["speed"]
+        pi.Kp, pi.Ki, pi.low, pi.high = 1.8 * gain, 0.15 * gain, -angles[1], -angles[0]
+        return -pi(now["ref"], wires["vc"][k], engaging=engaging)
+
+    def climb(k):
+        engaging = not now or wires["off"][k - 1]
+        if engaging:
+            now.update(rate=wires["hdot"][k], pi=PI(ALTITUDE["Kp"], ALTITUDE["Ki"], *theta))
+            now["pi"].u = wires["theta"][k]
+        if hold is VerticalSpeedHold:
+            asked = now["rate"] + wires["hdot_ref"][k]
+        elif state["captured"] and not engaging:
+            asked = 0.0
+        else:
+            asked = by_speed(k, engaging)
+        demanded[k] = fly(k, asked, engaging)
+        captured[k] = state["captured"]
+        return now["pi"](demanded[k], wires["hdot"][k], engaging=engaging)
+
+    u, reference = on_a_ramp(
+        attitude(-1.0, *limits),
+        ATTITUDE["ramp"],
+        climb,
+        wires["theta"],
+        wires["q"],
+        NOTHING,
+        wires["elev_sat"],
+        wires["off"],
+        NOTHING,
+    )
+    expected = {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded, "captured": captured}
+    assert_same(laws(block, **wires), expected, limits)
+    assert 50 < np.count_nonzero(captured) < N - 200
+
+
 def test_yaw_damper(wires):
     K, tau, limit = 0.02, 1.5, 0.05
     block = YawDamper(gains={"K": K, "tau": tau}, authority=limit, T=T)
@@ -378,7 +474,7 @@ GAINS = {
 }
 
 
-@pytest.mark.parametrize("inner", [False, True])
+@pytest.mark.parametrize("inner", ["altitude", "pitch", "climb", "speed"])
 def test_the_autopilot_is_the_holds(wires, inner):
     offs = {
         name: np.roll(wires["off"], shift)
@@ -396,7 +492,12 @@ def test_the_autopilot_is_the_holds(wires, inner):
         "throttle_authority": (-0.15, 0.1),
     }
     steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
-    modes = {"pitch_mode": NOTHING + inner, "roll_mode": NOTHING + inner}
+    pitching = inner == "pitch"
+    v_mode = {"climb": 1.0, "speed": 2.0}.get(inner, 0.0)
+    modes = {"pitch_mode": NOTHING + pitching, "roll_mode": NOTHING + pitching}
+    modes["v_mode"] = NOTHING + v_mode
+    # below 5020 ft while it climbs, until the middle
+    steady["h"] = np.where((np.arange(N) < N // 2) & (v_mode > 0.0), 4700.0, steady["h"])
     one = laws(
         Autopilot(
             GAINS,
@@ -405,8 +506,9 @@ def test_the_autopilot_is_the_holds(wires, inner):
             phi_ref=2.0,
             psi_ref=10.0,
             vc_ref=96.0,
+            hdot_ref=5.0,
             bank_max=13.0,
-            hdot_max=9.0,
+            hdot_max=None if v_mode else 9.0,
             theta_min=-3.0,
             theta_max=5.0,
             T=T,
@@ -418,24 +520,27 @@ def test_the_autopilot_is_the_holds(wires, inner):
     )
     pitch = {"authority": numbers["elevator_authority"], "T": T}
     roll = {"authority": numbers["aileron_authority"], "T": T}
-    holds = [
-        (
-            "pitch_off",
-            PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch)
-            if inner
-            else AltitudeHold(
-                {name: GAINS[name] for name in ("altitude", "pitch")},
-                h_ref=5020.0,
-                hdot_max=9.0,
-                theta_min=-3.0,
-                theta_max=5.0,
-                **pitch,
-            ),
+    climb = {
+        "gains": {name: GAINS[name] for name in ("altitude", "pitch")},
+        "h_ref": 5020.0,
+        "theta_min": -3.0,
+        "theta_max": 5.0,
+        **pitch,
+    }
+    longitudinal = {
+        "pitch": lambda: PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch),
+        "altitude": lambda: AltitudeHold(hdot_max=9.0, **climb),
+        "climb": lambda: VerticalSpeedHold(hdot_ref=5.0, **climb),
+        "speed": lambda: SpeedOnPitchHold(
+            vc_ref=96.0, **(climb | {"gains": climb["gains"] | {"speed": SPEED}})
         ),
+    }
+    holds = [
+        ("pitch_off", longitudinal[inner]()),
         (
             "roll_off",
             RollHold(GAINS["roll"], phi_ref=2.0, **roll)
-            if inner
+            if pitching
             else HeadingHold(
                 {name: GAINS[name] for name in ("heading", "roll")},
                 psi_ref=10.0,
@@ -449,10 +554,14 @@ def test_the_autopilot_is_the_holds(wires, inner):
         ),
         ("yaw_off", YawDamper(GAINS["yaw"], authority=numbers["rudder_authority"], T=T)),
     ]
-    several = {"hdot_cmd": NOTHING}
+    several = {"hdot_cmd": NOTHING, "captured": NOTHING}
     for off, hold in holds:
         several |= laws(hold, **(steady | {"off": offs[off]}))
     assert set(one) == set(several)
+    if v_mode:
+        assert 100 < np.count_nonzero(one["captured"]) < N - 100
+    if inner == "speed":  # the throttle is given until the capture
+        del several["throttle"], several["vc_cmd"]
     for name, signal in several.items():
         assert np.array_equal(one[name], signal), name
 

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any, NamedTuple
 
 from .._core.checks import number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from .channels import Lateral, LateralState, Vertical, VerticalState
+from .channels import ClimbState, Lateral, LateralState, Vertical, VerticalState
 from .controller import Authority, Hold, authority_limits, fill, reference_kind
 from .gains import Gains
 from .loops import (
     HeadingLoop,
+    Reference,
     ReferenceLoop,
     ReferenceState,
     SpeedLoop,
+    SpeedOnPitchLoop,
     YawLoop,
     YawState,
     attitude_loop,
 )
-from .signals import select
+from .protection import true_airspeed
+from .signals import limit, select
+
+
+class LeverState(NamedTuple):
+    """State of a throttle that is given."""
+
+    found: float = 0.0  # as it began
+    spare: float = 0.0  # what is given beyond that
+    rate: float = 0.0  # of climb with it, ft/s
 
 
 class AutopilotState(NamedTuple):
@@ -30,6 +40,9 @@ class AutopilotState(NamedTuple):
     lateral: LateralState = Lateral.START
     speed: ReferenceState = SpeedLoop.START
     yaw: YawState = YawLoop.START
+    climb: ClimbState = ClimbState()
+    pitched: ReferenceState = SpeedOnPitchLoop.START  # the airspeed, held by the elevator
+    lever: LeverState = LeverState()
 
 
 @fill
@@ -37,7 +50,8 @@ class Autopilot(Hold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
-    ``AirspeedHold`` and ``YawDamper``, sampled at T. With every port at 0 it holds the altitude,
+    ``AirspeedHold`` and ``YawDamper``, on request of ``VerticalSpeedHold`` or ``SpeedOnPitchHold``,
+    sampled at T. With every port at 0 it holds the altitude,
     heading and airspeed found at engagement. Mode changes are bumpless; a mode that takes over
     holds the values it finds, plus its reference port.
 
@@ -66,6 +80,11 @@ class Autopilot(Hold):
     %(T)s
     %(reference)s
     %(alpha_max)s
+    hdot_ref : float, optional
+        rate of climb to hold in ft/s; default: the value at engagement of the mode
+    thr_ref : float, optional
+        throttle increment while the elevator holds the airspeed; default: that at engagement of
+        the mode
 
     Other Parameters
     ----------------
@@ -110,6 +129,12 @@ class Autopilot(Hold):
         angle of attack in deg; without a wire (0) there is no protection from the stall
     beta
         angle of sideslip in deg; without a wire (0) turns are not coordinated
+    v_mode
+        with ``pitch_mode`` at 0: 0 altitude hold, 1 the rate of climb, 2 the airspeed with the
+        elevator at a given throttle; 1 and 2 until the altitude ``h_ref``, if there is one, is
+        captured
+    hdot_ref, thr_ref
+        added to the parameters, ft/s and full travel
 
     Outputs
     -------
@@ -119,6 +144,8 @@ class Autopilot(Hold):
         references on their ramps, deg, deg and kt
     hdot_cmd
         rate of climb demanded, ft/s; 0 in pitch hold
+    captured
+        1 from the capture of the altitude on, otherwise 0
 
     %(raises)s
     """
@@ -140,19 +167,22 @@ class Autopilot(Hold):
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional)
+    hdot_ref: float | None = parameter(None, optional)
+    thr_ref: float | None = parameter(None, optional)
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     # an aircraft may have a yaw damper of its own
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
     input_port_labels = numbered(
         "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "
-        "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta"
+        "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta "
+        "v_mode hdot_ref thr_ref"
     )
     output_port_labels = numbered(
-        "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd"
+        "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd captured"
     )
 
-    REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
+    REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref", "hdot_ref", "thr_ref")
     START = AutopilotState()
 
     def build(self) -> None:
@@ -169,31 +199,55 @@ class Autopilot(Hold):
             "yaw": YawLoop(T, yaw, c.rudder_authority),
             "envelope": self.protection_within(envelope),
         }
-
-    def form(self, u: list[float]) -> Hashable:
-        return super().form(u), u[23] != 0.0
+        self.loops["climb"] = SpeedOnPitchLoop(T, speed.ramp, self.loops["altitude"].pid)
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         theta, phi, psi, p, q, r, h, hdot, vc = u[:9]
-        references = zip(self.REFERENCES, u[9:14], strict=True)
-        theta_ref, h_ref, phi_ref, psi_ref, vc_ref = (self.wanted(*x) for x in references)
+        named = zip(self.REFERENCES, [*u[9:14], *u[26:28]], strict=True)
+        references = [self.wanted(*x) for x in named]
+        theta_ref, h_ref, phi_ref, psi_ref, vc_ref, hdot_ref, thr_ref = references
         pitching, rolling, *offs = (x != 0.0 for x in u[14:20])
         pitch_off, roll_off, speed_off, yaw_off = offs
-        elev_sat, ail_sat, thr_sat, alpha, beta = u[20:]
+        elev_sat, ail_sat, thr_sat, alpha, beta, v_mode = u[20:26]
+        mode = select(pitching, 0.0, v_mode)
+        captured = select(mode == state.climb.mode, state.climb.captured, False)
+        on_pitch = select(captured | pitch_off, False, mode == 2.0)
 
         vertical = Vertical(
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, pitch_off, elev_sat
         )
         protection = vertical.protection
-        vc_cmd = ReferenceLoop.reference(state.speed, vc)
+        # the loop of the throttle and that of the elevator hold one airspeed
+        held = select(state.pitched.law.engaged, state.pitched, state.speed)
+        vc_cmd = ReferenceLoop.reference(held, vc)
         boost = vertical.guard(vc, thr_sat > 0.0, vc_cmd, pitching)
-        wanted, keeps = ReferenceLoop.towards(state.speed, vc, vc_ref)
+        wanted, keeps = ReferenceLoop.towards(held, vc, vc_ref)
+        wanted = protection.airspeed(wanted)
         throttle, vc_cmd, speed = self.loops["speed"].sample(
-            state.speed, vc, hdot, protection.airspeed(wanted), keeps, thr_sat, speed_off, boost
+            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off | on_pitch, boost
+        )
+        rate, vc_pitch, pitched = self.loops["climb"].sample(
+            state.pitched,
+            vc,
+            true_airspeed(1.0, h),
+            hdot,
+            wanted,
+            keeps,
+            state.climb.cut,
+            select(on_pitch, False, True),
+        )
+        vc_cmd = select(on_pitch, vc_pitch, vc_cmd)
+        by_elevator, by_throttle = state.pitched.law.engaged, state.speed.law.engaged
+        speed = speed._replace(found=select(by_elevator, held.found, speed.found))
+        pitched = pitched._replace(found=select(by_throttle, held.found, pitched.found))
+        throttle, speed, lever = self._lever(
+            state, select(speed_off, False, on_pitch), throttle, speed, hdot, thr_sat, thr_ref
         )
 
         share = protection.share_of_climb(vc, vc_cmd)
-        wanted, hdot_cmd = vertical.for_altitude(h_ref, pitch_off | pitching, share)
+        wanted, hdot_cmd, climb = vertical.for_climb(
+            state.climb, mode, hdot_ref, h_ref, pitch_off | pitching, share, (on_pitch, rate)
+        )
         direct, keeps = vertical.pitch.towards(state.vertical.pitch, theta, theta_ref)
         elevator, theta_cmd, after = vertical.fly(
             select(pitching, direct, wanted), select(pitching, keeps, False)
@@ -206,7 +260,34 @@ class Autopilot(Hold):
         aileron, phi_cmd, turned = lateral.fly(bank, select(rolling, keeps, False))
 
         rudder, yaw = self.loops["yaw"].sample(state.yaw, r, yaw_off, beta, p, phi)
-        return (
-            [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd],
-            AutopilotState(after, turned, speed, yaw),
-        )
+        outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
+        outputs.append(select(climb.captured, 1.0, 0.0))
+        return outputs, AutopilotState(after, turned, speed, yaw, climb, pitched, lever)
+
+    def _lever(
+        self,
+        state: Any,
+        given: Any,
+        throttle: Any,
+        speed: Any,
+        hdot: Any,
+        sat: Any,
+        reference: Reference,
+    ) -> tuple[Any, Any, LeverState]:
+        """Throttle, given while the elevator holds the airspeed, and the next states.
+
+        Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
+        goes as the rate of climb does.
+        """
+        found, spare, rate = state.lever
+        found = select(state.pitched.law.engaged, found, state.speed.law.u + spare)
+        target, increment = reference
+        lever = (found if target is None else target) + increment
+        share = limit(hdot / select(rate == 0.0, 1.0, rate), 0.0, 1.0)
+        spare = select(given, lever - sat - found, spare * share)
+        rate = select(given | (share < 1.0), hdot, rate)
+        throttle = select(given, lever, throttle + spare)
+        law = speed.law._replace(u=found, held=found)
+        speed = select(given, speed._replace(law=law), speed)
+        limited = limit(throttle, *self.checked.throttle_authority)
+        return limited, speed, LeverState(found, spare, rate)

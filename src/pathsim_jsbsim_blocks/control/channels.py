@@ -18,7 +18,7 @@ from .loops import (
     ReferenceState,
 )
 from .protection import UNPROTECTED, Protection, ProtectionState, Unprotected
-from .signals import larger, select
+from .signals import larger, limit, select
 
 
 class VerticalState(NamedTuple):
@@ -28,6 +28,15 @@ class VerticalState(NamedTuple):
     pitch: ReferenceState = ReferenceLoop.START
     guard: ProtectionState = Protection.START
     cut: float = 0.0  # deg, what the protection cut off the last pitch reference
+
+
+class ClimbState(NamedTuple):
+    """State of a climb to an altitude."""
+
+    mode: float = 0.0  # 0 for none
+    captured: bool = False
+    found: float = 0.0  # rate of climb at the beginning, ft/s
+    cut: float = 0.0  # ft/s, of the rate of climb asked for
 
 
 class Vertical:
@@ -82,15 +91,61 @@ class Vertical:
         return boost
 
     def for_altitude(
-        self, reference: Reference, idle: bool, share: float = 1.0
+        self,
+        reference: Reference,
+        idle: bool,
+        share: float = 1.0,
+        climb: tuple[bool, float] | None = None,
     ) -> tuple[float, float]:
         """Pitch angle and rate of climb for an altitude; while ``idle`` the loop waits to begin."""
         state, theta = self.state, self.pitch.reference(self.state.pitch, self.theta)
+        signals = reference, theta, share, self.climb_max, state.cut, climb
         wanted, hdot_cmd, altitude = self.altitude.sample(
-            state.altitude, self.h, self.hdot, reference, theta, share, self.climb_max, state.cut
+            state.altitude, self.h, self.hdot, *signals
         )
         self.state = state._replace(altitude=select(idle, AltitudeLoop.START, altitude))
         return wanted, select(idle, 0.0, hdot_cmd)
+
+    def for_climb(
+        self,
+        before: ClimbState,
+        mode: float,
+        asked: Reference,
+        reference: Reference,
+        idle: bool,
+        share: float = 1.0,
+        instead: tuple[bool, float] = (False, 0.0),
+    ) -> tuple[float, float, ClimbState]:
+        """Pitch angle and rate of climb, and the next state of the climb.
+
+        Where ``mode`` is not 0 the rate ``asked`` is flown, or that in ``instead`` where its first
+        value holds, until it meets the altitude demanded, if one is; that is held from then on.
+        Otherwise the altitude is.
+        """
+        changed = mode != before.mode
+        rate = select(changed, self.hdot, before.found)
+        rate_asked = (rate if asked.target is None else asked.target) + asked.increment
+        rate_asked = select(*instead, rate_asked)
+        found, law = self.state.altitude
+        found = select(select(before.captured, False, changed), self.h, found)
+        found = select(law.engaged, found, self.h)
+        self.state = self.state._replace(altitude=AltitudeState(found, law))
+        target, increment = reference
+        error = (found if target is None else target) + increment - self.h
+        chosen = increment != 0.0 if target is None else True
+        swift = self.altitude.capture_rate(error)
+        met = chosen & (error * rate_asked > 0.0) & (abs(swift) <= abs(rate_asked))
+        captured = select(changed, False, before.captured) | met
+        off = idle | (mode == 0.0)
+        captured = select(off, False, captured)
+        # faster than the altitude hold while it still is
+        level = self.altitude.climb_rate(error, share)
+        swift = limit(swift, -abs(self.hdot), abs(self.hdot))
+        level = select(abs(swift) > abs(level), swift, level)
+        flown = select(captured, level, rate_asked)
+        wanted, hdot_cmd = self.for_altitude(reference, idle, share, (mode != 0.0, flown))
+        cut = select(off | captured, 0.0, rate_asked - hdot_cmd)
+        return wanted, hdot_cmd, ClimbState(select(idle, 0.0, mode), captured, rate, cut)
 
     def fly(self, wanted: float, keeps: bool = False) -> tuple[float, float, VerticalState]:
         """Elevator, pitch reference and next state for a pitch angle."""

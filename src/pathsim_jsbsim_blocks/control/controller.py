@@ -13,7 +13,7 @@ from .._core.pathsim_internals import port_names
 from .described import DescribedLaw, as_described
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, EnvelopeLimits
-from .loops import AltitudeLoop, HeadingLoop, Reference, attitude_loop
+from .loops import AltitudeLoop, HeadingLoop, Reference, SpeedOnPitchLoop, attitude_loop
 from .protection import Protection
 
 # largest increment, or lower and upper
@@ -42,6 +42,24 @@ fill = filler(
         largest bank reference in deg
     authority : float or pair
         largest aileron increment, of full travel
+    """,
+    climb="""
+    theta_min : float
+        lowest pitch reference in deg
+    theta_max : float, optional
+        highest pitch reference in deg; default is the gain table's
+    authority : float or pair
+        largest elevator increment, of full travel
+    """,
+    climbing="""
+    elevator
+        increment of the elevator command; positive is nose **down**
+    theta_cmd
+        pitch reference on its ramp, deg
+    hdot_cmd
+        rate of climb demanded, ft/s
+    captured
+        1 from the capture of the altitude on, otherwise 0
     """,
     ail_off="""
     off
@@ -107,7 +125,8 @@ class Hold(DescribedLaw):
         self.loops: dict[str, Any] = {}
         super().configure()
         ports = self.input_port_labels or {}
-        self._formed = "alpha" in ports or self.reference == "absolute"
+        self._alpha = ports.get("alpha")
+        self._formed = self._alpha is not None or self.reference == "absolute"
         # where the airspeed and the altitude that choose the gains come in
         self._vc, self._h = ports.get("vc", 0), ports.get("h")
         increments = ("h_ref", "h", LEAST_ALTITUDE, "ft"), ("vc_ref", "vc", LEAST_AIRSPEED, "kt")
@@ -130,10 +149,23 @@ class Hold(DescribedLaw):
     def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
         """The altitude loop; its limits are checked at every point of a schedule."""
         T, c = self.clock.period, self.checked
-        points = self._schedule.points if self._schedule else ()
-        for point in points:
-            AltitudeLoop(T, point.gains.altitude, c.hdot_max, c.theta_min, c.theta_max)
-        return AltitudeLoop(T, gains, c.hdot_max, c.theta_min, c.theta_max)
+        limits = getattr(c, "hdot_max", None), c.theta_min, c.theta_max
+        for point in self._schedule.points if self._schedule else ():
+            AltitudeLoop(T, point.gains.altitude, *limits)
+        return AltitudeLoop(T, gains, *limits)
+
+    def vertical_loops(self, *speed: str) -> dict[str, Any]:
+        """The loops from the altitude, and with "speed" the airspeed, to the elevator."""
+        altitude, pitch, envelope, *others = self.gains_of("altitude", "pitch", "envelope", *speed)
+        T, level = self.clock.period, self.altitude_loop(altitude)
+        loops = {
+            "altitude": level,
+            "pitch": attitude_loop(T, pitch, self.checked.authority, -1.0, self.scheduled),
+            "envelope": self.protection_within(envelope),
+        }
+        for gains in others:
+            loops["climb"] = SpeedOnPitchLoop(T, gains.ramp, level.pid)
+        return loops
 
     def lateral_loops(self) -> dict[str, Any]:
         """The loops from the heading to the bank, and from there to the ailerons."""
@@ -170,8 +202,12 @@ class Hold(DescribedLaw):
         return self.flown(u, state, form, len(u))
 
     def form(self, u: list[float]) -> Hashable:
-        """What decides on the law beside parameters: which absolute references are wired."""
-        return len(self.inputs.wired) if self.reference == "absolute" else None
+        """What decides on the law beside parameters.
+
+        Which absolute references are wired, and whether there is an angle of attack to protect.
+        """
+        wired = len(self.inputs.wired) if self.reference == "absolute" else None
+        return wired, self._alpha is not None and u[self._alpha] != 0.0
 
     def gains_at(self, vc: float, h: float | None = None) -> list[float]:
         """The gains of a schedule at an airspeed and altitude, loop by loop; none without one."""

@@ -209,6 +209,8 @@ class AltitudeLoop:
 
     START = AltitudeState()
 
+    CAPTURE = 0.1 * GRAVITY  # ft/s2, of the rate of climb
+
     def __init__(
         self,
         T: float,
@@ -243,6 +245,17 @@ class AltitudeLoop:
         """Rate of climb demanded in ft/s for an altitude error in ft; ``share`` as in `sample`."""
         return smaller(larger(self.Kh * error, -self.hdot_max), share * self.hdot_max)
 
+    def capture_rate(self, error: float) -> float:
+        """Rate of climb in ft/s at which the capture of an altitude begins, at an error in ft.
+
+        Far away the rate falls with a constant acceleration, then in proportion to the error.
+        """
+        Kh = larger(self.Kh, _LEAST_RATE)
+        near, away = self.CAPTURE / Kh**2, abs(error)
+        far = larger(self.CAPTURE * (2.0 * away - near), 0.0) ** 0.5
+        rate = select(away < near, Kh * away, far)
+        return select(error < 0.0, -rate, rate)
+
     def climb(
         self, law: PIDState, hdot_cmd: float, hdot: float, theta: float, cut: float = 0.0
     ) -> tuple[float, PIDState]:
@@ -260,18 +273,22 @@ class AltitudeLoop:
         share: float = 1.0,
         most: float | None = None,
         cut: float = 0.0,
+        climb: tuple[bool, float] | None = None,
     ) -> tuple[float, float, AltitudeState]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``theta`` is the pitch reference from which the loop continues at engagement; ``share`` is
         that of ``hdot_max`` which is allowed upwards, negative to demand a descent; ``most`` is the
-        highest rate of climb, ft/s; ``cut`` is what was cut off the last pitch reference.
+        highest rate of climb, ft/s; ``cut`` is what was cut off the last pitch reference; ``climb``
+        says whether a rate of climb is flown instead of the altitude, and which.
         """
         found, law = state
         target, increment = reference
         found = h if target is not None else select(law.engaged, found, h)
         error = (found if target is None else target) + increment - h
         hdot_cmd = self.climb_rate(error, share)
+        if climb is not None:
+            hdot_cmd = select(*climb, hdot_cmd)
         if most is not None:
             hdot_cmd = smaller(hdot_cmd, most)
         theta_cmd, law = self.climb(law, hdot_cmd, hdot, theta, cut)
@@ -353,6 +370,50 @@ class SpeedLoop:
             state = state._replace(law=state.law._replace(integral=taken, u=raised))
             u = raised
         return u, reference, state
+
+
+class SpeedOnPitchLoop:
+    """Rate of climb from airspeed: height is exchanged for speed at the throttle as it is.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} = \\dot h_0 - \\frac{V}{g} \\left[2 \\zeta \\omega e
+        + \\omega^2 \\int e \\, dt\\right], \\quad e = V_\\mathrm{cmd} - V
+
+    with true airspeeds. At constant energy dV/dt = -g/V dh/dt, so that omega and zeta are those of
+    the airspeed for any aircraft whose rate of climb follows its demand faster.
+    """
+
+    START = ReferenceLoop.START
+
+    FREQUENCY = 0.15  # rad/s, below the crossover of the rate of climb
+    DAMPING = 0.9
+
+    def __init__(self, T: float, ramp: float, pitch: PID):
+        # the path is at most as steep as the pitch angle may be
+        self.steepest = math.radians(pitch.high), math.radians(pitch.low)
+        self.loop = ReferenceLoop(PID(T), ramp, -1.0)
+
+    def sample(
+        self,
+        state: ReferenceState,
+        vc: float,
+        per_knot: float,
+        hdot: float,
+        wanted: float,
+        keeps: bool,
+        sat: float,
+        off: bool,
+    ) -> tuple[float, float, ReferenceState]:
+        """Rate of climb in ft/s, reference in kt and next state; as in `ReferenceLoop`.
+
+        ``per_knot`` is the true airspeed in ft/s for each kt of calibrated airspeed.
+        """
+        pid, v = self.loop.pid, vc * per_knot
+        gain = v * per_knot * self.FREQUENCY / GRAVITY
+        pid.retune(2.0 * self.DAMPING * gain, self.FREQUENCY * gain)
+        pid.low, pid.high = (-v * angle for angle in self.steepest)
+        law = select(state.law.engaged, state.law, PID.holding(-hdot))
+        return self.loop.sample(state._replace(law=law), vc, 0.0, wanted, keeps, sat, off)
 
 
 class YawState(NamedTuple):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
 from typing import Any, NamedTuple
 
 from ..._core.checks import number, optional, positive
@@ -326,9 +325,6 @@ class FlareHold(Hold):
             **self.lateral_loops(),
             "envelope": self.protection_within(envelope),
         }
-
-    def form(self, u: list[float]) -> Hashable:
-        return super().form(u), u[self.input_port_labels["alpha"]] != 0.0
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha = u

@@ -1,20 +1,34 @@
-"""Holds that act on the elevator and the throttle: pitch, altitude, airspeed."""
+"""Holds that act on the elevator and the throttle: pitch, altitude, climb, airspeed."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..channels import Vertical
+from ..channels import ClimbState, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import ReferenceLoop, SpeedLoop, attitude_loop
+from ..loops import (
+    Reference,
+    ReferenceLoop,
+    ReferenceState,
+    SpeedLoop,
+    SpeedOnPitchLoop,
+    attitude_loop,
+)
+from ..protection import true_airspeed
+from ..signals import select
 
 # the package and PathView export these names
-__all__ = ["AirspeedHold", "AltitudeHold", "PitchHold"]
+__all__ = [
+    "AirspeedHold",
+    "AltitudeHold",
+    "PitchHold",
+    "SpeedOnPitchHold",
+    "VerticalSpeedHold",
+]
 
 
 @fill
@@ -175,16 +189,7 @@ class AltitudeHold(Hold):
     START = Vertical.START
 
     def build(self) -> None:
-        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
-        c, T = self.checked, self.clock.period
-        self.loops = {
-            "altitude": self.altitude_loop(altitude),
-            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
-            "envelope": self.protection_within(envelope),
-        }
-
-    def form(self, u: list[float]) -> Hashable:
-        return super().form(u), u[8] != 0.0
+        self.loops = self.vertical_loops()
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u
@@ -194,6 +199,200 @@ class AltitudeHold(Hold):
         wanted, hdot_cmd = vertical.for_altitude(self.wanted("h_ref", h_ref), idle=off)
         elevator, theta_cmd, state = vertical.fly(wanted)
         return [elevator, theta_cmd, hdot_cmd], state
+
+
+class ClimbingState(NamedTuple):
+    """State of a hold that climbs to an altitude."""
+
+    vertical: VerticalState = Vertical.START
+    climb: ClimbState = ClimbState()
+    speed: ReferenceState = SpeedOnPitchLoop.START
+
+
+@fill
+class VerticalSpeedHold(Hold):
+    """Holds the rate of climb with the elevator, until it captures an altitude.
+
+    .. math::
+        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
+
+    with the pitch loop of ``PitchHold`` inside, sampled at T. An altitude that is demanded, and
+    towards which the rate of climb leads, is captured where the law of ``AltitudeHold`` asks for
+    no more than that rate, and is held from then on. The protection is that of ``AltitudeHold``.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``AltitudeHold``
+    hdot_ref : float, optional
+        rate of climb to hold, ft/s; default: the value at engagement
+    h_ref : float, optional
+        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
+        altitude at engagement
+    %(climb)s
+    %(T)s
+    %(reference)s
+    %(alpha_max)s
+
+    Inputs
+    ------
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    hdot_ref, h_ref
+        added to the parameters, ft/s and ft
+    off
+        0 engaged; otherwise the elevator is frozen
+    elev_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    vc, alpha
+        as in ``AltitudeHold``
+
+    Outputs
+    -------
+    %(climbing)s
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    hdot_ref: float | None = parameter(None, optional)
+    h_ref: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+    alpha_max: float | None = parameter(None, optional)
+
+    measured = ("h", "hdot", "theta", "q")
+    commands = {"elevator": "off"}
+    input_port_labels = numbered("h hdot theta q hdot_ref h_ref off elev_sat vc alpha")
+    output_port_labels = numbered("elevator theta_cmd hdot_cmd captured")
+
+    START = ClimbingState()
+
+    def build(self) -> None:
+        self.loops = self.vertical_loops()
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        h, hdot, theta, q, hdot_ref, h_ref, off, elev_sat, vc, alpha = u
+        off = off != 0.0
+        vertical = Vertical(
+            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, off, elev_sat
+        )
+        vertical.guard(vc, True)
+        asked = self.wanted("hdot_ref", hdot_ref)
+        wanted, hdot_cmd, climb = vertical.for_climb(
+            state.climb, 1.0, asked, self.wanted("h_ref", h_ref), off
+        )
+        elevator, theta_cmd, after = vertical.fly(wanted)
+        captured = select(climb.captured, 1.0, 0.0)
+        return [elevator, theta_cmd, hdot_cmd, captured], ClimbingState(after, climb)
+
+
+@fill
+class SpeedOnPitchHold(Hold):
+    """Holds the airspeed with the elevator, at any throttle, until it captures an altitude.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} = \\dot h_0 - \\frac{V}{g} \\left[2 \\zeta \\omega e
+        + \\omega^2 \\int e \\, dt\\right], \\quad e = V_\\mathrm{cmd} - V
+
+    with the loops of ``VerticalSpeedHold`` inside, sampled at T. The throttle sets whether the
+    aircraft climbs or descends, and how fast: full throttle climbs at the airspeed, idle descends.
+    The frequency omega is 0.15 rad/s, the damping zeta 0.9. An altitude on the way is captured as
+    by ``VerticalSpeedHold``; let an ``AirspeedHold`` take over the throttle there.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``AltitudeHold``, with those of ``AirspeedHold`` as "speed", whose ramp is used
+    vc_ref : float, optional
+        airspeed to hold, KCAS; default: the value at engagement
+    h_ref : float, optional
+        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
+        altitude at engagement
+    %(climb)s
+    %(T)s
+    %(reference)s
+    %(alpha_max)s
+
+    Inputs
+    ------
+    vc
+        calibrated airspeed in kt
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    vc_ref, h_ref
+        added to the parameters, kt and ft
+    off
+        0 engaged; otherwise the elevator is frozen
+    elev_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    alpha
+        as in ``AltitudeHold``
+
+    Outputs
+    -------
+    %(climbing)s
+    vc_cmd
+        airspeed demanded on its ramp, kt
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    vc_ref: float | None = parameter(None, optional)
+    h_ref: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    reference: str = parameter("increment", reference_kind)
+    alpha_max: float | None = parameter(None, optional)
+
+    measured = ("vc", "h", "hdot", "theta", "q")
+    commands = {"elevator": "off"}
+    input_port_labels = numbered("vc h hdot theta q vc_ref h_ref off elev_sat alpha")
+    output_port_labels = numbered("elevator theta_cmd hdot_cmd captured vc_cmd")
+
+    START = ClimbingState()
+
+    def build(self) -> None:
+        self.loops = self.vertical_loops("speed")
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        vc, h, hdot, theta, q, vc_ref, h_ref, off, elev_sat, alpha = u
+        off = off != 0.0
+        vertical = Vertical(
+            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, off, elev_sat
+        )
+        vertical.guard(vc, True)
+        wanted, keeps = ReferenceLoop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref))
+        wanted = vertical.protection.airspeed(wanted)
+        idle = off | state.climb.captured
+        asked, vc_cmd, speed = self.loops["climb"].sample(
+            state.speed,
+            vc,
+            true_airspeed(1.0, h),
+            hdot,
+            wanted,
+            keeps,
+            state.climb.cut,
+            idle,
+        )
+        wanted, hdot_cmd, climb = vertical.for_climb(
+            state.climb, 1.0, Reference(asked), self.wanted("h_ref", h_ref), off
+        )
+        elevator, theta_cmd, after = vertical.fly(wanted)
+        captured = select(climb.captured, 1.0, 0.0)
+        outputs = [elevator, theta_cmd, hdot_cmd, captured, vc_cmd]
+        return outputs, ClimbingState(after, climb, speed)
 
 
 @fill

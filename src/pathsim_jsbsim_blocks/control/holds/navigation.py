@@ -25,7 +25,7 @@ from ...errors import ParameterError
 from ..channels import Lateral, Vertical
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, AltitudeState, Reference, attitude_loop
+from ..loops import AltitudeLoop, AltitudeState, Reference
 from ..receivers import above_path
 from ..signals import flat, larger, limit, select, wrap
 
@@ -404,16 +404,11 @@ class GlideslopeHold(Hold):
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
-        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
         self._received = self.input_port_labels["gs_dist"]
-        self.loops = {
-            "altitude": self.altitude_loop(altitude),
-            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
-            "envelope": self.protection_within(envelope),
-        }
+        self.loops = self.vertical_loops()
         self._share = -math.expm1(-T / SMOOTHING)
 
     START = Vertical.START
