@@ -14,7 +14,7 @@ from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, energy_rate, loading
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
 from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     _PARTS,
@@ -121,7 +121,7 @@ def test_fuel_is_weighed_up_to_where_a_tank_runs_dry():
     assert abs(specific["difference_percent"]) < 1.0
     plane.climb_to(30e3)
     climb = plane.climb(301.4)
-    assert energy_rate(plane, climb) == pytest.approx(climb_rate(climb), rel=0.01)
+    assert plane.energy_rate(climb) == pytest.approx(climb_rate(climb), rel=0.01)
 
 
 def test_level_flight_goes_on_where_an_afterburner_has_too_much_thrust():

@@ -15,7 +15,7 @@ from ..control.holds import PitchHold, RollHold
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState, trim
 from ..flight.aircraft import Aircraft
-from .flight_tests import LARGE, Plane, slowest
+from .flight_tests import LARGE, Plane, reason_of
 
 _ROTATION, _CLIMB, _APPROACH = 1.05, 1.2, 1.3  # of the stall speed: CS 25.107, 25.107(b), 23.73
 _PATH = -3.0  # deg
@@ -40,7 +40,7 @@ def field(plane: Plane) -> None:
             try:
                 found = fly(plane)
             except BlocksError as error:
-                plane.reason = getattr(error, "reason", str(error))
+                plane.reason = reason_of(error)
         distance, roll, speed = found
         plane.put(f"{name} distance", distance, speed)
         plane.put(f"{name} ground roll", roll, speed)
@@ -49,7 +49,7 @@ def field(plane: Plane) -> None:
 
 def _take_off(plane: Plane) -> tuple[float, float, float]:
     """Distance to the screen, ground roll and airspeed at lift-off."""
-    slow = slowest(plane)
+    slow = plane.slowest()
     climb = plane.climb(_CLIMB * slow.speed)
     theta = min(climb.theta, _STEEPEST) if climb else _USUAL
     screen = _LARGE_SCREEN if plane.weight > LARGE else _SCREEN
@@ -71,7 +71,7 @@ def _take_off(plane: Plane) -> tuple[float, float, float]:
 
 def _landing(plane: Plane) -> tuple[float, float, float]:
     """Distance from the screen to a stop, ground roll and airspeed at touchdown."""
-    path = plane.trim(_APPROACH * slowest(plane).speed, gamma=_PATH)
+    path = plane.trim(_APPROACH * plane.slowest().speed, gamma=_PATH)
     if not path:
         raise BlocksError(plane.reason)
     on_wheels = _on_wheels(plane).altitude

@@ -86,6 +86,11 @@ _LINES = (line.split(": ") for line in _CHARTS.strip().splitlines())
 QUANTITIES = {n: (*at.split(), "")[:2] for at, names in _LINES for n in names.split("; ")}
 
 
+def reason_of(error: BlocksError) -> str:
+    """Why there is no trim, in a word where the error has one."""
+    return getattr(error, "reason", str(error))
+
+
 class Plane:
     """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found.
 
@@ -153,7 +158,7 @@ class Plane:
             condition = replace(self.base, speed=speed, **fields)
             return trim(self.airframe, condition, hint=False, warm=True)
         except BlocksError as error:
-            self.reason = getattr(error, "reason", str(error))
+            self.reason = reason_of(error)
             return None
 
     def level(self, speed: float) -> TrimState | None:
@@ -198,6 +203,65 @@ class Plane:
         record = dict(zip(_RECORDED, signals, strict=False))
         return {**record, "fuel": signals[len(_RECORDED) :].sum(axis=0)}
 
+    def first(self, find: Find) -> TrimState | None:
+        """The first trim near a speed at which the wing lifts the weight."""
+        speeds = (speed_of_lift(self.weight, max(self.area, 1.0), c) for c in _GUESSES)
+        return next(filter(None, map(find, speeds)), None)
+
+    def slowest(self) -> TrimState:
+        """The glide with the largest lift coefficient, ``reason`` what ends it."""
+        start = self.first(self.glide)
+        if start is None:
+            raise BlocksError(self.reason)
+        self.reason = "largest lift"
+        return last(self.glide, start, 0.93, _lift)
+
+    def energy_rate(self, state: TrimState) -> float | None:
+        """Rate of change of the energy height in ft/min in a flight with controls fixed.
+
+        It passes the altitude in its middle; the last of three starts at an airspeed with which it
+        has that of the trim there. A phugoid leaves the energy as it is, but for the drag of its
+        load factor: that is reduced to the trim's, by a trim with that load factor.
+        """
+        climb = climb_rate(state)
+        climbs = abs(climb) > 1.0
+        altitude = max(state.condition.altitude - 0.5 * climb * _FLIGHT / 60.0, -1500.0)
+        speed = state.speed
+        for _ in range(3 if climbs else 1):
+            flight = self.fly(state, _FLIGHT, altitude=altitude, speed=speed)
+            if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
+                return None
+            middle = len(flight["h"]) // 2
+            there = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle
+            speed *= state.speed / flight["vc"][there]
+        assert flight is not None
+        height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
+        at = np.linspace(-0.5, 0.5, len(height))
+        slope = np.polyder(np.polyfit(at, height, 5))
+        rate = float(np.polyval(slope, at[there])) * 60.0 / _FLIGHT
+        load, throttle = float(_load_factor(flight)[there]), max(state.throttle, default=0.0)
+        curved = self.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
+        return rate + climb - climb_rate(curved) if curved else rate
+
+    def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
+        """Largest lift coefficient in a pull to the limit's elevator, relative to the limit's.
+
+        The pull takes so many s; what counts is flown below the limit's angle of attack.
+        """
+        if start is None:
+            return None
+        up = [state.pitch_trim + state.elevator for state in (start, limit)]
+        flight = self.fly(start, 2.0 * seconds, (up[1] - up[0]) / seconds)
+        if flight is None:
+            return None
+        stalled = flight["alpha"] >= math.radians(limit.alpha)
+        end = max(int(stalled.argmax()), 1) if stalled.any() else len(stalled)
+        lift = (_load_factor(flight)[:end] / flight["q"][:end]).max()
+        pressure = flight["q"][0] * (limit.tas / flight["v"][0]) ** 2
+        pulls = limit.condition.mode == "pull-up"
+        load = limit.condition.load_factor if pulls else math.cos(math.radians(limit.gamma))
+        return float(lift * pressure / load)
+
 
 def _masses(airframe: Airframe) -> tuple[float, list[float], list[float]]:
     """Weight without fuel and payload, contents of full tanks, and payload of the model, in lb."""
@@ -213,8 +277,8 @@ def _masses(airframe: Airframe) -> tuple[float, list[float], list[float]]:
 def extremes(airframe: Airframe) -> list[float | None]:
     """Gross weights in lb: almost without fuel and payload, the model's own (None), full tanks."""
     empty, full, payload = _masses(airframe)
-    own = airframe.fdm["inertia/weight-lbs"]
     light, heavy = empty + _LEAST_FUEL * sum(full), empty + sum(full) + sum(payload)
+    own = airframe.fdm["inertia/weight-lbs"]
     return [x for x in (light, None, heavy) if x is None or abs(x / own - 1.0) > 0.02]
 
 
@@ -229,21 +293,15 @@ def loading(airframe: Airframe, weight: float) -> dict[str, Any]:
     empty, full, payload = _masses(airframe)
     tanks, carried = sum(full), sum(payload)
     low, high = empty + _LEAST_FUEL * tanks, empty + tanks
-    if payload:
-        high = _HEAVIEST * (high + carried)
+    high = _HEAVIEST * (high + carried) if payload else high
     if not low - 0.5 <= weight <= high + 0.5:
-        refuse(
-            "weight",
-            weight,
-            f"{airframe.aircraft} weighs from {low:,.0f} lb, almost without fuel and payload, to "
-            f"{high:,.0f} lb in a chart, not {weight:,.0f} lb",
-        )
+        why = f"{airframe.aircraft} weighs from {low:,.0f} lb, almost without fuel and payload, to "
+        refuse("weight", weight, f"{why}{high:,.0f} lb in a chart, not {weight:,.0f} lb")
     part = min(max((weight - empty - carried) / tanks, _LEAST_FUEL), 1.0) if tanks else 0.0
-    fields: dict[str, Any] = {"fuel": [part * x for x in full]} if tanks else {}
-    if payload:
-        shares = [x / carried if carried else 1.0 / len(payload) for x in payload]
-        fields["payload"] = [(weight - empty - part * tanks) * share for share in shares]
-    return fields
+    rest = weight - empty - part * tanks
+    shares = [x / carried if carried else 1.0 / len(payload) for x in payload]
+    fields = {"fuel": [part * x for x in full], "payload": [rest * share for share in shares]}
+    return {name: values for name, values in fields.items() if values}
 
 
 def climb_rate(state: TrimState) -> float:
@@ -260,12 +318,6 @@ def _lift(state: TrimState) -> float:
     return math.cos(math.radians(state.gamma)) / state.mach**2
 
 
-def first(plane: Plane, find: Find) -> TrimState | None:
-    """The first trim near a speed at which the wing lifts the weight."""
-    speeds = (speed_of_lift(plane.weight, max(plane.area, 1.0), c) for c in _GUESSES)
-    return next(filter(None, map(find, speeds)), None)
-
-
 def last(find: Find, good: TrimState, ratio: float, size: Size | None = None) -> TrimState:
     """The last trim in steps of a ratio of speed, ever finer; its size must grow, if there is one.
 
@@ -278,15 +330,6 @@ def last(find: Find, good: TrimState, ratio: float, size: Size | None = None) ->
         else:
             ratio = math.sqrt(ratio)
     return good
-
-
-def slowest(plane: Plane) -> TrimState:
-    """The glide with the largest lift coefficient, ``reason`` what ends it."""
-    start = first(plane, plane.glide)
-    if start is None:
-        raise BlocksError(plane.reason)
-    plane.reason = "largest lift"
-    return last(plane.glide, start, 0.93, _lift)
 
 
 def best_of(find: Find, size: Size, start: TrimState, ratio: float = 1.05) -> TrimState:
@@ -315,49 +358,3 @@ def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
     """
     force = flight["nx"] * np.sin(flight["alpha"]) + flight["nz"] * np.cos(flight["alpha"])
     return force / force[0] * np.cos(flight["gamma"][0])
-
-
-def energy_rate(plane: Plane, state: TrimState) -> float | None:
-    """Rate of change of the energy height in ft/min in a flight with controls fixed.
-
-    It passes the altitude in its middle; the last of three starts at an airspeed with which it has
-    that of the trim there. A phugoid leaves the energy as it is, but for the drag of its load
-    factor: that is reduced to the trim's, by a trim with that load factor.
-    """
-    climb = climb_rate(state)
-    climbs = abs(climb) > 1.0
-    altitude = max(state.condition.altitude - 0.5 * climb * _FLIGHT / 60.0, -1500.0)
-    speed = state.speed
-    for _ in range(3 if climbs else 1):
-        flight = plane.fly(state, _FLIGHT, altitude=altitude, speed=speed)
-        if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
-            return None
-        middle = len(flight["h"]) // 2
-        there = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle
-        speed *= state.speed / flight["vc"][there]
-    assert flight is not None
-    height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
-    at = np.linspace(-0.5, 0.5, len(height))
-    slope = np.polyder(np.polyfit(at, height, 5))
-    rate = float(np.polyval(slope, at[there])) * 60.0 / _FLIGHT
-    load, throttle = float(_load_factor(flight)[there]), max(state.throttle, default=0.0)
-    curved = plane.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
-    return rate + climb - climb_rate(curved) if curved else rate
-
-
-def lift_flown(plane: Plane, start: TrimState, limit: TrimState, seconds: float) -> float | None:
-    """Largest lift coefficient in a pull to the limit's elevator, relative to that of the limit.
-
-    The pull takes so many s; what counts is flown below the limit's angle of attack.
-    """
-    up = [state.pitch_trim + state.elevator for state in (start, limit)]
-    flight = plane.fly(start, 2.0 * seconds, (up[1] - up[0]) / seconds)
-    if flight is None:
-        return None
-    stalled = flight["alpha"] >= math.radians(limit.alpha)
-    end = max(int(stalled.argmax()), 1) if stalled.any() else len(stalled)
-    lift = (_load_factor(flight)[:end] / flight["q"][:end]).max()
-    pressure = flight["q"][0] * (limit.tas / flight["v"][0]) ** 2
-    pulls = limit.condition.mode == "pull-up"
-    load = limit.condition.load_factor if pulls else math.cos(math.radians(limit.gamma))
-    return float(lift * pressure / load)

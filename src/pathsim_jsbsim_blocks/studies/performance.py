@@ -28,13 +28,10 @@ from .flight_tests import (
     Row,
     best_of,
     climb_rate,
-    energy_rate,
     extremes,
-    first,
     last,
-    lift_flown,
     path_angle,
-    slowest,
+    reason_of,
 )
 from .workers import WORKER_DIED, run_parts
 
@@ -64,17 +61,17 @@ COLUMNS = (
 
 def _stall(plane: Plane) -> None:
     """The stall speed at one weight and flap setting, throttle closed, load factor 1."""
-    slow, why = slowest(plane), plane.reason
+    slow, why = plane.slowest(), plane.reason
     value = slow.speed / math.sqrt(math.cos(math.radians(slow.gamma)))
     plane.put("stall speed", value, slow.speed, reason=why)
-    fast = plane.glide(1.15 * slow.speed)
-    lift = fast and lift_flown(plane, fast, slow, 0.15 * slow.speed / _DECELERATION)
+    seconds = 0.15 * slow.speed / _DECELERATION
+    lift = plane.lift_flown(plane.glide(1.15 * slow.speed), slow, seconds)
     plane.flown(value / math.sqrt(lift) if lift else None)
 
 
 def _levels(plane: Plane) -> None:
     """Level flight, climb, glide and range at one altitude, against airspeed."""
-    slow = slowest(plane)
+    slow = plane.slowest()
     plane.put("stall speed, throttle closed", slow.tas / KNOT, slow.speed, reason=plane.reason)
     speeds = [1.001 * slow.speed * _GRID**i for i in range(_STEPS)]
     levels = _curve(plane, plane.level, speeds, *_ENDS, "best specific range")
@@ -123,7 +120,7 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
         elif levels and best == "best":
             plane.put("best specific range", None, reason="the model burns no fuel")
     for level in exact[len(exact) // 2 :][:1]:
-        rate = energy_rate(plane, level)
+        rate = plane.energy_rate(level)
         less = None if rate is None else level.weight * rate / 60.0 / level.tas
         plane.put("thrust of level flight", level.thrust, level.speed)
         plane.flown(None if less is None else level.thrust - less)
@@ -167,7 +164,7 @@ def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
     fast = best_of(plane.climb, climb_rate, max(climbs, key=climb_rate))
     steep = best_of(plane.climb, path_angle, max(climbs, key=path_angle))
     plane.put("best rate of climb", climb_rate(fast), fast.speed)
-    plane.flown(energy_rate(plane, fast))
+    plane.flown(plane.energy_rate(fast))
     plane.put("best angle of climb", steep.gamma, steep.speed)
     plane.put("Vy", fast.speed)
     plane.put("Vx", steep.speed)
@@ -182,7 +179,7 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
         plane.put("sink rate", -climb_rate(state), state.speed)
     far = best_of(plane.glide, path_angle, max(glides, key=path_angle))
     slow = best_of(plane.glide, climb_rate, max(glides, key=climb_rate))
-    rate = energy_rate(plane, far)
+    rate = plane.energy_rate(far)
     plane.put("best glide ratio", -1.0 / math.tan(math.radians(far.gamma)), far.speed)
     plane.flown(rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas)))
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
@@ -209,9 +206,9 @@ def _ceilings(plane: Plane) -> None:
     def climb(altitude: float) -> float:
         nonlocal best
         plane.climb_to(altitude)
-        start = plane.climb(best.speed) if best else first(plane, plane.climb)
+        start = plane.climb(best.speed) if best else plane.first(plane.climb)
         if start is None:
-            why, level = plane.reason, first(plane, plane.trim)
+            why, level = plane.reason, plane.first(plane.trim)
             plane.reason = why
             # steeper than the search goes, or a thrust that it does not find
             return math.inf if level and level.throttle[0] < 0.95 else -math.inf
@@ -246,7 +243,7 @@ def _ceilings(plane: Plane) -> None:
 def _turns(plane: Plane) -> None:
     """Load factor, rate and radius of turns, sustained in level flight and at the lift limit."""
     plane.reason = "no engine"
-    slow = slowest(plane) if plane.airframe.engines else None
+    slow = plane.slowest() if plane.airframe.engines else None
     if slow is None or plane.trim(1.6 * slow.speed) is None:
         plane.put("sustained load factor", None)
         return
@@ -281,7 +278,7 @@ def _steepest(plane: Plane, find: Callable[..., TrimState | None]) -> TrimState 
 
 def _load_factors(plane: Plane) -> None:
     """V-n diagram: airspeeds at the lift limit, throttle closed, by load factor."""
-    slow = slowest(plane)
+    slow = plane.slowest()
     # limit load factors: CS 23.337 (amendment 4), CS 25.337, CS 22.337
     high = min(max(2.1 + 24000.0 / (plane.weight + 10000.0), 2.5), 3.8)
     low = -1.0 if plane.weight > LARGE else -0.4 * high
@@ -298,8 +295,8 @@ def _load_factors(plane: Plane) -> None:
         plane.put("speed at the lift limit", keas, load_factor=n, reason=plane.reason)
         if n == 1.0 and start is None:
             return
-        if n == 2.0 and least and keas and (fast := plane.glide(least.speed)):
-            lift = lift_flown(plane, fast, least, 2.0)
+        if n == 2.0 and least and keas:
+            lift = plane.lift_flown(plane.glide(least.speed), least, 2.0)
             plane.flown(keas / math.sqrt(lift) if lift else None)
     _gusts(plane, slow)
 
@@ -360,15 +357,11 @@ def _work(tasks: list[Mapping[str, Any]]) -> list[Row]:
             _PARTS[task["part"]](plane)
             rows = plane.rows
         except BlocksError as error:
-            reason = getattr(error, "reason", str(error))
-            rows = [{"quantity": f"all of {task['part']}", "reason": reason, **_place(task)}]
+            rows = [{"chart": task["part"], "quantity": f"all of {task['part']}"}]
+            rows[0] |= {"altitude_ft": task["altitude"], "weight_lb": task["weight"]}
+            rows[0] |= {"flaps_norm": task["flaps"], "reason": reason_of(error)}
         found.append({"rows": rows})
     return found
-
-
-def _place(task: Mapping[str, Any]) -> Row:
-    names = {"altitude": "altitude_ft", "weight": "weight_lb", "flaps": "flaps_norm"}
-    return {"chart": task["part"], **{column: task[name] for name, column in names.items()}}
 
 
 def performance_table(
