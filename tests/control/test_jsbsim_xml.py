@@ -85,10 +85,10 @@ def whole_flight(seconds):
         "theta_ref": step(2.0, 6.0 * at),
         "roll_mode": during(6.0 * at, 8.0 * at),
         "phi_ref": step(15.0, 7.0 * at),
-        "speed_off": during(8.0 * at, 8.5 * at),
-        "yaw_off": during(8.5 * at, 9.0 * at),
-        "pitch_off": during(9.0 * at, 9.2 * at),
-        "roll_off": during(9.2 * at, 9.4 * at),
+        "speed_off": during(8.0 * at, 8.0 * at + 1.0),
+        "yaw_off": during(8.5 * at, 8.5 * at + 1.0),
+        "pitch_off": during(9.0 * at, 9.0 * at + 1.0),
+        "roll_off": during(9.2 * at, 9.2 * at + 1.0),
     }
 
 
@@ -97,7 +97,10 @@ def nominal_flight(name):
     schedule = table(name)
     point = schedule.points[schedule.nominal]
     _, create, clean = prepared(schedule.aircraft)
-    condition = dataclasses.replace(clean, altitude=point.altitude, speed=point.speed)
+    place = {"altitude": point.altitude, "speed": point.speed}
+    if name.endswith("-landing"):
+        place |= {"flaps": 1.0, "gear": 1.0}
+    condition = dataclasses.replace(clean, **place, solver="newton")
     return {"aircraft": schedule.aircraft, "condition": condition, "create": create}
 
 

@@ -7,7 +7,7 @@ import argparse
 from .. import __version__
 from .editor import add_convert, add_export, add_view
 from .learning import add_course, add_help
-from .planes import add_aircraft, add_gains, add_modes, add_properties, add_trim
+from .planes import add_aircraft, add_gains, add_modes, add_properties, add_systems, add_trim
 from .results import add_chart, add_check, add_daveml, add_study
 from .runs import add_list, add_run
 
@@ -18,6 +18,7 @@ _COMMANDS = (
     add_run,
     add_aircraft,
     add_properties,
+    add_systems,
     add_trim,
     add_modes,
     add_gains,

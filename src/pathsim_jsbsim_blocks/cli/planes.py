@@ -169,6 +169,54 @@ def _warnings_last() -> Iterator[None]:
         print(f"  {warning.message}")
 
 
+def add_systems(commands: Commands) -> None:
+    sub = add_command(
+        commands,
+        "systems",
+        list_systems,
+        "an aircraft's own control system: channels, components, inputs and outputs",
+    )
+    sub.add_argument("aircraft")
+    sub.add_argument("--save", metavar="FILE.svg", type=Path, help="draw it as a block diagram")
+    root_option(sub)
+
+
+def list_systems(args: argparse.Namespace) -> None:
+    from .._core.checks import ending, writable
+    from .._core.files import write_whole
+    from ..flight.control_system import control_system
+    from ..pathview.diagram import Graph, Node, Wire
+    from ..pathview.svg import picture
+
+    if args.save is not None:
+        ending("save", writable("save", args.save), ".svg")
+    parts = []
+    for channel in control_system(args.aircraft, args.root):
+        title = f"{channel.section}: {channel.name}"
+        print(title)
+        for c in channel.components:
+            print(f"  {c.type} {c.name!r}: {', '.join(c.inputs)} -> {', '.join(c.outputs)}")
+        nodes = [Node(c.name, c.type, {}, list(c.inputs), ["out"]) for c in channel.components]
+        # what is behind a property: a component, or an end of its own
+        sources = {name: i for i, c in enumerate(channel.components) for name in c.outputs}
+        used = {name for c in channel.components for name in c.inputs}
+        wires = []
+        for i, c in enumerate(channel.components):
+            for port, name in enumerate(c.inputs):
+                if name not in sources:
+                    sources[name] = len(nodes)
+                    nodes.append(Node(name, "", outputs=["out"]))
+                wires.append(Wire(sources[name], 0, i, port))
+            for name in c.outputs[1:] or (() if c.outputs[0] in used else c.outputs):
+                wires.append(Wire(i, 0, len(nodes), 0))
+                # with an output the layout puts it next to its source
+                nodes.append(Node(name, "", inputs=["in"], outputs=["out"]))
+        parts.append((title, Graph(nodes, wires, [])))
+    if args.save is not None:
+        write_whole(args.save, picture(parts))
+        print(f"picture saved: {args.save}")
+
+
 def add_trim(commands: Commands) -> None:
     sub = add_command(commands, "trim", print_trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")

@@ -116,15 +116,16 @@ class ModelFile:
         """An error of this model."""
         return AircraftError(message, aircraft=self.aircraft, nearest=close)
 
-    def parsed(self) -> ET.Element:
-        """The root element."""
+    def parsed(self, path: Path | None = None) -> ET.Element:
+        """The root element, of another file of the model if one is given."""
+        path = self.path if path is None else path
         try:
-            return ET.parse(self.path).getroot()
+            return ET.parse(path).getroot()
         except (ET.ParseError, ValueError, LookupError) as error:  # an encoding that Python lacks
             why = f"is not well-formed XML: {error}"
         except OSError as error:
             why = f"cannot be read: {error.strerror}"
-        raise self.error(f"the file of aircraft {self.aircraft!r} {why} ({self.path})")
+        raise self.error(f"the file of aircraft {self.aircraft!r} {why} ({path})")
 
     def cg(self, model: ET.Element) -> tuple[ET.Element, float]:
         """Location of the empty-weight CG, and the inches in its unit."""

@@ -50,8 +50,8 @@ def size(node: Node, pinned: int = 0) -> tuple[int, int]:
     return _up(width), _up(height)
 
 
-def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
-    """Place the nodes of one level of a diagram."""
+def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> Layout:
+    """Place the nodes of one level of a diagram; ``page`` is the width of its rows, px."""
     nodes = graph.nodes
     interface = next((i for i, n in enumerate(nodes) if n.type == "Interface"), None)
     sinks = {i for i, n in enumerate(nodes) if not n.outputs and i != interface}
@@ -77,7 +77,7 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]]) -> Layout:
         # align a block that only feeds a scope with the other blocks that feed scopes
         if i not in turned and i in observed and not any(i in e for e in edges):
             layer[i] = max(last, 0)
-    bands = _bands(graph, sizes, layer, cut, sinks)
+    bands = _bands(graph, sizes, layer, cut, sinks, page)
     x = {i: at for band in bands for i, at in _columns(graph, sizes, band, cut).items()}
     chains = _chains(graph, turned)
     centres: dict[int, tuple[int, int]] = {}
@@ -109,6 +109,7 @@ def _bands(
     layer: dict[int, int],
     cut: Collection[Edge],
     sinks: set[int],
+    page: float,
 ) -> list[dict[int, int]]:
     """The columns, in as few rows one below the other as fit on a page, with few wires between."""
     column = {i: n for i, n in layer.items() if i not in sinks}
@@ -126,7 +127,7 @@ def _bands(
             band = {i: n for i, n in layer.items() if start <= column[i] < end}
             at = _columns(graph, sizes, band, cut)
             width = max((x + sizes[i][0] / 2 for i, x in at.items()), default=0.0)
-            if width > PAGE and start < end - 1:
+            if width > page and start < end - 1:
                 break
             count, wires, unequal, bands = best[start]
             crossing = {
@@ -243,7 +244,7 @@ def _rows(
     chained = {i for w in wires if w.target not in sinks for i in (w.source, w.target)}
     for w in wires:
         # where the target's centre is to be above the source's for a straight wire
-        shift = _offset(w.output, len(graph.nodes[w.source].outputs)) - _offset(
+        shift = port_offset(w.output, len(graph.nodes[w.source].outputs)) - port_offset(
             w.input, len(graph.nodes[w.target].inputs)
         )
         pulls[w.target].append((w.source, shift))
@@ -381,7 +382,7 @@ def touch(
     )
 
 
-def _offset(port: int, ports: int) -> float:
+def port_offset(port: int, ports: int) -> float:
     """Height of a port over the centre of its block."""
     return _PORT * (port - (ports - 1) / 2)
 
