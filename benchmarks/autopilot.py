@@ -3,8 +3,8 @@
     python benchmarks/autopilot.py
 
 Then the cost of a step under `fly`: of a c172p with `PitchHold` against a hand-written JSBSim loop
-with the same control law, and of the diagram autopilot_mission against `sim.run`; and of JSBSim alone
-with the laws as XML.
+with the same control law, and of the diagram autopilot_mission against `sim.run`; and of
+JSBSim alone with the laws as XML.
 
 One process flies the same c172p in turn under both: altitude hold over rate of climb and pitch
 angle, heading hold over roll angle, autothrottle, yaw damper, 120 Hz, one Scope. The core blocks
