@@ -5,6 +5,7 @@ and three airspeeds, where it trims there, in
 `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep their names:
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
+With ``--limits`` the limits of the envelope are measured anew, and the tables keep their gains.
 With ``--fly`` the steps are flown with the existing tables, for
 `docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel;
 with ``--cruise`` those of airliners at cruise altitudes.
@@ -26,6 +27,7 @@ from pathsim_jsbsim_blocks.design import (
     design_gains,
     design_schedule,
 )
+from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.requirements import (
     ALTITUDE_KEPT,
     ALTITUDE_KEPT_OFF,
@@ -35,7 +37,32 @@ from pathsim_jsbsim_blocks.design.requirements import (
 )
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
-from pathsim_jsbsim_blocks.flight import aircraft_names, level_flight
+from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
+
+# KCAS and Mach number: VMO and MMO, or VNE, by the sources on docs/autopilots.md; none known of the
+# others
+FASTEST = {
+    "737": (340.0, 0.82),
+    "787-8": (350.0, 0.90),
+    "A320": (350.0, 0.82),
+    "B747": (375.0, 0.92),
+    "Concorde": (400.0, 2.04),
+    "F4N": (750.0,),
+    "J3Cub": (106.0,),
+    "L17": (165.0,),
+    "MD11": (365.0, 0.87),
+    "OV10": (350.0,),
+    "T37": (382.0, 0.70),
+    "c172p": (158.0,),
+    "c172r": (163.0,),
+    "c310": (223.0,),
+    "f104": (750.0, 2.0),
+    "f15": (800.0, 2.5),
+    "f16": (800.0, 2.05),
+    "fokker100": (320.0, 0.77),
+    "global5000": (340.0, 0.89),
+    "t6texan2": (316.0, 0.67),
+}
 
 # of the airspeed of level flight
 SPEEDS = (0.8, 1.0, 1.25)
@@ -104,6 +131,44 @@ def designed(name):
 def table_of(name):
     """File of the designed table of an aircraft."""
     return TABLES / f"{name}{'-designed' if name in TUNED_AT else ''}.json"
+
+
+def limits(names):
+    """Measure the limits of the designed tables anew, and write the published ones into all."""
+    for path in sorted(TABLES.glob("*.json")):
+        document = json.loads(path.read_text(encoding="utf-8"))
+        name = document["aircraft"]
+        if names and name not in names:
+            continue
+        points = document.pop("points")
+        for point in points:
+            limits = point["gains"]["envelope"]
+            if path == table_of(name):
+                limits.update(measured(name, point))
+            limits.update(zip(("vmo", "mmo"), FASTEST.get(name, ()), strict=False))
+        head = json.dumps(document)[:-1] + ', "points": ['
+        rows = ",\n".join(json.dumps(point) for point in points)
+        path.write_text(f"{head}\n{rows}\n]}}\n", encoding="utf-8")
+        print(path.stem, flush=True)
+
+
+def measured(name, point):
+    """Limits of the envelope at a point of a table; none where it has no trim by itself."""
+    flight = flight_of(name)
+
+    def fresh():
+        return Airframe(name, create=flight.create)
+
+    for solver in (None, "newton"):
+        condition = replace(
+            flight.condition, altitude=point["altitude"], speed=point["speed"], solver=solver
+        )
+        try:
+            found = envelope(fresh, condition, trim(fresh(), condition), point["speed"])
+        except TrimError:
+            continue
+        return {key: float(f"{value:.6g}") for key, value in vars(found).items()}
+    return {}
 
 
 # where the hand-tuned tables were tuned
@@ -350,6 +415,7 @@ def main(names):
             print(f"{name}: no table: {error}", flush=True)
         else:
             found.save(table_of(name))
+            limits([name])
 
 
 if __name__ == "__main__":
@@ -360,6 +426,7 @@ if __name__ == "__main__":
     do = parser.add_mutually_exclusive_group()
     do.add_argument("--fly", dest="do", action="store_const", const=fly, default=main)
     do.add_argument("--off", dest="do", action="store_const", const=fly_off)
+    do.add_argument("--limits", dest="do", action="store_const", const=limits)
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     options = parser.parse_args()
     options.do(options.aircraft)

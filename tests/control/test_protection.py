@@ -25,12 +25,17 @@ from pathsim_jsbsim_blocks import (
     GlideslopeHold,
     ParameterError,
     RollHold,
+    TrimCondition,
     TrimError,
 )
 from pathsim_jsbsim_blocks.control.gain_tables import loop_gains
 from pathsim_jsbsim_blocks.control.gains import EnvelopeLimits
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
-from pathsim_jsbsim_blocks.control.protection import Protection, true_airspeed
+from pathsim_jsbsim_blocks.control.protection import (
+    Protection,
+    fastest_airspeed,
+    true_airspeed,
+)
 
 T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
 REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
@@ -155,9 +160,74 @@ def test_the_bank_gives_way_before_the_pitch():
         (11.5, 0.0, 0.0),
         (-1.0, 0.0, 90.0),
     ):
-        *_, state = guard.sample(guard.START, 5.0, alpha, 0.0, 0.0, 90.0, False)
-        assert guard.bank(state, 90.0, phi, 0.0) == pytest.approx(most)
-        assert guard.bank(state, -90.0, phi, 0.0) == pytest.approx(-most)
+        limits, state = guard.sample(guard.START, 5.0, alpha, 0.0, 0.0, 90.0, False, False)
+        assert guard.bank(limits, state, 90.0, phi) == pytest.approx(most)
+        assert guard.bank(limits, state, -90.0, phi) == pytest.approx(-most)
+
+
+HEAVY = {  # name: fuel of each of two tanks in lb, airspeed, airspeed demanded, height lost
+    "A320": (23_940.0, 281.0, 130.0, 100.0),  # 4,689 ft with one lowest airspeed for all weights
+    "f15": (5249.0, 201.0, 140.0, 100.0),  # to the ground
+    "f16": (3486.0, 225.0, 120.0, 60.0),  # 2,388 ft
+}
+
+
+@pytest.mark.parametrize("name", first(HEAVY))
+def test_heavy_aircraft_stay_faster(name):
+    pounds, speed, asked, lost = HEAVY[name]
+    condition = TrimCondition(
+        altitude=7700.0,
+        speed=speed,
+        gear=0.0,
+        fuel=[pounds, pounds],
+        setup={"propulsion/fuel_freeze": 1.0},
+    )
+    plane = Aircraft(name, condition=condition, T=T, substeps=2)
+    record = fly(plane, 200.0, {"vc_ref": step(asked - speed)}, T=T)
+    limit = loop_gains(name, "envelope")[0].alpha_max
+    assert np.max(record["alpha"]) < limit
+    assert np.min(record["h"]) > 7700.0 - lost
+    assert record["h"][-1] == pytest.approx(7700.0, abs=10.0)
+
+
+@pytest.mark.parametrize("name", first(["f15", "c172r", "pa28"]))
+def test_a_steep_bank_at_low_airspeed_costs_no_height(name):
+    # 4,268 ft (f15) and more: the bank gives way before the height
+    gear = {"gear": 0.0} if name == "f15" else {}
+    speed, altitude = {"f15": (201.0, 7700.0), "c172r": (100.0, 5000.0), "pa28": (96.0, 2000.0)}[
+        name
+    ]
+    plane = Aircraft(name, altitude=altitude, speed=speed, T=T, substeps=2, **gear)
+    ports = {"vc_ref": step(-0.35 * speed), "roll_mode": on, "phi_ref": step(60.0)}
+    record = fly(plane, 60.0, ports, T=T)
+    limit = loop_gains(name, "envelope")[0].alpha_max
+    assert np.max(record["alpha"]) < limit + 1.0
+    assert np.min(record["h"]) > altitude - 130.0
+    assert np.max(record["phi"]) > 30.0
+
+
+def test_flaps_lower_the_lowest_airspeed():
+    # clean it is 178 kt, to which it accelerated by itself
+    plane = Aircraft("737", altitude=3000.0, speed=150.0, flaps=0.5, gear=1.0, T=T, substeps=2)
+    record = fly(plane, 60.0, {}, T=T)
+    assert np.ptp(record["vc"]) < 1.0
+
+
+def test_the_highest_airspeed_is_not_exceeded():
+    plane = Aircraft("A320", altitude=7700.0, speed=320.0, gear=0.0, T=T, substeps=2)
+    ports = {"vc_ref": step(150.0), "pitch_mode": on, "theta_ref": step(-20.0)}
+    record = fly(plane, 60.0, ports, T=T)
+    assert np.max(record["vc"]) < 350.0 + 5.0  # VMO
+    assert np.max(record["vc"]) > 340.0
+
+
+def test_no_descent_below_100_ft_above_the_ground():
+    plane = Aircraft(
+        "c172p", altitude=1000.0, speed=90.0, T=T, substeps=2, output_properties=["h_agl"]
+    )
+    ports = {"h_ref": step(-1500.0), "h_agl": lambda t: float(plane.outputs["h_agl"])}
+    record = fly(plane, 200.0, ports, T=T)
+    assert 90.0 < np.min(record["h"]) < 130.0
 
 
 def test_altitude_hold_does_not_climb_into_the_stall():
@@ -240,9 +310,10 @@ def test_a_gust_is_no_loss_of_energy():
     state, climbs = Protection.START, []
     for k in range(8 * 60):
         vc = 210.0 - 5.0 * min(max(k / 60 - 2.0, 0.0), 4.0)
-        _, climb, _, state = protection.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, 210.0)
-        climbs.append(climb)
-    assert min(climbs) > -5.0  # ft/s; at vc_min it may be -48
+        signals = 6.8, 5000.0, 0.0, vc, False, False, 210.0  # the lowest airspeed is 178 kt
+        found, state = protection.sample(state, 5.0, *signals)
+        climbs.append(found.climb_max)
+    assert min(climbs) > -5.0  # ft/s; at the lowest airspeed it may be -48
 
 
 def test_an_airspeed_that_comes_later_counts_from_where_it_comes():
@@ -253,7 +324,7 @@ def test_an_airspeed_that_comes_later_counts_from_where_it_comes():
         state = Protection.START
         for k in range(60):
             vc = 0.0 if guard is late and k == 0 else 210.0
-            *y, state = guard.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, 210.0)
+            *y, state = guard.sample(state, 5.0, 5.0, 5000.0, 0.0, vc, False, False, 210.0)
             out.append(y)
     assert found[1:] == expected[:-1]
 
@@ -413,12 +484,13 @@ def test_the_first_sample_knows_no_rates():
     guard = Protection(1 / 120, None, envelope)
     state = guard.START
     for _ in range(2):
-        theta_max, climb, boost, state = guard.sample(state, 6.0, 4.0, 0.0, 3.0, 90.0, True)
-        assert (theta_max, boost) == (6.0 + 12.0 - 4.0, 0.0)
+        found, state = guard.sample(state, 6.0, 4.0, 0.0, 3.0, 90.0, False, True)
+        assert (found.theta_max, found.boost) == (6.0 + 12.0 - 4.0, 0.0)
         # the rate of climb measured, 3 ft/s, and what the airspeed may lose in 10 s: with a fall of
         # 0.1 (V - 0.96 Vmin) per s, V / g times as much
-        assert climb == pytest.approx(
-            3.0 + 0.1 * 90.0 * (90.0 - 57.6) * 1.68781**2 / 32.174, abs=0.01
+        slowest = 1.1 * 90.0 * (4.0 / 12.0) ** 0.5
+        assert found.climb_max == pytest.approx(
+            3.0 + 0.1 * 90.0 * (90.0 - 0.96 * slowest) * 1.68781**2 / 32.174, abs=0.01
         )
 
 
@@ -427,8 +499,8 @@ def test_the_pitch_leads_an_angle_of_attack_that_rises():
     state = guard.START
     for _ in range(240):
         alpha += 3.0 / 120  # 3 deg/s
-        theta_max, _, _, state = guard.sample(state, 8.0, alpha, 0.0, 0.0, 70.0, False)
-    assert theta_max == pytest.approx(8.0 + 12.0 - alpha - 0.4 * 3.0, abs=0.01)
+        found, state = guard.sample(state, 8.0, alpha, 0.0, 0.0, 70.0, False, False)
+    assert found.theta_max == pytest.approx(8.0 + 12.0 - alpha - 0.4 * 3.0, abs=0.01)
 
 
 @pytest.mark.parametrize(("share", "excess"), [(1.0, 20.0), (0.9, 0.0), (0.5, 0.0)])
@@ -437,12 +509,13 @@ def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(share, excess):
     limits = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
     guard, vc = Protection(1 / 120, None, limits), 62.0
     vc_cmd = vc / share
-    _, most, _, _ = guard.sample(guard.START, 4.0, 6.0, 0.0, 0.0, vc, False, vc_cmd)
+    alpha = 12.0 * (60.0 / (1.1 * vc)) ** 2
+    found, _ = guard.sample(guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, vc_cmd)
     stiffness = 0.1 * vc * 1.68781 / 32.174
     lost = 20.0 - stiffness * (0.95 * vc_cmd - vc) * 1.68781
     spare = excess + stiffness * (vc - 0.96 * 60.0) * 1.68781
     # near its lowest airspeed an aircraft descends to gain the one demanded
-    assert most == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
+    assert found.climb_max == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
 
 
 def test_true_airspeed():
@@ -450,6 +523,13 @@ def test_true_airspeed():
     assert true_airspeed(100.0, 0.0) == pytest.approx(168.781, rel=1e-5)
     assert true_airspeed(100.0, 5000.0) == pytest.approx(168.781 * 1.0773, rel=1e-4)
     assert true_airspeed(100.0, 20_000.0) == pytest.approx(168.781 * 1.3700, rel=1e-4)
+
+
+def test_the_highest_airspeed_is_the_lower_of_two():
+    # Mach 0.82 at 24,000 and 39,000 ft are 354.15 and 255.28 KCAS in JSBSim, by geopotential height
+    assert fastest_airspeed(340.0, 0.82, 10_000.0) == 340.0
+    assert fastest_airspeed(1000.0, 0.82, 24_000.0) == pytest.approx(354.15, abs=0.3)
+    assert fastest_airspeed(340.0, 0.82, 39_000.0) == pytest.approx(255.28, abs=0.5)
 
 
 @pytest.mark.parametrize("name", first(["737", "c172p", "global5000"]))

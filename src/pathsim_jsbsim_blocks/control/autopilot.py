@@ -135,6 +135,9 @@ class Autopilot(Hold):
         captured
     hdot_ref, thr_ref
         added to the parameters, ft/s and full travel
+    h_agl
+        height above the ground in ft, with ``alpha`` wired: no descent below 100 ft; without a wire
+        (0) the ground is not known
 
     Outputs
     -------
@@ -176,7 +179,7 @@ class Autopilot(Hold):
     input_port_labels = numbered(
         "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "
         "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta "
-        "v_mode hdot_ref thr_ref"
+        "v_mode hdot_ref thr_ref h_agl"
     )
     output_port_labels = numbered(
         "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd captured"
@@ -209,6 +212,7 @@ class Autopilot(Hold):
         pitching, rolling, *offs = (x != 0.0 for x in u[14:20])
         pitch_off, roll_off, speed_off, yaw_off = offs
         elev_sat, ail_sat, thr_sat, alpha, beta, v_mode = u[20:26]
+        h_agl = u[28]
         mode = select(pitching, 0.0, v_mode)
         captured = select(mode == state.climb.mode, state.climb.captured, False)
         on_pitch = select(captured | pitch_off, False, mode == 2.0)
@@ -220,11 +224,12 @@ class Autopilot(Hold):
         # the loop of the throttle and that of the elevator hold one airspeed
         held = select(state.pitched.law.engaged, state.pitched, state.speed)
         vc_cmd = ReferenceLoop.reference(held, vc)
-        boost = vertical.guard(vc, thr_sat > 0.0, vc_cmd, pitching)
+        vertical.guard(vc, thr_sat > 0.0, vc_cmd, pitching, phi, h_agl)
+        limits, guard = vertical.limits, vertical.state.guard
         wanted, keeps = ReferenceLoop.towards(held, vc, vc_ref)
-        wanted = protection.airspeed(wanted)
+        wanted = protection.airspeed(guard, wanted, phi, h)
         throttle, vc_cmd, speed = self.loops["speed"].sample(
-            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off | on_pitch, boost
+            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off | on_pitch, limits.boost
         )
         rate, vc_pitch, pitched = self.loops["climb"].sample(
             state.pitched,
@@ -256,7 +261,7 @@ class Autopilot(Hold):
         lateral = Lateral(self.loops, state.lateral, psi, phi, p, roll_off, ail_sat)
         wanted = lateral.for_heading(psi_ref, roll_off | rolling)
         direct, keeps = lateral.roll.towards(state.lateral.roll, phi, phi_ref)
-        bank = protection.bank(after.guard, select(rolling, direct, wanted), phi, h)
+        bank = protection.bank(limits, guard, select(rolling, direct, wanted), phi)
         aileron, phi_cmd, turned = lateral.fly(bank, select(rolling, keeps, False))
 
         rudder, yaw = self.loops["yaw"].sample(state.yaw, r, yaw_off, beta, p, phi)

@@ -81,14 +81,15 @@ class Vertical:
         self.theta, self.q, self.h, self.hdot = theta, q, h, hdot
         self.vc, self.alpha, self.off, self.sat = vc, alpha, off, sat
 
-    def guard(self, vc: float, *signals: Any) -> Any:
-        """Let the protection find its limits; throttle to add, if it adds any."""
+    def guard(self, vc: float, *signals: Any) -> None:
+        """Let the protection find its limits."""
         sample: Callable[..., Any] = self.protection.sample
-        self.theta_max, self.climb_max, boost, guard = sample(
-            self.state.guard, self.theta, self.alpha, self.h, self.hdot, vc, *signals
+        # positive elevator is nose down
+        stop = (self.sat < 0.0) | (self.state.pitch.law.u >= self.pitch.pid.high)
+        self.limits, guard = sample(
+            self.state.guard, self.theta, self.alpha, self.h, self.hdot, vc, stop, *signals
         )
         self.state = self.state._replace(guard=guard)
-        return boost
 
     def for_altitude(
         self,
@@ -99,7 +100,10 @@ class Vertical:
     ) -> tuple[float, float]:
         """Pitch angle and rate of climb for an altitude; while ``idle`` the loop waits to begin."""
         state, theta = self.state, self.pitch.reference(self.state.pitch, self.theta)
-        signals = reference, theta, share, self.climb_max, state.cut, climb
+        if self.limits.climb_max is not None:
+            # the protection limits the climb; level flight may take all of the angle of attack
+            self.altitude.allow(self.protection.alpha_max)
+        signals = reference, theta, share, self.limits, state.cut, climb
         wanted, hdot_cmd, altitude = self.altitude.sample(
             state.altitude, self.h, self.hdot, *signals
         )
@@ -149,7 +153,9 @@ class Vertical:
 
     def fly(self, wanted: float, keeps: bool = False) -> tuple[float, float, VerticalState]:
         """Elevator, pitch reference and next state for a pitch angle."""
-        most, fastest = self.theta_max, self.protection.fastest(self.vc, self.h)
+        most, least = self.limits.theta_max, self.limits.theta_min
+        fastest = self.protection.pitch_rate(self.vc, self.h)
+        wanted = wanted if least is None else larger(wanted, least)
         state, signals = self.state, (wanted, keeps, self.sat, self.off, 0.0, most, fastest)
         elevator, theta_cmd, pitch = self.pitch.sample(state.pitch, self.theta, self.q, *signals)
         cut = 0.0 if most is None else larger(wanted - most, 0.0)

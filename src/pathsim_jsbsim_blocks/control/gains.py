@@ -30,7 +30,18 @@ class _Gains:
             object.__setattr__(self, field.name, value)
 
 
-_POSITIVE = ("ramp", "band", "hdot_max", "tau", "alpha_max", "vc_min", "descent_max")
+_POSITIVE = (
+    "ramp",
+    "band",
+    "hdot_max",
+    "tau",
+    "alpha_max",
+    "vc_min",
+    "descent_max",
+    "vmo",
+    "mmo",
+    "lift_max",
+)
 _NOT_NEGATIVE = ("b", "Tf", "climb_max")
 
 
@@ -185,17 +196,32 @@ class EnvelopeLimits(_Gains):
     alpha_max : float
         largest angle of attack that the holds may command, deg, below the stall
     vc_min : float
-        lowest airspeed that the holds may command, KCAS
+        lowest airspeed of level flight where it was measured, KCAS; in flight the protection finds
+        it from the angle of attack
     climb_max : float
         rate of climb at full throttle and this airspeed, ft/s
     descent_max : float
         rate of descent at idle and this airspeed, ft/s, positive
+    vmo : float
+        highest airspeed that the holds may command, KCAS; by default there is none
+    mmo : float
+        and as a Mach number
+    alpha_zero : float
+        angle of attack without lift, deg
+    lift_max : float
+        largest lift that level flight may take, of that at ``alpha_max``: where ``vc_min`` was
+        measured, it takes this much at ``vc_min``. By default the airspeed stays 10 % above that at
+        ``alpha_max``
     """
 
     alpha_max: float
     vc_min: float
     climb_max: float
     descent_max: float
+    vmo: float = 1000.0
+    mmo: float = 10.0
+    alpha_zero: float = 0.0
+    lift_max: float = 0.8264
 
 
 @known_keywords

@@ -27,6 +27,19 @@ class Reference(NamedTuple):
     increment: float = 0.0
 
 
+class Limits(NamedTuple):
+    """What a `Protection` allows; None for what it does not limit."""
+
+    theta_max: float | None = None  # deg
+    theta_min: float | None = None
+    climb_max: float | None = None  # ft/s
+    climb_min: float | None = None
+    boost: float | None = None  # throttle to add
+
+
+UNLIMITED = Limits()
+
+
 class ReferenceState(NamedTuple):
     """State of a `ReferenceLoop`."""
 
@@ -241,6 +254,11 @@ class AltitudeLoop:
         if not self._own_theta_max:
             self.pid.high = theta_max
 
+    def allow(self, theta: float) -> None:
+        """A pitch angle that only a limit of one's own forbids."""
+        if not self._own_theta_max:
+            self.pid.high = larger(self.pid.high, theta)
+
     def climb_rate(self, error: float, share: float = 1.0) -> float:
         """Rate of climb demanded in ft/s for an altitude error in ft; ``share`` as in `sample`."""
         return smaller(larger(self.Kh * error, -self.hdot_max), share * self.hdot_max)
@@ -271,15 +289,15 @@ class AltitudeLoop:
         reference: Reference,
         theta: float,
         share: float = 1.0,
-        most: float | None = None,
+        limits: Limits = UNLIMITED,
         cut: float = 0.0,
         climb: tuple[bool, float] | None = None,
     ) -> tuple[float, float, AltitudeState]:
         """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
 
         ``theta`` is the pitch reference from which the loop continues at engagement; ``share`` is
-        that of ``hdot_max`` which is allowed upwards, negative to demand a descent; ``most`` is the
-        highest rate of climb, ft/s; ``cut`` is what was cut off the last pitch reference; ``climb``
+        that of ``hdot_max`` which is allowed upwards, negative to demand a descent; ``limits`` are
+        those of the rate of climb; ``cut`` is what was cut off the last pitch reference; ``climb``
         says whether a rate of climb is flown instead of the altitude, and which.
         """
         found, law = state
@@ -289,8 +307,8 @@ class AltitudeLoop:
         hdot_cmd = self.climb_rate(error, share)
         if climb is not None:
             hdot_cmd = select(*climb, hdot_cmd)
-        if most is not None:
-            hdot_cmd = smaller(hdot_cmd, most)
+        if limits.climb_max is not None:
+            hdot_cmd = limit(hdot_cmd, limits.climb_min, limits.climb_max)
         theta_cmd, law = self.climb(law, hdot_cmd, hdot, theta, cut)
         return theta_cmd, hdot_cmd, AltitudeState(found, law)
 

@@ -1,4 +1,4 @@
-"""Protection from the stall: limits on pitch, climb and airspeed from the angle of attack."""
+"""Protection from stall, ground and overspeed: limits on pitch, climb, bank and airspeed."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from typing import NamedTuple
 
 from .._core.units import GRAVITY, KNOT
 from .gains import EnvelopeLimits
-from .signals import acos, cos, expm1, larger, limit, select, smaller
+from .loops import UNLIMITED, Limits
+from .signals import acos, cos, exp, expm1, larger, limit, select, smaller
 
-# ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128; tropopause at 36,089 ft
-_LAPSE, _EXPONENT, _TROPOPAUSE = 6.8756e-6, -2.128, 36_089.0
+# ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128, pressure ratio (1 - L h)^5.2559;
+# tropopause at 36,089 ft, above it the pressure falls by 1/e in 20,806 ft
+_LAPSE, _EXPONENT, _PRESSURE, _TROPOPAUSE, _SCALE = 6.8756e-6, -2.128, 5.2559, 36_089.0, 20_806.0
+_SONIC = 661.479  # kt, at sea level
 
 
 def true_airspeed(vc: float, h: float) -> float:
@@ -19,6 +22,14 @@ def true_airspeed(vc: float, h: float) -> float:
     Without compressibility and for ISA: 3 % high at Mach 0.5, 10 % at 0.8.
     """
     return vc * KNOT * (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _EXPONENT
+
+
+def fastest_airspeed(vmo: float, mmo: float, h: float) -> float:
+    """The lower of two airspeeds in kt, one calibrated and one as a Mach number, for ISA."""
+    pressure = (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _PRESSURE
+    pressure *= exp(-larger(h - _TROPOPAUSE, 0.0) / _SCALE)
+    impact = pressure * ((1.0 + 0.2 * mmo * mmo) ** 3.5 - 1.0)
+    return smaller(vmo, _SONIC * (5.0 * ((1.0 + impact) ** (2.0 / 7.0) - 1.0)) ** 0.5)
 
 
 class ProtectionState(NamedTuple):
@@ -32,20 +43,33 @@ class ProtectionState(NamedTuple):
     airspeed: float = 0.0  # v without gusts
     available: float = 0.0  # rate of climb at full throttle
     measured: float = 0.0  # and at the present one
+    climb: float = 0.0  # rate of climb, filtered
+    load: float = 1.0  # vertical load factor, filtered
+    level: float = 0.0  # deg, alpha above that of no lift with the wings level, filtered
+    stopped: float = 0.0  # share of the time with the elevator at its stop
+    reach: float = 90.0  # deg, angle of attack that the elevator can hold
 
 
 class Protection:
-    """Highest pitch reference and rate of climb that keep the angle of attack and the airspeed.
+    """Limits of the references that keep the aircraft off the stall, the ground and overspeed.
 
     .. math::
         \\theta &\\le \\theta + \\alpha_\\mathrm{max} - \\alpha - \\tau \\dot\\alpha \\\\
+        V_\\mathrm{min} &= 1.1 \\, V \\sqrt{\\frac{\\alpha}{n \\, \\alpha_\\mathrm{max}}} \\\\
         \\dot h_\\mathrm{cmd} &\\le \\hat P + \\frac{k V}{g} (V - V_\\mathrm{min}), \\qquad
-        P = \\dot h + \\frac{V \\dot V}{g}
+        P = \\dot h + \\frac{V \\dot V}{g} \\\\
+        \\dot h_\\mathrm{cmd} &\\ge \\hat P + \\frac{k V}{g} (V - V_\\mathrm{max}) \\\\
+        \\dot h_\\mathrm{cmd} &\\ge k (h_0 - h_\\mathrm{agl})
 
     The first makes the pitch loop hold the largest angle of attack where more pitch would exceed
-    it. The second lets the airspeed fall towards the lowest one no faster than with the time
-    constant 1/k, and demands a descent below it. The excess P is that at full throttle: the
-    table's, until the throttle is at its stop; from then on what is measured.
+    it. The lowest airspeed follows from the angle of attack that the aircraft flies at, which shows
+    its weight, flaps and load factor; n is the part of a passing pull-up. Where the elevator
+    reaches its stop, the angle of attack found there takes the place of the largest one.
+
+    The third lets the airspeed fall towards the lowest one no faster than with the time constant
+    1/k, and demands a descent below it; the fourth ends a descent at the highest airspeed, and the
+    fifth above the ground. The excess P is that at full throttle: the table's, until the throttle
+    is at its stop; from then on what is measured.
 
     Parameters
     ----------
@@ -54,20 +78,29 @@ class Protection:
     alpha_max : float
         deg
     envelope : EnvelopeLimits, optional
-        lowest airspeed and rate of climb at full throttle; None for the angle of attack alone
+        rates of climb at full throttle and at idle, and the highest airspeed; None for the angle of
+        attack alone
     """
 
     START = ProtectionState()
 
     LEAD = 0.4  # s, of the angle of attack
     RATE = 0.15  # s, filter of its rate
-    ACCELERATION = 2.0  # s, filter of the acceleration
+    SLOW = 2.0  # s, filter of acceleration, airspeed and lift
     ADAPT = 3.0  # s, towards the climb measured at full throttle
-    DECAY = 0.1  # 1/s, with which the airspeed may approach its lowest value
+    DECAY = 0.1  # 1/s, with which airspeed and height may approach their limits
+    MARGIN = 1.1  # lowest airspeed, of that at which the elevator reached its stop
     LIFT = 1.1  # load factor at the lowest airspeed
+    LOADS = (0.5, 2.0)  # of the vertical load factor
     LOAD = 0.8  # g, of a change of the pitch reference
+    LEAST_LIFT = 0.1  # share of the largest
+    STEEPEST = 75.0  # deg of bank
     SLOWEST = 50.0  # ft/s, true airspeed
     BANK_YIELDS = 1.0  # deg below the largest angle of attack, before the pitch does
+    STOPPED = 0.5  # share of the time at its stop, from which the elevator is at its end
+    CLIMB_KEPT = 8.0  # ft/s
+    RELEARN = 0.02  # deg/s, with which more of the elevator's reach is tried
+    CLEARANCE = 100.0  # ft above the ground, where a descent ends
 
     # of the airspeed demanded
     BOOST_ENDS_ABOVE = 0.985
@@ -77,23 +110,36 @@ class Protection:
     # of the lowest airspeed
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve, a descent may regain the one demanded
     DESCENT_FORCED_BELOW = 0.96
-    BOOST_FULL_AT = 0.1  # so far below the one demanded
+    BOOST_FULL_AT = 0.04  # so far below the one demanded
 
     def __init__(self, T: float, alpha_max: float | None, envelope: EnvelopeLimits | None):
         self.T = T
         self._own = alpha_max is not None
         self.alpha_max = 0.0 if alpha_max is None else alpha_max
         self.flies_envelope = envelope is not None
+        self.alpha_zero = 0.0
         if envelope:
             self.retune(**vars(envelope))
         self._alpha_filter = -expm1(-T / self.RATE)
-        self._speed_filter = -expm1(-T / self.ACCELERATION)
+        self._slow_filter = -expm1(-T / self.SLOW)
         self._adapt = -expm1(-T / self.ADAPT)
 
-    def retune(self, alpha_max: float, vc_min: float, climb_max: float, descent_max: float) -> None:
+    def retune(
+        self,
+        alpha_max: float,
+        vc_min: float,
+        climb_max: float,
+        descent_max: float,
+        vmo: float,
+        mmo: float,
+        alpha_zero: float,
+        lift_max: float,
+    ) -> None:
         if not self._own:
             self.alpha_max = alpha_max
-        self.vc_min, self.climb_max, self.descent_max = vc_min, climb_max, descent_max
+        self.climb_max, self.descent_max = climb_max, descent_max
+        self.vmo, self.mmo = vmo, mmo
+        self.alpha_zero, self.lift_max = alpha_zero, lift_max
 
     def sample(
         self,
@@ -103,66 +149,121 @@ class Protection:
         h: float,
         hdot: float,
         vc: float,
+        full_elevator: bool,
         full_throttle: bool,
         vc_cmd: float | None = None,
         hold_pitch: bool = False,
-    ) -> tuple[float, float, float, ProtectionState]:
-        """Highest pitch reference (deg) and rate of climb (ft/s), added throttle, next state.
+        phi: float = 0.0,
+        h_agl: float = 0.0,
+    ) -> tuple[Limits, ProtectionState]:
+        """Limits of the references, and the next state.
 
-        ``full_throttle`` says whether the excess measured is all there is; ``vc_cmd`` is the
-        airspeed that has priority over a climb, None for none; ``hold_pitch`` limits the pitch
-        reference to the path angle of that rate of climb too. At a ``vc`` of 0, without a wire,
-        only the angle of attack counts.
+        ``full_throttle`` and ``full_elevator`` say whether the excess and the angle of attack
+        measured are all there is; ``vc_cmd`` is the airspeed that has priority over a climb, None
+        for none; ``hold_pitch`` limits the pitch reference to the path angles of the rates of climb
+        too. A ``vc`` or ``h_agl`` of 0, without a wire, limits nothing.
         """
-        known, alpha_last, alpha_rate, v_last, acceleration, airspeed, available, measured = state
-        v = true_airspeed(vc, h)
-        alpha_rate += select(
-            known, self._alpha_filter * ((alpha - alpha_last) / self.T - alpha_rate), 0.0
-        )
-        moving = v_last != 0.0
-        acceleration += select(
-            moving, self._speed_filter * ((v - v_last) / self.T - acceleration), 0.0
-        )
-        airspeed = select(moving, airspeed + self._speed_filter * (v - airspeed), v)
-        theta_max = theta + self.alpha_max - alpha - self.LEAD * alpha_rate
-        most, boost = math.inf, 0.0
-        if self.flies_envelope:
-            # a gust changes the airspeed faster than thrust and drag can
-            excess = hdot + v * acceleration / GRAVITY
-            excess = limit(excess, -self.descent_max, self.climb_max)
-            available = select(moving, available, self.climb_max)
-            measured = select(moving, measured, excess)
-            measured += self._adapt * (excess - measured)
-            available += self._adapt * (select(full_throttle, excess, self.climb_max) - available)
-            slowest = true_airspeed(self.vc_min, h)
-            stiffness = self.DECAY * v / GRAVITY
-            spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
-            if vc_cmd is None:
-                most = measured + spare
-            else:
-                wanted = larger(true_airspeed(vc_cmd, h), 1.0)
-                # while it has the airspeed demanded, throttle is left for a climb
-                kept = (v / wanted - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
-                climb = measured + limit(kept, 0.0, 1.0) * (available - measured)
-                # behind the power curve the airspeed takes throttle and descent to recover
-                behind = (self.DESCENT_REGAINS_BELOW - airspeed / slowest) / 0.1
-                behind = limit(behind, 0.0, 1.0)
-                traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
-                most = smaller(larger(traded, -behind * self.descent_max), climb + spare)
-                missing = self.BOOST_ENDS_ABOVE * wanted - airspeed
-                boost = limit(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
-            # without the airspeed none of it is known
-            most = select(vc > 0.0, larger(most, -self.descent_max), math.inf)
-            boost = select(vc > 0.0, boost, 0.0)
-            steepest = larger(measured + spare, -self.descent_max) / larger(v, self.SLOWEST)
-            lower = smaller(theta_max, alpha + math.degrees(1.0) * smaller(steepest, 1.0))
-            theta_max = select(hold_pitch, select(vc > 0.0, lower, theta_max), theta_max)
-        state = ProtectionState(
-            True, alpha, alpha_rate, v, acceleration, airspeed, available, measured
-        )
-        return theta_max, most, boost, state
+        begun = state.v != 0.0
+        state = self._filtered(state, alpha, h, hdot, vc, phi, full_elevator)
+        theta_max = theta + self.alpha_max - alpha - self.LEAD * state.alpha_rate
+        if not self.flies_envelope:
+            return Limits(theta_max), state
+        v, moving = state.v, vc > 0.0
+        # a gust changes the airspeed faster than thrust and drag can
+        excess = limit(hdot + v * state.acceleration / GRAVITY, -self.descent_max, self.climb_max)
+        available = select(begun, state.available, self.climb_max)
+        measured = select(begun, state.measured, excess)
+        measured += self._adapt * (excess - measured)
+        available += self._adapt * (select(full_throttle, excess, self.climb_max) - available)
+        state = state._replace(available=available, measured=measured)
+        # the bank gives way before height is spent on airspeed
+        slowest = self._slowest(state, 0.0)
+        stiffness = self.DECAY * v / GRAVITY
+        spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
+        sustained = larger(measured + spare, -self.descent_max)
+        most, boost = sustained, 0.0
+        if vc_cmd is not None:
+            wanted = larger(true_airspeed(vc_cmd, h), 1.0)
+            most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
+        overspeed = v - true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h)
+        # level flight at idle is enough to slow down
+        least = select(moving, smaller(measured + stiffness * overspeed, 0.0), -math.inf)
+        ground = self.DECAY * (self.CLEARANCE - h_agl)
+        least = larger(least, select(h_agl > 0.0, ground, -math.inf))
+        most = select(moving, larger(most, least), math.inf)
+        sustained = larger(sustained, least)
+        path = math.degrees(1.0) / larger(v, self.SLOWEST)
+        lower = smaller(theta_max, alpha + path * smaller(sustained, v))
+        theta_min = select(hold_pitch, alpha + path * larger(least, -v), -math.inf)
+        theta_max = select(hold_pitch & moving, lower, theta_max)
+        return Limits(theta_max, theta_min, most, least, select(moving, boost, 0.0)), state
 
-    def fastest(self, vc: float, h: float) -> float:
+    def _filtered(
+        self,
+        state: ProtectionState,
+        alpha: float,
+        h: float,
+        hdot: float,
+        vc: float,
+        phi: float,
+        full_elevator: bool,
+    ) -> ProtectionState:
+        """The state with what has been measured."""
+        slow, known, moving = self._slow_filter, state.known, state.v != 0.0
+        v = true_airspeed(vc, h)
+        rate, acceleration = state.alpha_rate, state.acceleration
+        rate += self._alpha_filter * ((alpha - state.alpha) / self.T - rate)
+        acceleration += slow * ((v - state.v) / self.T - acceleration)
+        climb = select(known, state.climb + slow * (hdot - state.climb), hdot)
+        level = (alpha - self.alpha_zero) * cos(math.radians(1.0) * phi)
+        stopped = state.stopped + slow * (select(full_elevator, 1.0, 0.0) - state.stopped)
+        reach = smaller(state.reach + self.RELEARN * self.T, 90.0)
+        return state._replace(
+            known=True,
+            alpha=alpha,
+            alpha_rate=select(known, rate, 0.0),
+            v=v,
+            acceleration=select(moving, acceleration, 0.0),
+            airspeed=select(moving, state.airspeed + slow * (v - state.airspeed), v),
+            climb=climb,
+            load=limit(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS),
+            level=select(known, state.level + slow * (level - state.level), level),
+            stopped=stopped,
+            reach=select(
+                stopped > self.STOPPED, smaller(reach, larger(alpha, self.alpha_zero + 1.0)), reach
+            ),
+        )
+
+    def _slowest(self, state: ProtectionState, phi: float) -> float:
+        """Lowest true airspeed in ft/s at the present load factor of a turn."""
+        used = self._used(state) / cos(
+            math.radians(1.0) * limit(phi, -self.STEEPEST, self.STEEPEST)
+        )
+        return state.airspeed * used**0.5
+
+    def _used(self, state: ProtectionState) -> float:
+        """Lift of straight and level flight, of the largest that it may take at this airspeed."""
+        largest = self.lift_max * (self.alpha_max - self.alpha_zero)
+        largest = smaller(largest, (state.reach - self.alpha_zero) / self.MARGIN**2)
+        return larger(state.level / (largest * state.load), self.LEAST_LIFT)
+
+    def _for_airspeed(
+        self, state: ProtectionState, wanted: float, slowest: float, stiffness: float, spare: float
+    ) -> tuple[float, float]:
+        """Highest rate of climb, and throttle to add, for an airspeed that has priority."""
+        v, available, measured = state.v, state.available, state.measured
+        # while it has the airspeed demanded, throttle is left for a climb
+        kept = (v / wanted - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
+        climb = measured + limit(kept, 0.0, 1.0) * (available - measured)
+        # behind the power curve the airspeed takes throttle and descent to recover
+        behind = limit((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
+        traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
+        most = smaller(larger(traded, -behind * self.descent_max), climb + spare)
+        missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed
+        boost = limit(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
+        return larger(most, -self.descent_max), boost
+
+    def pitch_rate(self, vc: float, h: float) -> float:
         """Rate of the pitch reference in deg/s that the load factor allows at an airspeed."""
         return math.degrees(self.LOAD * GRAVITY) / larger(true_airspeed(vc, h), self.SLOWEST)
 
@@ -171,22 +272,28 @@ class Protection:
         """1: the rate of climb from `sample` takes the airspeed into account."""
         return 1.0
 
-    def airspeed(self, wanted: float) -> float:
-        """The airspeed demanded, at least the lowest, kt."""
-        return larger(wanted, self.vc_min) if self.flies_envelope else wanted
+    def airspeed(self, state: ProtectionState, wanted: float, phi: float, h: float) -> float:
+        """The airspeed demanded in kt, between the lowest and the highest; after `sample`."""
+        if not self.flies_envelope:
+            return wanted
+        slowest = self._slowest(state, phi) / true_airspeed(1.0, h)
+        return larger(smaller(wanted, fastest_airspeed(self.vmo, self.mmo, h)), slowest)
 
-    def bank(self, state: ProtectionState, wanted: float, phi: float, h: float) -> float:
+    def bank(self, limits: Limits, state: ProtectionState, wanted: float, phi: float) -> float:
         """The bank demanded in deg, within its limit; after `sample`.
 
         The load factor of level flight is limited to what the airspeed allows, and to what the
-        angle of attack leaves, to which it is proportional: the bank gives way before the pitch.
+        angle of attack leaves, to which it is proportional: the bank gives way before the pitch,
+        and where less than `CLIMB_KEPT` is left, before the height.
         """
-        alpha = larger(state.alpha + self.LEAD * state.alpha_rate, 1e-6)
-        load = (self.alpha_max - self.BANK_YIELDS) / alpha / cos(math.radians(1.0) * phi)
+        alpha = state.alpha + self.LEAD * state.alpha_rate - self.alpha_zero
+        left = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / larger(alpha, 1e-6)
+        load = left * state.load / cos(math.radians(1.0) * phi)
         if self.flies_envelope:
-            share = state.airspeed / true_airspeed(self.vc_min, h)
-            load = smaller(load, self.LIFT * share * share)
+            load = smaller(load, self.LIFT / self._used(state))
         most = math.degrees(1.0) * acos(1.0 / larger(load, 1.0))
+        if limits.climb_max is not None:
+            most *= limit(limits.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
         return limit(wanted, -most, most)
 
 
@@ -196,11 +303,11 @@ class Unprotected:
     @staticmethod
     def sample(
         state: ProtectionState, *signals: float, **more: bool
-    ) -> tuple[None, None, None, ProtectionState]:
-        return None, None, None, state
+    ) -> tuple[Limits, ProtectionState]:
+        return UNLIMITED, state
 
     @staticmethod
-    def fastest(vc: float, h: float) -> None:
+    def pitch_rate(vc: float, h: float) -> None:
         return None
 
     @staticmethod
@@ -210,11 +317,11 @@ class Unprotected:
         return select(vc_cmd > 0.0, share, 1.0)
 
     @staticmethod
-    def airspeed(wanted: float) -> float:
+    def airspeed(state: ProtectionState, wanted: float, phi: float, h: float) -> float:
         return wanted
 
     @staticmethod
-    def bank(state: ProtectionState, wanted: float, phi: float, h: float) -> float:
+    def bank(limits: Limits, state: ProtectionState, wanted: float, phi: float) -> float:
         return wanted
 
 

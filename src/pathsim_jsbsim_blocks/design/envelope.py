@@ -15,6 +15,9 @@ from ..flight import Airframe, TrimCondition, TrimState, trim
 # share of the largest lift at which the angle of attack is limited, and the highest limit, deg
 _LIFT, _ALPHA = 0.92, 20.0
 
+# per deg; flatter curves have no angle without lift
+_FLATTEST = 0.02
+
 # over the speed of level flight at that angle of attack
 _ABOVE = 1.1
 
@@ -51,6 +54,8 @@ def envelope(
     limit = float(np.interp(_LIFT * lift[peak], lift[: peak + 1], alpha[: peak + 1]))
     limit = max(min(limit, _ALPHA), state.alpha + 1.0)
     at_limit = float(np.interp(limit, alpha, lift))
+    at_trim = float(np.interp(state.alpha, alpha, lift))
+    slope = max((at_limit - at_trim) / (limit - state.alpha), _FLATTEST)
     slowest = min(_ABOVE * speed / math.sqrt(max(at_limit, 1.0)), speed)
     throttle = trimmed.throttle[0]
     climb = 0.0
@@ -60,11 +65,14 @@ def envelope(
             climb = found / share
             break
     descent = _rate(fresh, condition, 0.0)
+    slowest = _trimmable(fresh, condition, slowest, speed)
     return EnvelopeLimits(
         alpha_max=limit,
-        vc_min=_trimmable(fresh, condition, slowest, speed),
+        vc_min=slowest,
         climb_max=max(climb, 0.0),
         descent_max=max(-descent if descent is not None else climb, 1.0),
+        alpha_zero=state.alpha - at_trim / slope,
+        lift_max=min(at_trim / max(at_limit, 1.0) * (speed / slowest) ** 2, 1.0),
     )
 
 
