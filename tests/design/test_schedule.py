@@ -229,8 +229,11 @@ def test_most_of_the_fleet_has_a_table():
 def assert_in_table(table, place, made):
     schedule = read_gains(TABLES / f"{table}.json")
     (point,) = [p for p in schedule.points if (p.altitude, p.speed) == place]
+    published = {"vmo", "mmo"}  # not designed
     for loop, gains in vars(point.gains).items():
-        assert vars(gains) == pytest.approx(vars(getattr(made, loop)), rel=1e-3, abs=1e-6), loop
+        found = {k: v for k, v in vars(getattr(made, loop)).items() if k not in published}
+        of_table = {k: v for k, v in vars(gains).items() if k not in published}
+        assert of_table == pytest.approx(found, rel=1e-3, abs=1e-6), loop
 
 
 def test_a_schedule_has_the_gains_of_the_fleets_table(found):

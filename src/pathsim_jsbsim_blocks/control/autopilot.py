@@ -56,9 +56,9 @@ class Autopilot(Hold):
     holds the values it finds, plus its reference port.
 
     With the port ``alpha`` wired, and a gain table that has limits of the flight envelope,
-    references are limited to prevent a stall: the pitch angle gives way before the angle of attack
-    exceeds its limit; the airspeed demanded is at least the lowest; a climb is limited to what the
-    thrust sustains, and becomes a descent at too low an airspeed.
+    references are limited so that no demand leads into the stall, to the ground or beyond the
+    highest airspeed; then bank comes before height, and height before airspeed. The lowest airspeed
+    follows from the angle of attack: weight, flaps and load factor are in it.
 
     Parameters
     ----------

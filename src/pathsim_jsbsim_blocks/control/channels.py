@@ -100,8 +100,8 @@ class Vertical:
     ) -> tuple[float, float]:
         """Pitch angle and rate of climb for an altitude; while ``idle`` the loop waits to begin."""
         state, theta = self.state, self.pitch.reference(self.state.pitch, self.theta)
-        if self.limits.climb_max is not None:
-            # the protection limits the climb; level flight may take all of the angle of attack
+        if isinstance(self.protection, Protection) and self.protection.flies_envelope:
+            # it limits the climb; level flight may take all of the angle of attack
             self.altitude.allow(self.protection.alpha_max)
         signals = reference, theta, share, self.limits, state.cut, climb
         wanted, hdot_cmd, altitude = self.altitude.sample(

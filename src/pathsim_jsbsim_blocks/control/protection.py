@@ -177,7 +177,7 @@ class Protection:
         available += self._adapt * (select(full_throttle, excess, self.climb_max) - available)
         state = state._replace(available=available, measured=measured)
         # the bank gives way before height is spent on airspeed
-        slowest = self._slowest(state, 0.0)
+        slowest = larger(self._slowest(state, 0.0), 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = larger(measured + spare, -self.descent_max)

@@ -374,7 +374,7 @@ class SpeedOnPitchHold(Hold):
         )
         vertical.guard(vc, True)
         wanted, keeps = ReferenceLoop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref))
-        wanted = vertical.protection.airspeed(wanted)
+        wanted = vertical.protection.airspeed(vertical.state.guard, wanted, 0.0, h)
         idle = off | state.climb.captured
         asked, vc_cmd, speed = self.loops["climb"].sample(
             state.speed,
