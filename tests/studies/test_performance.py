@@ -80,6 +80,15 @@ def test_stall_is_that_of_a_plain_deceleration():
     assert row["flown"] == pytest.approx(row["value"], rel=0.01)
 
 
+def test_full_flaps_of_an_airliner_have_a_stall_speed():
+    """Below a lift coefficient of 1.2 the angle of attack would be under the model's least."""
+    plane = Plane({**C172P, "aircraft": "B747", "altitude": 0.0, "flaps": 1.0})
+    _stall(plane)
+    (row,) = plane.rows
+    assert row["value"] < 125.0
+    assert row["flown"] == pytest.approx(row["value"], rel=0.01)
+
+
 def test_take_off_run_is_that_of_a_plain_loop():
     """With the nose wheel on the ground, from rest to the airspeed of the lift-off."""
     plane = Plane({**C172P, "altitude": 0.0})

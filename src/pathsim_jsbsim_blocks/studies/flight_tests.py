@@ -25,7 +25,7 @@ Find = Callable[[float], TrimState | None]
 Size = Callable[[TrimState], float]
 
 _FINEST = 1.001  # ratio to which the ends of a range of speeds are found
-_GUESSES = (0.4, 0.6, 0.25, 0.8)  # lift coefficients of the first trims
+_GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s that a value is flown for
 _DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of the condition
