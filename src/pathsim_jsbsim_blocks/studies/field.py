@@ -1,4 +1,4 @@
-"""Take-off and landing distances, flown with the pitch and roll holds of a gain table."""
+"""Take-off and landing distances, flown with the holds of a gain table."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from pathsim import Connection, Simulation
-from pathsim.blocks import Function, Scope
+from pathsim.blocks import Constant, Function, Scope
 from pathsim.events import Condition
 
 from ..control.gain_tables import tables
-from ..control.holds import PitchHold, RollHold
+from ..control.holds import FlareHold, PitchHold, RollHold
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState, trim
 from ..flight.aircraft import Aircraft
@@ -19,14 +19,14 @@ from .flight_tests import LARGE, Plane, reason_of
 
 _ROTATION, _CLIMB, _APPROACH = 1.05, 1.2, 1.3  # of the stall speed: CS 25.107, 25.107(b), 23.73
 _PATH = -3.0  # deg
-_FLARE, _NOSE_UP = 2.5, 4.0  # s above the ground at the sink rate of the path; deg of pitch
 _SCREEN = 50.0  # ft: CS 23.59, 23.75, 25.125
 _LARGE_SCREEN = 35.0  # ft: CS 25.113
 _STEEPEST, _USUAL = 15.0, 10.0  # deg of pitch; where no climb trims
 _LONGEST = 120.0  # s
 _STOPPED = 3.0  # ft/s, what an idling engine may keep up against the brakes
 
-_READ = _HEIGHT, _GEAR, _SPEED = "position/h-agl-ft", "forces/fbz-gear-lbs", "velocities/vg-fps"
+_SPEED = "velocities/vg-fps"
+_READ = ("vc", "h_agl", "gear/wow", _SPEED)
 
 
 def field(plane: Plane) -> None:
@@ -53,15 +53,19 @@ def _take_off(plane: Plane) -> tuple[float, float, float]:
     climb = plane.climb(_CLIMB * slow.speed)
     theta = min(climb.theta, _STEEPEST) if climb else _USUAL
     screen = _LARGE_SCREEN if plane.weight > LARGE else _SCREEN
-    rotation = _ROTATION * slow.speed
     on_wheels = _on_wheels(plane)
     above = on_wheels.altitude - plane.base.altitude + screen
+    aircraft, gains = _aircraft(plane, on_wheels.condition), plane.airframe.aircraft
+    pitch, roll = PitchHold(gains=gains, theta_ref=theta), RollHold(gains=gains, phi_ref=0.0)
+    pilot = Function(lambda speed: (1.0, float(speed < _ROTATION * slow.speed)))
+    wires = [Connection(aircraft[n], pitch[n]) for n in ("theta", "q", "elev_sat")]
+    wires += [Connection(aircraft[n], roll[n]) for n in ("phi", "p", "ail_sat")]
+    wires += [Connection(aircraft["vc"], pilot), Connection(pilot[0], aircraft["throttle"])]
+    wires += [Connection(pilot[1], pitch["off"], roll["off"])]
+    wires += [Connection(pitch["elevator"], aircraft["elevator"])]
+    wires += [Connection(roll["aileron"], aircraft["aileron"])]
     way, speed, height, gear, _ = _flown(
-        plane,
-        on_wheels.condition,
-        theta,
-        lambda speed, height, gear, ground: (float(speed < rotation), 0.0, 1.0, 0.0),
-        lambda speed, height, gear, ground: height > above,
+        plane, [aircraft, pitch, roll, pilot], wires, lambda: aircraft.outputs["h_agl"] > above
     )
     if height[-1] < above or not gear.any():
         raise BlocksError(f"not at {screen:g} ft within {_LONGEST:g} s")
@@ -76,19 +80,20 @@ def _landing(plane: Plane) -> tuple[float, float, float]:
         raise BlocksError(plane.reason)
     on_wheels = _on_wheels(plane).altitude
     start = replace(_above_ground(plane), speed=path.speed, gamma=_PATH, solver="newton")
-    flare = _FLARE * -np.sin(np.radians(_PATH)) * path.tas
-
-    def commands(speed: float, height: float, gear: float, ground: float) -> tuple[float, ...]:
-        wheels = height - on_wheels + plane.base.altitude
-        up = _NOSE_UP * min(max(1.0 - wheels / flare, 0.0), 1.0)
-        return (1.0, 0.0, -1.0, 1.0) if gear else (0.0, up, -1.0, 0.0)
-
+    aircraft = _aircraft(plane, replace(start, altitude=on_wheels + _SCREEN))
+    flare = FlareHold(
+        gains=plane.airframe.aircraft, gear_height=on_wheels - plane.base.altitude, sink=4.0
+    )
+    read = ("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc")
+    wires = [Connection(aircraft[n], flare[n]) for n in read]
+    wires += [Connection(aircraft["gear/wow"], flare["wow"], aircraft["brakes"])]
+    zero, idle = Constant(0.0), Constant(-1.0)
+    wires += [Connection(zero, flare["loc_ft"], flare["loc_dist"])]
+    wires += [Connection(idle, flare["throttle"])]
+    done = ("elevator", "aileron", "rudder", "throttle", "steering")
+    wires += [Connection(flare[n], aircraft[n]) for n in done]
     way, speed, _, gear, ground = _flown(
-        plane,
-        replace(start, altitude=on_wheels + _SCREEN),
-        None,
-        commands,
-        lambda speed, height, gear, ground: ground < _STOPPED,
+        plane, [aircraft, flare, zero, idle], wires, lambda: aircraft.outputs[_SPEED] < _STOPPED
     )
     down = int(np.flatnonzero(gear)[0]) if gear.any() else -1
     if down < 0 or ground[-1] > _STOPPED:
@@ -107,42 +112,23 @@ def _above_ground(plane: Plane) -> TrimCondition:
     return replace(plane.base, solver=None, setup=setup)
 
 
-def _flown(
-    plane: Plane, condition: TrimCondition, theta: float | None, commands: Any, ends: Any
-) -> tuple[np.ndarray, ...]:
-    """Way over the ground in ft, airspeed, height of the CG, force on the gear, ground speed.
-
-    ``commands`` returns whether the holds are off, increments of pitch angle and throttle, and the
-    brakes, from airspeed, height, force on the gear and ground speed.
-    """
-    aircraft = Aircraft(
+def _aircraft(plane: Plane, condition: TrimCondition) -> Aircraft:
+    return Aircraft(
         plane.airframe.aircraft,
         condition=condition,
         root=plane.airframe.root,
         create=plane.create,
-        input_properties=["brakes"],
-        output_properties=_READ,
+        input_properties=["brakes", "steering"],
+        output_properties=["h_agl", "gear/wow", _SPEED],
     )
-    gains = plane.airframe.aircraft
-    pitch, roll = PitchHold(gains=gains, theta_ref=theta), RollHold(gains=gains, phi_ref=0.0)
-    pilot, scope = Function(commands), Scope()
-    wires = [Connection(aircraft[n], pilot[i], scope[i]) for i, n in enumerate(("vc", *_READ))]
-    wires += [Connection(aircraft[n], pitch[n]) for n in ("theta", "q", "elev_sat")]
-    wires += [Connection(aircraft[n], roll[n]) for n in ("phi", "p", "ail_sat")]
-    wires += [
-        Connection(pilot[0], pitch["off"], roll["off"]),
-        Connection(pilot[1], pitch["theta_ref"]),
-        Connection(pilot[2], aircraft["throttle"]),
-        Connection(pilot[3], aircraft["brakes"]),
-        Connection(pitch["elevator"], aircraft["elevator"]),
-        Connection(roll["aileron"], aircraft["aileron"]),
-    ]
 
-    def over(t: float) -> bool:
-        return plane.late() or ends(*(float(aircraft.outputs[n]) for n in ("vc", *_READ)))
 
-    done = Condition(func_evt=over, func_act=lambda t: sim.stop())
-    sim = Simulation([aircraft, pitch, roll, pilot, scope], wires, [done], dt=aircraft.T, log=False)
+def _flown(plane: Plane, blocks: list[Any], wires: list[Any], ends: Any) -> tuple[np.ndarray, ...]:
+    """Way over the ground in ft, airspeed, height of the CG, weight on wheels, ground speed."""
+    aircraft, scope = blocks[0], Scope()
+    wires += [Connection(aircraft[n], scope[i]) for i, n in enumerate(_READ)]
+    done = Condition(lambda t: plane.late() or ends(), func_act=lambda t: sim.stop())
+    sim = Simulation([*blocks, scope], wires, [done], dt=aircraft.T, log=False)
     sim.run(_LONGEST)
     _, (speed, height, gear, ground) = scope.read()
     return np.cumsum(ground) * aircraft.T, speed, height, gear, ground
