@@ -11,17 +11,27 @@ from __future__ import annotations
 import inspect
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, SHORT_INPUTS, SHORT_OUTPUTS, SURFACES
 from .._core.checks import refuse, whole
 from .gains import GainSchedule
-from .signals import Operations, Signal, flat, nested, operations
+from .signals import (
+    Operations,
+    Signal,
+    flat,
+    larger,
+    limit,
+    nested,
+    operations,
+    select,
+    smaller,
+)
 
 ROOT = "ap/pathsim"  # of the properties
 
-_MEASURED = {port: found for port, found in OUTPUTS.items() if found[0] is not None}
+_MEASURED = {port: (name, factor) for port, (name, factor) in OUTPUTS.items() if name}
 _MEASURED |= {"h_agl": (SHORT_OUTPUTS["h_agl"][0], 1.0), "wow": ("gear/wow", 1.0)}
 # what JSBSim computes after its control system
 _LATE = re.compile(r"aero/|accelerations/|flight-path/|gear/|velocities/(vc|vt|mach)")
@@ -37,7 +47,7 @@ _TAGS = {
     **{"add": "sum", "sub": "difference", "mul": "product", "truediv": "quotient", "ne": "nq"},
     **{"select": "ifthen", "smaller": "min", "larger": "max"},
     **{name: name for name in ("pow", "lt", "le", "gt", "ge", "eq", "and", "or", "abs")},
-    **{name: name for name in ("acos", "atan", "cos", "exp", "sin")},
+    **{name: name for name in ("acos", "atan", "cos", "exp", "sin", "integer")},
 }
 
 
@@ -56,19 +66,9 @@ def _leaf(name: str, text: str) -> ET.Element:
     return element
 
 
-def _p(name: str) -> ET.Element:
-    return _leaf("p", name)
-
-
-def _v(value: float) -> ET.Element:
-    return _leaf("v", repr(min(max(float(value), -_LARGEST), _LARGEST)))
-
-
-def _limited(x: ET.Element, low: ET.Element, high: ET.Element) -> ET.Element:
-    for tag, limit in (("max", low), ("min", high)):
-        if limit.text != repr(_LARGEST) and limit.text != repr(-_LARGEST):
-            x = _tag(tag, x, limit)
-    return x
+def _v(number: str) -> ET.Element:
+    value = float({"True": 1.0, "False": 0.0}.get(number, number))
+    return _leaf("v", repr(min(max(value, -_LARGEST), _LARGEST)))
 
 
 def _operation(name: str, operands: Sequence[ET.Element]) -> ET.Element:
@@ -76,15 +76,16 @@ def _operation(name: str, operands: Sequence[ET.Element]) -> ET.Element:
     if name in _TAGS:
         return _tag(_TAGS[name], *operands)
     if name == "neg":
-        return _tag("product", _v(-1.0), *operands)
+        return _tag("product", _v("-1.0"), *operands)
     if name == "limit":
-        return _limited(*operands)
+        x, low, high = operands
+        return _tag("min", _tag("max", x, low), high)
     if name == "expm1":
-        return _tag("difference", _tag("exp", *operands), _v(1.0))
+        return _tag("difference", _tag("exp", *operands), _v("1.0"))
     if name == "mod":
         # of a positive divisor; C's has the sign of the dividend
         rest = _tag("fmod", *operands)
-        negative = _tag("lt", rest, _v(0.0))
+        negative = _tag("lt", rest, _v("0.0"))
         return _tag("ifthen", negative, _tag("sum", rest, operands[1]), rest)
     raise NotImplementedError(f"{name} in JSBSim XML")
 
@@ -125,7 +126,7 @@ def _property_of(port: str) -> str:
     quantity = re.sub("_(ref|cmd)$", "", port)
     unit = _UNITS.get(quantity, "")
     if quantity in _MEASURED and not unit:
-        unit = str(_MEASURED[quantity][0]).rpartition("-")[2]
+        unit = _MEASURED[quantity][0].rpartition("-")[2]
     return f"{name}-{unit}" if unit and "/" not in unit and not name.endswith(unit) else name
 
 
@@ -148,43 +149,72 @@ class _System:
         self.declared: list[ET.Element] = []
         self.functions: list[ET.Element] = []
         self.about: list[str] = []
-        # what each input, value of the state and gain is
-        self.leaves: dict[str, ET.Element] = {}
+        self.engaged = self.property("engaged", about="1 engages, 0 leaves the commands alone")
+        why = "1 while engaged, unless JSBSim's time step does not divide T"
+        self.active = self.property("active", about=why)
+        self.frames, self.frame, self.sampling = map(self.property, ("frames", "frame", "sampling"))
 
-    def property(self, name: str, value: float = 0.0, about: str = "") -> str:
+    def property(self, name: str, value: float = 0.0, about: str = "") -> Any:
         """Declare a property; ``about`` documents it in the header."""
         path = f"{self.base}/{name}"
         self.declared.append(_leaf("property", path))
         self.declared[-1].set("value", repr(float(value)))
         if about:
             self.about.append(f"  {path}\n      {about}")
-        return path
+        return Signal(path)
 
-    def put(self, path: str, expression: ET.Element) -> None:
+    def put(self, to: Signal, value: Any) -> None:
         """Compute a property in every frame, after those before it."""
+        self.write(to.operation, *self.rendered(operations([value])))
+
+    def write(self, path: str, expression: ET.Element) -> None:
         function = ET.Element("function", copyto=path)
         function.append(expression)
         self.functions.append(function)
 
-    def text(self) -> str:
-        self.switches()
-        held = self.take_inputs()
-        commands = self.capture()
-        self.start()
-        self.gains = self.schedule()
-        shown = self.fly()
-        for port, captured in commands.items():
-            self.command(port, captured, shown[port])
-        for path, measured in held.items():
-            self.put(path, measured)
-        after = _tag("sum", _p(self.frame), _v(1.0))
-        more = _tag("and", _p(self.active), _tag("lt", after, _p(self.frames)))
-        self.put(self.frame, _tag("ifthen", more, after, _v(0.0)))
+    def rendered(self, found: Operations) -> list[ET.Element]:
+        """The results; operations that are used several times become properties."""
+        uses = found.uses(twice=("mod",))
+        texts: dict[str, ET.Element] = {}
 
-        system = ET.Element("system", name=f"{type(self.block).__name__} at {self.base}")
-        system.extend([*self.declared, *self.functions])
-        schedule, kind = getattr(self.block, "_schedule", None), type(self.block).__name__
+        def operand(name: str) -> ET.Element:
+            return texts[name] if name in texts else _v(name)
+
+        for result, (operation, *operands) in found.steps.items():
+            if not operands:
+                texts[result] = _leaf("p", operation)
+                continue
+            texts[result] = _operation(operation, [operand(x) for x in operands])
+            if uses[result] > 1:
+                path = self.property(f"law/t{len(self.functions)}").operation
+                self.write(path, texts[result])
+                texts[result] = _leaf("p", path)
+        return [operand(x) for x in found.results]
+
+    def text(self) -> str:
+        # the step is 0 while JSBSim initialises and trims
+        step: Any = Signal("simulation/dt")
+        active = self.active
+        ratio = self.block.clock.period / step
+        nearest: Any = Signal("integer", ratio + 0.5)
+        fits = (step > 0.0) & (abs(ratio - nearest) < _WHOLE)
+        self.put(self.frames, select(active, self.frames, select(fits, nearest, 0.0)))
+        u, held = self.measured()
+        commands = self.capture()
+        self.put(active, (self.engaged != 0.0) & (step > 0.0) & (self.frames > 0.0))
+        self.put(self.sampling, active & (self.frame < 0.5))
+        shown = self.fly([*u, *self.schedule(u)])
+        for port, captured in commands.items():
+            self.command(port, captured, shown[port], u)
+        for path, value in held:
+            self.put(path, value)
+        after = self.frame + 1.0
+        self.put(self.frame, select(active & (after < self.frames), after, 0.0))
+
+        kind, schedule = type(self.block).__name__, getattr(self.block, "_schedule", None)
         law = f"{kind} with gains for {schedule.aircraft}" if schedule else repr(self.block)
+        system = ET.Element("system", name=f"{kind} at {self.base}")
+        system.extend([*self.declared, *self.functions])
         header = _HEADER.format(
             law=law.replace("--", "- -"),
             T=self.block.clock.period,
@@ -194,185 +224,131 @@ class _System:
         body = "\n".join(_lines(system))
         return f'<?xml version="1.0" encoding="utf-8"?>\n<!--\n{header}-->\n{body}\n'
 
-    def switches(self) -> None:
-        """Count JSBSim's frames in a sample period, while the law is not active."""
-        self.engaged = self.property("engaged", about="1 engages, 0 leaves the commands alone")
-        self.active = self.property(
-            "active", about="1 while engaged, unless JSBSim's time step does not divide T"
-        )
-        self.frames, self.frame, self.sampling = map(self.property, ("frames", "frame", "sampling"))
-        step, period = _p("simulation/dt"), self.block.clock.period
-        ratio = _tag("quotient", _v(period), step)
-        nearest = _tag("integer", _tag("sum", ratio, _v(0.5)))
-        off = _tag("abs", _tag("difference", ratio, nearest))
-        # the step is 0 while JSBSim initialises and trims
-        fits = _tag("and", _tag("gt", step, _v(0.0)), _tag("lt", off, _v(_WHOLE)))
-        counted = _tag("ifthen", fits, nearest, _v(0.0))
-        self.put(self.frames, _tag("ifthen", _p(self.active), _p(self.frames), counted))
-
-    def start(self) -> None:
-        """Decide whether the law is active, and whether it samples in this frame."""
-        runs = _tag("gt", _p("simulation/dt"), _v(0.0))
-        wanted = _tag("nq", _p(self.engaged), _v(0.0))
-        self.put(self.active, _tag("and", wanted, runs, _tag("gt", _p(self.frames), _v(0.0))))
-        first = _tag("lt", _p(self.frame), _v(0.5))
-        self.put(self.sampling, _tag("and", _p(self.active), first))
-
-    def kept(self, path: str, expression: ET.Element, start: float) -> None:
-        """Compute a property at each sample; it is ``start`` while the law is not active."""
-        otherwise = _tag("ifthen", _p(self.active), _p(path), _v(start))
-        self.put(path, _tag("ifthen", _p(self.sampling), expression, otherwise))
-
-    def take_inputs(self) -> dict[str, ET.Element]:
-        """Find the inputs; returns what of them is to be held for the next frame."""
-        held, documented = {}, _documented(self.block, "Inputs")
-        for i, port in enumerate(self.inputs):
+    def measured(self) -> tuple[list[Any], list[tuple[Any, Any]]]:
+        """The inputs, and what of them is to be held for the next frame."""
+        u, held, documented = [], [], _documented(self.block, "Inputs")
+        for port in self.inputs:
+            name = _property_of(port)
             if port not in _MEASURED:
-                name = _property_of(port)
                 name = f"given-{name}" if port in self.outputs else name
                 about = "" if port in _EXCESS else documented.get(port, "")
-                value = _p(self.property(name, about=about))
+                u.append(self.property(name, about=about))
+                continue
+            path, factor = _MEASURED[port]
+            value: Any = Signal(path)
+            value *= factor
+            if port == "psi":
+                value = select(value > ALMOST_NORTH, 0.0, value)
+            if _LATE.match(path):
+                u.append(value)
             else:
-                name, factor = str(_MEASURED[port][0]), _MEASURED[port][1]
-                value = _p(name) if factor == 1.0 else _tag("product", _p(name), _v(factor))
-                if port == "psi":
-                    north = _tag("gt", value, _v(ALMOST_NORTH))
-                    value = _tag("ifthen", north, _v(0.0), value)
-                if not _LATE.match(name):
-                    path = self.property(_property_of(port))
-                    held[path], value = value, _p(path)
-            self.leaves[f"u{i}"] = value
-        return held
+                u.append(self.property(name))
+                held.append((u[-1], value))
+        return u, held
 
-    def capture(self) -> dict[str, dict[str, str]]:
-        """Keep the commands from before the engagement; by output, and by command property."""
-        throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.engines))
+    def capture(self) -> dict[str, list[tuple[Any, Any]]]:
+        """By output the commands that it moves, and what they were before the engagement."""
         known = {**SHORT_INPUTS, **{port: (name,) for port, name in SURFACES.items()}}
-        known["throttle"] = throttles
-        found: dict[str, dict[str, str]] = {}
+        known["throttle"] = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.engines))
+        found: dict[str, list[tuple[Any, Any]]] = {}
         for port in self.outputs:
             for i, name in enumerate(known.get(port, ())):
-                before = self.property(f"captured-{port}-{i}-norm")
-                found.setdefault(port, {})[name] = before
-                self.put(before, _tag("ifthen", _p(self.active), _p(before), _p(name)))
+                command, before = Signal(name), self.property(f"captured-{port}-{i}-norm")
+                self.put(before, select(self.active, before, command))
+                found.setdefault(port, []).append((command, before))
         return found
 
-    def command(self, port: str, captured: Mapping[str, str], increment: str) -> None:
+    def command(
+        self, port: str, captured: Sequence[tuple[Any, Any]], increment: Any, u: Any
+    ) -> None:
         """Move the commands of an output, within their range."""
-        excess = []
-        for name, before in captured.items():
-            low, high = _v(-1.0 if port in (*SURFACES, "steering") else 0.0), _v(1.0)
-            if port == "elevator":
-                # JSBSim limits the sum of command and pitch trim
-                trim = _p("fcs/pitch-trim-cmd-norm")
-                low = _tag("max", low, _tag("difference", low, trim))
-                high = _tag("min", high, _tag("difference", high, trim))
-            demanded = _tag("sum", _p(before), _p(increment))
-            moved = _limited(demanded, low, high)
-            self.put(name, _tag("ifthen", _p(self.active), moved, _p(name)))
-            excess.append(_tag("difference", demanded, _p(name)))
-        for i, sat in enumerate(self.inputs):
-            if _EXCESS.get(sat) == port:
-                over = excess[0] if len(excess) == 1 else _mean_of_running(excess)
-                path = str(self.leaves[f"u{i}"].text)
-                self.put(path, _tag("ifthen", _p(self.active), over, _v(0.0)))
+        low: Any = -1.0 if port in (*SURFACES, "steering") else 0.0
+        high: Any = 1.0
+        if port == "elevator":
+            # JSBSim limits the sum of command and pitch trim
+            trim: Any = Signal("fcs/pitch-trim-cmd-norm")
+            low, high = larger(low, low - trim), smaller(high, high - trim)
+        for command, before in captured:
+            moved = limit(before + increment, low, high)
+            self.put(command, select(self.active, moved, command))
+        excess = [before + increment - command for command, before in captured]
+        for sat in (u[i] for i, name in enumerate(self.inputs) if _EXCESS.get(name) == port):
+            over, *others = excess
+            if others:  # the mean over the engines that run, or over all if none does
+                runs: list[Any] = [
+                    Signal(f"propulsion/engine[{i}]/set-running") for i in range(len(excess))
+                ]
+                mean = sum(x * r for x, r in zip(excess, runs, strict=True)) / sum(runs)
+                over = select(sum(runs) > 0.0, mean, sum(excess) / float(len(excess)))
+            self.put(sat, select(self.active, over, 0.0))
 
-    def fly(self) -> dict[str, str]:
+    def fly(self, u: Sequence[Any]) -> dict[str, Signal]:
         """The law; returns the properties of the outputs."""
         documented = _documented(self.block, "Outputs")
         shown = {
             port: self.property(_property_of(port), about=documented.get(port, ""))
             for port in self.outputs
         }
-        start, names = flat(self.block.START), _names(self.block.START)
-        outputs, after = self.reduced(start)
-        found = operations([*outputs, *after.values()])
-        results = found.results[len(outputs) :]
-        # the first of equal values by its result
-        keep = dict(zip(found.results, shown.values(), strict=False))
-        for i, result in zip(after, results, strict=True):
-            if start[i] or result not in keep:
-                keep[f"x{i}"] = self.property(f"state/{names[i]}")
-            self.leaves[f"x{i}"] = _p(keep.get(f"x{i}", keep.get(result, "")))
-        expressions = self.expressions(found)
-        paths = [*shown.values(), *(str(self.leaves[f"x{i}"].text) for i in after)]
-        starts = dict.fromkeys(paths, 0.0)
-        starts |= {str(self.leaves[f"x{i}"].text): float(start[i]) for i in after}
-        self.go_on(dict(zip(paths, expressions, strict=True)), starts)
+        names = [f"state/{name}" for name in _names(self.block.START)]
+        paths = [f"{self.base}/{name}" for name in names]
+        outputs, state = self.reduced(u, paths)
+        after = {self.property(names[i]).operation: value for i, value in state.items()}
+        values = self.rendered(operations([*outputs, *after.values()]))
+        for output, value in zip(shown.values(), values, strict=False):
+            self.keep(output.operation, value, 0.0)
+        start = dict(zip(paths, flat(self.block.START), strict=True))
+        left = dict(zip(after, values[len(shown) :], strict=True))
+        read = {path: {p.text for p in x.iter("p")} - {path} for path, x in left.items()}
+        while left:
+            # each value after those that follow from it
+            free = [path for path in left if not any(path in read[x] for x in left)]
+            if not free:
+                path = next(iter(left))
+                self.write(f"{path}-next", left[path])
+                self.property(f"{path.removeprefix(self.base)[1:]}-next")
+                left[path], read[path] = _leaf("p", f"{path}-next"), set()
+            for path in free:
+                self.keep(path, left.pop(path), start[path])
         return shown
 
-    def traced(self, x: Sequence[Any]) -> tuple[list[Any], tuple[Any, ...]]:
-        """Outputs and next state, flat, from inputs, gains and the state given."""
-        block, n = self.block, len(self.inputs)
-        u = [Signal(f"u{i}") for i in range(n)]
-        wired, block.inputs.wired = block.inputs.wired, set(range(n))
-        try:
-            form = block.form([1.0] * n)
-            state = nested(iter(x), block.START)
-            outputs, state = block.describe([*u, *self.gains], state, form)
-        finally:
-            block.inputs.wired = wired
-        return outputs, flat(state)
+    def keep(self, path: str, expression: ET.Element, start: float) -> None:
+        """Compute a property at each sample; it is ``start`` while the law is not active."""
+        active, sampling = (_leaf("p", x.operation) for x in (self.active, self.sampling))
+        otherwise = _tag("ifthen", active, _leaf("p", path), _v(repr(start)))
+        self.write(path, _tag("ifthen", sampling, expression, otherwise))
 
-    def reduced(self, start: Sequence[float]) -> tuple[list[Any], dict[int, Any]]:
-        """Outputs and next state by its indices, without what is constant, equal or not used."""
+    def reduced(self, u: Sequence[Any], paths: Sequence[str]) -> tuple[list[Any], dict[int, Any]]:
+        """Outputs, and next state by its indices without what is constant, equal or not used."""
+        start = flat(self.block.START)
         # all are constant or equal until a sample tells them apart
         x: list[Any] = list(start)
-        while True:
-            outputs, state = self.traced(x)
+        same: list[Any] = []
+        while same != (same := [getattr(value, "operation", value) for value in x]):
+            outputs, state = self.traced([*u], x)
             groups: dict[Any, int] = {}
-            after = list(x)
             for i, result in enumerate(operations(state).results):
-                leaf = x[i].operation if isinstance(x[i], Signal) else repr(float(x[i]))
-                if result not in (repr(start[i]), repr(float(start[i]))) or leaf[0] == "x":
-                    after[i] = Signal(f"x{groups.setdefault((leaf, result), i)}")
-            if [getattr(s, "operation", s) for s in after] == [
-                getattr(s, "operation", s) for s in x
-            ]:
-                break
-            x = after
+                if same[i] in paths or result not in (repr(start[i]), repr(float(start[i]))):
+                    x[i] = Signal(paths[groups.setdefault((same[i], result), i)])
         used: dict[int, Any] = {}
         while True:
             steps = operations([*outputs, *used.values()]).steps.values()
-            read = {int(leaf[1:]) for leaf, *operands in steps if leaf[0] == "x" and not operands}
+            read = {paths.index(step[0]) for step in steps if step[0] in paths}
             if read == used.keys():
                 return outputs, used
             used = {i: state[i] for i in sorted(read)}
 
-    def expressions(self, found: Operations) -> list[ET.Element]:
-        """The results; operations that are used several times become properties."""
-        uses, texts = found.uses(twice=("mod",)), dict(self.leaves)
+    def traced(self, u: list[Any], x: Sequence[Any]) -> tuple[list[Any], tuple[Any, ...]]:
+        """Outputs and next state, flat."""
+        block, n = self.block, len(self.inputs)
+        wired, block.inputs.wired = block.inputs.wired, set(range(n))
+        try:
+            state = nested(iter(x), block.START)
+            outputs, state = block.describe(u, state, block.form([1.0] * n))
+        finally:
+            block.inputs.wired = wired
+        return outputs, flat(state)
 
-        def operand(name: str) -> ET.Element:
-            numbers = {"True": 1.0, "False": 0.0}
-            return texts[name] if name in texts else _v(float(numbers.get(name, name)))
-
-        for result, (operation, *operands) in found.steps.items():
-            if not operands:
-                texts[result] = self.leaves[operation]
-                continue
-            expression = _operation(operation, [operand(x) for x in operands])
-            if uses[result] > 1:
-                path = self.property(f"law/{result}")
-                self.put(path, expression)
-                expression = _p(path)
-            texts[result] = expression
-        return [operand(x) for x in found.results]
-
-    def go_on(self, values: dict[str, ET.Element], start: Mapping[str, float]) -> None:
-        """Move the state to the next sample, each value after those that follow from it."""
-        read = {path: {p.text for p in x.iter("p")} - {path} for path, x in values.items()}
-        while values:
-            free = [path for path in values if not any(path in read[x] for x in values)]
-            if not free:
-                path = next(iter(values))
-                after = self.property(f"{path.removeprefix(self.base)[1:]}-next")
-                self.put(after, values[path])
-                values[path], read[path] = _p(after), set()
-            for path in free:
-                self.kept(path, values.pop(path), start[path])
-
-    def schedule(self) -> list[Any]:
+    def schedule(self, u: Sequence[Signal]) -> list[Any]:
         """The gains of a schedule, as tables over airspeed and altitude or as numbers."""
         schedule: GainSchedule | None = getattr(self.block, "_schedule", None)
         if schedule is None:
@@ -381,21 +357,19 @@ class _System:
         nominal = schedule.points[schedule.nominal]
         keys = []
         for port, unit, there in (("vc", "kts", nominal.speed), ("h", "ft", nominal.altitude)):
-            keys.append(self.property(f"gains/{port}-{unit}", there))
+            key = self.property(f"gains/{port}-{unit}", there)
+            keys.append(key.operation)
             if port in self.inputs:
-                vc, here = (self.leaves[f"u{self.inputs.index(x)}"] for x in ("vc", port))
-                # without an airspeed
-                on_ground = _tag("eq", vc, _v(0.0))
-                self.put(keys[-1], _tag("ifthen", on_ground, _v(there), here))
+                vc, here = (u[self.inputs.index(x)] for x in ("vc", port))
+                self.put(key, select(vc == 0.0, there, here))  # without an airspeed
         row: list[Any] = []
         for loop, first, end in schedule.columns:
             for gain, k in zip(vars(getattr(nominal.gains, loop)), range(first, end), strict=True):
                 row.append(float(numbers[0, 0, k]))
                 if k in schedule.varying:
-                    row[-1] = Signal(f"g{k}")
-                    path = self.property(f"gains/{loop}-{gain}")
-                    self.leaves[f"g{k}"] = _p(path)
-                    self.put(path, _table(keys, altitudes, speeds, numbers[:, :, k].tolist()))
+                    row[-1] = self.property(f"gains/{loop}-{gain}")
+                    table = _table(keys, altitudes, speeds, numbers[:, :, k].tolist())
+                    self.write(row[-1].operation, table)
         return row
 
 
@@ -410,19 +384,6 @@ def _table(
     lines = [altitudes, *([v, *row] for v, row in zip(speeds, rows, strict=True))]
     table.append(_leaf("tableData", "\n".join(" ".join(map(repr, line)) for line in lines)))
     return table
-
-
-def _mean_of_running(values: Sequence[ET.Element]) -> ET.Element:
-    """The mean over the engines that run, or over all if none does."""
-    runs = [_p(f"propulsion/engine[{i}]/set-running") for i in range(len(values))]
-    each = [_tag("product", *pair) for pair in zip(runs, values, strict=True)]
-    running = _tag("sum", *runs)
-    return _tag(
-        "ifthen",
-        _tag("gt", running, _v(0.0)),
-        _tag("quotient", _tag("sum", *each), running),
-        _tag("quotient", _tag("sum", *values), _v(len(values))),
-    )
 
 
 _HEADER = """\
