@@ -144,6 +144,17 @@ def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
     assert np.array_equal(flown(env), gentle)
 
 
+def test_restored_episodes_are_equal_and_near_a_trimmed_one():
+    trimmed, env = flown(bare()), bare(restart="restored")
+    first = flown(env)
+    assert not np.array_equal(first[1:], trimmed[1:])
+    assert np.allclose(first, trimmed, rtol=0.0, atol=1e-9)
+    env.reset()
+    for _ in range(20):
+        env.step([0.3])
+    assert np.array_equal(flown(env), first)
+
+
 def test_a_stop_in_the_diagram_ends_the_episode():
     options = {"settings": {"DECISION_HEIGHT": 1999.0}}
     env = gymnasium.make("pathsim-jsbsim/Approach-v0", **options).unwrapped
@@ -271,6 +282,7 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"reward": 3.0}, "reward must be a function"),
         ({"normalise": True}, "normalise needs a range of 'plane.theta'"),
         ({"wired": "yes"}, "'refuse', 'replace'"),
+        ({"restart": "quick"}, "'trimmed', 'restored'"),
         ({"render_mode": "human"}, "rgb_array"),
     ],
 )

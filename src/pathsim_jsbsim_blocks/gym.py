@@ -145,6 +145,7 @@ class DiagramEnv(gymnasium.Env):
         if not self._anew:
             self._places = {name: _parameter(blocks, name) for name in self._vary}
         one_of("wired", given["wired"], ("refuse", "replace"))
+        one_of("restart", given["restart"], ("trimmed", "restored"))
         # plain blocks: the outputs of the first stay as they are written; the second takes what an
         # action replaces, which so keeps a wire
         self._source, self._spare = Block(), Block()
@@ -152,7 +153,9 @@ class DiagramEnv(gymnasium.Env):
         sim.add_block(self._spare)
         for i, action in enumerate(self._actions):
             self._lead(i, action)
-        self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "airframe")]
+        self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "restored")]
+        for block in self._flown:
+            block.restored = given["restart"] == "restored"
         self._random = random_blocks(sim)
 
     def _lead(self, i: int, action: _Port) -> None:
@@ -334,6 +337,7 @@ def make_env(
     wired: str = "refuse",
     normalise: bool = False,
     crash: float = 0.0,
+    restart: str = "trimmed",
     render_mode: str | None = None,
 ) -> DiagramEnv:
     """An environment of Gymnasium made of a diagram.
@@ -372,6 +376,9 @@ def make_env(
         observations and actions between -1 and 1 over their ranges
     crash : float
         reward of a step that ends in a `FlightError`
+    restart : str
+        "trimmed": each episode starts as a fresh diagram does, bit for bit. "restored": the
+        trimmed state is put back without a search, where that gives the same state each time
     render_mode : str, optional
         "rgb_array"
 

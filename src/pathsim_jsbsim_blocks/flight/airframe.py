@@ -84,6 +84,8 @@ class Airframe(PropertyTree):
         for integrators, a planet or a gravity that JSBSim does not have
     """
 
+    _ground_before: float | None
+
     def __init__(
         self,
         aircraft: str,
@@ -131,6 +133,15 @@ class Airframe(PropertyTree):
         self._names = names  # those of the same model
         self.write(written)
 
+    def version(self) -> tuple[int, int]:
+        """Time and size of the model's file."""
+        state = self._file.path.stat()
+        return state.st_mtime_ns, state.st_size
+
+    def forget(self) -> None:
+        """Nothing was written, and no engine stopped: JSBSim is as after loading."""
+        self._written, self.stopped, self._ground_before = {}, frozenset(), None
+
     def twin(self) -> Airframe:
         """Another airframe of the same model, sealed, with what `create` and `write` have set."""
         other = copy.copy(self)
@@ -177,7 +188,7 @@ class Airframe(PropertyTree):
         self._of_engines: dict[str, list[str]] = {}
         self._tanks: list[str] | None = None
         self._feeds: list[list[int]] | None = None
-        self._ground_before: float | None = None
+        self._ground_before = None
         self._choose_outputs()
         self._create()
 

@@ -42,6 +42,7 @@ from .linearise.algebraic import algebraic_model
 from .linearise.flown import flown_model
 from .linearise.flyable import no_model
 from .property_ports import check_ports, listed
+from .rewind import Rewind
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.initial import here
@@ -116,6 +117,11 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     airframe: Airframe
     trim: TrimState
+    # put the trimmed state back at a reset, in place of a search
+    restored = False
+    # what the last flight was to be, and its aircraft if it can fly that again
+    _asked = ""
+    _rewind: Rewind | None = None
     # the flight that was linearised, and its model
     _linear: tuple[str, LinearModel] | None = None
     # that a parameter acts at the next reset
@@ -346,7 +352,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         raise NotImplementedError
 
     def take_off(self) -> None:
-        """Load, initialise and trim a fresh aircraft and show its state."""
+        """Start the flight with an aircraft that is fresh, or as a fresh one is, and show it."""
         self._substeps = whole("substeps", self.substeps, low=1)
         dt = number(
             "T / substeps",
@@ -355,17 +361,13 @@ class FlightBlock(NamedPorts, SampledPlant):
             high=_LONGEST_STEP,
         )
         condition = self._condition()
-        self.airframe = Airframe(
-            self._model(),
-            dt,
-            empty_cg_x=condition.empty_cg_x,
-            **{name: getattr(self, name) for name in _OF_AIRFRAME},
-        )
-        self.trim = trim(self.airframe, condition, self.setup)
+        self._flying = self._flight_key()
+        before, self._asked = self._asked, f"{self._flying}, {self.restored}"
+        repeated = self._asked == before
+        started = self._started_again(condition) if repeated else None
+        write, read = started or self._started_anew(condition, dt, repeated)
         fdm = self.airframe.fdm
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
-        write, read = self._connect()
-        self.airframe.write(self.properties, "properties")
         self._thread = get_ident()
         self._n_inputs = len(port_names(self.inputs))
         self._n_outputs = len(port_names(self.outputs))
@@ -380,7 +382,6 @@ class FlightBlock(NamedPorts, SampledPlant):
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
         self._flown = array("d")
-        self._flying = self._flight_key()
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
@@ -389,9 +390,55 @@ class FlightBlock(NamedPorts, SampledPlant):
         for observe in at_take_off:
             observe(self)
 
+    def _started_anew(
+        self, condition: TrimCondition, dt: float, repeated: bool
+    ) -> tuple[Write, Read]:
+        """Load, initialise and trim a fresh aircraft; returns what `_connect` does.
+
+        One that has flown the same before is expected to fly it again.
+        """
+        own = self.allow_network, self.allow_files, self.flightgear, self.systems
+        # JSBSim's search on the ground reads invalid memory on an executive that was used
+        reusable = (repeated or self.restored) and not any(own) and condition.mode != "ground"
+        for restored in (self.restored, False):
+            self.airframe = Airframe(
+                self._model(),
+                dt,
+                empty_cg_x=condition.empty_cg_x,
+                **{name: getattr(self, name) for name in _OF_AIRFRAME},
+            )
+            rewind = self._rewind = Rewind(self.airframe) if reusable else None
+            self.trim = trim(self.airframe, condition, self.setup)
+            if not (rewind and restored) or rewind.restores(self.trim, self.setup):
+                break
+        write, read = self._connect()
+        self.airframe.write(self.properties, "properties")
+        if rewind:
+            rewind.started()
+        return write, read
+
+    def _started_again(self, condition: TrimCondition) -> tuple[Write, Read] | None:
+        """Start with the aircraft of the last flight; None where it does not start as a fresh one.
+
+        The aircraft is then in any state.
+        """
+        rewind = self._rewind
+        try:
+            if rewind is None or not rewind.rewind():
+                return None
+            if rewind.trimmed:
+                rewind.restore(self.setup)
+            else:
+                self.trim = trim(self.airframe, condition, self.setup, hint=False)
+            write, read = self._connect()
+            self.airframe.write(self.properties, "properties")
+        except (BlocksError, jsbsim.BaseError):
+            return None
+        return (write, read) if rewind.proven() else None
+
     @property
     def fdm(self) -> jsbsim.FGFDMExec:
-        """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` replaces it."""
+        """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` may replace it."""
         return self.airframe.fdm
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -449,7 +496,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         )
 
     def reset(self) -> None:
-        """Fly the same flight again: a fresh aircraft, loaded and trimmed as at first."""
+        """Fly the same flight again: with a fresh aircraft, or this one started as that is."""
         super().reset()
         self.take_off()
 

@@ -154,12 +154,15 @@ class PropertyTree:
 
         return write
 
+    def nodes(self) -> dict[str, jsbsim.FGPropertyNode]:
+        """All properties by name."""
+        nodes = {name: self._properties.get_node(name) for name in self._catalogue()}
+        return {name: node for name, node in nodes.items() if node is not None}
+
     def internal(self) -> list[float]:
         """State of engines and systems, and the six accelerations that follow from it."""
         if self._internal is None:
-            names = filter(_INTERNAL.match, self._catalogue())
-            nodes = map(self._properties.get_node, names)
-            self._internal = [node for node in nodes if node is not None]
+            self._internal = [node for n, node in self.nodes().items() if _INTERNAL.match(n)]
         return list(map(jsbsim.FGPropertyNode.get_double_value, self._internal))
 
     def access(self, name: str) -> str:

@@ -51,7 +51,7 @@ class Trimmer:
         # the table of trimmers must keep no airframe alive
         self.airframe: Airframe = weakref.proxy(airframe)
         self.effort = Effort()
-        self._renewed()
+        self.forget()
 
     @classmethod
     def of(cls, airframe: Airframe) -> Trimmer:
@@ -60,7 +60,8 @@ class Trimmer:
             _trimmers[airframe] = cls(airframe)
         return _trimmers[airframe]
 
-    def _renewed(self) -> None:
+    def forget(self) -> None:
+        """The executive is as after loading."""
         # whether a search has run on the executive
         self._used = self.spent = False
         # where the last Newton search found its trim
@@ -69,7 +70,7 @@ class Trimmer:
     def renew(self) -> None:
         """Start afresh, on a new executive."""
         self.airframe.renew()
-        self._renewed()
+        self.forget()
 
     def trim(
         self, condition: TrimCondition, setup: Mapping[str, float] | None, warm: bool = False
