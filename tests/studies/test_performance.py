@@ -133,6 +133,14 @@ def test_fuel_is_weighed_up_to_where_a_tank_runs_dry():
     assert plane.energy_rate(climb) == pytest.approx(climb_rate(climb), rel=0.01)
 
 
+def test_fuel_is_weighed_while_an_unstable_aircraft_stays_at_its_airspeed():
+    """The XB-70 pitches up after 16 s with its controls fixed."""
+    plane = Plane({**C172P, "aircraft": "XB-70", "altitude": 0.0})
+    _burn(plane, plane.trim(345.0))
+    _, specific = plane.rows
+    assert abs(specific["difference_percent"]) < 1.0
+
+
 def test_level_flight_goes_on_where_an_afterburner_has_too_much_thrust():
     plane = Plane({**C172P, "aircraft": "F4N", "altitude": 30e3})
     assert plane.trim(450.0) is None

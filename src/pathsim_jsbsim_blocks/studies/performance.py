@@ -140,8 +140,9 @@ def _burn(plane: Plane, level: TrimState) -> None:
     if flight is None or flight["fuel"][-1] <= 0.0:
         return
     weight, step = flight["w"], _BURN / len(flight["w"])
-    # up to where a tank runs dry, as the Concorde's do
-    fed = np.flatnonzero(-np.diff(weight) > 0.9 * step * flight["fuel"][1:])
+    # up to where a tank runs dry (Concorde) or the aircraft leaves its airspeed (XB-70)
+    stays = abs(flight["vc"][1:] / level.speed - 1.0) < 0.01
+    fed = np.flatnonzero(stays & (-np.diff(weight) > 0.9 * step * flight["fuel"][1:]))
     if not len(fed):
         return
     end = int(fed[-1]) + 1
