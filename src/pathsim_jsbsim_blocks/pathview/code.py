@@ -140,26 +140,52 @@ class Code:
                 self.places["\n".join(pieces).count("\n") - line + 1] = statement.lineno
             end = statement.end_lineno or 0
         for made in self.made.values():
-            pieces.append("\n" + ast.unparse(ast.fix_missing_locations(_renamed(made, renamed))))
+            pieces.append("\n" + ast.unparse(_renamed(made, renamed)))
         return "\n".join(pieces).lstrip("\n")
 
     def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:
         """Source of an expression as written, in one line."""
         if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
-            return ast.unparse(ast.fix_missing_locations(_renamed(node, renamed)))
-        return _one_line(_rewrite(self.script.source, node, renamed))
+            return ast.unparse(_renamed(node, renamed))
+        return _one_line(self._written(node, renamed) or ast.unparse(_renamed(node, renamed)))
 
     def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
         if isinstance(statement, (ast.Import, ast.ImportFrom)):
             return self._import(statement)
-        text = _rewrite(self.script.source, statement, renamed)
         lines = self.script.source.split("\n")
+        above = lines[self._first_line(statement) - 1 : statement.lineno - 1]
+        text = self._written(statement, renamed)
+        if not text:
+            comments = [line.strip() for line in above if line.lstrip().startswith("#")]
+            return "\n".join([*comments, ast.unparse(_renamed(statement, renamed))])
         before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
         after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
         if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
             return text
-        above = lines[self._first_line(statement) - 1 : statement.lineno - 1]
         return "".join(line[len(before) :] + "\n" for line in above) + dedent(before + text) + after
+
+    def _written(self, node: ast.AST, renamed: Mapping[str, str]) -> str:
+        """Source of a node as written; empty where names change, or a text spans lines.
+
+        PathView indents the code before running it, which would change such a text.
+        """
+        docstrings = {
+            id(n.body[0].value)
+            for n in ast.walk(node)
+            if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+            and isinstance(n.body[0], ast.Expr)
+        }
+        texts = (
+            n
+            for n in ast.walk(node)
+            if isinstance(n, ast.JoinedStr)
+            or (isinstance(n, ast.Constant) and isinstance(n.value, (str, bytes)))
+        )
+        if any(n.id in renamed for n in references(node)) or any(
+            n.lineno != n.end_lineno and id(n) not in docstrings for n in texts
+        ):
+            return ""
+        return ast.get_source_segment(self.script.source, node) or ""
 
     def _first_line(self, statement: ast.stmt) -> int:
         """First line of a statement with its decorators and the comments right above it."""
@@ -211,56 +237,4 @@ def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:
     for inner in ast.walk(node):
         if isinstance(inner, ast.Global):
             inner.names = [renamed.get(n, n) for n in inner.names]
-    return node
-
-
-def _rewrite(source: str, node: ast.AST, renamed: Mapping[str, str]) -> str:
-    """Source of ``node`` with new names, and with multi-line strings written on one line.
-
-    PathView indents the code before running it, which would change multi-line strings.
-    """
-    lines = source.encode().splitlines(keepends=True)
-    starts = [0]
-    for line in lines:
-        starts.append(starts[-1] + len(line))
-
-    def place(n: Any) -> tuple[int, int]:
-        return (starts[n.lineno - 1] + n.col_offset, starts[n.end_lineno - 1] + n.end_col_offset)
-
-    edits: dict[tuple[int, int], str] = {}
-    docstrings = {
-        id(n.body[0].value)
-        for n in ast.walk(node)
-        if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
-        and isinstance(n.body[0], ast.Expr)
-    }
-    # before Python 3.12 the parts of an f-string have no positions of their own
-    in_f_strings = {
-        id(n)
-        for f in ast.walk(node)
-        if isinstance(f, ast.JoinedStr)
-        for n in ast.walk(f)
-        if n is not f
-    }
-    for inner in ast.walk(node):
-        if id(inner) in in_f_strings:
-            continue
-        if isinstance(inner, ast.JoinedStr):
-            if inner.lineno != inner.end_lineno or any(n.id in renamed for n in references(inner)):
-                edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
-        elif isinstance(inner, ast.Constant) and isinstance(inner.value, (str, bytes)):
-            if inner.lineno != inner.end_lineno and id(inner) not in docstrings:
-                edits[place(inner)] = repr(inner.value)
-        elif isinstance(inner, ast.Global):
-            edits[place(inner)] = ast.unparse(_renamed(inner, renamed))
-    for name in references(node):
-        if name.id in renamed and id(name) not in in_f_strings:
-            edits[place(name)] = renamed[name.id]
-    begin, end = place(node)
-    text = b"".join(lines)
-    out, at = [], begin
-    for (first, last), new in sorted(edits.items(), key=lambda e: (e[0][0], -e[0][1])):
-        if first >= at:  # decorators come before
-            out += [text[at:first], new.encode()]
-            at = last
-    return b"".join([*out, text[at:end]]).decode()
+    return ast.fix_missing_locations(node)
