@@ -550,6 +550,16 @@ src = Source(lambda t: law(float(t)) if t > 5 else t)
         + SRC,
         "refused",
     ),
+    "functions that name another key": (
+        """
+K = {"soft": 1.0, "hard": 2.0}
+laws = [lambda: K["soft"]]
+_ = laws.__setitem__(0, lambda: K["hard"])
+src = Source(lambda t: t if t < 5 else laws[0]())
+"""
+        + SRC,
+        "refused",
+    ),
 }
 
 RANDOM = {
@@ -695,6 +705,10 @@ sim = Simulation([src, amp, two, scope], [Connection(src, amp, two), Connection(
 sim.run(0.5)
 """,
         "either",
+    ),
+    "numpy's seed, and nothing else": (
+        "np.random.seed(3)\nsrc = Source(lambda t: np.random.normal())" + SRC,
+        "equal",
     ),
 }
 

@@ -43,10 +43,10 @@ class Code:
     def need(self, node: ast.AST) -> None:
         """Add all that an expression or a function needs; refuse what PathView lacks."""
         todo = used(node)
-        while todo := todo - self._needed:
-            self._needed |= todo
-            for name in sorted(todo):
+        while todo:
+            for name in sorted(todo - self._needed):
                 self._check(name, node)
+            self._needed |= todo
             new = {s for s in self._statements if self._touched[s] & self._needed} - self._kept
             self._kept |= new
             todo = {name for s in new for name in used(s)}
