@@ -1,4 +1,7 @@
-"""FlightGear itself, without a window, receives a flight: its property tree is read back."""
+"""FlightGear itself, without a window: its property tree is read back.
+
+It receives a flight, and it flies an aircraft of JSBSim with a law as XML.
+"""
 
 import contextlib
 import os
@@ -7,10 +10,13 @@ import signal
 import socket
 import subprocess
 import time
+from pathlib import Path
 
+import jsbsim
 import numpy as np
 import pytest
 
+from pathsim_jsbsim_blocks import PitchHold
 from pathsim_jsbsim_blocks.cli import main
 
 SCRIPT = """
@@ -41,52 +47,55 @@ def free_port(kind):
         return taken.getsockname()[1]
 
 
-def properties(port):
-    """What FlightGear shows; None while it cannot be asked."""
+def properties(port, names=SHOWN, written=()):
+    """What FlightGear shows; None while it cannot be asked. ``written`` are set before."""
     with (
         contextlib.suppress(OSError, ValueError),
         socket.create_connection(("127.0.0.1", port), timeout=60) as connection,
         connection.makefile("rw", newline="\r\n") as telnet,
     ):
         print("data", file=telnet, flush=True)
+        for name, value in dict(written).items():
+            print("set", name, value, file=telnet, flush=True)
         found = []
-        for name in ("/sim/sceneryloaded", *SHOWN):
+        for name in ("/sim/sceneryloaded", *names):
             print("get", name, file=telnet, flush=True)
             found.append(telnet.readline().strip())
         return [float(x) for x in found[1:]] if found[0] == "true" else None
     return None
 
 
-def told(port, limit, wanted=lambda shown: True):
+def told(port, limit, wanted=lambda shown: True, names=SHOWN):
     """What FlightGear shows, as soon as it is what is wanted."""
     end = time.monotonic() + limit
     while time.monotonic() < end:
-        shown = properties(port)
+        shown = properties(port, names)
         if shown and wanted(shown):
             return shown
         time.sleep(1.0)
     pytest.fail(f"FlightGear shows {shown}")
 
 
-@pytest.fixture
-def flightgear(tmp_path):
-    """Its native FDM port, and the port at which its properties are read."""
+@contextlib.contextmanager
+def running(folder, *options):
+    """FlightGear with further options; yields the port at which its properties are read."""
     missing = [
         p for p in ("fgfs", "xvfb-run", "dbus-run-session") if not shutil.which(p, path=PATH)
     ]
     if missing:
         pytest.skip(f"not installed: {', '.join(missing)}")
-    fdm, telnet = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_STREAM)
+    telnet = free_port(socket.SOCK_STREAM)
     command = [
         *("dbus-run-session", "--", "xvfb-run", "-a", "-s", "-screen 0 640x480x24", "fgfs"),
-        *("--fdm=null", f"--native-fdm=socket,in,60,,{fdm},udp", f"--telnet={telnet}"),
-        # the smallest one, and little to draw: the processor does it all
-        *("--aircraft=ufo", "--geometry=320x240", "--prop:/sim/rendering/shaders/quality-level=0"),
+        *options,
+        # little to draw: the processor does it all
+        *(f"--telnet={telnet}", "--geometry=320x240"),
+        "--prop:/sim/rendering/shaders/quality-level=0",
         *("--disable-sound", "--disable-terrasync", "--disable-real-weather-fetch"),
         *("--disable-ai-models", "--disable-ai-traffic", "--log-level=alert"),
     ]
-    of_its_own = {"PATH": PATH, "LIBGL_ALWAYS_SOFTWARE": "1", "FG_HOME": str(tmp_path / "fgfs")}
-    with open(tmp_path / "fgfs.log", "w") as log:
+    of_its_own = {"PATH": PATH, "LIBGL_ALWAYS_SOFTWARE": "1", "FG_HOME": str(folder / "fgfs")}
+    with open(folder / "fgfs.log", "w") as log:
         process = subprocess.Popen(
             command,
             env={**os.environ, **of_its_own},
@@ -96,10 +105,20 @@ def flightgear(tmp_path):
         )
     try:
         told(telnet, STARTED)
-        yield fdm, telnet
+        yield telnet
     finally:
         os.killpg(process.pid, signal.SIGTERM)
         process.wait(60)
+
+
+@pytest.fixture
+def flightgear(tmp_path):
+    """Its native FDM port, and the port at which its properties are read."""
+    fdm = free_port(socket.SOCK_DGRAM)
+    native = f"--native-fdm=socket,in,60,,{fdm},udp"
+    # the smallest aircraft
+    with running(tmp_path, "--fdm=null", native, "--aircraft=ufo") as telnet:
+        yield fdm, telnet
 
 
 @pytest.mark.flightgear
@@ -118,3 +137,31 @@ def test_flightgear_shows_the_position_and_the_attitude_that_were_sent(
     shown = told(telnet, 60.0, lambda shown: abs(shown[0] - last[0]) < 1e-9)
     # deg, deg, ft, deg, deg, deg: about 0.1 mm, and the single precision of the angles
     assert (np.abs(np.subtract(shown, last)) <= [2e-9, 2e-9, 0.01, 1e-5, 1e-5, 1e-4]).all()
+
+
+SET = """<?xml version="1.0"?>
+<PropertyList><sim><flight-model>jsb</flight-model><aero>c172p</aero></sim></PropertyList>
+"""
+
+
+@pytest.mark.flightgear
+def test_flightgear_flies_a_law_as_xml(tmp_path):
+    # a glide: the engine stands still
+    root, folder = Path(jsbsim.get_default_root_dir()), tmp_path / "own"
+    folder.mkdir()
+    (folder / "own-set.xml").write_text(SET)
+    (folder / "pitch.xml").write_text(PitchHold("c172p").to_jsbsim_xml("pitch"))
+    shutil.copytree(root / "engine", folder / "Engines")
+    shutil.copytree(root / "systems", folder / "Systems")
+    text = (root / "aircraft" / "c172p" / "c172p.xml").read_text()
+    at = text.index("<flight_control")
+    (folder / "c172p.xml").write_text(text[:at] + '<system file="pitch"/>\n' + text[at:])
+
+    ap = "/fdm/jsbsim/ap/pathsim/pitch/"
+    names = (f"{ap}active", f"{ap}theta-cmd-deg", "/orientation/pitch-deg")
+    start = ("--altitude=8000", "--vc=80", "--timeofday=noon")
+    with running(tmp_path, "--aircraft=own", f"--aircraft-dir={folder}", *start) as telnet:
+        active, *_ = told(telnet, 60.0, names=names)
+        assert active == 0.0
+        properties(telnet, written={f"{ap}engaged": 1})
+        told(telnet, 60.0, lambda x: x[0] == 1.0 and abs(x[1] - x[2]) < 0.5, names)
