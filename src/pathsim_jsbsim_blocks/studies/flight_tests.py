@@ -164,7 +164,7 @@ class Plane:
     def level(self, speed: float) -> TrimState | None:
         """Level flight, or a climb at full throttle where an afterburner's thrust jumps past it."""
         found = self.trim(speed)
-        if found is None and self.reason == "no convergence":
+        if found is None and self.reason == "no convergence" and not self.propeller:
             full = self.climb(speed)
             found = full if full and full.gamma >= 0.0 else None
         return found
