@@ -14,7 +14,7 @@ from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, loading
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, loading
 from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     _PARTS,
@@ -210,6 +210,12 @@ def test_loading_makes_up_a_weight(weight):
     plane = Plane({**C172P, "weight": weight})
     state = plane.glide(75.0)
     assert state.weight == pytest.approx(weight, abs=0.01)
+
+
+def test_the_lightest_weight_has_no_negative_payload():
+    """With 5 % of its fuel a Short S.23 without payload has 1e-13 lb less than its own weight."""
+    airframe = Plane({**C172P, "aircraft": "Short_S23"}).airframe
+    assert all(x >= 0.0 for x in loading(airframe, extremes(airframe)[0])["payload"])
 
 
 def test_a_weight_that_no_model_has_is_a_reason_in_the_table():

@@ -298,7 +298,7 @@ def loading(airframe: Airframe, weight: float) -> dict[str, Any]:
         why = f"{airframe.aircraft} weighs from {low:,.0f} lb, almost without fuel and payload, to "
         refuse("weight", weight, f"{why}{high:,.0f} lb in a chart, not {weight:,.0f} lb")
     part = min(max((weight - empty - carried) / tanks, _LEAST_FUEL), 1.0) if tanks else 0.0
-    rest = weight - empty - part * tanks
+    rest = max(weight - empty - part * tanks, 0.0)
     shares = [x / carried if carried else 1.0 / len(payload) for x in payload]
     fields = {"fuel": [part * x for x in full], "payload": [rest * share for share in shares]}
     return {name: values for name, values in fields.items() if values}

@@ -118,7 +118,8 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
             row = choose(rows, key=lambda row: row["value"])
             plane.rows.append({**row, "quantity": f"{best} {name}"})
         elif levels and best == "best":
-            plane.put("best specific range", None, reason="the model burns no fuel")
+            why = "out of time" if plane.late() else "the model burns no fuel"
+            plane.put("best specific range", None, reason=why)
     for level in exact[len(exact) // 2 :][:1]:
         rate = plane.energy_rate(level)
         less = None if rate is None else level.weight * rate / 60.0 / level.tas
