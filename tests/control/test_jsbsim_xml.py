@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import tempfile
 
 import numpy as np
 import pytest
@@ -198,6 +199,25 @@ def test_what_has_no_place_in_xml_is_refused_by_name(kind):
 def test_a_name_that_makes_no_property_is_refused(name):
     with pytest.raises(ParameterError, match="small letters"):
         PitchHold().to_jsbsim_xml(name)
+
+
+def test_an_aircraft_with_a_system_is_sealed_and_leaves_nothing(tmp_path, monkeypatch):
+    # this model asks for a CSV file
+    file, empty = tmp_path / "roll.xml", tmp_path / "empty"
+    empty.mkdir()
+    file.write_text(RollHold("c172p").to_jsbsim_xml(), encoding="utf-8")
+    monkeypatch.chdir(empty)
+    monkeypatch.setattr(tempfile, "tempdir", str(empty))
+    plane = Aircraft("c172x", altitude=5000, speed=90, systems=[str(file)])
+    before = plane.fdm["position/h-sl-ft"]
+    plane.reset()
+    assert plane.fdm["position/h-sl-ft"] == before
+    plane.fdm["ap/pathsim/roll-hold/engaged"] = 1.0
+    for _ in range(120):
+        plane.fdm.run()
+    assert plane.fdm["ap/pathsim/roll-hold/active"] == 1.0
+    assert list(empty.iterdir()) == []
+    assert main(["properties", "c172x", "pathsim"]) != 0  # the installed model is as it was
 
 
 def test_a_file_that_is_no_system_is_refused(tmp_path):

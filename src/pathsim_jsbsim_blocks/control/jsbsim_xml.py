@@ -391,11 +391,12 @@ _HEADER = """\
 of pathsim-jsbsim-blocks, sampled every {T!r} s.
 
 Include this file in the aircraft's, <system file="NAME"/>, from the aircraft's folder or its folder
-Systems. JSBSim's time step must divide the sample period. With
+Systems. JSBSim's time step must divide the sample period. The law runs with
 
   {base}/engaged = 1
 
-it adds increments to the commands as they are then. Names of properties end in their units.
+and its increments are added to the commands as they are then. Names of properties end in their
+units.
 
 {about}
 """
