@@ -12,6 +12,7 @@ with ``--cruise`` those of airliners at cruise altitudes.
 """
 
 import argparse
+import itertools
 import json
 import math
 from dataclasses import replace
@@ -31,6 +32,7 @@ from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.requirements import (
     ALTITUDE_KEPT,
     ALTITUDE_KEPT_OFF,
+    CHANGE,
     MAX_SECONDS_AT_A_STOP,
     MAX_SIDESLIP,
     STEP_REQUIREMENTS,
@@ -112,6 +114,7 @@ def designed(name):
                     [altitude],
                     [float(round(share * condition.speed)) for share in speeds],
                     progress=said,
+                    near=designs,
                     create=flight.create,
                 )
             except (TrimError, DesignError):
@@ -183,7 +186,7 @@ TUNED_AT = {
 FULL = 0.85
 
 # s of the steps, that of the altitude without its climb
-SECONDS = {loop: step.seconds for loop, step in STEPS.items()} | {"altitude": 80.0}
+SECONDS = {x: r.seconds for x, r in STEP_REQUIREMENTS.items()} | {"altitude": 80.0}
 
 HEADER = """\
 | aircraft | KCAS | pitch: s, deg | roll: s, deg | heading: s, deg | in the turn: sideslip deg, ft \
@@ -194,7 +197,7 @@ HEADER = """\
 
 def asked(loop, gains, condition, down, seconds):
     """Size and seconds of a step, one down for the loops in ``down``, longer by its climb."""
-    size = STEPS[loop].size
+    size = STEP_REQUIREMENTS[loop].size
     if loop == "altitude":
         seconds += 1.3 * size / at_point(gains, condition).altitude.hdot_max
     return -size if loop in down else size, seconds
@@ -202,7 +205,7 @@ def asked(loop, gains, condition, down, seconds):
 
 def no_throttle(fresh, condition, trim):
     """Loops whose step up takes all of the throttle; ``fresh`` makes an aircraft at a condition."""
-    faster = replace(condition, speed=condition.speed + STEPS["speed"].size)
+    faster = replace(condition, speed=condition.speed + STEP_REQUIREMENTS["speed"].size)
     now = max(trim.throttle)
     try:
         needed = max(fresh(faster).trim.throttle)
@@ -323,7 +326,7 @@ def off_point(name, schedule, condition, create):
     except TrimError:
         return "no trim"
     down = no_throttle(fresh, condition, trim)
-    size = math.radians(STEPS["pitch"].size)
+    size = math.radians(STEP_REQUIREMENTS["pitch"].size)
     if trim.tas * math.sin(size) > at_point(schedule, condition).envelope.climb_max:
         # at full throttle the airspeed would fall for as long as the pitch angle is held
         down.add("pitch")
@@ -381,6 +384,46 @@ def fly_cruise(names):
         put(EVIDENCE / "designed-gains.md", "cruise", header + "".join(rows).rstrip())
 
 
+# what is fed back
+FED_BACK = {
+    "pitch": ("Kp", "Ki", "Kr"),
+    "roll": ("Kp", "Ki", "Kr"),
+    "heading": ("Kp",),
+    "altitude": ("Kh", "Kp", "Ki"),
+    "speed": ("Kp", "Ki"),
+    "yaw": ("K",),
+}
+
+
+def jumps(schedule):
+    """By loop: gains of neighbouring points, and those that change by more than `CHANGE`.
+
+    Between airspeeds the effect of a control changes with the dynamic pressure; where this is more,
+    it is what a gain may change by.
+    """
+    points = {(p.altitude, p.speed): p.gains for p in schedule.points}
+    found = {loop: [0, 0] for loop in FED_BACK}
+    for here, other in itertools.permutations(sorted(points), 2):
+        for i in (0, 1):
+            line = sorted(p for p in points if p[i] == here[i])
+            if here[i] == other[i] and line[line.index(here) + 1 :][:1] == [other]:
+                most = max(CHANGE, (other[1] / here[1]) ** 2)
+                for loop, name in ((x, name) for x in FED_BACK for name in FED_BACK[x]):
+                    a, b = (abs(getattr(getattr(points[p], loop), name)) for p in (here, other))
+                    found[loop][0] += 1
+                    found[loop][1] += max(a, b) > 1.001 * most * min(a, b)
+    return found
+
+
+def count_jumps():
+    """Rows of the table of gains that change from one point to the next."""
+    found = [jumps(read_gains(table_of(n))) for n in aircraft_names() if table_of(n).exists()]
+    yield "| loop | gains of neighbours | change by more | |\n|---|--:|--:|--:|\n"
+    for loop in FED_BACK:
+        n, jumped = (sum(x[loop][i] for x in found) for i in (0, 1))
+        yield f"| {loop} | {n} | {jumped} | {jumped / n:.0%} |\n"
+
+
 def fly(names):
     """Fly the steps with the tables, and put the rows into the page."""
     rows = []
@@ -392,6 +435,7 @@ def fly(names):
         page = EVIDENCE / "designed-gains.md"
         put(page, "flights", HEADER + "".join(rows).rstrip())
         put(page, "hand-tuned", HEADER + "".join(compared()).rstrip())
+        put(page, "jumps", "".join(count_jumps()).rstrip())
 
 
 def compared():

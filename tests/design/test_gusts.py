@@ -7,6 +7,7 @@ import pytest
 from hand_tuned import GAINS
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
+from pathsim_jsbsim_blocks.control.gains import AttitudeGains
 from pathsim_jsbsim_blocks.design import outer, search
 from pathsim_jsbsim_blocks.design.plant import Plant
 from pathsim_jsbsim_blocks.design.search import OMEGA
@@ -31,9 +32,7 @@ def rough(model):
 
 def held(plant, gains):
     """The plant with pitch angle, airspeed and altitude held."""
-    pitch = gains.pitch
-    found = search.Found(pitch.Kp, pitch.Ki, pitch.Kr, pitch.b, {}, 0.0, 0.0, 0.0, "")
-    plant = search.closed(plant, search.PITCH, found, "theta_cmd")
+    plant = search.closed(plant, search.PITCH, gains.pitch, "theta_cmd")
     return outer.with_altitude(outer.with_speed(plant, gains.speed), gains.altitude)
 
 
@@ -145,8 +144,8 @@ def test_what_is_asked_for_in_turbulence():
 
 
 def test_strong_turbulence_takes_a_weaker_airspeed_loop(rough):
-    found = search.Found(0.1, 0.12, 0.004, 0.45, {}, 0.0, 0.0, 0.0, "")
-    plant = search.closed(rough, search.PITCH, found, "theta_cmd")
+    pitch = AttitudeGains(Kp=0.1, Ki=0.12, Kr=0.004, b=0.45)
+    plant = search.closed(rough, search.PITCH, pitch, "theta_cmd")
     plant.B[:, [plant.inputs.index(name) for name in AIR]] *= 2.0
     room, feed = (-0.7, 0.3), 0.004
 

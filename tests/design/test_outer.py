@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hand_tuned import GAINS
 from scipy.linalg import expm
 
 from pathsim_jsbsim_blocks.control.gains import YawGains
@@ -22,6 +23,7 @@ from pathsim_jsbsim_blocks.design.outer import (
     dutch_roll,
 )
 from pathsim_jsbsim_blocks.design.plant import Plant
+from pathsim_jsbsim_blocks.design.search import Neighbours
 
 T = 1 / 120
 OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
@@ -215,13 +217,36 @@ def test_an_airspeed_settles_as_reported(room, step):
     assert found.late == pytest.approx(late, abs=0.005)
 
 
-def test_a_step_that_does_not_settle_with_the_band_has_a_wide_one():
-    # full throttle gives 14.4 kt, in 60 s
+def test_gains_are_those_of_a_neighbour_if_these_are_as_good():
     plant = sampled([[-1.0, 0.0], [6.0, -1 / 60]], [1.0, 0.0], "throttle", vc=[0, 1])
-    gains, found = design_speed(plant, (-0.04, 0.04), 0.0, 10.0)
+    alone, found = design_speed(plant, (-0.6, 0.4), 0.0, 10.0)
+
+    def beside(factor):
+        other = replace(alone, Kp=factor * alone.Kp, Ki=factor * alone.Ki)
+        near = Neighbours([replace(GAINS["c172p"], speed=other)])
+        gains, kept = design_speed(plant, (-0.6, 0.4), 0.0, 10.0, near=near)
+        assert kept.relaxed == found.relaxed == ""
+        return gains, other, kept
+
+    gains, other, kept = beside(0.6)
+    assert other.Kp < alone.Kp / 1.5
+    assert 1 / 1.5 < gains.Kp / other.Kp < 1.5
+    assert 1 / 1.5 < gains.Ki / other.Ki < 1.5
+    assert kept.settling < found.settling + 5.0
+    # gains that hold no airspeed are no example
+    gains, other, kept = beside(1e-4)
+    assert gains.Kp > 100.0 * other.Kp
+    assert kept.settling < 75.0
+
+
+def test_a_step_that_does_not_settle_with_the_band_has_a_wide_one():
+    # full throttle gives 11.4 kt, in 80 s
+    plant = sampled([[-1.0, 0.0], [6.0, -1 / 80]], [1.0, 0.0], "throttle", vc=[0, 1])
+    room = 11.4 / 480
+    gains, found = design_speed(plant, (-room, room), 0.0, 10.0)
 
     def settled(band):
-        law = SpeedLoop(T, replace(gains, band=band), (-0.04, 0.04))
+        law = SpeedLoop(T, replace(gains, band=band), (-room, room))
         state, x, vc = SpeedLoop.START, np.zeros(2), np.empty(round(150.0 / T))
         for k in range(len(vc)):
             vc[k] = plant.row("vc") @ x

@@ -76,7 +76,6 @@ def law_flown(plant, actuator, law, n):
 
 
 GAINS = AttitudeGains(Kp=0.2, Ki=0.15, Kr=0.05, b=0.4, ramp=1e6)
-FOUND = search.Found(0.2, 0.15, 0.05, 0.4, {}, 0.0, 0.0, 0.0, "")
 
 
 @pytest.mark.parametrize(
@@ -98,9 +97,9 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
         return command
 
     expected = law_flown(plant, actuator, fly_law, 600)
-    found = stepped(search.closed(plant, loop, FOUND, "reference"), "reference", 1.0, 600)
+    found = stepped(search.closed(plant, loop, GAINS, "reference"), "reference", 1.0, 600)
     assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=1e-9)
-    y, peak = search.attitude_steps(
+    error, peak = search.attitude_steps(
         plant,
         loop,
         1e6,
@@ -108,7 +107,7 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
         *(np.array([x]) for x in (GAINS.Kp, GAINS.Ki, GAINS.Kr, GAINS.b)),
         600 * T,
     )
-    assert y[:, 0] / loop.required.size == pytest.approx(
+    assert error[:, 0] / loop.required.size + 1.0 == pytest.approx(
         expected[:, OUTPUTS.index(angle)], abs=1e-9
     )
     assert peak[0] / loop.required.size == pytest.approx(np.abs(commands).max(), rel=1e-9)
@@ -150,7 +149,7 @@ def test_a_closed_yaw_damper_is_the_law_that_is_flown(plant):
 
 def test_a_closed_altitude_loop_is_the_law_that_is_flown(plant):
     gains = AltitudeGains(Kh=0.15, Kp=0.05, Ki=0.04, hdot_max=1e6)
-    held = search.closed(plant, search.PITCH, FOUND, "theta_cmd")
+    held = search.closed(plant, search.PITCH, GAINS, "theta_cmd")
     law, state = AltitudeLoop(T, gains, None, -1e6, 1e6), AltitudeLoop.START
     nudge = np.where(np.arange(1200) < 120, 0.5, 0.0)
 

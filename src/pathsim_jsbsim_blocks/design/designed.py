@@ -7,8 +7,9 @@ import dataclasses
 import inspect
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from .._core.checks import flag, known_keywords, refuse_unknown
@@ -27,9 +28,6 @@ from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
 from .envelope import envelope
 from .outer import (
-    BAND,
-    GUST,
-    Outcome,
     damped,
     design_altitude,
     design_feed,
@@ -41,26 +39,30 @@ from .outer import (
     with_speed,
 )
 from .plant import Plant
-from .requirements import MAX_FINAL_ERROR, STEP_REQUIREMENTS
-from .search import PITCH, ROLL, Attitude, Found, closed, design_attitude
+from .requirements import (
+    BAND,
+    CLIMB,
+    CLIMB_OF_EXCESS,
+    CLIMB_OF_SPEED,
+    GUST,
+    MAX_FINAL_ERROR,
+    NEAR_THE_LOWEST,
+    NOSE_UP,
+    RAMP_HIGH,
+    RAMP_LOAD,
+    RAMP_LOW,
+    ROLL_RAMP,
+    ROLL_SLIP,
+    ROLL_SLOW,
+    STEP_REQUIREMENTS,
+    THETA_MAX,
+)
+from .search import PITCH, ROLL, Attitude, Neighbours, Outcome, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
 
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
-
-# g, deg/s: load of a pitch reference that moves, and the limits of its rate
-_RAMP_LOAD, _RAMP_LOW, _RAMP_HIGH = 0.7, 2.0, 6.0
-
-# deg: highest pitch reference, and what it is at least above that of level flight
-_THETA_MAX, _NOSE_UP = 15.0, 6.0
-
-# deg/s: rate of the roll reference, and the limits of it where the nose is high: a roll about the
-# body's axis turns the angle of attack into sideslip, by so many deg/s
-_ROLL_RAMP, _ROLL_SLOW, _ROLL_SLIP = 10.0, 5.0, 1.2
-
-# ft/s, of the airspeed, of the excess climb
-_CLIMB, _CLIMB_OF_SPEED, _CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
 
 # share of the throttle's remaining travel that a step up in airspeed may hold
 _ENOUGH = 0.7
@@ -72,9 +74,6 @@ RELAXED_STOP_WEIGHT = 0.05
 # remaining travel; the second where the steps are not finished at their end with the first, where
 # it is at least so many ft/s (more feed keeps the throttle at its stop) and relaxes nothing
 _RISE, _RISE_OF_EXCESS, _LEAST_RISE = 40.0, 2.0, 25.0
-
-# kt above the lowest airspeed: nearer, no error of the airspeed is taken lightly
-_NEAR = 25.0
 
 # ft/s; less is no climb to speak of: the altitude is then designed for a descent
 _NO_CLIMB = 2.0
@@ -188,6 +187,7 @@ def design_gains(
     T: float = 1 / 120,
     substeps: int = 1,
     check: bool = True,
+    near: Sequence[AircraftGains] = (),
     **options: Any,
 ) -> DesignedGains:
     """Gains of all loops of an aircraft at one condition of level flight, by loop shaping.
@@ -216,6 +216,9 @@ def design_gains(
     check : bool
         fly the steps in pitch and roll on the nonlinear aircraft too, and shape the loops once more
         where the pitch angle overshoots too far there
+    near : list of AircraftGains, optional
+        gains at conditions around this one: of gains that are as good, those are found that differ
+        from them by no more than a factor of 1.5
     **options
         ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
         of `Aircraft`
@@ -288,7 +291,8 @@ def design_gains(
         trim,
         trim.speed,
     )
-    designed = _loops(aircraft, condition, model, trim, vt, limits, PITCH)
+    shaped = partial(_loops, aircraft, condition, model, trim, vt, limits, Neighbours(near))
+    designed = shaped(PITCH)
     if not check:
         return designed
     designed = _flown(fresh, designed)
@@ -297,8 +301,7 @@ def design_gains(
         return designed
     # a kink at the trim: ask the linear model for as much less
     less = replace(PITCH.required, overshoot=0.9 * PITCH.required.overshoot / excess)
-    tighter = replace(PITCH, required=less)
-    again = _flown(fresh, _loops(aircraft, condition, model, trim, vt, limits, tighter))
+    again = _flown(fresh, shaped(replace(PITCH, required=less)))
     return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
 
 
@@ -332,6 +335,7 @@ def _loops(
     trim: TrimState,
     vt: float,
     limits: EnvelopeLimits,
+    near: Neighbours,
     pitching: Attitude,
 ) -> DesignedGains:
     """Shape one loop after the other."""
@@ -345,13 +349,13 @@ def _loops(
         )
 
     plant = in_turbulence(Plant.of(model), model, condition.altitude)
-    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, refuse)
-    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, refuse)
-    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi)
+    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, near, refuse)
+    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near, refuse)
+    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
     if heading is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")
     speed, quick, altitude, climbing = _speed_and_altitude(
-        plant, trim, vt, limits, pitch.ramp, refuse
+        plant, trim, vt, limits, pitch.ramp, near, refuse
     )
     report = {
         "pitch": pitched,
@@ -372,65 +376,58 @@ def _loops(
         aircraft=aircraft,
         condition=condition,
         report=tuple(
-            _row(loop, found)
+            LoopReport(
+                loop,
+                found.margins["crossover"],
+                found.margins["gain"],
+                found.margins["phase"],
+                found.margins["Ms"],
+                found.margins["Ms_delayed"],
+                found.settling,
+                found.overshoot,
+                found.use,
+                relaxed=found.relaxed,
+            )
             for loop, found in report.items()
             if found is not None and found.margins
         ),
     )
 
 
-def _row(loop: str, found: Found | Outcome) -> LoopReport:
-    m = found.margins
-    return LoopReport(
-        loop,
-        m["crossover"],
-        m["gain"],
-        m["phase"],
-        m["Ms"],
-        m["Ms_delayed"],
-        found.settling,
-        found.overshoot,
-        found.use,
-        relaxed=found.relaxed,
-    )
-
-
 def _pitch(
-    plant: Plant, pitching: Attitude, trim: TrimState, vt: float, refuse: Refuse
-) -> tuple[AttitudeGains, Found, Plant]:
+    plant: Plant, pitching: Attitude, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
+) -> tuple[AttitudeGains, Outcome, Plant]:
     """Gains of the pitch loop, how good they are, and the plant with it closed."""
-    ramp = min(max(math.degrees(_RAMP_LOAD * GRAVITY / vt), _RAMP_LOW), _RAMP_HIGH)
+    ramp = min(max(math.degrees(RAMP_LOAD * GRAVITY / vt), RAMP_LOW), RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
-    found = design_attitude(plant, pitching, ramp, (low - trim.elevator, high - trim.elevator))
-    if found is None or not math.isfinite(found.settling):
+    travel = low - trim.elevator, high - trim.elevator
+    found = design_attitude(plant, pitching, ramp, travel, near)
+    if found is None:
         raise refuse("pitch", "no gains of the elevator settle a step in pitch")
-    gains = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
-    return gains, found, closed(plant, PITCH, found, "theta_cmd")
+    return *found, closed(plant, PITCH, found[0], "theta_cmd")
 
 
 def _roll_and_yaw(
-    plant: Plant, trim: TrimState, vt: float, refuse: Refuse
-) -> tuple[AttitudeGains, Found, YawGains, Outcome | None, Plant]:
+    plant: Plant, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
+) -> tuple[AttitudeGains, Outcome, YawGains, Outcome | None, Plant]:
     """The same of ailerons, and of the rudder, which is shaped for the turn; then roll again."""
     slip = math.sin(math.radians(trim.alpha))  # per roll
-    slow = slip * _ROLL_RAMP > _ROLL_SLIP
-    ramp = max(_ROLL_SLIP / slip, _ROLL_SLOW) if slow else _ROLL_RAMP
+    slow = slip * ROLL_RAMP > ROLL_SLIP
+    ramp = max(ROLL_SLIP / slip, ROLL_SLOW) if slow else ROLL_RAMP
     rudder = 1.0 - abs(trim.rudder)
 
-    def rolled(yaw: YawGains) -> Found:
+    def rolled(yaw: YawGains) -> tuple[AttitudeGains, Outcome]:
         travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
-        found = design_attitude(damped(plant, yaw), ROLL, ramp, travel)
-        if found is None or not math.isfinite(found.settling):
+        found = design_attitude(damped(plant, yaw), ROLL, ramp, travel, near)
+        if found is None:
             raise refuse("roll", "no gains of the ailerons settle a step in roll")
         return found
 
     damper = design_yaw(plant, rudder)
-    rolling = closed(plant, ROLL, rolled(damper), "phi_cmd")
-    yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp)
-    found = rolled(yaw)
-    gains = AttitudeGains(found.Kp, found.Ki, found.Kr, found.b, ramp)
-    plant = closed(damped(plant, yaw), ROLL, found, "phi_cmd")
-    return gains, found, yaw, outcome, plant
+    rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
+    yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp, near)
+    gains, found = rolled(yaw)
+    return gains, found, yaw, outcome, closed(damped(plant, yaw), ROLL, gains, "phi_cmd")
 
 
 def _speed_and_altitude(
@@ -439,6 +436,7 @@ def _speed_and_altitude(
     vt: float,
     limits: EnvelopeLimits,
     ramp: float,
+    near: Neighbours,
     refuse: Refuse,
 ) -> Held:
     """Gains of throttle and rate of climb: those that finish the steps, if any do.
@@ -452,15 +450,15 @@ def _speed_and_altitude(
     step = STEP_REQUIREMENTS["speed"].size
     if per_knot * step >= _ENOUGH * room[1]:
         step = -step
-    hdot_max = min(_CLIMB, _CLIMB_OF_SPEED * vt, _CLIMB_OF_EXCESS * climb_max)
-    band = BAND if trim.speed > limits.vc_min + _NEAR else GUST
+    hdot_max = min(CLIMB, CLIMB_OF_SPEED * vt, CLIMB_OF_EXCESS * climb_max)
+    band = BAND if trim.speed > limits.vc_min + NEAR_THE_LOWEST else GUST
 
     def shaped(level: Plant, stops: float, feed: float) -> Held:
-        speed, quick = design_speed(level, room, feed, step, stops, band)
+        speed, quick = design_speed(level, room, feed, step, stops, band, near)
         if speed is None:
             raise refuse("speed", "no gains of the throttle hold the airspeed")
         held = with_speed(plant, speed)
-        altitude, climbing = design_altitude(held, ramp, hdot_max, room=room, stops=stops)
+        altitude, climbing = design_altitude(held, ramp, hdot_max, room, stops, near)
         if altitude is None:
             raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
         return speed, quick, altitude, climbing
@@ -486,7 +484,7 @@ def _speed_and_altitude(
             if not any(step.relaxed for step in more[1::2]):
                 held = min(held, more, key=_excess)
     speed, quick, altitude, climbing = held
-    altitude = replace(altitude, theta_max=max(_THETA_MAX, trim.theta + _NOSE_UP))
+    altitude = replace(altitude, theta_max=max(THETA_MAX, trim.theta + NOSE_UP))
     return speed, quick, altitude, climbing
 
 

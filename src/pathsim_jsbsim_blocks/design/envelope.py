@@ -11,15 +11,10 @@ import numpy as np
 from ..control.gains import EnvelopeLimits
 from ..errors import AircraftError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, trim
-
-# share of the largest lift at which the angle of attack is limited, and the highest limit, deg
-_LIFT, _ALPHA = 0.92, 20.0
+from .requirements import ABOVE_STALL, ALPHA, LIFT
 
 # per deg; flatter curves have no angle without lift
 _FLATTEST = 0.02
-
-# over the speed of level flight at that angle of attack
-_ABOVE = 1.1
 
 # where the slowest trim is looked for, from that speed up to the trim's
 _SLOWEST = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)
@@ -51,12 +46,12 @@ def envelope(
     state = trim(airframe, condition, hint=False)
     alpha, lift = _lift(airframe, math.floor(state.alpha))
     peak = int(np.argmax(np.append(np.diff(lift) <= 0.0, True)))
-    limit = float(np.interp(_LIFT * lift[peak], lift[: peak + 1], alpha[: peak + 1]))
-    limit = max(min(limit, _ALPHA), state.alpha + 1.0)
+    limit = float(np.interp(LIFT * lift[peak], lift[: peak + 1], alpha[: peak + 1]))
+    limit = max(min(limit, ALPHA), state.alpha + 1.0)
     at_limit = float(np.interp(limit, alpha, lift))
     at_trim = float(np.interp(state.alpha, alpha, lift))
     slope = max((at_limit - at_trim) / (limit - state.alpha), _FLATTEST)
-    slowest = min(_ABOVE * speed / math.sqrt(max(at_limit, 1.0)), speed)
+    slowest = min(ABOVE_STALL * speed / math.sqrt(max(at_limit, 1.0)), speed)
     throttle = trimmed.throttle[0]
     climb = 0.0
     for share in _CLIMBS:

@@ -16,8 +16,30 @@ from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
 from ..control.loops import BEYOND
 from .margins import Margins, margins
 from .plant import Plant
-from .requirements import MARGINS, STEP_REQUIREMENTS, relaxation_text, requirement_met
-from .search import OMEGA, at_the_end, integral, margins_of, settled
+from .requirements import (
+    BAND,
+    BANK,
+    DUTCH_ROLL,
+    GUST,
+    MARGINS,
+    STEP_REQUIREMENTS,
+    StepRequirement,
+    relaxation_text,
+    requirement_met,
+)
+from .search import (
+    ALONE,
+    OMEGA,
+    Neighbours,
+    Outcome,
+    at,
+    crossing,
+    grid,
+    integral,
+    margins_of,
+    settled,
+    step_quality,
+)
 from .turbulence import AIR, Rough, at_a_stop, rms
 
 # periods of the loop in one step of a slow response
@@ -27,51 +49,35 @@ _COARSE = 6
 _DIVERGES = 0.03
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What was found for one loop besides its gains."""
-
-    margins: dict[str, float]
-    settling: float = math.nan
-    overshoot: float = math.nan
-    use: float = math.nan
-    relaxed: str = ""
-    # largest error in the last 5 s of the step; of the airspeed without its band, and with b = 1
-    late: float = math.nan
-
-
-# the Dutch roll is damped to this; a model that has as much needs no damper
-_DAMPED = 0.35
-_TAU = 2.0
 _YAW_SHARES = np.geomspace(0.03, 1.5, 24)
 
 
 def design_yaw(plant: Plant, room: float) -> YawGains:
     """Rudder from washed-out yaw rate: the lowest gain that damps the Dutch roll."""
     bare = dutch_roll(plant)
-    if bare is None or bare[1] >= _DAMPED:
-        return YawGains(K=0.0, tau=_TAU)
+    if bare is None or bare[1] >= DUTCH_ROLL:
+        return YawGains(K=0.0)
     g = plant.response(OMEGA, "rudder")["r"]
-    washed = _wash_out(plant.T, _TAU) * g
+    washed = _wash_out(plant.T, YawGains.tau) * g
     k = int(np.argmin(np.abs(OMEGA - bare[0])))
     K = -np.sign(washed[k].real) * _YAW_SHARES / np.abs(g[k])
     # 10 deg/s of yaw should not need all of the rudder
     K = K[np.abs(K) * 10.0 <= 0.9 * room]
     if not len(K):
-        return YawGains(K=0.0, tau=_TAU)
+        return YawGains(K=0.0)
     found = margins(OMEGA, -K[:, None] * washed)
     level = requirement_met(found)
     best = None
     for i in np.flatnonzero(level == 0):
-        mode = dutch_roll(damped(plant, YawGains(K=float(K[i]), tau=_TAU)))
+        mode = dutch_roll(damped(plant, YawGains(K=float(K[i]))))
         damping = 1.0 if mode is None else mode[1]
         if best is None or damping > best[0]:
             best = damping, i
-        if damping >= _DAMPED:
+        if damping >= DUTCH_ROLL:
             break
     if best is None or best[0] < bare[1] + 0.02:
-        return YawGains(K=0.0, tau=_TAU)
-    return YawGains(K=float(K[best[1]]), tau=_TAU)
+        return YawGains(K=0.0)
+    return YawGains(K=float(K[best[1]]))
 
 
 def _wash_out(T: float, tau: float) -> np.ndarray:
@@ -117,16 +123,22 @@ def damped(plant: Plant, gains: YawGains) -> Plant:
     )
 
 
-_SLIP_DAMPERS = np.array([0.0, 0.5, 1.0, 1.5, 2.2, 3.2])
-_SLIP_GAINS = np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5])
-_SLIP_TIMES = np.array([0.7, 1.2, 2.0, 4.0, math.inf])
+# shares of the damper's gain, and of what the rudder can do to the sideslip; Ki / Kp, 1/s
+_SLIP_DAMPERS = np.linspace(0.0, 3.0, 7)
+_SLIP_GAINS = np.linspace(0.0, 1.4, 8)
+_SLIP_RATES = np.linspace(0.0, 1.4, 5)
 
-# deg of bank, and rad/s up to which a turn is entered with it
-_TURN, _ENTRY = 25.0, 0.6
+# rad/s up to which a turn is entered
+_ENTRY = 0.6
 
 
 def design_rudder(
-    plant: Plant, damper: YawGains, room: float, vt: float, ramp: float
+    plant: Plant,
+    damper: YawGains,
+    room: float,
+    vt: float,
+    ramp: float,
+    near: Neighbours = ALONE,
 ) -> tuple[YawGains, Outcome | None]:
     """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft and nothing else.
 
@@ -137,14 +149,11 @@ def design_rudder(
     wash = _wash_out(T, damper.tau)
     sign = float(np.sign(rudder["beta"][0].real))
     slip = np.abs(rudder["beta"][:60]).max()
-    K = damper.K * _SLIP_DAMPERS
-    if damper.K == 0.0:
-        K = np.array([0.0])
-    K, P, time = (x.ravel() for x in np.meshgrid(K, _SLIP_GAINS, _SLIP_TIMES, indexing="ij"))
+    K, P, rate = grid(damper.K * _SLIP_DAMPERS[: 7 if damper.K else 1], _SLIP_GAINS, _SLIP_RATES)
     P = P * sign * 4.0 / slip
-    fits = np.abs(K) * 10.0 + np.abs(P) * 5.0 <= 0.9 * room
-    K, P = K[fits], P[fits]
-    Ki = P / time[fits]
+    K, P, Ki = near.joined("yaw", K=K, Kp=P, Ki=P * rate)
+    used = (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
+    K, P, Ki, used = (x[used <= 0.9] for x in (K, P, Ki, used))
     on_slip = P[:, None] + Ki[:, None] * integral(OMEGA, T)
     on_rate = K[:, None] * wash
     found = margins(OMEGA, on_slip * rudder["beta"] - on_rate * rudder["r"])
@@ -155,9 +164,10 @@ def design_rudder(
     psi = np.abs((bank["psi"] + command * rudder["psi"]) * OMEGA * vt / GRAVITY)
     entry = 1.0 / np.hypot(1.0, OMEGA / _ENTRY)
     score = (
-        _TURN * (beta * entry).max(axis=1)
+        BANK * (beta * entry).max(axis=1)
         + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
-        + 0.5 * (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
+        + 0.5 * used
+        + near.cost("yaw", K=K, Kp=P, Ki=Ki)
     )
     score[requirement_met(found) > 0] = np.inf
     chosen = damper
@@ -173,7 +183,7 @@ def design_rudder(
         abs(chosen.K) * 10.0
         + abs(chosen.Kp) * 5.0
         + abs(chosen.Kroll) * ramp
-        + abs(chosen.Kbank) * _TURN
+        + abs(chosen.Kbank) * BANK
     ) / room
     return chosen, Outcome(margins_of(_of_rudder(plant, chosen), 0), use=use) if use else None
 
@@ -181,7 +191,7 @@ def design_rudder(
 # s of a turn's entry, largest share of the rudder's remaining travel that it may need, and
 # the shares of the best coordination that are tried for the margins
 _ROLL_IN, _TURN_USE = 12.0, 0.6
-_COORDINATED = (1.0, 0.85, 0.7, 0.5, 0.3)
+_COORDINATED = np.linspace(1.0, 0.3, 5)
 
 # cost of the rudder's whole travel, as deg of sideslip
 _RUDDER_COST = 0.3
@@ -235,17 +245,15 @@ def _entry(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Sideslip, roll rate and bank in the entry of a turn; sideslip after an impulse of rudder."""
     p = damped(plant, gains).slower(_COARSE)
-    rows = np.array([p.row("beta"), p.row("p"), p.row("phi")])
-    n = round(_ROLL_IN / p.T)
-    turn, kick = np.empty((n, 3)), np.empty(n)
-    x, z = np.zeros(len(p.A)), np.zeros(len(p.A))
-    bank, rudder = p.column("phi_cmd"), p.column("rudder")
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(n):
-            turn[k], kick[k] = rows @ x, rows[0] @ z
-            x = p.A @ x + bank * min(ramp * p.T * k, _TURN)
-            z = p.A @ z + (rudder if k == 0 else 0.0)
-    return turn[:, 0], turn[:, 1], turn[:, 2], kick
+    turn = p.steps(
+        "phi_cmd",
+        ("beta", "p", "phi"),
+        lambda k, y: min(ramp * p.T * k, BANK),
+        1,
+        _ROLL_IN,
+    )
+    kick = p.steps("rudder", ("beta",), lambda k, y: float(k == 0), 1, _ROLL_IN)
+    return turn[:, 0, 0], turn[:, 1, 0], turn[:, 2, 0], kick[:, 0, 0]
 
 
 def _least_peak(
@@ -277,23 +285,7 @@ def _of_rudder(plant: Plant, gains: YawGains) -> Margins:
     return margins(OMEGA, L[None])
 
 
-def _pi(
-    G: np.ndarray, T: float, crossovers: np.ndarray, phases: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Kp and Ki with a crossover and a phase margin each, where both are not negative."""
-    w, pm = (x.ravel() for x in np.meshgrid(crossovers, phases, indexing="ij"))
-    size = np.exp(np.interp(np.log(w), np.log(OMEGA), np.log(np.abs(G))))
-    angle = np.interp(np.log(w), np.log(OMEGA), np.unwrap(np.angle(G)))
-    wanted = -np.exp(1j * pm) / (size * np.exp(1j * angle))
-    term = integral(w, T)
-    Ki = wanted.imag / term.imag
-    Kp = wanted.real - Ki * term.real
-    # an integral alone, or a gain alone, where the phase asks for it
-    alone = Kp < 0.0
-    Ki = np.where(alone, 1.0 / (size * np.abs(term)), Ki)
-    Kp = np.where(alone, 0.0, Kp)
-    good = (Ki >= 0.0) & np.isfinite(Ki)
-    return Kp[good], Ki[good]
+_HEADING_SHARES = np.geomspace(0.25, 1.6, 14)
 
 
 def design_heading(
@@ -302,7 +294,7 @@ def design_heading(
     settling: float,
     vt: float,
     straight: float = 0.0,
-    bank_max: float = 25.0,
+    near: Neighbours = ALONE,
 ) -> tuple[HeadingGains | None, Outcome]:
     """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``.
 
@@ -310,27 +302,23 @@ def design_heading(
     """
     turn = GRAVITY / vt  # psi-dot per phi, 1/s
     fast = min(0.25, 0.7 / max(settling if math.isfinite(settling) else 5.0, 0.5))
-    Kp = np.clip(fast / turn * np.geomspace(0.25, 1.6, 14), 0.3, 6.0)
-    G = plant.response(OMEGA, "phi_cmd")["psi"]
-    found = margins(OMEGA, Kp[:, None] * G)
+    (Kp,) = near.joined("heading", Kp=fast / turn * _HEADING_SHARES)
+    Kp = np.clip(Kp, 0.3, 6.0)
+    found = margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
     level = requirement_met(found)
-    p = plant.slower(_COARSE)
-    T, seconds, step = p.T, 60.0, 30.0
-    c, f, B = p.row("psi"), p.row("phi"), p.column("phi_cmd")[:, None]
-    x, cmd = np.zeros((len(p.A), len(Kp))), np.zeros(len(Kp))
-    y = np.empty((round(seconds / T), len(Kp)))
-    bank = np.zeros(len(Kp))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(len(y)):
-            y[k] = c @ x
-            phi = f @ x
-            bank = np.maximum(bank, np.abs(phi))
-            wanted = np.clip(Kp * (step - y[k]), -bank_max, bank_max)
-            cmd = cmd + np.clip(wanted - cmd, -ramp * T, ramp * T)
-            x = p.A @ x + B * cmd
-    time = settled(y - step, 0.5, T)
-    over = np.maximum((y - step).max(axis=0), 0.0)
-    score = time + 200.0 * np.maximum(over - 0.25, 0.0) + 10.0 * level
+    p, required = plant.slower(_COARSE), STEP_REQUIREMENTS["heading"]
+    cmd = np.zeros(len(Kp))
+
+    def law(k: int, y: np.ndarray) -> np.ndarray:
+        wanted = np.clip(Kp * (required.size - y[0]), -BANK, BANK)
+        cmd[:] += np.clip(wanted - cmd, -ramp * p.T, ramp * p.T)
+        return cmd
+
+    y = p.steps("phi_cmd", ("psi", "phi"), law, len(Kp), 60.0)
+    time, over, _ = step_quality(y[:, 0] - required.size, required.tolerance, p.T)
+    bank = np.abs(y[:, 1]).max(axis=0)
+    score = time + 200.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) + 10.0 * level
+    score += required.size / (turn * BANK) * near.cost("heading", Kp=Kp)
     score = np.where(np.isfinite(score), score, 1e6 + over)
     i = int(np.argmin(score))
     if level[i] == len(MARGINS) or not math.isfinite(time[i]):
@@ -339,68 +327,143 @@ def design_heading(
         margins_of(found, i),
         float(time[i]),
         float(over[i]),
-        float(bank[i] / bank_max),
-        relaxation_text(level[i], f"overshoot {over[i]:.1f} deg" if over[i] > 0.5 else ""),
+        float(bank[i] / BANK),
+        relaxation_text(
+            level[i], f"overshoot {over[i]:.1f} deg" if over[i] > required.overshoot else ""
+        ),
     )
 
 
-# kt: an error that may use all of the throttle's remaining travel
-GUST = 12.0
-
-# kt: a larger error is a gust, and counts less
-BAND = 4.0
-
-_TF = 0.5
-_SPEED_SHARES = np.array([0.15, 0.22, 0.33, 0.5, 0.7, 1.0])
+_SPEED_SHARES = np.geomspace(0.15, 1.0, 6)
 # where turbulence is light, as at high altitude
-_HIGHER_SHARES = np.array([1.0, 1.4, 2.0, 2.8, 4.0])
-_SPEED_TIMES = np.array([6.0, 10.0, 16.0, 25.0, 40.0, 55.0, 75.0])
-_SPEED_RAMPS = np.array([0.3, 0.5, 0.7, 1.0])
+_HIGHER_SHARES = np.geomspace(1.0, 4.0, 5)
+_SPEED_TIMES = np.geomspace(6.0, 75.0, 7)
+_SPEED_RAMPS = np.geomspace(0.3, 1.0, 4)
 _SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
-_SPEED_SECONDS = 150.0  # of a step
 
 # shares of the throttle that a rate of climb takes to be fed forward
-_SPEED_RISES = np.array([1.0, 0.5, 0.0])
+_SPEED_RISES = np.linspace(0.0, 1.0, 3)
 _UNFED = 20.0  # s of settling, for none of it
+
+# weight of the time within 0.2 kt, as a step of 25 kt needs it
+_LARGER = 0.5
 
 
 @dataclass(frozen=True)
-class _SpeedCandidates:
-    """Airspeed loops, arrays of shape (loops,)."""
+class _SpeedLoops:
+    """Candidates for the airspeed loop, arrays of shape (loops,), and what they are flown with."""
 
-    share: np.ndarray
-    time: np.ndarray
-    rise: np.ndarray
+    plant: Plant
+    room: tuple[float, float]
+    step: float
     Kp: np.ndarray
     Ki: np.ndarray
-    feed: np.ndarray
+    Kc: np.ndarray
     margins: Margins
-    level: np.ndarray
     rough: Rough
+    cost: np.ndarray  # of all but the step, s of settling
+    required: StepRequirement = STEP_REQUIREMENTS["speed"]
+
+    def steps(
+        self, j: np.ndarray, b: np.ndarray, ramp: np.ndarray, band: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Errors, shape (samples, loops), below 0 before the step is reached; largest commands."""
+        p, sign = self.plant.slower(_COARSE), math.copysign(1.0, self.step)
+        dt, a = p.T, -math.expm1(-p.T / SpeedGains.Tf)
+        Kp, Ki, Kc = self.Kp[j], self.Ki[j], self.Kc[j]
+        total, slow, peak = np.zeros(len(j)), np.zeros(len(j)), np.zeros(len(j))
+        unwind = Ki / Kp
+
+        def law(k: int, y: np.ndarray) -> np.ndarray:
+            ref = sign * np.minimum(k * dt * ramp, abs(self.step))
+            error = ref - y[0]
+            error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
+            slow[:] += a * (ref - error - slow)
+            v = Kp * (b * ref - slow) + total + Kc * y[1]
+            u = np.minimum(np.maximum(v, self.room[0]), self.room[1])
+            np.maximum(peak, np.abs(v), out=peak)
+            total[:] += Ki * dt * error + unwind * dt * (u - v)
+            return u
+
+        y = p.steps("throttle", ("vc", "hdot"), law, len(j), self.required.seconds)
+        return sign * (y[:, 0] - self.step), peak
+
+    def fly(
+        self, j: np.ndarray, b: np.ndarray, ramp: np.ndarray, band: float
+    ) -> tuple[np.ndarray, ...]:
+        """Score, settling, overshoot, last error and use of steps, and the time within 0.2 kt."""
+        error, peak = self.steps(j, b, ramp, band)
+        dt, use = _COARSE * self.plant.T, peak / min(-self.room[0], self.room[1])
+        there = self.room[1] if self.step > 0.0 else -self.room[0]
+        time, over, late = step_quality(error, self.required.tolerance, dt)
+        score = (
+            np.maximum(time, self.required.quick)
+            + 30.0 * np.maximum(over - 0.25, 0.0)
+            + 300.0 * np.maximum(late - 0.1, 0.0)
+            + 5.0 * use
+            + 60.0 * np.maximum(peak / there - self.required.use, 0.0)
+        )
+        return score, time, over, late, use, settled(error, 0.2, dt)
+
+    def referred(self, j: int, band: float) -> tuple[SpeedGains, float, float, float]:
+        """The gains of one with the best weight and ramp of the reference, and its step.
+
+        With the ``band``, or the widest one where no step settles with it.
+        """
+        b, ramp = grid(_SPEED_WEIGHTS, _SPEED_RAMPS)
+        for kept in dict.fromkeys((band, GUST)):
+            score, time, over, _, use, close = self.fly(np.full(len(b), j), b, ramp, kept)
+            i = int(np.argmin(score + _LARGER * np.minimum(close, self.required.seconds)))
+            if math.isfinite(time[i]):
+                break
+        Kp = float(self.Kp[j])
+        gains = SpeedGains(
+            Kp=Kp,
+            Ki=float(self.Ki[j]),
+            Kd=-Kp * SpeedGains.Tf,
+            Tf=SpeedGains.Tf,
+            b=float(b[i]),
+            ramp=float(ramp[i]),
+            Kc=float(self.Kc[j]),
+            band=kept,
+        )
+        return gains, float(time[i]), float(over[i]), float(use[i])
 
 
-def _speed_candidates(
-    plant: Plant, room: tuple[float, float], Kc: float, shares: np.ndarray
-) -> _SpeedCandidates:
-    """All combinations of shares, integral times and shares of the feed-forward."""
-    T, g = plant.T, plant.response(OMEGA, "throttle")
-    share, time, rise = (
-        x.ravel() for x in np.meshgrid(shares, _SPEED_TIMES, _SPEED_RISES, indexing="ij")
-    )
-    Kp = share * min(-room[0], room[1]) / GUST
-    Ki = Kp / time
-    feed = rise * Kc
-    alpha = -math.expm1(-T / _TF)
+def _speed_loops(
+    plant: Plant,
+    room: tuple[float, float],
+    Kc: float,
+    step: float,
+    stops: float,
+    near: Neighbours,
+    shares: np.ndarray,
+) -> tuple[_SpeedLoops, np.ndarray]:
+    """All combinations of shares, integral times and shares of the feed-forward; their levels."""
+    T, g, travel = plant.T, plant.response(OMEGA, "throttle"), min(-room[0], room[1])
+    share, time, rise = grid(shares, _SPEED_TIMES, _SPEED_RISES)
+    Kp = share * travel / GUST
+    Kp, Ki, feed = near.joined("speed", Kp=Kp, Ki=Kp / time, Kc=rise * Kc)
+    feed = np.minimum(feed, Kc)
+    alpha = -math.expm1(-T / SpeedGains.Tf)
     z = np.exp(1j * OMEGA * T)
     slope = alpha / (1 - (1 - alpha) / z) * (1 - 1 / z) / T
-    law = Kp[:, None] * (1 - _TF * slope) + Ki[:, None] * integral(OMEGA, T)
+    law = Kp[:, None] * (1 - SpeedGains.Tf * slope) + Ki[:, None] * integral(OMEGA, T)
     L = law * g["vc"] - feed[:, None] * g["hdot"]
     found = margins(OMEGA, L)
+    level = requirement_met(found)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     moved = [(feed[:, None] * gust["hdot"] - law * gust["vc"]) / (1.0 + L) for gust in air]
     none = np.zeros(len(Kp))
     rough = Rough(none, none, at_a_stop(rms(OMEGA, *moved, np.zeros_like(L)), room))
-    return _SpeedCandidates(share, time, rise, Kp, Ki, feed, found, requirement_met(found), rough)
+    cost = (
+        60.0 * level
+        + 10.0 * Kp * GUST / travel
+        + _UNFED * (1.0 - feed / max(Kc, 1e-12))
+        + rough.cost(stops)
+        + STEP_REQUIREMENTS["speed"].quick * near.cost("speed", Kp=Kp, Ki=Ki, Kc=feed)
+    )
+    return _SpeedLoops(plant, room, step, Kp, Ki, feed, found, rough, cost), level
 
 
 def design_speed(
@@ -410,6 +473,7 @@ def design_speed(
     step: float,
     stops: float = 1.0,
     band: float = BAND,
+    near: Neighbours = ALONE,
     shares: np.ndarray = _SPEED_SHARES,
 ) -> tuple[SpeedGains | None, Outcome]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
@@ -417,129 +481,30 @@ def design_speed(
     ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some;
     the ``band`` is for steps that settle with it.
     """
-    dt, travel = _COARSE * plant.T, min(-room[0], room[1])
-    all_ = _speed_candidates(plant, room, Kc, shares)
-    pick = np.flatnonzero(all_.level < len(MARGINS))
+    loops, level = _speed_loops(plant, room, Kc, step, stops, near, shares)
+    pick = np.flatnonzero(level < len(MARGINS))
     if not len(pick):
-        return None, Outcome(margins_of(all_.margins, 0))
-    k, ramp = (x.ravel() for x in np.meshgrid(pick, _SPEED_RAMPS, indexing="ij"))
-    unfed = _UNFED * (1.0 - all_.rise)
-    fixed = (60.0 * all_.level + 10.0 * all_.share + unfed + all_.rough.cost(stops))[k]
-
-    def steps(
-        j: np.ndarray, b: np.ndarray, ramp: np.ndarray, band: float
-    ) -> tuple[np.ndarray, ...]:
-        error, peak = _accelerates(
-            plant,
-            room,
-            step,
-            all_.Kp[j],
-            all_.Ki[j],
-            b,
-            all_.feed[j],
-            1.0 / all_.time[j],
-            ramp,
-            band,
-        )
-        time = settled(error, 0.5, dt)
-        over = np.maximum((np.sign(step) * error).max(axis=0), 0.0)
-        late = at_the_end(error, dt)
-        score = (
-            np.maximum(time, _QUICK)
-            + 30.0 * np.maximum(over - 0.25, 0.0)
-            + 300.0 * np.maximum(late - 0.1, 0.0)
-            + 5.0 * peak / travel
-        )
-        return error, score, time, over, late, peak
-
-    def fly(pick: np.ndarray) -> tuple[np.ndarray, ...]:
-        _, score, *found = steps(k[pick], np.ones(len(pick)), ramp[pick], math.inf)
-        return score + fixed[pick], *found
+        return None, Outcome(margins_of(loops.margins, 0))
+    k, ramp = grid(pick, _SPEED_RAMPS)
 
     # candidates are compared without the band, or it would count for loose ones that it spares,
     # and without a weight of the reference, which would hide slow ones
-    i, _, _, late, _ = _least(np.arange(len(k)), fixed + _QUICK, fly)
+    def fly(i: np.ndarray) -> tuple[np.ndarray, ...]:
+        score, *found, _ = loops.fly(k[i], np.ones(len(i)), ramp[i], math.inf)
+        return score + loops.cost[k[i]], *found
+
+    i, _, _, late, _ = _least(np.arange(len(k)), loops.cost[k] + loops.required.quick, fly)
     j = k[i]
-    b, ramps = (x.ravel() for x in np.meshgrid(_SPEED_WEIGHTS, _SPEED_RAMPS, indexing="ij"))
-    for kept in dict.fromkeys((band, GUST)):
-        error, score, *quality = steps(np.full(len(b), j), b, ramps, kept)
-        close = np.minimum(settled(error, 0.2, dt), _SPEED_SECONDS)
-        i = int(np.argmin(score + _LARGER * close))
-        time, over, _, peak = (float(x[i]) for x in quality)
-        if math.isfinite(time):
-            break
-    kp = float(all_.Kp[j])
-    gains = SpeedGains(
-        Kp=kp,
-        Ki=float(all_.Ki[j]),
-        Kd=-kp * _TF,
-        Tf=_TF,
-        b=float(b[i]),
-        ramp=float(ramps[i]),
-        Kc=float(all_.feed[j]),
-        band=kept,
-    )
+    gains, time, over, use = loops.referred(j, band)
     unsettled = "" if math.isfinite(time) else "settling"
-    outcome = Outcome(
-        margins_of(all_.margins, j),
-        time,
-        over,
-        peak / travel,
-        relaxation_text(all_.level[j], unsettled, *all_.rough.said(j)),
-        late,
-    )
+    relaxed = relaxation_text(level[j], unsettled, *loops.rough.said(j))
+    outcome = Outcome(margins_of(loops.margins, j), time, over, use, relaxed, late)
     rough = any(name in plant.inputs for name in AIR)
-    if rough and shares is _SPEED_SHARES and not time <= STEP_REQUIREMENTS["speed"].settling_off:
-        more = design_speed(plant, room, Kc, step, stops, band, _HIGHER_SHARES)
+    if rough and shares is _SPEED_SHARES and not time <= loops.required.settling_off:
+        more = design_speed(plant, room, Kc, step, stops, band, near, _HIGHER_SHARES)
         if more[1].settling < time and not more[1].relaxed:
             return more
     return gains, outcome
-
-
-# s of settling; faster is worth nothing
-_QUICK = 12.0
-
-# weight of the time within 0.2 kt, as a step of 25 kt needs it
-_LARGER = 0.5
-
-
-def _accelerates(
-    plant: Plant,
-    room: tuple[float, float],
-    step: float,
-    Kp: np.ndarray,
-    Ki: np.ndarray,
-    b: np.ndarray,
-    feed: np.ndarray,
-    unwind: np.ndarray,
-    ramp: np.ndarray,
-    band: float,
-) -> tuple[np.ndarray, ...]:
-    """Errors of steps of the airspeed, shape (samples, loops), and the largest commands."""
-    p = plant.slower(_COARSE)
-    dt = p.T
-    moves = np.column_stack([p.A, p.column("throttle")])
-    rows = np.array([p.row("vc"), p.row("hdot")])
-    a = -math.expm1(-dt / _TF)
-    low, high = room
-    n, size = len(Kp), len(p.A)
-    # the command is the last row of the state
-    x, total, slow = np.zeros((size + 1, n)), np.zeros(n), np.zeros(n)
-    y, peak = np.empty((round(_SPEED_SECONDS / dt), n)), np.zeros(n)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(len(y)):
-            y[j], climb = rows @ x[:size]
-            ref = math.copysign(1.0, step) * np.minimum(j * dt * ramp, abs(step))
-            error = ref - y[j]
-            error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
-            slow = slow + a * (ref - error - slow)
-            v = Kp * (b * ref - slow) + total + feed * climb
-            u = np.minimum(np.maximum(v, low), high)
-            peak = np.maximum(peak, np.abs(v))
-            total += Ki * dt * error + unwind * dt * (u - v)
-            x[size] = u
-            x[:size] = moves @ x
-    return y - step, peak
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
@@ -598,23 +563,27 @@ def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
 
 
 _CLIMB_CROSSOVERS = np.geomspace(0.15, 1.6, 32)
-_CLIMB_PHASES = np.radians([60.0, 68.0, 76.0, 84.0, 92.0, 100.0, 108.0])
-_CLIMB_RATIOS = np.array([2.5, 3.3, 4.5, 7.0, 12.0, 24.0])
+_CLIMB_PHASES = np.linspace(60.0, 108.0, 7)
+_CLIMB_RATIOS = np.geomspace(2.5, 24.0, 7)
 
 # s of settling; share of the time at the largest rate of climb in which no step is done
 _HOPE, _SOONEST = 300.0, 0.8
 
 
 def _altitude_candidates(
-    plant: Plant, room: tuple[float, float]
+    plant: Plant, room: tuple[float, float], near: Neighbours
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Margins, Rough]:
     """Kp, Ki and Kh of all combinations, their margins, and what turbulence does to them."""
     T, g = plant.T, plant.response(OMEGA, "theta_cmd")
-    Kp, Ki = _pi(g["hdot"], T, _CLIMB_CROSSOVERS, _CLIMB_PHASES)
     sums = integral(OMEGA, T)
+    w, phase = grid(_CLIMB_CROSSOVERS, _CLIMB_PHASES)
+    G = at(w, g["hdot"])
+    Ki, Kp = crossing(G * integral(w, T), G, phase)
+    good = (Ki >= 0.0) & np.isfinite(Ki)
+    Kp, Ki = Kp[good], Ki[good]
     wc = margins(OMEGA, (Kp[:, None] + Ki[:, None] * sums) * g["hdot"]).crossover
-    k, r = (x.ravel() for x in np.meshgrid(np.arange(len(Kp)), _CLIMB_RATIOS, indexing="ij"))
-    Kp, Ki, Kh = Kp[k], Ki[k], np.minimum(wc[k] / r, 0.3)
+    k, r = grid(np.arange(len(Kp)), _CLIMB_RATIOS)
+    Kp, Ki, Kh = near.joined("altitude", Kp=Kp[k], Ki=Ki[k], Kh=np.minimum(wc[k] / r, 0.3))
     law = Kp[:, None] + Ki[:, None] * sums
     L = law * (g["hdot"] + Kh[:, None] * g["h"])
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
@@ -636,25 +605,28 @@ def design_altitude(
     plant: Plant,
     ramp: float,
     hdot_max: float,
-    step: float = 500.0,
     room: tuple[float, float] = (-1.0, 1.0),
     stops: float = 1.0,
+    near: Neighbours = ALONE,
 ) -> tuple[AltitudeGains | None, Outcome]:
     """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
 
     ``room`` is the throttle's; ``stops`` as in `design_speed`.
     """
-    Kp, Ki, Kh, found, rough = _altitude_candidates(plant, room)
+    Kp, Ki, Kh, found, rough = _altitude_candidates(plant, room, near)
     if not len(Kp):
         return None, Outcome({})
-    level = requirement_met(found)
+    level, required = requirement_met(found), STEP_REQUIREMENTS["altitude"]
+    soonest = _SOONEST * required.size / hdot_max
     cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
+    cost += soonest * near.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
     valid = level < len(MARGINS)
     if not valid.any():
         return None, Outcome(margins_of(found, 0))
 
     def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
-        time, over, late, speed, peak = _climbs(plant, Kh[j], Kp[j], Ki[j], ramp, hdot_max, step)
+        error, speed, peak = _climbs(plant, Kh[j], Kp[j], Ki[j], ramp, hdot_max)
+        time, over, late = step_quality(error, required.tolerance, _COARSE * plant.T)
         score = (
             time
             + 10.0 * np.maximum(over - 1.0, 0.0)
@@ -665,26 +637,19 @@ def design_altitude(
         )
         return score, time, over, late, peak
 
-    floor = cost + _SOONEST * step / hdot_max
     # no step makes up for a cost that is higher by so much
     for pick in (valid & (cost <= cost[valid].min() + _HOPE), valid):
-        j, time, over, late, peak = _least(np.flatnonzero(pick), floor, fly)
+        j, time, over, late, peak = _least(np.flatnonzero(pick), cost + soonest, fly)
         if math.isfinite(time):
             break
     gains = AltitudeGains(Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max)
-    return gains, Outcome(
-        margins_of(found, j),
-        time,
-        over,
-        peak / 10.0,
-        relaxation_text(
-            level[j],
-            "" if math.isfinite(time) else "settling",
-            f"overshoot {over:.1f} ft" if over > 5.0 else "",
-            *rough.said(j),
-        ),
-        late,
+    relaxed = relaxation_text(
+        level[j],
+        "" if math.isfinite(time) else "settling",
+        f"overshoot {over:.1f} ft" if over > required.overshoot else "",
+        *rough.said(j),
     )
+    return gains, Outcome(margins_of(found, j), time, over, peak / 10.0, relaxed, late)
 
 
 # candidates flown at first, and how many times as many each time after: most of the time of a step
@@ -717,39 +682,20 @@ def _least(
 
 
 def _climbs(
-    plant: Plant,
-    Kh: np.ndarray,
-    Kp: np.ndarray,
-    Ki: np.ndarray,
-    ramp: float,
-    hdot_max: float,
-    step: float,
+    plant: Plant, Kh: np.ndarray, Kp: np.ndarray, Ki: np.ndarray, ramp: float, hdot_max: float
 ) -> tuple[np.ndarray, ...]:
-    """Settling, overshoot, last error, and largest changes of airspeed and pitch of climbs."""
-    p = plant.slower(_COARSE)
-    dt, seconds = p.T, 80.0 + 1.3 * step / hdot_max
-    moves = np.column_stack([p.A, p.column("theta_cmd")])
-    rows = np.array([p.row("h"), p.row("hdot"), p.row("vc")])
-    most = ramp * dt
-    n, size = len(Kh), len(p.A)
-    # the command is the last row of the state
-    x, total = np.zeros((size + 1, n)), np.zeros(n)
-    y, speed, peak = np.empty((round(seconds / dt), n)), np.zeros(n), np.zeros(n)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(len(y)):
-            y[j], hdot, vc = rows @ x[:size]
-            speed = np.maximum(speed, np.abs(vc))
-            wanted = np.minimum(np.maximum(Kh * (step - y[j]), -hdot_max), hdot_max)
-            error = wanted - hdot
-            cmd = x[size]
-            cmd += np.minimum(np.maximum(Kp * error + total - cmd, -most), most)
-            total += Ki * dt * error
-            peak = np.maximum(peak, np.abs(cmd))
-            x[:size] = moves @ x
-    return (
-        settled(y - step, 10.0, dt),
-        np.maximum((y - step).max(axis=0), 0.0),
-        at_the_end(y - step, dt),
-        speed,
-        peak,
-    )
+    """Errors of climbs, shape (samples, loops), and largest changes of airspeed and pitch."""
+    p, step = plant.slower(_COARSE), STEP_REQUIREMENTS["altitude"].size
+    most = ramp * p.T
+    total, cmd, peak = np.zeros(len(Kh)), np.zeros(len(Kh)), np.zeros(len(Kh))
+
+    def law(k: int, y: np.ndarray) -> np.ndarray:
+        error = np.minimum(np.maximum(Kh * (step - y[0]), -hdot_max), hdot_max) - y[1]
+        cmd[:] += np.minimum(np.maximum(Kp * error + total - cmd, -most), most)
+        total[:] += Ki * p.T * error
+        np.maximum(peak, np.abs(cmd), out=peak)
+        return cmd
+
+    seconds = 80.0 + 1.3 * step / hdot_max
+    y = p.steps("theta_cmd", ("h", "hdot", "vc"), law, len(Kh), seconds)
+    return y[:, 0] - step, np.abs(y[:, 2]).max(axis=0), peak

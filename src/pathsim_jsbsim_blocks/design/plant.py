@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from scipy.linalg import expm
@@ -143,6 +143,38 @@ class Plant:
             C = np.vstack([C, np.concatenate([d, h])])
             outputs.append(command)
         return Plant(A, B, C, inputs, outputs, self.T)
+
+    def steps(
+        self,
+        input_: str,
+        outputs: Sequence[str],
+        law: Callable[[int, np.ndarray], np.ndarray | float],
+        loops: int,
+        seconds: float,
+    ) -> np.ndarray:
+        """Outputs of many loops at once over time, shape (samples, outputs, loops).
+
+        Parameters
+        ----------
+        input_ : str
+            what the laws move
+        outputs : list of str
+        law : callable
+            the commands of all loops, from the number of the sample and the outputs
+        loops : int
+        seconds : float
+        """
+        rows = np.array([self.row(name) for name in outputs])
+        moves = np.column_stack([self.A, self.column(input_)])
+        # the command is the last row of the state
+        n, x = len(self.A), np.zeros((len(self.A) + 1, loops))
+        y = np.empty((round(seconds / self.T), len(rows), loops))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k in range(len(y)):
+                y[k] = rows @ x[:n]
+                x[n] = law(k, y[k])
+                x[:n] = moves @ x
+        return y
 
     def slower(self, n: int) -> Plant:
         """The same with inputs held over ``n`` periods."""

@@ -75,8 +75,12 @@ class StepRequirement:
     size, tolerance : float
         in the unit of the output; the response has settled when it stays within the tolerance
     unit : str
+    seconds : float
+        of flight after the step
     settling, settling_off : float
         s, at the design point and off it
+    quick : float
+        s; settling sooner is worth nothing
     overshoot, final_error : float
         largest excess, and largest error in the last 5 s, in the unit of the output
     use : float
@@ -86,19 +90,23 @@ class StepRequirement:
     size: float
     tolerance: float
     unit: str
+    seconds: float
     settling: float = math.inf
     settling_off: float = math.inf
+    quick: float = 0.0
     overshoot: float = math.inf
     final_error: float = math.inf
     use: float = math.inf
 
 
 STEP_REQUIREMENTS = {
-    "pitch": StepRequirement(5.0, 0.5, "deg", 4.0, 6.0, 0.25, 0.05, 0.8),
-    "roll": StepRequirement(20.0, 1.0, "deg", 5.0, 7.5, 1.0, 0.05, 0.9),
-    "heading": StepRequirement(30.0, 0.5, "deg", overshoot=0.5, final_error=0.05),
-    "altitude": StepRequirement(500.0, 10.0, "ft", overshoot=5.0, final_error=0.1),
-    "speed": StepRequirement(10.0, 0.5, "kt", settling_off=75.0, final_error=0.15),
+    "pitch": StepRequirement(5.0, 0.5, "deg", 30.0, 4.0, 6.0, 2.5, 0.25, 0.05, 0.8),
+    "roll": StepRequirement(20.0, 1.0, "deg", 30.0, 5.0, 7.5, 2.5, 1.0, 0.05, 0.9),
+    "heading": StepRequirement(30.0, 0.5, "deg", 120.0, overshoot=0.5, final_error=0.05),
+    "altitude": StepRequirement(500.0, 10.0, "ft", 120.0, overshoot=5.0, final_error=0.1),
+    "speed": StepRequirement(
+        10.0, 0.5, "kt", 150.0, settling_off=75.0, quick=12.0, final_error=0.15, use=1.0
+    ),
 }
 
 # kt and ft: errors at the end of the steps in airspeed and altitude that the search aims at
@@ -110,8 +118,40 @@ ALTITUDE_KEPT, ALTITUDE_KEPT_OFF = 15.0, 22.5
 # off the design point: deg of sideslip in a turn, s at the end of a command's travel
 MAX_SIDESLIP, MAX_SECONDS_AT_A_STOP = 1.0, 1.0
 
-# moderate turbulence: ft, deg of rms, share of the time with the throttle at a stop
+# moderate turbulence: ft, deg of rms, share of the time with the throttle at a stop; shares of the
+# latter two that are aimed at, because single flights scatter
 ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE = 60.0, 5.0, 0.05
+PITCH_AIM, STOP_AIM = 0.75, 0.2
+
+# g, deg/s: load of a pitch reference that moves, and the limits of its rate
+RAMP_LOAD, RAMP_LOW, RAMP_HIGH = 0.7, 2.0, 6.0
+
+# deg: highest pitch reference, and what it is at least above that of level flight
+THETA_MAX, NOSE_UP = 15.0, 6.0
+
+# deg/s: rate of the roll reference, and the limits of it where the nose is high: a roll about the
+# body's axis turns the angle of attack into sideslip, by so many deg/s
+ROLL_RAMP, ROLL_SLOW, ROLL_SLIP = 10.0, 5.0, 1.2
+
+# deg: bank of a turn
+BANK = 25.0
+
+# largest rate of climb that is demanded: ft/s, of the airspeed, of the excess climb
+CLIMB, CLIMB_OF_SPEED, CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
+
+# kt: an error that may use all of the throttle's remaining travel; a larger one than the second is
+# a gust, and counts less, but not so near above the lowest airspeed
+GUST, BAND, NEAR_THE_LOWEST = 12.0, 4.0, 25.0
+
+# share of the largest lift at which the angle of attack is limited, and the highest limit, deg;
+# lowest airspeed over that of level flight at this angle
+LIFT, ALPHA, ABOVE_STALL = 0.92, 20.0, 1.1
+
+# damping ratio of the Dutch roll
+DUTCH_ROLL = 0.35
+
+# largest factor between a gain at neighbouring conditions, unless the aircraft changes by more
+CHANGE = 1.5
 
 
 def requirements_table() -> str:
@@ -154,5 +194,23 @@ def requirements_table() -> str:
         f"| altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |",
         f"| pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |",
         f"| throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |",
+        f"| damping ratio of the Dutch roll | {DUTCH_ROLL:g} | |",
+        f"| factor between the gains of neighbouring conditions | {CHANGE:g} | |",
+        "",
+        "| demanded at most | |",
+        "|---|--:|",
+        f"| load of a pitch reference that moves | {RAMP_LOAD:g} g |",
+        f"| its rate | {RAMP_LOW:g} to {RAMP_HIGH:g} deg/s |",
+        f"| pitch reference | {THETA_MAX:g} deg, {NOSE_UP:g} deg above level flight |",
+        f"| rate of the roll reference | {ROLL_RAMP:g} deg/s |",
+        f"| sideslip by a roll, p sin &alpha;, but no slower than {ROLL_SLOW:g} deg/s "
+        f"| {ROLL_SLIP:g} deg/s |",
+        f"| bank of a turn | {BANK:g} deg |",
+        f"| rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_SPEED:.0%} of the airspeed, "
+        f"{CLIMB_OF_EXCESS:.0%} of the excess |",
+        f"| error of the airspeed that uses all of the throttle | {GUST:g} kt |",
+        f"| error of the airspeed that counts in full | {BAND:g} kt, "
+        f"{GUST:g} kt within {NEAR_THE_LOWEST:g} kt of the lowest |",
+        f"| angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |",
     ]
     return "\n".join(rows)

@@ -104,13 +104,15 @@ def design_schedule(
     speeds: Sequence[float],
     *,
     progress: Callable[[DesignedGains | Exception], None] | None = None,
+    near: Sequence[DesignedGains] = (),
     **options: Any,
 ) -> DesignedSchedule:
     """Design gains at each of some altitudes and airspeeds.
 
-    Conditions at which the aircraft does not trim or cannot be held are left out. Between the
-    others the holds interpolate. A hold that does not know the airspeed takes those nearest to
-    ``condition``.
+    The first design is the one nearest to ``condition``; each further one keeps to the gains of its
+    neighbours as far as it is no worse for it. Conditions at which the aircraft does not trim or
+    cannot be held are left out. Between the others the holds interpolate. A hold that does not know
+    the airspeed takes those nearest to ``condition``.
 
     Parameters
     ----------
@@ -124,6 +126,8 @@ def design_schedule(
         KCAS
     progress : callable, optional
         gets each design, or the error instead
+    near : list of DesignedGains, optional
+        designs of further altitudes and airspeeds, as neighbours of those to be found
     **options
         as of `design_gains`
 
@@ -149,10 +153,12 @@ def design_schedule(
     conditions = [replace(condition, altitude=h, speed=vc) for h in levels for vc in airspeeds]
     designs: list[DesignedGains] = []
     refused: list[tuple[TrimCondition, Exception]] = []
-    for there in conditions:
+    for there in sorted(conditions, key=lambda there: _away(there, condition)):
         found: DesignedGains | Exception
         try:
-            found = design_gains(aircraft, there, **options)
+            found = design_gains(
+                aircraft, there, near=_neighbours([*near, *designs], there), **options
+            )
             designs.append(found)
         except (DesignError, TrimError) as error:
             found = error
@@ -161,11 +167,25 @@ def design_schedule(
             progress(found)
     if not designs:
         raise refused[0][1]
+    first = designs[0]
+    designs.sort(key=lambda design: (design.condition.altitude, design.condition.speed))
+    return DesignedSchedule(tuple(designs), designs.index(first), tuple(refused))
 
-    def away(i: int) -> float:
-        there = designs[i].condition
-        return abs(math.log(there.speed / condition.speed)) + (
-            abs(there.altitude - condition.altitude) / 1e5
-        )
 
-    return DesignedSchedule(tuple(designs), min(range(len(designs)), key=away), tuple(refused))
+def _away(there: TrimCondition, condition: TrimCondition) -> float:
+    """How far a condition is from another one."""
+    apart = abs(there.altitude - condition.altitude) / 1e5
+    return abs(math.log(there.speed / condition.speed)) + apart
+
+
+def _neighbours(designs: Sequence[DesignedGains], there: TrimCondition) -> list[DesignedGains]:
+    """The next designs at lower and higher airspeed, and at lower and higher altitude."""
+    found = []
+    for same, other in (("altitude", "speed"), ("speed", "altitude")):
+        here = getattr(there, other)
+        row = [d for d in designs if getattr(d.condition, same) == getattr(there, same)]
+        below = [d for d in row if getattr(d.condition, other) < here]
+        above = [d for d in row if getattr(d.condition, other) > here]
+        found += sorted(below, key=lambda d: -getattr(d.condition, other))[:1]
+        found += sorted(above, key=lambda d: getattr(d.condition, other))[:1]
+    return found

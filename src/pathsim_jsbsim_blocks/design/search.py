@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..control.gains import AircraftGains, AttitudeGains
 from .margins import Margins, margins
 from .plant import Plant
 from .requirements import (
@@ -21,58 +23,101 @@ OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
 
 
 @dataclass(frozen=True)
+class Outcome:
+    """What was found for one loop besides its gains."""
+
+    margins: dict[str, float]
+    settling: float = math.nan
+    overshoot: float = math.nan
+    use: float = math.nan
+    relaxed: str = ""
+    # largest error in the last 5 s of the step; of the airspeed without its band, and with b = 1
+    late: float = math.nan
+
+
+# factor that costs nothing, less than what is asked for; cost of a factor of e beyond it; share of
+# the largest candidate below which a gain counts as that
+_FREE, _PRICE, _LEAST = 1.4, 0.5, 0.05
+
+
+class Neighbours:
+    """Gains at the conditions around one, for the search of the gains there.
+
+    Parameters
+    ----------
+    gains : list of AircraftGains
+    """
+
+    def __init__(self, gains: Sequence[AircraftGains] = ()):
+        self.gains = tuple(gains)
+
+    def joined(self, loop: str, **candidates: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The candidates of a loop's gains, then the neighbours' gains, lower and higher too."""
+        scale = _FREE ** np.linspace(-1.0, 1.0, 5)
+        return tuple(
+            np.concatenate(
+                [x, *(getattr(getattr(near, loop), name) * scale for near in self.gains)]
+            )
+            for name, x in candidates.items()
+        )
+
+    def cost(self, loop: str, **candidates: np.ndarray) -> np.ndarray:
+        """Cost of gains that differ from the neighbours', in shares of the time of a quick step."""
+        total = np.zeros(len(next(iter(candidates.values()))))
+        for near in self.gains:
+            for name, x in candidates.items():
+                other = abs(getattr(getattr(near, loop), name))
+                least = max(_LEAST * max(np.abs(x).max(), other), 1e-12)
+                factor = np.maximum(np.abs(x), least) / max(other, least)
+                total += np.maximum(np.abs(np.log(factor)) - math.log(_FREE), 0.0)
+        return _PRICE * total
+
+
+ALONE = Neighbours()
+
+
+@dataclass(frozen=True)
 class Attitude:
     """A pitch or roll loop to be designed.
 
     Attributes
     ----------
+    name : str
+        "pitch" or "roll"
     input, angle, rate : str
         names in the plant
     sign : float
         -1 where a positive command lowers the angle
     required : StepRequirement
-    cap : float
-        highest crossover, rad/s
     """
 
+    name: str
     input: str
     angle: str
     rate: str
     sign: float
     required: StepRequirement
-    cap: float = 6.0
 
 
-PITCH = Attitude("elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
-ROLL = Attitude("aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
+PITCH = Attitude("pitch", "elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
+ROLL = Attitude("roll", "aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
 
-_CROSSOVERS = np.array(
-    [0.25, 0.35, 0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 1.8, 2.2, 2.6, 3.0, 3.5, 4.0, 5.0, 6.0]
-)
-_PHASES = np.radians([45.0, 52.0, 60.0, 68.0, 76.0, 85.0, 95.0, 110.0])
-_RATIOS = np.array([0.07, 0.12, 0.18, 0.26, 0.36, 0.5, 0.7, 1.0])
-_WEIGHTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
+# rad/s, deg, Ki / (Kp crossover), b
+_CROSSOVERS = np.geomspace(0.25, 6.0, 16)
+_PHASES = np.linspace(45.0, 110.0, 8)
+_RATIOS = np.geomspace(0.07, 1.0, 8)
+_WEIGHTS = np.linspace(0.0, 1.0, 6)
 
-# candidates flown in time, and for how long
+# candidates flown in time, and for how many s
 _FLOWN, _SECONDS = 80, 28.0
 
-# s; faster than this is worth nothing
-_FAST = 2.5
+# relaxation with which a loop that settles is good enough
+_ENOUGH = 2
 
 
-@dataclass(frozen=True)
-class Found:
-    """The best gains of an attitude loop."""
-
-    Kp: float
-    Ki: float
-    Kr: float
-    b: float
-    margins: dict[str, float]
-    settling: float
-    overshoot: float
-    use: float
-    relaxed: str
+def grid(*values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """All combinations of some values, arrays of shape (combinations,)."""
+    return tuple(x.ravel() for x in np.meshgrid(*values, indexing="ij"))
 
 
 def integral(omega: np.ndarray, T: float) -> np.ndarray:
@@ -80,9 +125,34 @@ def integral(omega: np.ndarray, T: float) -> np.ndarray:
     return T / (np.exp(1j * omega * T) - 1.0)
 
 
+def at(omega: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """A frequency response at other frequencies."""
+    size = np.interp(np.log(omega), np.log(OMEGA), np.log(np.abs(response)))
+    phase = np.interp(np.log(omega), np.log(OMEGA), np.unwrap(np.angle(response)))
+    return np.exp(size + 1j * phase)
+
+
+def crossing(x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gains a, b for which a x + b y has size 1 and a phase margin in deg.
+
+    Where b would be negative, it is 0 and the phase margin is what results; a may be negative.
+    """
+    target = -np.exp(1j * np.radians(phase))
+    det = x.real * y.imag - x.imag * y.real
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a = (target.real * y.imag - target.imag * y.real) / det
+        b = (x.real * target.imag - x.imag * target.real) / det
+    alone = ~(b >= 0.0)
+    return np.where(alone, 1.0 / np.abs(x), a), np.where(alone, 0.0, b)
+
+
 def design_attitude(
-    plant: Plant, loop: Attitude, ramp: float, room: tuple[float, float]
-) -> Found | None:
+    plant: Plant,
+    loop: Attitude,
+    ramp: float,
+    room: tuple[float, float],
+    near: Neighbours = ALONE,
+) -> tuple[AttitudeGains, Outcome] | None:
     """Gains of a pitch or roll loop, or None if none is stable.
 
     Parameters
@@ -93,102 +163,77 @@ def design_attitude(
         rate of the reference, deg/s
     room : tuple of float
         lowest and highest increment of the command
+    near : Neighbours, optional
     """
     g = plant.response(OMEGA, loop.input)
     G, R = loop.sign * g[loop.angle], loop.sign * g[loop.rate]
-    Kp, Ki, Kr = _shaped(G, R, plant.T, loop.cap)
+    shaped = _shaped(G, R, plant.T)
+    Kp, Ki, Kr = near.joined(loop.name, Kp=shaped[0], Ki=shaped[1], Kr=shaped[2])
     L = (Kp[:, None] + Ki[:, None] * integral(OMEGA, plant.T)) * G + Kr[:, None] * R
     found = margins(OMEGA, L)
     level = requirement_met(found)
-    # no crossover above the cap: rate feedback alone may cross again
-    level[found.crossover > 1.6 * loop.cap] = len(MARGINS)
-    best: tuple[float, Found] | None = None
-    flown = np.zeros(len(Kp), dtype=bool)
-    for allowed in (0, 1, 2, 3, 4):
-        chosen = np.flatnonzero((level <= allowed) & ~flown)
-        if not len(chosen):
+    # rate feedback alone may cross again above the highest crossover
+    level[found.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
+    # no faster than needed
+    cost = 1.5 * level + 0.1 * found.crossover
+    cost += loop.required.quick * near.cost(loop.name, Kp=Kp, Ki=Ki, Kr=Kr)
+    best, least, flown = None, math.inf, np.zeros(len(Kp), dtype=bool)
+    for allowed in range(len(MARGINS)):
+        pick = np.flatnonzero((level <= allowed) & ~flown)
+        if not len(pick):
             continue
-        chosen = _spread(chosen, found.crossover[chosen], found.Ms[chosen])
-        flown[chosen] = True
-        candidate = _fly(plant, loop, ramp, room, Kp[chosen], Ki[chosen], Kr[chosen])
-        for score, i, b, data in candidate:
-            k = chosen[i]
-            # no faster than needed
-            score += 1.5 * level[k] + 0.1 * found.crossover[k]
-            if best is None or score < best[0]:
-                relaxed = []
-                if not data["settling"] <= loop.required.settling:
-                    relaxed.append(f"settling {data['settling']:.1f} s")
-                if data["overshoot"] > loop.required.overshoot:
-                    relaxed.append(f"overshoot {data['overshoot'] / loop.required.size:.0%}")
-                best = (
-                    score,
-                    Found(
-                        float(Kp[k]),
-                        float(Ki[k]),
-                        float(Kr[k]),
-                        float(b),
-                        margins_of(found, k),
-                        relaxed=relaxation_text(level[k], *relaxed),
-                        **data,
-                    ),
-                )
-        if best is not None and not best[1].relaxed:
+        theirs = pick >= len(shaped[0])
+        pick = np.concatenate([_spread(pick[~theirs], found), pick[theirs]])
+        flown[pick] = True
+        k, b = grid(pick, _WEIGHTS)
+        score, settling, over, use = _scored(plant, loop, ramp, room, Kp[k], Ki[k], Kr[k], b)
+        i = int(np.argmin(score + cost[k]))
+        j = k[i]
+        if score[i] + cost[j] < least:
+            least = score[i] + cost[j]
+            late = not settling[i] <= loop.required.settling
+            relaxed = relaxation_text(
+                level[j],
+                f"settling {settling[i]:.1f} s" if late else "",
+                f"overshoot {over[i] / loop.required.size:.0%}"
+                if over[i] > loop.required.overshoot
+                else "",
+            )
+            best = (
+                AttitudeGains(*(float(x) for x in (Kp[j], Ki[j], Kr[j], b[i], ramp))),
+                Outcome(
+                    margins_of(found, j), float(settling[i]), float(over[i]), float(use[i]), relaxed
+                ),
+            )
+        if best and (not best[1].relaxed or allowed >= _ENOUGH):
             break
-        if best is not None and allowed >= 2 and math.isfinite(best[1].settling):
-            break
-    return None if best is None else best[1]
+    return best
 
 
 def margins_of(m: Margins, k: int) -> dict[str, float]:
     """The margins of one loop."""
-    return {
-        name: float(getattr(m, name)[k])
-        for name in ("crossover", "gain", "phase", "Ms", "Ms_delayed")
-    }
+    return {name: float(x[k]) for name, x in vars(m).items()}
 
 
-def _shaped(
-    G: np.ndarray, R: np.ndarray, T: float, cap: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Kp, Ki, Kr with a crossover, a phase margin and Ki / (Kp crossover) each."""
-    w, pm, ratio = (
-        x.ravel()
-        for x in np.meshgrid(_CROSSOVERS[cap >= _CROSSOVERS], _PHASES, _RATIOS, indexing="ij")
-    )
-
-    def there(x: np.ndarray) -> np.ndarray:
-        size = np.interp(np.log(w), np.log(OMEGA), np.log(np.abs(x)))
-        phase = np.interp(np.log(w), np.log(OMEGA), np.unwrap(np.angle(x)))
-        return np.exp(size + 1j * phase)
-
-    angle, rate = there(G), there(R)
-    main = angle * (1.0 + ratio * w * integral(w, T))
-    target = -np.exp(1j * pm)
-    # Kp main + Kr rate = target, in real and imaginary part
-    det = main.real * rate.imag - main.imag * rate.real
-    with np.errstate(divide="ignore", invalid="ignore"):
-        Kp = (target.real * rate.imag - target.imag * rate.real) / det
-        Kr = (main.real * target.imag - main.imag * target.real) / det
-    # more phase than asked for without any rate feedback
-    plain = 1.0 / np.abs(main)
-    without = ~(Kr >= 0.0)
-    Kp, Kr = np.where(without, plain, Kp), np.where(without, 0.0, Kr)
+    w, phase, ratio = grid(_CROSSOVERS, _PHASES, _RATIOS)
+    Kp, Kr = crossing(at(w, G) * (1.0 + ratio * w * integral(w, T)), at(w, R), phase)
     good = np.isfinite(Kp) & (Kp > 0.0)
     Kp, Kr, Ki = Kp[good], Kr[good], (ratio * w * Kp)[good]
     _, once = np.unique(np.round(np.log([Kp, Ki, Kr + 1e-9]), 6), axis=1, return_index=True)
     return Kp[once], Ki[once], Kr[once]
 
 
-def _spread(chosen: np.ndarray, crossover: np.ndarray, Ms: np.ndarray) -> np.ndarray:
+def _spread(pick: np.ndarray, m: Margins) -> np.ndarray:
     """At most `_FLOWN` candidates over all crossovers, the fast ones more densely."""
-    if len(chosen) <= _FLOWN:
-        return chosen
-    order = np.argsort(crossover + 1e-3 * Ms)
-    return chosen[order[np.unique((len(order) - 1) * np.linspace(0, 1, _FLOWN) ** 0.7).astype(int)]]
+    if len(pick) <= _FLOWN:
+        return pick
+    order = pick[np.argsort(m.crossover[pick] + 1e-3 * m.Ms[pick])]
+    return order[np.unique((len(order) - 1) * np.linspace(0, 1, _FLOWN) ** 0.7).astype(int)]
 
 
-def _fly(
+def _scored(
     plant: Plant,
     loop: Attitude,
     ramp: float,
@@ -196,52 +241,37 @@ def _fly(
     Kp: np.ndarray,
     Ki: np.ndarray,
     Kr: np.ndarray,
-) -> list[tuple[float, int, float, dict[str, float]]]:
-    """Steps of all candidates with all weights: score, number, weight and what was measured."""
-    n = len(Kp)
-    index, b = (x.ravel() for x in np.meshgrid(np.arange(n), _WEIGHTS, indexing="ij"))
-    y, peak = attitude_steps(plant, loop, ramp, room, Kp[index], Ki[index], Kr[index], b, _SECONDS)
-    error = y - loop.required.size
-    settling = settled(error, loop.required.tolerance, plant.T)
-    overshoot = np.maximum(error.max(axis=0), 0.0)
-    late = at_the_end(error, plant.T)
-    travel = np.minimum(-room[0], room[1])
-    use = peak / travel
+    b: np.ndarray,
+) -> tuple[np.ndarray, ...]:
+    """Score, settling time, overshoot and share of the travel used in steps of the reference."""
+    required = loop.required
+    error, peak = attitude_steps(plant, loop, ramp, room, Kp, Ki, Kr, b)
+    settling, over, late = step_quality(error, required.tolerance, plant.T)
+    use = peak / min(-room[0], room[1])
     score = (
-        np.maximum(settling, _FAST)
-        + 20.0 * np.maximum(overshoot - 0.5 * loop.required.overshoot, 0.0) / loop.required.size
-        + 300.0 * np.maximum(overshoot - 0.7 * loop.required.overshoot, 0.0) / loop.required.size
-        + 200.0 * late / loop.required.size
-        + 20.0 * np.maximum(use - loop.required.use, 0.0)
+        np.maximum(settling, required.quick)
+        + 20.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) / required.size
+        + 300.0 * np.maximum(over - 0.7 * required.overshoot, 0.0) / required.size
+        + 200.0 * late / required.size
+        + 20.0 * np.maximum(use - required.use, 0.0)
         + 0.5 * use
     )
-    order = [k for k in np.argsort(score) if np.isfinite(score[k])][:8]
-    return [
-        (
-            float(score[k]),
-            int(index[k]),
-            float(b[k]),
-            {
-                "settling": float(settling[k]),
-                "overshoot": float(overshoot[k]),
-                "use": float(use[k]),
-            },
-        )
-        for k in order
-    ]
+    return np.where(np.isfinite(score), score, math.inf), settling, over, use
 
 
 def settled(error: np.ndarray, tolerance: float, T: float) -> np.ndarray:
     """Time from which each column stays within the tolerance; infinite if it does not."""
     outside = ~(np.abs(error) <= tolerance)
-    last = len(error) - np.argmax(outside[::-1], axis=0)
-    time = np.where(outside.any(axis=0), last * T, 0.0)
-    return np.where(last == len(error), np.where(outside.any(axis=0), np.inf, 0.0), time)
+    last = np.where(outside.any(axis=0), len(error) - np.argmax(outside[::-1], axis=0), 0)
+    return np.where(last == len(error), np.inf, last * T)
 
 
-def at_the_end(error: np.ndarray, T: float) -> np.ndarray:
-    """Largest size of each column in the last 5 s."""
-    return np.abs(error[-round(5.0 / T) :]).max(axis=0)
+def step_quality(
+    error: np.ndarray, tolerance: float, T: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Settling time, overshoot, and largest error in the last 5 s, of errors that end below 0."""
+    late = np.abs(error[-round(5.0 / T) :]).max(axis=0)
+    return settled(error, tolerance, T), np.maximum(error.max(axis=0), 0.0), late
 
 
 def attitude_steps(
@@ -253,46 +283,36 @@ def attitude_steps(
     Ki: np.ndarray,
     Kr: np.ndarray,
     b: np.ndarray,
-    seconds: float,
+    seconds: float = _SECONDS,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Angles in a step of the reference, shape (samples, loops), and the largest commands."""
-    T, n = plant.T, len(Kp)
-    c, cr, B = plant.row(loop.angle), plant.row(loop.rate), plant.column(loop.input)[:, None]
-    both = np.vstack([plant.A, c @ plant.A, cr @ plant.A])
-    effect = np.vstack([B, c @ B, cr @ B])
-    size = len(plant.A)
-    x, y, rate = np.zeros((size, n)), np.zeros(n), np.zeros(n)
-    total, peak = np.zeros(n), np.zeros(n)
+    """Errors in a step of the reference, shape (samples, loops), and the largest commands."""
+    T, total, peak = plant.T, np.zeros(len(Kp)), np.zeros(len(Kp))
     low, high = sorted(loop.sign * np.array(room))
     unwind = np.where(Ki > 0.0, np.minimum(T * Ki / np.maximum(Kp, 1e-12), 0.5), 0.0)
-    steps = round(seconds / T)
-    recorded = np.empty((steps, n))
-    r = 0.0
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(steps):
-            recorded[k] = y
-            if k:
-                r = min(r + ramp * T, loop.required.size)
-            v = Kp * (b * r - y) + total - Kr * rate
-            u = np.minimum(np.maximum(v, low), high)
-            peak = np.maximum(peak, np.abs(v))
-            total += Ki * T * (r - y) + unwind * (u - v)
-            z = both @ x + effect * (loop.sign * u)
-            x, y, rate = z[:size], z[size], z[size + 1]
-    return recorded, peak
+
+    def law(k: int, y: np.ndarray) -> np.ndarray:
+        r = min(k * ramp * T, loop.required.size)
+        v = Kp * (b * r - y[0]) + total - Kr * y[1]
+        u = np.minimum(np.maximum(v, low), high)
+        np.maximum(peak, np.abs(v), out=peak)
+        total[:] += Ki * T * (r - y[0]) + unwind * (u - v)
+        return loop.sign * u
+
+    angle = plant.steps(loop.input, (loop.angle, loop.rate), law, len(Kp), seconds)[:, 0]
+    return angle - loop.required.size, peak
 
 
-def closed(plant: Plant, loop: Attitude, found: Found, reference: str) -> Plant:
+def closed(plant: Plant, loop: Attitude, gains: AttitudeGains, reference: str) -> Plant:
     """The plant with the loop closed; ``reference`` in place of the actuator."""
     T, s = plant.T, loop.sign
     return plant.close(
         loop.input,
         law=np.array([[1.0], [s * 1.0]]),
-        read={reference: np.array([found.Ki * T]), loop.angle: np.array([-found.Ki * T])},
+        read={reference: np.array([gains.Ki * T]), loop.angle: np.array([-gains.Ki * T])},
         through={
-            reference: s * found.Kp * found.b,
-            loop.angle: -s * found.Kp,
-            loop.rate: -s * found.Kr,
+            reference: s * gains.Kp * gains.b,
+            loop.angle: -s * gains.Kp,
+            loop.rate: -s * gains.Kr,
         },
         reference=reference,
     )

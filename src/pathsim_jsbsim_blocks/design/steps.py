@@ -28,9 +28,7 @@ class Step:
     output : str
         of the `Aircraft`
     required : StepRequirement
-        with its size
-    seconds : float
-        of flight after the step
+        with its size and time
     modes : dict
         further inputs of the autopilot
     """
@@ -38,23 +36,17 @@ class Step:
     port: str
     output: str
     required: StepRequirement
-    seconds: float
     modes: dict[str, float]
-
-    @property
-    def size(self) -> float:
-        """In the unit of the output."""
-        return self.required.size
 
 
 STEPS = {
-    loop: Step(port, output, STEP_REQUIREMENTS[loop], seconds, modes)
-    for loop, port, output, seconds, modes in (
-        ("pitch", "theta_ref", "theta", 30.0, {"pitch_mode": 1.0}),
-        ("roll", "phi_ref", "phi", 30.0, {"roll_mode": 1.0}),
-        ("heading", "psi_ref", "psi", 120.0, {}),
-        ("altitude", "h_ref", "h", 120.0, {}),
-        ("speed", "vc_ref", "vc", 150.0, {}),
+    loop: Step(f"{output}_ref", output, STEP_REQUIREMENTS[loop], modes)
+    for loop, output, modes in (
+        ("pitch", "theta", {"pitch_mode": 1.0}),
+        ("roll", "phi", {"roll_mode": 1.0}),
+        ("heading", "psi", {}),
+        ("altitude", "h", {}),
+        ("speed", "vc", {}),
     )
 }
 
@@ -103,7 +95,7 @@ def fly_step(
     FlightError
         if the flight ends
     """
-    size = step.size if size is None else size
+    size = step.required.size if size is None else size
     plane = fresh()
     T = plane.T
     autopilot = Autopilot(gains=gains, T=T)
@@ -114,7 +106,7 @@ def fly_step(
     for name, value in step.modes.items():
         u[ports[name]] = value
     before = round(BEFORE / T)
-    n = before + round((step.seconds if seconds is None else seconds) / T)
+    n = before + round((step.required.seconds if seconds is None else seconds) / T)
     rows = np.empty((n + 1, len(names)))
     y: Sequence[float] = plane.outputs.to_array().tolist()
     command = [0.0] * len(plane.input_port_labels)

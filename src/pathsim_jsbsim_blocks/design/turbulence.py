@@ -12,7 +12,13 @@ from scipy.special import ndtr
 from ..linear.model import LinearModel
 from ..wind import dryden_field
 from .plant import Plant
-from .requirements import ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE
+from .requirements import (
+    ALTITUDE_IN_TURBULENCE,
+    PITCH_AIM,
+    PITCH_IN_TURBULENCE,
+    STOP_AIM,
+    STOP_IN_TURBULENCE,
+)
 
 AIR = ("along", "up")
 
@@ -76,9 +82,6 @@ def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
 # the largest altitude error of a flight of some minutes, in rms
 _PEAK = 3.3
 
-# shares of the others that are aimed at: single flights scatter about what is expected
-_PITCH_AIM, _STOP_AIM = 0.75, 0.2
-
 # s of settling for an excess as large as what is aimed at
 _ALTITUDE_COST, _PITCH_COST, _STOP_COST = 30.0, 800.0, 40.0
 
@@ -105,8 +108,8 @@ class Rough:
     def cost(self, stops: float) -> np.ndarray:
         """In s of settling; ``stops`` is a weight of the throttle's stops."""
         h = np.maximum(self.altitude * _PEAK / ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
-        theta = np.clip(self.pitch / (_PITCH_AIM * PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST)
-        stop = np.clip(self.stop / (_STOP_AIM * STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
+        theta = np.clip(self.pitch / (PITCH_AIM * PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST)
+        stop = np.clip(self.stop / (STOP_AIM * STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
         return _ALTITUDE_COST * h + _PITCH_COST * theta + stops * _STOP_COST * stop
 
     def said(self, i: int) -> tuple[str, ...]:
