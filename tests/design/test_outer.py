@@ -133,14 +133,14 @@ def test_a_turn_settles_as_reported(speed, lag):
     assert found.overshoot <= 0.5
     assert found.relaxed == ""
     # in closed form: L = Kp g / (V s (lag s + 1)), and the hold of T
-    w = found.margins["crossover"]
+    w = found.crossover
     loop = gains.Kp * 32.174 / speed / (1j * w * (1j * lag * w + 1.0)) * np.exp(-0.5j * w * T)
     assert abs(loop) == pytest.approx(1.0, rel=0.01)
-    assert found.margins["phase"] == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.5)
+    assert found.phase_margin == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.5)
 
 
 def test_a_bank_that_turns_the_wrong_way_has_no_heading_gains():
-    assert design_heading(rolling(400.0, 1.0, sign=-1.0), 10.0, 3.0, 400.0)[0] is None
+    assert design_heading(rolling(400.0, 1.0, sign=-1.0), 10.0, 3.0, 400.0) is None
 
 
 def climbing(speed, lag):
@@ -175,11 +175,11 @@ def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
     assert found.late == pytest.approx(np.abs(h[-round(5.0 / T) :] - 500.0).max(), abs=0.01)
     assert found.overshoot <= 5.0
     # in closed form: L = (Kp + Ki / s) (1 + Kh / s) hdot / theta, and the hold of T
-    s = 1j * found.margins["crossover"]
+    s = 1j * found.crossover
     loop = (gains.Kp + gains.Ki / s) * (1.0 + gains.Kh / s) * 2.0 / (s + 2.0)
     loop *= speed / 57.3 / (lag * s + 1.0) * np.exp(-0.5 * s * T)
     assert abs(loop) == pytest.approx(1.0, rel=0.01)
-    assert found.margins["phase"] == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.6)
+    assert found.phase_margin == pytest.approx(180.0 + np.degrees(np.angle(loop)), abs=0.6)
 
 
 @pytest.mark.parametrize(

@@ -27,16 +27,16 @@ from pathsim_jsbsim_blocks.errors import DesignError, FileError, KeywordError, T
 
 SHIPPED = [path.stem for path in DESIGNED]
 
-# share of the gains that change by more than 1.5, and than the dynamic pressure; 0.31 in the
+# share of the gains that change by more than 1.5, and than the dynamic pressure; 0.32 in the
 # tables made before neighbours counted
-MOST_JUMPS = 0.15
+MOST_JUMPS = 0.12
 
 
 @pytest.fixture(scope="module")
 def found():
     # the first does not trim: it is left out
     frozen = {"propulsion/fuel_freeze": 1.0}
-    condition = TrimCondition(altitude=5000, speed=250, gear=0.0, setup=frozen)
+    condition = TrimCondition(altitude=5000, speed=260, gear=0.0, setup=frozen)
     return design_schedule("A320", condition, [5000.0], [120.0, 281.0, 230.0], check=False)
 
 
@@ -44,7 +44,7 @@ def found():
 def test_a_schedule_has_the_conditions_that_can_be_held(found):
     points = found.schedule.points
     assert [(p.altitude, p.speed) for p in points] == [(5000.0, 230.0), (5000.0, 281.0)]
-    assert found.nominal == 0  # the nearest to 250 KCAS by their ratio
+    assert found.nominal == 1  # the nearest to 260 KCAS, designed first
     ((condition, error),) = found.refused
     assert condition.speed == 120.0
     assert isinstance(error, TrimError)
@@ -257,9 +257,6 @@ def test_a_schedule_has_the_gains_of_the_fleets_table(found):
     [
         ("A320", (5000.0, 281.0)),
         ("c182", (7500.0, 98.0)),
-        # full throttle does not trim at the first of these
-        ("c172p-designed", (1000.0, 111.0)),
-        ("c172p-designed", (5000.0, 71.0)),
         ("J3Cub", (5000.0, 50.0)),
         ("L17", (5000.0, 84.0)),
         ("OV10", (5000.0, 193.0)),
@@ -314,9 +311,9 @@ def test_gains_change_little_from_one_point_of_a_table_to_the_next(monkeypatch):
     assert gain_tables.jumps(GainSchedule("A320", (first, faster), 0))["pitch"] == [3, 1]
 
     found = [gain_tables.jumps(read_gains(file)) for file in DESIGNED]
-    for loop in gain_tables.FED_BACK:
-        pairs, jumped = (sum(x[loop][i] for x in found) for i in (0, 1))
-        assert jumped <= MOST_JUMPS * pairs, loop
+    pairs, jumped = (sum(x[loop][i] for x in found for loop in x) for i in (0, 1))
+    assert pairs > 4000
+    assert jumped < MOST_JUMPS * pairs
 
 
 @pytest.mark.parametrize(

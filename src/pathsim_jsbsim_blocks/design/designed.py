@@ -57,7 +57,7 @@ from .requirements import (
     STEP_REQUIREMENTS,
     THETA_MAX,
 )
-from .search import PITCH, ROLL, Attitude, Neighbours, Outcome, closed, design_attitude
+from .search import PITCH, ROLL, Attitude, LoopReport, Neighbours, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
 
@@ -79,48 +79,8 @@ _RISE, _RISE_OF_EXCESS, _LEAST_RISE = 40.0, 2.0, 25.0
 _NO_CLIMB = 2.0
 
 
-Held = tuple[SpeedGains, Outcome, AltitudeGains, Outcome]
+Held = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
 Refuse = Callable[[str, str], DesignError]
-
-
-@dataclass(frozen=True)
-class LoopReport:
-    """How good one loop is.
-
-    Attributes
-    ----------
-    loop : str
-        "pitch", "roll", "yaw", "heading", "speed" or "altitude"
-    crossover : float
-        rad/s
-    gain_margin, phase_margin : float
-        dB, deg
-    Ms, Ms_delayed : float
-        largest magnitude of the sensitivity 1 / (1 + L), without and with 50 ms of additional
-        delay
-    settling, overshoot : float
-        of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
-        the rudder's loops
-    use : float
-        share of the command's remaining travel that the step uses
-    flown_settling, flown_overshoot : float
-        of the same step on the nonlinear aircraft; NaN where it was not flown
-    relaxed : str
-        what the loop does not meet of what is asked for; empty if it meets all
-    """
-
-    loop: str
-    crossover: float
-    gain_margin: float
-    phase_margin: float
-    Ms: float
-    Ms_delayed: float
-    settling: float
-    overshoot: float
-    use: float
-    flown_settling: float = math.nan
-    flown_overshoot: float = math.nan
-    relaxed: str = ""
 
 
 @known_keywords
@@ -351,20 +311,13 @@ def _loops(
     plant = in_turbulence(Plant.of(model), model, condition.altitude)
     pitch, pitched, plant = _pitch(plant, pitching, trim, vt, near, refuse)
     roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near, refuse)
-    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
-    if heading is None:
+    turning = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
+    if turning is None:
         raise refuse("heading", "no gains from the heading to the bank settle a turn")
+    heading, steered = turning
     speed, quick, altitude, climbing = _speed_and_altitude(
         plant, trim, vt, limits, pitch.ramp, near, refuse
     )
-    report = {
-        "pitch": pitched,
-        "roll": rolled,
-        "yaw": coordinated,
-        "heading": steered,
-        "speed": quick,
-        "altitude": climbing,
-    }
     return DesignedGains(
         pitch=pitch,
         roll=roll,
@@ -376,27 +329,16 @@ def _loops(
         aircraft=aircraft,
         condition=condition,
         report=tuple(
-            LoopReport(
-                loop,
-                found.margins["crossover"],
-                found.margins["gain"],
-                found.margins["phase"],
-                found.margins["Ms"],
-                found.margins["Ms_delayed"],
-                found.settling,
-                found.overshoot,
-                found.use,
-                relaxed=found.relaxed,
-            )
-            for loop, found in report.items()
-            if found is not None and found.margins
+            report
+            for report in (pitched, rolled, coordinated, steered, quick, climbing)
+            if report is not None
         ),
     )
 
 
 def _pitch(
     plant: Plant, pitching: Attitude, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
-) -> tuple[AttitudeGains, Outcome, Plant]:
+) -> tuple[AttitudeGains, LoopReport, Plant]:
     """Gains of the pitch loop, how good they are, and the plant with it closed."""
     ramp = min(max(math.degrees(RAMP_LOAD * GRAVITY / vt), RAMP_LOW), RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
@@ -409,14 +351,14 @@ def _pitch(
 
 def _roll_and_yaw(
     plant: Plant, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
-) -> tuple[AttitudeGains, Outcome, YawGains, Outcome | None, Plant]:
+) -> tuple[AttitudeGains, LoopReport, YawGains, LoopReport | None, Plant]:
     """The same of ailerons, and of the rudder, which is shaped for the turn; then roll again."""
     slip = math.sin(math.radians(trim.alpha))  # per roll
     slow = slip * ROLL_RAMP > ROLL_SLIP
     ramp = max(ROLL_SLIP / slip, ROLL_SLOW) if slow else ROLL_RAMP
     rudder = 1.0 - abs(trim.rudder)
 
-    def rolled(yaw: YawGains) -> tuple[AttitudeGains, Outcome]:
+    def rolled(yaw: YawGains) -> tuple[AttitudeGains, LoopReport]:
         travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
         found = design_attitude(damped(plant, yaw), ROLL, ramp, travel, near)
         if found is None:
@@ -454,14 +396,14 @@ def _speed_and_altitude(
     band = BAND if trim.speed > limits.vc_min + NEAR_THE_LOWEST else GUST
 
     def shaped(level: Plant, stops: float, feed: float) -> Held:
-        speed, quick = design_speed(level, room, feed, step, stops, band, near)
-        if speed is None:
+        throttle = design_speed(level, room, feed, step, stops, band, near)
+        if throttle is None:
             raise refuse("speed", "no gains of the throttle hold the airspeed")
-        held = with_speed(plant, speed)
-        altitude, climbing = design_altitude(held, ramp, hdot_max, room, stops, near)
-        if altitude is None:
+        held = with_speed(plant, throttle[0])
+        climb = design_altitude(held, ramp, hdot_max, room, stops, near)
+        if climb is None:
             raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
-        return speed, quick, altitude, climbing
+        return *throttle, *climb
 
     def hold(stops: float, feed: float) -> Held:
         # the airspeed with the attitude held, the altitude, and both with the other held

@@ -30,8 +30,8 @@ from .requirements import (
 from .search import (
     ALONE,
     OMEGA,
+    LoopReport,
     Neighbours,
-    Outcome,
     at,
     crossing,
     grid,
@@ -139,7 +139,7 @@ def design_rudder(
     vt: float,
     ramp: float,
     near: Neighbours = ALONE,
-) -> tuple[YawGains, Outcome | None]:
+) -> tuple[YawGains, LoopReport | None]:
     """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft and nothing else.
 
     ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
@@ -185,7 +185,8 @@ def design_rudder(
         + abs(chosen.Kroll) * ramp
         + abs(chosen.Kbank) * BANK
     ) / room
-    return chosen, Outcome(margins_of(_of_rudder(plant, chosen), 0), use=use) if use else None
+    margins_ = margins_of(_of_rudder(plant, chosen), 0)
+    return chosen, LoopReport("yaw", *margins_, use=use) if use else None
 
 
 # s of a turn's entry, largest share of the rudder's remaining travel that it may need, and
@@ -295,7 +296,7 @@ def design_heading(
     vt: float,
     straight: float = 0.0,
     near: Neighbours = ALONE,
-) -> tuple[HeadingGains | None, Outcome]:
+) -> tuple[HeadingGains, LoopReport] | None:
     """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``.
 
     ``straight`` is the bank of straight flight in deg: with a propeller it is not 0.
@@ -322,13 +323,14 @@ def design_heading(
     score = np.where(np.isfinite(score), score, 1e6 + over)
     i = int(np.argmin(score))
     if level[i] == len(MARGINS) or not math.isfinite(time[i]):
-        return None, Outcome(margins_of(found, i), float(time[i]), float(over[i]))
-    return HeadingGains(Kp=float(Kp[i]), bank=straight), Outcome(
-        margins_of(found, i),
+        return None
+    return HeadingGains(Kp=float(Kp[i]), bank=straight), LoopReport(
+        "heading",
+        *margins_of(found, i),
         float(time[i]),
         float(over[i]),
         float(bank[i] / BANK),
-        relaxation_text(
+        relaxed=relaxation_text(
             level[i], f"overshoot {over[i]:.1f} deg" if over[i] > required.overshoot else ""
         ),
     )
@@ -475,7 +477,7 @@ def design_speed(
     band: float = BAND,
     near: Neighbours = ALONE,
     shares: np.ndarray = _SPEED_SHARES,
-) -> tuple[SpeedGains | None, Outcome]:
+) -> tuple[SpeedGains, LoopReport] | None:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
 
     ``stops`` is the weight of the throttle's stops in turbulence, of which the plant may have some;
@@ -484,7 +486,7 @@ def design_speed(
     loops, level = _speed_loops(plant, room, Kc, step, stops, near, shares)
     pick = np.flatnonzero(level < len(MARGINS))
     if not len(pick):
-        return None, Outcome(margins_of(loops.margins, 0))
+        return None
     k, ramp = grid(pick, _SPEED_RAMPS)
 
     # candidates are compared without the band, or it would count for loose ones that it spares,
@@ -498,13 +500,14 @@ def design_speed(
     gains, time, over, use = loops.referred(j, band)
     unsettled = "" if math.isfinite(time) else "settling"
     relaxed = relaxation_text(level[j], unsettled, *loops.rough.said(j))
-    outcome = Outcome(margins_of(loops.margins, j), time, over, use, relaxed, late)
+    margins_ = margins_of(loops.margins, j)
+    report = LoopReport("speed", *margins_, time, over, use, relaxed=relaxed, late=late)
     rough = any(name in plant.inputs for name in AIR)
     if rough and shares is _SPEED_SHARES and not time <= loops.required.settling_off:
         more = design_speed(plant, room, Kc, step, stops, band, near, _HIGHER_SHARES)
-        if more[1].settling < time and not more[1].relaxed:
+        if more and more[1].settling < time and not more[1].relaxed:
             return more
-    return gains, outcome
+    return gains, report
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
@@ -608,21 +611,21 @@ def design_altitude(
     room: tuple[float, float] = (-1.0, 1.0),
     stops: float = 1.0,
     near: Neighbours = ALONE,
-) -> tuple[AltitudeGains | None, Outcome]:
+) -> tuple[AltitudeGains, LoopReport] | None:
     """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
 
     ``room`` is the throttle's; ``stops`` as in `design_speed`.
     """
     Kp, Ki, Kh, found, rough = _altitude_candidates(plant, room, near)
     if not len(Kp):
-        return None, Outcome({})
+        return None
     level, required = requirement_met(found), STEP_REQUIREMENTS["altitude"]
     soonest = _SOONEST * required.size / hdot_max
     cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
     cost += soonest * near.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
     valid = level < len(MARGINS)
     if not valid.any():
-        return None, Outcome(margins_of(found, 0))
+        return None
 
     def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
         error, speed, peak = _climbs(plant, Kh[j], Kp[j], Ki[j], ramp, hdot_max)
@@ -649,7 +652,10 @@ def design_altitude(
         f"overshoot {over:.1f} ft" if over > required.overshoot else "",
         *rough.said(j),
     )
-    return gains, Outcome(margins_of(found, j), time, over, peak / 10.0, relaxed, late)
+    margins_ = margins_of(found, j)
+    return gains, LoopReport(
+        "altitude", *margins_, time, over, peak / 10.0, relaxed=relaxed, late=late
+    )
 
 
 # candidates flown at first, and how many times as many each time after: most of the time of a step

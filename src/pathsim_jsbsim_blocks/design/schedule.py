@@ -77,7 +77,7 @@ def _plain(row: Any) -> dict[str, Any]:
     return {
         name: value
         for name, value in vars(row).items()
-        if name != "loop"
+        if name not in ("loop", "late")
         and value != ""
         and not (isinstance(value, float) and not math.isfinite(value))
     }

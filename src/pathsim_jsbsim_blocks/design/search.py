@@ -23,15 +23,46 @@ OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What was found for one loop besides its gains."""
+class LoopReport:
+    """How good one loop is.
 
-    margins: dict[str, float]
+    Attributes
+    ----------
+    loop : str
+        "pitch", "roll", "yaw", "heading", "speed" or "altitude"
+    crossover : float
+        rad/s
+    gain_margin, phase_margin : float
+        dB, deg
+    Ms, Ms_delayed : float
+        largest magnitude of the sensitivity 1 / (1 + L), without and with 50 ms of additional
+        delay
+    settling, overshoot : float
+        of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
+        the rudder's loops
+    use : float
+        share of the command's remaining travel that the step uses
+    flown_settling, flown_overshoot : float
+        of the same step on the nonlinear aircraft; NaN where it was not flown
+    relaxed : str
+        what the loop does not meet of what is asked for; empty if it meets all
+    late : float
+        largest error in the last 5 s of the step as the candidates are compared: of the airspeed
+        without its band, and with b = 1; NaN except for airspeed and altitude
+    """
+
+    loop: str
+    crossover: float
+    gain_margin: float
+    phase_margin: float
+    Ms: float
+    Ms_delayed: float
     settling: float = math.nan
     overshoot: float = math.nan
     use: float = math.nan
+    flown_settling: float = math.nan
+    flown_overshoot: float = math.nan
     relaxed: str = ""
-    # largest error in the last 5 s of the step; of the airspeed without its band, and with b = 1
     late: float = math.nan
 
 
@@ -152,7 +183,7 @@ def design_attitude(
     ramp: float,
     room: tuple[float, float],
     near: Neighbours = ALONE,
-) -> tuple[AttitudeGains, Outcome] | None:
+) -> tuple[AttitudeGains, LoopReport] | None:
     """Gains of a pitch or roll loop, or None if none is stable.
 
     Parameters
@@ -201,8 +232,13 @@ def design_attitude(
             )
             best = (
                 AttitudeGains(*(float(x) for x in (Kp[j], Ki[j], Kr[j], b[i], ramp))),
-                Outcome(
-                    margins_of(found, j), float(settling[i]), float(over[i]), float(use[i]), relaxed
+                LoopReport(
+                    loop.name,
+                    *margins_of(found, j),
+                    float(settling[i]),
+                    float(over[i]),
+                    float(use[i]),
+                    relaxed=relaxed,
                 ),
             )
         if best and (not best[1].relaxed or allowed >= _ENOUGH):
@@ -210,9 +246,10 @@ def design_attitude(
     return best
 
 
-def margins_of(m: Margins, k: int) -> dict[str, float]:
-    """The margins of one loop."""
-    return {name: float(x[k]) for name, x in vars(m).items()}
+def margins_of(m: Margins, k: int) -> tuple[float, float, float, float, float]:
+    """The margins of one loop, in the order of its report."""
+    crossover, gain, phase, Ms, delayed = (float(x[k]) for x in vars(m).values())
+    return crossover, gain, phase, Ms, delayed
 
 
 def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
