@@ -181,6 +181,10 @@ TUNED_AT = {
     "global5000": TrimCondition(altitude=15_000.0, speed=250.0, gear=0.0),
 }
 
+# older tables that are made again only by name: with little throttle left the new ones fly worse,
+# and the landings of the c172p were flown with its own
+KEPT = ("J3Cub", "c172p", "c310", "dr1", "pa28")
+
 # a step of the airspeed is one down where level flight at its end would need more throttle than
 # this, and more than before
 FULL = 0.85
@@ -452,7 +456,7 @@ def compared():
 
 def main(names):
     TABLES.mkdir(exist_ok=True)
-    for name in names or aircraft_names():
+    for name in names or (name for name in aircraft_names() if name not in KEPT):
         try:
             found = designed(name)
         except BlocksError as error:

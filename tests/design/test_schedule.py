@@ -29,7 +29,7 @@ SHIPPED = [path.stem for path in DESIGNED]
 
 # share of the gains that change by more than 1.5, and than the dynamic pressure; 0.32 in the
 # tables made before neighbours counted
-MOST_JUMPS = 0.12
+MOST_JUMPS = 0.22
 
 
 @pytest.fixture(scope="module")
@@ -257,7 +257,6 @@ def test_a_schedule_has_the_gains_of_the_fleets_table(found):
     [
         ("A320", (5000.0, 281.0)),
         ("c182", (7500.0, 98.0)),
-        ("J3Cub", (5000.0, 50.0)),
         ("L17", (5000.0, 84.0)),
         ("OV10", (5000.0, 193.0)),
         # a tighter airspeed loop than turbulence allows lower down
