@@ -225,9 +225,13 @@ def test_airspeed_hold(wires, target):
     assert_same(laws(block, **wires), {"throttle": u, "vc_cmd": reference}, limits)
 
 
-@pytest.mark.parametrize(("target", "straight"), [(None, 0.0), (355.0, 0.0), (None, 1.5)])
-def test_heading_hold(wires, target, straight):
+@pytest.mark.parametrize(
+    ("target", "straight", "vt"),
+    [(None, 0.0, 0.0), (355.0, 0.0, 0.0), (None, 1.5, 0.0), (None, 1.5, 160.0)],
+)
+def test_heading_hold(wires, target, straight, vt):
     bank, limits = 12.0, (-0.9, 0.9)
+    wires = wires | {"vt": NOTHING + vt}
     block = HeadingHold(
         gains={"heading": {**HEADING, "bank": straight}, "roll": ATTITUDE},
         psi_ref=target,
@@ -241,6 +245,14 @@ def test_heading_hold(wires, target, straight):
     def heading(k):
         if start["k"] is None or wires["off"][k - 1]:
             start.update(k=k, found=wires["psi"][k], pi=PI(**HEADING, low=-bank, high=bank))
+            start.update(bank=straight, psi=wires["psi"][k], phi=straight)
+        elif vt:
+            # the part of the bank that turns nothing
+            behind = math.remainder(wires["psi"][k] - start["psi"], 360.0) * math.exp(-T)
+            start["psi"] = wires["psi"][k] - behind
+            start["phi"] += (1 - math.exp(-T)) * (wires["phi"][k] - start["phi"])
+            turned = math.degrees(math.atan(vt * math.radians(behind) / 32.174))
+            start["bank"] += (1 - math.exp(-T / 10.0)) * (start["phi"] - turned - start["bank"])
         error = math.remainder(
             (start["found"] if target is None else target) + wires["psi_ref"][k] - wires["psi"][k],
             360.0,
@@ -248,7 +260,7 @@ def test_heading_hold(wires, target, straight):
         pi = start["pi"]
         if abs(HEADING["Kp"] * error) >= bank:
             pi.integral = 0.0
-        banks.append(pi(error, 0.0, feed=straight))
+        banks.append(pi(error, 0.0, feed=start["bank"]))
         return banks[-1]
 
     u, reference = on_a_ramp(
@@ -498,6 +510,7 @@ def test_the_autopilot_is_the_holds(wires, inner):
     modes["v_mode"] = NOTHING + v_mode
     # below 5020 ft while it climbs, until the middle
     steady["h"] = np.where((np.arange(N) < N // 2) & (v_mode > 0.0), 4700.0, steady["h"])
+    steady["vt"] = NOTHING + 170.0
     one = laws(
         Autopilot(
             GAINS,

@@ -230,6 +230,35 @@ def test_no_descent_below_100_ft_above_the_ground():
     assert 90.0 < np.min(record["h"]) < 130.0
 
 
+@pytest.mark.parametrize(("name", "altitude", "speed"), first([("c182", 7700.0, 93.0)]))
+def test_descents_take_what_the_aircraft_has(name, altitude, speed):
+    # 1.9 ft/s, the climb that the engine has left there
+    plane = Aircraft(name, altitude=altitude, speed=speed, T=T, substeps=2)
+    record = fly(plane, 60.0, {"h_ref": step(-600.0)}, T=T)
+    assert np.min(record["hdot"]) < -8.0
+    assert record["h"][-1] > altitude - 601.0
+    assert np.max(record["vc"]) < speed + 30.0
+
+
+@pytest.mark.parametrize("name", first(["c310", "OV10", "737"]))
+def test_a_failed_engine_leaves_no_heading_error(name):
+    # 3.1, 2.1 and 1.4 deg with the bank of straight flight of the gains
+    there = {"c310": (5000.0, 111.0), "OV10": (5000.0, 193.0), "737": (10_000.0, 280.0)}[name]
+    condition = TrimCondition(altitude=there[0], speed=there[1], gear=0.0, heading=90.0)
+    plane = Aircraft(name, condition=condition, T=T, substeps=2, input_properties=["throttle[0]"])
+    autopilot = Autopilot(name, T=T)
+    state, y, psi = autopilot.initial_state(), plane.outputs.to_array(), []
+    for k in range(round(90.0 / T)):
+        seen = dict(zip(STATES, y, strict=False))
+        u = [float(seen.get(port, 0.0)) for port in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        failed = -1.0 if k * T > 5.0 else 0.0
+        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0, failed])
+        psi.append(dict(zip(STATES, y, strict=False))["psi"])
+    assert np.max(np.abs(wrap(np.array(psi) - 90.0))) > 0.4
+    assert np.max(np.abs(wrap(np.array(psi[round(70.0 / T) :]) - 90.0))) < 0.2
+
+
 def test_altitude_hold_does_not_climb_into_the_stall():
     plane, scope = start("c172p"), Scope()
     hold, speed = AltitudeHold("c172p", hdot_max=30.0), AirspeedHold("c172p")

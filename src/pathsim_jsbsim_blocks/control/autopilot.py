@@ -91,7 +91,8 @@ class Autopilot(Hold):
     bank_max : float
         largest bank reference of the heading hold in deg
     hdot_max : float, optional
-        largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's
+        largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's,
+        and for descents what it allows at idle
     theta_min : float
         lowest pitch reference of the altitude hold in deg
     theta_max : float, optional
@@ -138,6 +139,9 @@ class Autopilot(Hold):
     h_agl
         height above the ground in ft, with ``alpha`` wired: no descent below 100 ft; without a wire
         (0) the ground is not known
+    vt
+        true airspeed in ft/s, with which the bank of straight flight follows what the aircraft
+        needs, with a failed engine for example; without a wire (0) it is that of the gains
 
     Outputs
     -------
@@ -179,7 +183,7 @@ class Autopilot(Hold):
     input_port_labels = numbered(
         "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "
         "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta "
-        "v_mode hdot_ref thr_ref h_agl"
+        "v_mode hdot_ref thr_ref h_agl vt"
     )
     output_port_labels = numbered(
         "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd captured"
@@ -212,7 +216,7 @@ class Autopilot(Hold):
         pitching, rolling, *offs = (x != 0.0 for x in u[14:20])
         pitch_off, roll_off, speed_off, yaw_off = offs
         elev_sat, ail_sat, thr_sat, alpha, beta, v_mode = u[20:26]
-        h_agl = u[28]
+        h_agl, vt = u[28:]
         mode = select(pitching, 0.0, v_mode)
         captured = select(mode == state.climb.mode, state.climb.captured, False)
         on_pitch = select(captured | pitch_off, False, mode == 2.0)
@@ -258,7 +262,7 @@ class Autopilot(Hold):
             select(pitching, direct, wanted), select(pitching, keeps, False)
         )
 
-        lateral = Lateral(self.loops, state.lateral, psi, phi, p, roll_off, ail_sat)
+        lateral = Lateral(self.loops, state.lateral, psi, phi, p, roll_off, ail_sat, vt)
         wanted = lateral.for_heading(psi_ref, roll_off | rolling)
         direct, keeps = lateral.roll.towards(state.lateral.roll, phi, phi_ref)
         bank = protection.bank(limits, guard, select(rolling, direct, wanted), phi)

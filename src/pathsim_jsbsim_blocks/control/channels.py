@@ -17,7 +17,7 @@ from .loops import (
     ReferenceLoop,
     ReferenceState,
 )
-from .protection import UNPROTECTED, Protection, ProtectionState, Unprotected
+from .protection import UNPROTECTED, Protection, ProtectionState, Unprotected, true_airspeed
 from .signals import larger, limit, select
 
 
@@ -75,8 +75,11 @@ class Vertical:
         self.altitude: AltitudeLoop = loops["altitude"]
         self.pitch: ReferenceLoop = loops["pitch"]
         self.protection: Protection | Unprotected = UNPROTECTED
-        if protection and loops["envelope"]:
-            self.protection = loops["envelope"]
+        envelope: Protection | None = loops["envelope"]
+        if protection and envelope:
+            self.protection = envelope
+        if envelope and envelope.flies_envelope:
+            self.altitude.descend(envelope.descent_max, true_airspeed(vc, h))
         self.state = state
         self.theta, self.q, self.h, self.hdot = theta, q, h, hdot
         self.vc, self.alpha, self.off, self.sat = vc, alpha, off, sat
@@ -182,6 +185,8 @@ class Lateral:
         measured
     off, sat
         as of `ReferenceLoop`, for the ailerons
+    vt : float
+        true airspeed in ft/s, 0 where it is not known
     """
 
     START = LateralState()
@@ -195,15 +200,18 @@ class Lateral:
         p: float,
         off: bool,
         sat: float,
+        vt: float = 0.0,
     ):
         self.heading: HeadingLoop = loops["heading"]
         self.roll: ReferenceLoop = loops["roll"]
         self.state = state
-        self.psi, self.phi, self.p, self.off, self.sat = psi, phi, p, off, sat
+        self.psi, self.phi, self.p, self.off, self.sat, self.vt = psi, phi, p, off, sat, vt
 
     def for_heading(self, reference: Reference, idle: bool) -> float:
         """Bank for a heading; while ``idle`` the loop waits to begin."""
-        wanted, heading = self.heading.sample(self.state.heading, self.psi, reference)
+        wanted, heading = self.heading.sample(
+            self.state.heading, self.psi, reference, self.phi, self.vt
+        )
         self.state = self.state._replace(heading=select(idle, HeadingLoop.START, heading))
         return wanted
 

@@ -12,7 +12,7 @@ from .._core.checks import refuse
 from .._core.units import GRAVITY
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID, PIDState
-from .signals import exp, larger, limit, select, sin, smaller, wrap
+from .signals import atan, exp, expm1, larger, limit, select, sin, smaller, wrap
 
 # of an airspeed error beyond its band, the share that does not count
 BEYOND = 0.8
@@ -159,6 +159,9 @@ class HeadingState(NamedTuple):
 
     found: float = 0.0  # heading at engagement
     law: PIDState = PID.START
+    bank: float = 0.0  # deg, of straight flight
+    psi: float = 0.0  # heading and bank, filtered
+    phi: float = 0.0
 
 
 class HeadingLoop:
@@ -169,10 +172,19 @@ class HeadingLoop:
         e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
-    Integration starts once the proportional part alone demands less than the largest bank.
+    Integration starts once the proportional part alone demands less than the largest bank. With
+    the true airspeed V, the bank of straight flight follows what the turn does not explain, with a
+    failed engine for example:
+
+    .. math::
+        \\tau \\dot\\phi_0 = \\phi - \\phi_0
+        - \\arctan \\frac{V \\dot\\psi}{g}, \\quad \\tau = 10 \\, \\mathrm{s}
     """
 
     START = HeadingState()
+
+    STRAIGHT = 10.0  # s
+    RATE = 1.0  # s, filter of the turn's rate
 
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
@@ -187,19 +199,32 @@ class HeadingLoop:
         return speed / larger(GRAVITY * abs(self.pid.Kp), _LEAST_RATE)
 
     def sample(
-        self, state: HeadingState, psi: float, reference: Reference
+        self,
+        state: HeadingState,
+        psi: float,
+        reference: Reference,
+        phi: float = 0.0,
+        vt: float = 0.0,
     ) -> tuple[float, HeadingState]:
-        """Bank reference in deg and next state."""
-        found, law = state
+        """Bank reference in deg and next state; a ``vt`` of 0, in ft/s, is not known."""
+        found, law, bank, slow_psi, slow_phi = state
+        # both as late as the rate of the filtered heading
+        share = -expm1(-self.pid.T / self.RATE)
+        slow_psi = select(law.engaged, slow_psi + share * wrap(psi - slow_psi), psi)
+        slow_phi = select(law.engaged, slow_phi + share * (phi - slow_phi), self.bank)
+        turn = vt / GRAVITY * math.radians(1.0) / self.RATE * wrap(psi - slow_psi)
+        straight = slow_phi - math.degrees(1.0) * atan(turn)
+        bank += -expm1(-self.pid.T / self.STRAIGHT) * (straight - bank)
+        bank = select(law.engaged & (vt > 0.0), bank, self.bank)
         target, increment = reference
         found = psi if target is not None else select(law.engaged, found, psi)
         error = wrap((found if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
         # an integral of 0
-        afresh = PID.holding(proportional + self.bank)
+        afresh = PID.holding(proportional + bank)
         law = select(law.engaged & (abs(proportional) < self.pid.high), law, afresh)
-        phi, law = self.pid.sample(law, error, 0.0, feed=self.bank)
-        return phi, HeadingState(found, law)
+        wanted, law = self.pid.sample(law, error, 0.0, feed=bank)
+        return wanted, HeadingState(found, law, bank, slow_psi, slow_phi)
 
 
 class AltitudeState(NamedTuple):
@@ -224,6 +249,9 @@ class AltitudeLoop:
 
     CAPTURE = 0.1 * GRAVITY  # ft/s2, of the rate of climb
 
+    # of descents: ft/s, share of the true airspeed, share of the sink rate at idle
+    FASTEST, STEEPEST, OF_IDLE = 25.0, 0.06, 0.8
+
     def __init__(
         self,
         T: float,
@@ -235,6 +263,7 @@ class AltitudeLoop:
         self.Kh = gains.Kh
         self._own_hdot_max, self._own_theta_max = hdot_max is not None, theta_max is not None
         self.hdot_max = gains.hdot_max if hdot_max is None else hdot_max
+        self.sink_max = self.hdot_max
         theta_max = gains.theta_max if theta_max is None else theta_max
         if theta_min > theta_max:
             whose = "" if self._own_theta_max else " of the gains"
@@ -250,7 +279,7 @@ class AltitudeLoop:
         self.Kh = Kh
         self.pid.retune(Kp, Ki)
         if not self._own_hdot_max:
-            self.hdot_max = hdot_max
+            self.hdot_max = self.sink_max = hdot_max
         if not self._own_theta_max:
             self.pid.high = theta_max
 
@@ -259,9 +288,15 @@ class AltitudeLoop:
         if not self._own_theta_max:
             self.pid.high = larger(self.pid.high, theta)
 
+    def descend(self, descent: float, vt: float) -> None:
+        """Allow faster descents, from the sink rate at idle and the true airspeed, ft/s."""
+        most = smaller(self.STEEPEST * vt, self.OF_IDLE * descent)
+        if not self._own_hdot_max:
+            self.sink_max = larger(self.hdot_max, smaller(most, self.FASTEST))
+
     def climb_rate(self, error: float, share: float = 1.0) -> float:
         """Rate of climb demanded in ft/s for an altitude error in ft; ``share`` as in `sample`."""
-        return smaller(larger(self.Kh * error, -self.hdot_max), share * self.hdot_max)
+        return smaller(larger(self.Kh * error, -self.sink_max), share * self.hdot_max)
 
     def capture_rate(self, error: float) -> float:
         """Rate of climb in ft/s at which the capture of an altitude begins, at an error in ft.

@@ -98,7 +98,8 @@ class Protection:
     SLOWEST = 50.0  # ft/s, true airspeed
     BANK_YIELDS = 1.0  # deg below the largest angle of attack, before the pitch does
     STOPPED = 0.5  # share of the time at its stop, from which the elevator is at its end
-    CLIMB_KEPT = 8.0  # ft/s
+    CLIMB_KEPT = 8.0  # ft/s, below which the bank is less, down to
+    GENTLE = 10.0  # deg, which takes hardly any thrust
     RELEARN = 0.02  # deg/s, with which more of the elevator's reach is tried
     CLEARANCE = 100.0  # ft above the ground, where a descent ends
 
@@ -293,7 +294,8 @@ class Protection:
             load = smaller(load, self.LIFT / self._used(state))
         most = math.degrees(1.0) * acos(1.0 / larger(load, 1.0))
         if limits.climb_max is not None:
-            most *= limit(limits.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
+            less = most * limit(limits.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
+            most = smaller(most, larger(less, self.GENTLE))
         return limit(wanted, -most, most)
 
 

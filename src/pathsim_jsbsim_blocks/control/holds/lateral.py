@@ -6,6 +6,7 @@ from typing import Any
 
 from ..._core.checks import optional, positive
 from ..._core.parameters import parameter
+from ..._core.ports import numbered
 from ..channels import Lateral
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
@@ -116,6 +117,9 @@ class HeadingHold(Hold):
         deg, added to the parameter
     %(ail_off)s
     %(vc)s
+    vt
+        true airspeed in ft/s, with which the bank of straight flight follows what the aircraft
+        needs, with a failed engine for example; without a wire (0) it is that of the gains
 
     Outputs
     -------
@@ -133,7 +137,7 @@ class HeadingHold(Hold):
 
     measured = ("psi", "phi", "p")
     commands = {"aileron": "off"}
-    input_port_labels = {"psi": 0, "phi": 1, "p": 2, "psi_ref": 3, "off": 4, "ail_sat": 5, "vc": 6}
+    input_port_labels = numbered("psi phi p psi_ref off ail_sat vc vt")
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
     START = Lateral.START
@@ -142,9 +146,9 @@ class HeadingHold(Hold):
         self.loops = self.lateral_loops()
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        psi, phi, p, psi_ref, off, ail_sat, _ = u
+        psi, phi, p, psi_ref, off, ail_sat, _, vt = u
         off = off != 0.0
-        lateral = Lateral(self.loops, state, psi, phi, p, off, ail_sat)
+        lateral = Lateral(self.loops, state, psi, phi, p, off, ail_sat, vt)
         wanted = lateral.for_heading(self.wanted("psi_ref", psi_ref), idle=off)
         *outputs, state = lateral.fly(wanted)
         return outputs, state
