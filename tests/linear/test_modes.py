@@ -209,6 +209,18 @@ def test_a_stable_spiral_is_of_level_1(category):
     assert level([[-0.1]], ("phi",), "spiral time to double", category=category) == 1
 
 
+@pytest.mark.parametrize(("category", "expected"), [("A", 2), ("B", 1), ("C", 2)])
+def test_a_short_period_of_two_real_poles_has_a_damping_ratio(category, expected):
+    # a Concorde at 24,000 ft and 300 kt: (6.57 + 1.00) / (2 sqrt(6.57 1.00)) is 1.477
+    A = [[-1.3, 1.0], [-(6.57 - 1.3) * (1.0 - 1.3), -6.27]]
+    built = model(A, ("alpha", "q"))
+    assert sorted(m.pole.real for m in built.modes()) == pytest.approx([-6.57, -1.0], abs=1e-9)
+    (found,) = flying_qualities(built, category=category)
+    assert found.name == "short-period damping ratio"
+    assert found.value == pytest.approx(1.477, abs=1e-3)
+    assert found.level == expected
+
+
 def test_control_anticipation_of_the_short_period_approximation():
     # n/alpha = V / g (-Z_alpha / V) where the elevator gives no lift
     z, m_alpha, m_q, V = -1.2, -4.0, -1.5, 500.0

@@ -11,7 +11,6 @@ import numpy as np
 from .._core.checks import one_of, refuse
 from .._core.units import GRAVITY
 from .model import LinearModel
-from .modes import Mode
 
 CLASSES = ("I", "II-L", "II-C", "III", "IV")
 CATEGORIES = ("A", "B", "C")
@@ -20,8 +19,12 @@ CATEGORIES = ("A", "B", "C")
 Limits = tuple[tuple[float, float], ...]
 _INF = math.inf
 
-# table IV, paragraph 3.2.2.1.2: least damping ratio; an oscillation is below the largest, 1.30
-_SHORT_PERIOD_DAMPING = {"A": (0.35, 0.25, 0.15), "B": (0.30, 0.20, 0.15), "C": (0.35, 0.25, 0.15)}
+# table IV, paragraph 3.2.2.1.2: damping ratios, above 1 for two real poles
+_PRECISE, _GRADUAL = (
+    ((0.35, 1.3), (0.25, 2.0), (0.15, _INF)),
+    ((0.3, 2.0), (0.2, 2.0), (0.15, _INF)),
+)
+_SHORT_PERIOD_DAMPING: dict[str, Limits] = {"A": _PRECISE, "B": _GRADUAL, "C": _PRECISE}
 
 # figures 1 to 3, paragraph 3.2.2.1.1: lines of constant omega^2 / (n/alpha), rad2/s2 per g/rad
 _ANTICIPATION: dict[str, Limits] = {
@@ -68,9 +71,10 @@ def flying_qualities(
 ) -> list[Quality]:
     """Levels of flying qualities of a model's modes.
 
-    Requirements on modes that the aircraft does not have, such as a short period that is two real
-    poles, are left out, and so are the minimum frequency and n/alpha of figures 1 to 3 and the
-    increment of Dutch roll damping for a large ratio of bank to sideslip.
+    A short period of two real poles has the damping ratio and frequency of their sum and product.
+    Requirements on modes that the aircraft does not have are left out, and so are the minimum
+    frequency and n/alpha of figures 1 to 3 and the increment of Dutch roll damping for a large
+    ratio of bank to sideslip.
 
     Parameters
     ----------
@@ -109,10 +113,16 @@ def flying_qualities(
     def add(name: str, paragraph: str, value: float, unit: str, level: int) -> None:
         found.append(Quality(name, paragraph, value, unit, level))
 
-    if short := of.get("short period"):
-        level = 1 + sum(short.damping < limit for limit in _SHORT_PERIOD_DAMPING[category])
-        add("short-period damping ratio", "3.2.2.1.2", short.damping, "", level)
-        anticipation = control_anticipation(model, short)
+    # a pair of complex poles, or two real ones
+    short = [mode.pole for mode in modes if mode.name == "short period"]
+    both = [short[0], short[-1].conjugate()] if short else [0.0, 0.0]
+    product = (both[0] * both[1]).real
+    if product > 0.0:
+        frequency = math.sqrt(product)
+        damping = -0.5 * (both[0] + both[1]).real / frequency
+        level = _within(damping, _SHORT_PERIOD_DAMPING[category])
+        add("short-period damping ratio", "3.2.2.1.2", damping, "", level)
+        anticipation = control_anticipation(model, frequency)
         if not math.isnan(anticipation):
             level = _within(anticipation, _ANTICIPATION[category])
             add("control anticipation parameter", "3.2.2.1.1", anticipation, "rad/s2 per g", level)
@@ -172,8 +182,10 @@ def _roll(category: str, aircraft_class: str) -> tuple[float, float, float]:
     return (1.0, 1.4, 10.0) if aircraft_class in nimble else (1.4, 3.0, 10.0)
 
 
-def control_anticipation(model: LinearModel, short: Mode) -> float:
+def control_anticipation(model: LinearModel, frequency: float) -> float:
     """Control anticipation parameter, omega^2 / (n/alpha), in rad/s2 per g.
+
+    ``frequency`` is omega of the short period in rad/s.
 
     n/alpha is that of a steady pull-up at constant speed, V q / (g alpha), from the states alpha
     and q and those of the control system. NaN for a model without elevator.
@@ -191,4 +203,4 @@ def control_anticipation(model: LinearModel, short: Mode) -> float:
         return math.nan
     V = model.x0[model.states.index("vt")]
     load_factor_per_rad = V / GRAVITY * steady["q"] / steady["alpha"]
-    return float(short.frequency**2 / load_factor_per_rad)
+    return float(frequency**2 / load_factor_per_rad)

@@ -224,7 +224,7 @@ class _Responses:
             raise no_model(self._plane, "no fit", why, name)
 
     def _warn(self, beyond: np.ndarray, kinks: np.ndarray, error: np.ndarray) -> None:
-        """Warn of a model for small motions only: of the worst response to each input."""
+        """Warn of a model for small motions only, of the worst response to each input first."""
         airframe = self._plane.airframe
         for j, port in enumerate(self._ports):
             i, _ = _worst(beyond[:, [j]])
@@ -232,10 +232,16 @@ class _Responses:
                 signal = self._signals[self._rigid[i]].name
                 uneven = kinks[i, j] > _MISSED
                 said = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
+                others = [
+                    f"{self._signals[self._rigid[k]].name} {error[k, j]:.0%}"
+                    for k in np.flatnonzero(beyond[:, j] > 1.0)
+                    if k != i
+                ]
+                too = f", of {', '.join(others)}" if others else ""
                 warn_user(
                     f"{airframe.aircraft}: the response of {signal} to {port.name} is not linear"
                     f"{_reason(airframe, port)}: {said}the model's error after a doublet "
-                    f"{error[i, j]:.0%}. The linear model is the mean of both sides for small "
+                    f"{error[i, j]:.0%}{too}. The linear model is the mean of both sides for small "
                     "motions; see its kinks and fit",
                     once=True,
                 )
