@@ -1019,6 +1019,20 @@ sim.run(0.5)
 """,
         "refused",
     ),
+    "subclass of Connection": (
+        """
+class Late(Connection):
+    n = 0
+    def update(self):
+        Late.n += 1
+        if Late.n < 100:
+            super().update()
+src, scope = Source(np.sin), Scope()
+sim = Simulation([src, scope], [Late(src, scope)], dt=0.05, log=False)
+sim.run(0.5)
+""",
+        "refused",
+    ),
 }
 
 WORLD = {

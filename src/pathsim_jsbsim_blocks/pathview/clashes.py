@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from ..errors import DiagramError
 from .shape import Json
-from .variables import plain, prefix_inside, variable
+from .variables import plain, prefix_inside
 
 # names that PathView's script binds in addition to the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
@@ -98,7 +98,8 @@ class _Clashes:
 
 
 def _variable(part: Json, prefix: str) -> str:
-    return variable(part["name"], prefix, part["type"] == "Subsystem")
+    # PathView puts nothing before a subsystem in a subsystem
+    return ("" if part["type"] == "Subsystem" else prefix) + plain(part["name"])
 
 
 def _inner(subsystem: Json, prefix: str) -> str:

@@ -131,7 +131,10 @@ class _Reader:
         return Graph(nodes, wires, [self._event(e, parent) for e in events])
 
     def _wires(self, connection: Connection, index: dict[int, int]) -> Iterator[Wire]:
-        source = connection.source
+        source, kind = connection.source, type(connection)
+        if not kind.__module__.startswith("pathsim."):
+            reason = f"a connection is a {kind.__name__}; PathView has PathSim's own only"
+            self._refuse(source.block, reason)
         for target in connection.targets:
             for end in (source, target):
                 if id(end.block) not in index:

@@ -29,7 +29,7 @@ def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
         found = {
             ours: given[theirs]
             for theirs, ours in _SETTINGS.items()
-            if theirs in given and not _is(given[theirs], None)
+            if theirs in given and ast.unparse(given[theirs]) != "None"
         }
     given = script.run_arguments()
     if "duration" in given:
@@ -72,7 +72,3 @@ def setting_values(script: FirstRun) -> dict[str, str]:
         "ftol": sim.tolerance_fpi,
     }
     return {"solver": name, **{k: "" if v is None else repr(float(v)) for k, v in live.items()}}
-
-
-def _is(node: ast.expr, value: object) -> bool:
-    return isinstance(node, ast.Constant) and node.value is value

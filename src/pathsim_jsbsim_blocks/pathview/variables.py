@@ -11,14 +11,6 @@ def plain(name: str) -> str:
     return ("n_" + variable if variable[:1].isdigit() else variable).lower()
 
 
-def variable(name: str, prefix: str, subsystem: bool) -> str:
-    """The variable of a block, an event or a subsystem; ``prefix`` is that of its graph.
-
-    PathView puts nothing before a subsystem in a subsystem.
-    """
-    return plain(name) if subsystem else prefix + plain(name)
-
-
 def prefix_inside(subsystem: str, prefix: str) -> str:
     """What PathView puts before the variables of blocks in a subsystem of this name."""
     return f"{prefix}{plain(subsystem)}_"
