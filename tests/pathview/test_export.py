@@ -758,6 +758,7 @@ def test_ordinary_python_becomes_a_model(law, value, export):
         ),
         ("laws = {'f': lambda: np.sin(1)}\n_ = laws.update(f=lambda: np.cos(1))", "laws['f']()"),
         ("laws = [lambda: 1]\n_ = laws.__setitem__(0, lambda: 2)", "laws[0]()"),
+        ("laws = [lambda t: -t]\n_ = laws.__setitem__(0, lambda t: +t)", "laws[0](t)"),
         ("laws = [lambda: max((1, 2))]\n_ = laws.__setitem__(0, lambda: max((1, 3)))", "laws[0]()"),
         (
             "class C:\n    def __call__(self):\n        return 1.0\nc = C()\n"

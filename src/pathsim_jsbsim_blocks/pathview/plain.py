@@ -138,7 +138,7 @@ def _kind(value: Any) -> str:
 
 
 def _of_code(code: types.CodeType, variables: Mapping[str, Any]) -> str:
-    """Constants and names in a code, in their order, and those of functions in it.
+    """Constants, names and operators in a code, in their order, and those of functions in it.
 
     Not what the way into a model changes: the calls that follow a script's own, texts of several
     lines, names of inner functions and of parts of the diagram.
@@ -148,14 +148,14 @@ def _of_code(code: types.CodeType, variables: Mapping[str, Any]) -> str:
         for c in code.co_consts
         if not (isinstance(c, bytes) or (isinstance(c, str) and ("\n" in c or "<locals>" in c)))
     ]
-    names = [
-        i.argval
-        for i in dis.get_instructions(code)
-        if i.opcode in dis.hasname
-        and not (i.opname == "LOAD_GLOBAL" and isinstance(variables.get(i.argval), PARTS))
-        and i.argval not in FOLLOWING
-    ]
-    return f"{constants}{names}"
+    says = []
+    for i in dis.get_instructions(code):
+        if i.opname.startswith(("BINARY", "INPLACE", "UNARY", "COMPARE")):
+            says.append(i.opname + i.argrepr)
+        elif i.opcode in dis.hasname and i.argval not in FOLLOWING:
+            part = i.opname == "LOAD_GLOBAL" and isinstance(variables.get(i.argval), PARTS)
+            says += [] if part else [i.argval]
+    return f"{constants}{says}"
 
 
 def _own_values(function: types.FunctionType) -> dict[str, Any]:

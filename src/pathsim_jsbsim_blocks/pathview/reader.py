@@ -132,8 +132,8 @@ class _Reader:
 
     def _wires(self, connection: Connection, index: dict[int, int]) -> Iterator[Wire]:
         source, kind = connection.source, type(connection)
-        if not kind.__module__.startswith("pathsim."):
-            reason = f"a connection is a {kind.__name__}; PathView has PathSim's own only"
+        if kind is not Connection:
+            reason = f"a connection is a {kind.__name__}; PathView has PathSim's Connection only"
             self._refuse(source.block, reason)
         for target in connection.targets:
             for end in (source, target):
