@@ -34,8 +34,8 @@ _ACTIONS = ("propulsion/set-running", "simulation/terminate", _SEED)
 # NaN shows up here within one step, after which searches can end the process
 _SPEED = "velocities/vt-fps"
 
-# that of the pass before, and no part of the state
-_FUEL_FLOW = "/fuel-flow-rate-"
+# those of the pass before, from which no flight follows
+_REPORTS = re.compile(r"/(fuel-flow-rate-\w+|tsfc)$")
 
 # initial conditions from which all others follow, and what they are in flight
 _VELOCITIES = {
@@ -84,7 +84,7 @@ class Rewind:
         self.trimmed: TrimState | None = None
         nodes = airframe.nodes()
         read = [n for n in nodes if nodes[n].get_attribute(jsbsim.Attribute.READ)]
-        self._state = [nodes[name] for name in read if _FUEL_FLOW not in name]
+        self._state = [nodes[name] for name in read if not _REPORTS.search(name)]
         written = [
             nodes[name]
             for name in read
