@@ -8,6 +8,7 @@ quote the ratios, which are medians over repetitions.
 import air_data
 import autopilot
 import batches
+import environment
 import fdm_block
 import import_time
 import linear_model
@@ -15,5 +16,14 @@ import trim_sweep
 from report import HEADER
 
 print(HEADER)
-for benchmark in (fdm_block, autopilot, air_data, trim_sweep, linear_model, batches, import_time):
+for benchmark in (
+    fdm_block,
+    autopilot,
+    environment,
+    air_data,
+    trim_sweep,
+    linear_model,
+    batches,
+    import_time,
+):
     benchmark.rows()

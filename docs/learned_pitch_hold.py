@@ -99,6 +99,8 @@ def held(reference):
 
 
 def main(generations=GENERATIONS):
+    from matplotlib.ticker import MaxNLocator
+
     from pathsim_jsbsim_blocks.plots import subplots
 
     start = time.perf_counter()
@@ -123,7 +125,8 @@ def main(generations=GENERATIONS):
     above.axhspan(reference - wanted.tolerance, reference + wanted.tolerance, color="0.92")
     above.set(xlabel="time [s]", ylabel="pitch angle [deg]", xlim=(0.0, DURATION))
     below.plot(1 + np.arange(len(history)), -np.array(history) * STEP / 2, "C1.-")
-    below.set(xlabel="generation", ylabel="error of the best law [deg s]", yscale="log")
+    below.set(xlabel="generation", ylabel="error of the best law [deg s]", ylim=(0.0, None))
+    below.xaxis.set_major_locator(MaxNLocator(integer=True))
     above.legend(loc="lower right", fontsize="small")
     for ax in (above, below):
         ax.grid(alpha=0.4)

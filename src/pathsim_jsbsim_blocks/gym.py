@@ -156,6 +156,12 @@ class DiagramEnv(gymnasium.Env):
         self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "restored")]
         for block in self._flown:
             block.restored = given["restart"] == "restored"
+        self._place = [
+            port_reader(block.outputs, port_names(block.outputs)[name])
+            for block in self._flown[:1]
+            for name in POSITION
+            if name in port_names(block.outputs)
+        ]
         self._random = random_blocks(sim)
 
     def _lead(self, i: int, action: _Port) -> None:
@@ -235,7 +241,7 @@ class DiagramEnv(gymnasium.Env):
         box, u = self.action_space, np.asarray(action, dtype=float)
         if u.shape != box.shape or not np.isfinite(u).all():
             refuse("action", action, f"action must be {len(self._actions)} numbers, not {action!r}")
-        u = u.clip(box.low, box.high)
+        u = _within(box, u)
         if self._given["normalise"]:
             low, high = _limits(self._actions)
             u = low + 0.5 * (u + 1.0) * (high - low)
@@ -256,14 +262,12 @@ class DiagramEnv(gymnasium.Env):
         """The observation, kept for `figure` and `track`."""
         y = [port.read() for port in self._observed]
         row = [self.values["time"], *y, *values(self._source.outputs)[: len(self._actions)]]
-        for block in self._flown[:1]:
-            row += [block.outputs[name] for name in POSITION if name in port_names(block.outputs)]
-        self._rows.append(row)
+        self._rows.append(row + [read() for read in self._place])
         box, seen = self.observation_space, np.array(y)
         if self._given["normalise"]:
             low, high = _limits(self._observed)
             seen = 2.0 * (seen - low) / (high - low) - 1.0
-        return seen.clip(box.low, box.high)
+        return _within(box, seen)
 
     def _columns(self) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, Any]]:
         """Times of the episode, observations and actions, and the track of its first aircraft."""
@@ -452,6 +456,11 @@ def _range(name: str, bounds: Any) -> tuple[float, float]:
     if not isinstance(bounds, (tuple, list)) or len(bounds) != 2:
         refuse(name, bounds, f"{name} needs a range (low, high), not {bounds!r}")
     return limits(*bounds)
+
+
+def _within(box: gymnasium.spaces.Box, x: np.ndarray) -> np.ndarray:
+    """Limited to a space; numpy's own clip takes three times as long."""
+    return np.minimum(np.maximum(x, box.low), box.high)
 
 
 def _limits(ports: Sequence[_Port]) -> tuple[np.ndarray, np.ndarray]:

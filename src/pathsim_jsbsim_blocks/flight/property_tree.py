@@ -40,7 +40,7 @@ class PropertyTree:
         self._created: set[str] = set()
         self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
-        self._readers: dict[str, Callable[[], float]] = {}
+        self._checked: dict[tuple[str, str], jsbsim.FGPropertyNode] = {}
         self._writers: dict[str, tuple[Callable[[float], Any], Check | None]] = {}
         self._internal: list[jsbsim.FGPropertyNode] | None = None
 
@@ -101,10 +101,7 @@ class PropertyTree:
         PropertyError
             if the name is malformed or unknown, or the property cannot be read
         """
-        # what is no text is refused by `_node`
-        if not isinstance(name, str) or name not in self._readers:
-            self._readers[name] = self._node(name, "r", "read").get_double_value
-        return self._readers[name]
+        return self._node(name, "r", "read").get_double_value
 
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`.
@@ -170,6 +167,12 @@ class PropertyTree:
         return _access(self._find(name))
 
     def _node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
+        # what is no text is refused
+        if not isinstance(name, str) or (name, way) not in self._checked:
+            self._checked[name, way] = self._checked_node(name, way, verb)
+        return self._checked[name, way]
+
+    def _checked_node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
         node, known = self._find(name), f"property {name!r} of aircraft {self.aircraft!r}"
         if way == "w" and (why := why_not(self._path(node), self.has)):
             raise self.property_error(name, f"{known} cannot be written: {why}")
