@@ -5,7 +5,7 @@
 Each figure is the median over repetitions, each ratio the median of those within a repetition.
 PYTHON, optional, is the interpreter of an environment with gymnasium-jsbsim 0.1.1: the steps of its
 ``JSBSim-HeadingControlTask-Cessna172P-Shaping.STANDARD-NoFG-v0`` are then measured too, in a
-process of its own between ours; three quarters of its time are JSBSim's own. At equal task both move
+process of its own between ours; three quarters of it are JSBSim's own. At equal task both move
 aileron, elevator and rudder of a Cessna 172, hold them for 12 frames of 1/60 s, observe attitude,
 rates and speeds, and judge heading and altitude.
 """
