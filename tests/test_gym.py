@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, Source, WhiteNoise
 from pathsim.solvers import RKCK54
 
@@ -10,8 +10,15 @@ gymnasium = pytest.importorskip("gymnasium")
 
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, Sensor  # noqa: E402
+from pathsim_jsbsim_blocks import (  # noqa: E402
+    Aircraft,
+    ParameterError,
+    PitchHold,
+    Sensor,
+    TrimError,
+)
 from pathsim_jsbsim_blocks.gym import make_env  # noqa: E402
+from pathsim_jsbsim_blocks.scripts.settings import SettingError  # noqa: E402
 
 TASKS = ("PitchHold", "HeadingInTurbulence", "Approach")
 ELEVATOR = {"plane.elevator": (-0.3, 0.3)}
@@ -276,6 +283,10 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"vary": {"plane.sped": (80, 90)}}, "did you mean 'speed'"),
         ({"vary": {"SPEED": (80, 90)}}, "those of scripts"),
         ({"settings": {"SPEED": 3}}, "those of scripts"),
+        ({"vary": {"plane.speed": (0, np.inf)}}, "must be finite"),
+        ({"action": {**ELEVATOR, "plane.0": (-1, 1)}, "wired": "replace"}, "two actions lead into"),
+        ({"observation": "plane.theta"}, "observation must be"),
+        ({"normalise": "no"}, "True or False"),
         ({"step": 0.013}, "multiple of dt"),
         ({"step": 0.001}, "multiple of dt"),
         ({"duration": -1.0}, "duration"),
@@ -291,11 +302,14 @@ def test_bad_input_is_refused(options, said):
         bare(**options)
 
 
-@pytest.mark.parametrize("action", [[0.0, 0.0], [np.nan], [np.inf], 0.0, "up"])
+@pytest.mark.parametrize(
+    "action",
+    [[0.0, 0.0], [], [np.nan], [np.inf], 0.0, "up", None, {"elevator": 0.0}],
+)
 def test_bad_actions_are_refused(action):
     env = bare()
     env.reset()
-    with pytest.raises((ParameterError, ValueError)):
+    with pytest.raises(ParameterError, match="action must be 1 numbers"):
         env.step(action)
     env.step([0.0])
 
@@ -310,11 +324,85 @@ def test_diagrams_that_cannot_be_environments():
     random = Simulation([plane, dice, scope], [Connection(dice, scope)], dt=1 / 120, log=False)
     with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's global"):
         make_env(random, **given)
+    hidden = Subsystem([Interface(), RandomNumberGenerator()], [])
+    nested = Simulation([plane, hidden], [], dt=1 / 120, log=False)
+    with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's global"):
+        make_env(nested, **given)
     adaptive = Simulation([plane], [], dt=1 / 120, Solver=RKCK54, log=False)
     with pytest.raises(ParameterError, match="fixed step"):
         make_env(adaptive, **given)
     with pytest.raises(ParameterError, match="did you mean 'pitch_hold'"):
         make_env("pitch_hld", **given)
+
+
+def test_a_refused_environment_leaves_the_simulation_as_it_was():
+    plane, still, hold = Aircraft("c172p", altitude=5000, speed=90), Constant(0.0), PitchHold()
+    wires = [
+        Connection(still, plane["rudder"], hold["theta"]),
+        Connection(plane["q"], hold["q"]),
+        Connection(hold["elevator"], plane["aileron"]),
+    ]
+    sim = Simulation([plane, still, hold], wires, dt=1 / 120, log=False)
+    given = {"observation": PITCH, "reward": level}
+    for options in (
+        {"action": {**ELEVATOR, "plane.rudder": (-1, 1)}},
+        {"action": ELEVATOR, "step": 0.013},
+        {"action": ELEVATOR, "normalise": True},
+        {"action": {"plane.rudder": (-1, 1)}, "wired": "replace", "restart": "quick"},
+    ):
+        with pytest.raises(ParameterError):
+            make_env(sim, **options, **given)
+        assert [*sim.connections] == wires
+        assert len(sim.blocks) == 3
+    flown(make_env(sim, action={"plane.rudder": (-1, 1)}, wired="replace", **given))
+    assert hold.inputs["theta"] == 0.0
+
+
+def test_a_reset_that_fails_ends_the_episode():
+    env = bare(vary={"plane.speed": (80, 100)})
+    first = flown(env, seed=1)
+    with pytest.raises(TrimError):
+        env.reset(options={"plane.speed": 5.0})
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step([0.0])
+    assert np.array_equal(flown(env, seed=1), first)
+
+
+def test_a_picture_needs_an_episode():
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        bare().figure()
+
+
+def test_an_episode_lasts_at_least_its_duration():
+    env = bare(duration=0.12)
+    env.reset()
+    assert [env.step([0.0])[3] for _ in range(3)] == [False, False, True]
+
+
+def test_the_values_are_those_of_all_ports():
+    env = bare()
+    env.reset()
+    everything = dict(env.values)
+    ports = {*Aircraft.input_port_labels, *Aircraft.output_port_labels}
+    assert {*everything} == {"time", *(f"plane.{port}" for port in ports)}
+    assert everything["plane.h"] == pytest.approx(5000.0)
+
+
+def test_a_variable_that_the_script_does_not_have_is_refused_at_once(tmp_path):
+    script = tmp_path / "flight.py"
+    script.write_text("SPEED = 90.0\nprint(SPEED)\nsim = None\n")
+    given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
+    with pytest.raises(SettingError, match="did you mean 'SPEED'"):
+        make_env(script, vary={"SPED": (80, 95)}, **given)
+
+
+def test_a_simulation_whose_blocks_are_no_variables():
+    def build():
+        plane = Aircraft("c172p", altitude=5000, speed=90)
+        return Simulation([plane], [], dt=1 / 120, log=False)
+
+    with pytest.raises(ParameterError, match="where make_env is called"):
+        make_env(build(), action=ELEVATOR, observation=PITCH, reward=level)
 
 
 @pytest.mark.long

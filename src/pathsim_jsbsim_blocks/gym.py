@@ -6,6 +6,7 @@ Importing this module registers ``pathsim-jsbsim/PitchHold-v0``,
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ from pathsim.blocks import Block
 from ._core.callers import frames
 from ._core.checks import (
     did_you_mean,
+    flag,
     limits,
     mapping,
     nearest,
@@ -78,10 +80,15 @@ class _Values(Mapping[str, float]):
         return self._read[name]()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._read)
+        names = {"time": None}
+        for name, block in self._blocks.items():
+            for register in (block.outputs, block.inputs):
+                ports = port_names(register) or map(str, range(len(register)))
+                names |= dict.fromkeys(f"{name}.{port}" for port in ports)
+        return iter(names)
 
     def __len__(self) -> int:
-        return len(self._read)
+        return sum(1 for _ in self)
 
 
 class DiagramEnv(gymnasium.Env):
@@ -104,6 +111,8 @@ class DiagramEnv(gymnasium.Env):
     def __init__(self, build: Callable[[Mapping[str, Any]], Any], given: Mapping[str, Any]):
         self._build, self._given = build, given
         self._vary = {n: _range(n, r) for n, r in mapping("vary", given["vary"]).items()}
+        for name, (low, high) in self._vary.items():
+            number(name, high - low)
         # a variable of a script takes effect where the script is built again
         self._anew = any("." not in name for name in self._vary)
         self._crash = number("crash", given["crash"])
@@ -114,29 +123,37 @@ class DiagramEnv(gymnasium.Env):
         self.render_mode = given["render_mode"]
         if self.render_mode is not None:
             one_of("render_mode", self.render_mode, self.metadata["render_modes"])
-        self._load({})
+        one_of("wired", given["wired"], ("refuse", "replace"))
+        one_of("restart", given["restart"], ("trimmed", "restored"))
+        flag("normalise", given["normalise"])
+        self._find({})
         step, dt = positive("step", given["step"]), self.simulation.dt
         self._count = round(step / dt)
         if not self._count or abs(step / dt - self._count) > _ROUNDING * self._count:
             refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
-        self._longest = round(positive("duration", given["duration"]) / step)
+        steps = positive("duration", given["duration"]) / step
+        self._longest = math.ceil(steps * (1 - _ROUNDING))
         self.action_space = self._space(self._actions)
         self.observation_space = self._space(self._observed)
+        # last, so that a refusal leaves a user's simulation as it was
+        self._wire()
         self._pieces: Pieces | None = None
         self._rows: list[list[float]] = []
 
-    def _load(self, varied: Mapping[str, Any]) -> None:
-        """Build the diagram and lead the actions into it."""
+    def _find(self, varied: Mapping[str, Any]) -> None:
+        """Build the diagram and find the ports in it."""
         given = self._given
         sim, blocks = self.simulation, self._blocks = self._build(varied)
         if sim.engine.is_adaptive:
             refuse("diagram", sim, "an environment needs a solver with a fixed step")
-        if shared := [type(b).__name__ for b in sim.blocks if draws_from_shared(b)]:
+        if shared := [type(b).__name__ for b in contents(sim)[0] if draws_from_shared(b)]:
             why = "draws from NumPy's global generator, which no seed reaches: use WhiteNoise"
             refuse("diagram", sim, f"{shared[0]} {why}")
         self.values = _Values(sim, blocks)
         seen = given["observation"]
-        seen = seen if isinstance(seen, Mapping) else dict.fromkeys(seen, (-np.inf, np.inf))
+        if isinstance(seen, (list, tuple)):
+            seen = dict.fromkeys(seen, (-np.inf, np.inf))
+        seen = mapping("observation", seen)
         self._observed = [_port(blocks, "observation", n, *_range(n, r)) for n, r in seen.items()]
         self._actions = [
             _port(blocks, "action", n, *_range(n, r), inputs=True)
@@ -144,18 +161,36 @@ class DiagramEnv(gymnasium.Env):
         ]
         if not self._anew:
             self._places = {name: _parameter(blocks, name) for name in self._vary}
-        one_of("wired", given["wired"], ("refuse", "replace"))
-        one_of("restart", given["restart"], ("trimmed", "restored"))
+
+    def _wire(self) -> None:
+        """Lead the actions into the diagram, in place of the wires that lead to their ports."""
+        sim, ports = self.simulation, [(port.block, port.number) for port in self._actions]
+        replaced = []
+        for i, action in enumerate(self._actions):
+            if action.block not in sim.blocks:
+                refuse("action", action.name, f"{action.name!r} is inside a subsystem")
+            if ports[i] in ports[:i]:
+                refuse("action", action.name, f"two actions lead into {action.name!r}")
+            wires = [w for w in sim.connections if any(end == ports[i] for _, end in _ends(w))]
+            if wires and self._given["wired"] == "refuse":
+                why = f"a wire leads into {action.name!r}; wired='replace' takes its place"
+                refuse("wired", "refuse", why)
+            replaced += [wire for wire in wires if wire not in replaced]
         # plain blocks: the outputs of the first stay as they are written; the second takes what an
         # action replaces, which so keeps a wire
-        self._source, self._spare = Block(), Block()
+        self._source, spare = Block(), Block()
         sim.add_block(self._source)
-        sim.add_block(self._spare)
-        for i, action in enumerate(self._actions):
-            self._lead(i, action)
+        sim.add_block(spare)
+        for wire in replaced:
+            sim.remove_connection(wire)
+            for source, end in _ends(wire):
+                target = spare[ports.index(end)] if end in ports else end[0][end[1]]
+                sim.add_connection(Connection(wire.source.block[source], target))
+        for i, (block, k) in enumerate(ports):
+            sim.add_connection(Connection(self._source[i], block[k]))
         self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "restored")]
         for block in self._flown:
-            block.restored = given["restart"] == "restored"
+            block.restored = self._given["restart"] == "restored"
         self._place = [
             port_reader(block.outputs, port_names(block.outputs)[name])
             for block in self._flown[:1]
@@ -163,28 +198,6 @@ class DiagramEnv(gymnasium.Env):
             if name in port_names(block.outputs)
         ]
         self._random = random_blocks(sim)
-
-    def _lead(self, i: int, action: _Port) -> None:
-        """Lead an action into its port, in place of a wire that leads there."""
-        sim, port = self.simulation, (action.block, action.number)
-        if action.block not in sim.blocks:
-            refuse("action", action.name, f"{action.name!r} is inside a subsystem")
-        for wire in list(sim.connections):
-            pairs = [
-                (source, (target.block, port_number(target.block.inputs, p)))
-                for target in wire.targets
-                for source, p in zip(wire.source.ports, target.ports, strict=True)
-            ]
-            if not any(end == port for _, end in pairs):
-                continue
-            if self._given["wired"] == "refuse":
-                why = f"a wire leads into {action.name!r}; wired='replace' takes its place"
-                refuse("wired", "refuse", why)
-            sim.remove_connection(wire)
-            for source, (block, k) in pairs:
-                end = self._spare[i] if (block, k) == port else block[k]
-                sim.add_connection(Connection(wire.source.block[source], end))
-        sim.add_connection(Connection(self._source[i], action.block[action.number]))
 
     def _space(self, ports: Sequence[_Port]) -> gymnasium.spaces.Box:
         low, high = _limits(ports)
@@ -208,6 +221,7 @@ class DiagramEnv(gymnasium.Env):
         TrimError
             where the aircraft does not trim
         """
+        self._pieces = None
         super().reset(seed=seed)
         chosen = {
             one_of("options", n, self._vary): v for n, v in mapping("options", options).items()
@@ -215,7 +229,8 @@ class DiagramEnv(gymnasium.Env):
         varied = {n: self.np_random.uniform(*r) for n, r in self._vary.items()} | chosen
         drawn = int(self.np_random.integers(2**31))
         if self._anew:
-            self._load(varied)
+            self._find(varied)
+            self._wire()
         else:
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
@@ -238,7 +253,11 @@ class DiagramEnv(gymnasium.Env):
         """
         if self._pieces is None:
             raise gymnasium.error.ResetNeeded("the episode has ended, or none has begun: reset()")
-        box, u = self.action_space, np.asarray(action, dtype=float)
+        box = self.action_space
+        try:
+            u = np.asarray(action, dtype=float)
+        except (TypeError, ValueError):
+            u = np.array(np.nan)
         if u.shape != box.shape or not np.isfinite(u).all():
             refuse("action", action, f"action must be {len(self._actions)} numbers, not {action!r}")
         u = _within(box, u)
@@ -271,6 +290,8 @@ class DiagramEnv(gymnasium.Env):
 
     def _columns(self) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, Any]]:
         """Times of the episode, observations and actions, and the track of its first aircraft."""
+        if not self._rows:
+            raise gymnasium.error.ResetNeeded("no episode has begun: reset()")
         time, *columns = np.array(self._rows).T
         names = [port.name for port in (*self._observed, *self._actions)]
         place = dict(zip(POSITION, columns[len(names) :], strict=False))
@@ -403,6 +424,9 @@ def make_env(
         built = diagram, next(filter(None, names), {})
         return DiagramEnv(lambda varied: built, given)
     script = find_diagram(str(diagram))
+    if any("." not in name for name in mapping("vary", vary)):
+        # refuses what the script does not have
+        Script(script, {**chosen, **dict.fromkeys(mapping("vary", vary))})
 
     def build(varied: Mapping[str, Any]) -> tuple[Simulation, dict[str, Block]]:
         module = Script(script, {**chosen, **varied}).load()
@@ -424,7 +448,10 @@ def _block(blocks: Mapping[str, Block], parameter: str, name: Any) -> tuple[Bloc
     block, _, rest = str(name).partition(".")
     if block not in blocks or not rest:
         close = did_you_mean(f"{b}.{rest}" for b in nearest(block, blocks) if rest)
-        refuse(parameter, name, f"no {name!r} in the diagram{close or f'; it has {[*blocks]}'}")
+        why = close or f"; it has {[*blocks]}"
+        if not blocks:
+            why = ": no variable of the script, or where make_env is called, is a block of it"
+        refuse(parameter, name, f"no {name!r} in the diagram{why}")
     return blocks[block], rest
 
 
@@ -450,6 +477,15 @@ def _parameter(blocks: Mapping[str, Block], name: str) -> tuple[Block, str]:
         close = did_you_mean(nearest(parameter, known)) or f"; there is {', '.join(known)}"
         refuse("vary", name, f"no parameter {name!r}{close}")
     return block, parameter
+
+
+def _ends(wire: Connection) -> list[tuple[Any, tuple[Block, int]]]:
+    """Ports of a wire's source, each with the block and the input to which it leads."""
+    return [
+        (source, (target.block, port_number(target.block.inputs, port)))
+        for target in wire.targets
+        for source, port in zip(wire.source.ports, target.ports, strict=True)
+    ]
 
 
 def _range(name: str, bounds: Any) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from pathsim.blocks import Integrator, Scope
 from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, TrimCondition
-from pathsim_jsbsim_blocks.errors import FlightError
+from pathsim_jsbsim_blocks.errors import BlocksError, FlightError, ParameterError
 from pathsim_jsbsim_blocks.flight import has_retractable_gear
 
 OUTPUTS = [
@@ -342,14 +342,69 @@ def test_what_needs_a_fresh_executive_gets_one(tmp_path):
         assert block.fdm is not executive
 
 
+def test_permissions_and_addresses_count_from_the_reset_on():
+    for name, value in (("allow_files", True), ("flightgear", "localhost:5599")):
+        block = Aircraft("c172p", altitude=5000, speed=90)
+        for _ in range(2):
+            block.reset()
+        executive = block.fdm
+        with pytest.warns(RuntimeWarning, match="next reset"):
+            setattr(block, name, value)
+        block.reset()
+        assert block.fdm is not executive
+
+
+@pytest.mark.filterwarnings("ignore:.*next reset:RuntimeWarning")
+@pytest.mark.parametrize("restored", [False, True])
+def test_what_is_refused_at_a_reset_is_refused_at_the_next(restored):
+    block = Aircraft("c172p", altitude=5000, speed=90)
+    block.restored = restored
+    for _ in range(2):
+        block.reset()
+    first = [block.advance(k, 7 * [0.1]) for k in range(1, 100)]
+    for name, wrong in (("aircraft", "c172"), ("integrators", "exact"), ("speed", 5.0)):
+        right = getattr(block, name)
+        setattr(block, name, wrong)
+        for _ in range(2):
+            with pytest.raises(BlocksError):
+                block.reset()
+        setattr(block, name, right)
+        block.reset()
+        assert [block.advance(k, 7 * [0.1]) for k in range(1, 100)] == first
+
+
+def test_a_checkpoint_of_a_restored_flight_is_of_that(tmp_path):
+    def flight(restored):
+        block = Aircraft("c172p", altitude=5000, speed=90, record_inputs=True)
+        block.restored = restored
+        sim = Simulation([block], [], dt=1 / 120, log=False)
+        sim.run(0.5, reset=True)
+        return sim, block
+
+    sim, block = flight(restored=True)
+    sim.save_checkpoint(tmp_path / "flight")
+    with pytest.raises(ParameterError, match="restored=True"):
+        flight(restored=False)[0].load_checkpoint(tmp_path / "flight")
+    again, other = flight(restored=True)
+    again.load_checkpoint(tmp_path / "flight")
+    for each in (sim, again):
+        each.run(0.5)
+    assert np.array_equal(other.outputs.to_array(), block.outputs.to_array())
+
+
 def test_an_edited_model_is_loaded_at_a_reset(tmp_path):
-    root = tmp_path / "root"
-    shutil.copytree(Path(jsbsim.get_default_root_dir(), "aircraft/c172p"), root / "aircraft/c172p")
-    for folder in ("engine", "systems"):
-        os.symlink(Path(jsbsim.get_default_root_dir(), folder), root / folder)
+    root, ours = tmp_path / "root", Path(jsbsim.get_default_root_dir())
+    for folder in ("aircraft/c172p", "engine"):
+        shutil.copytree(ours / folder, root / folder)
+    os.symlink(ours / "systems", root / "systems")
     block = Aircraft("c172p", altitude=5000, speed=90, root=str(root))
     block.reset()
     weight, model = block.trim.weight, root / "aircraft/c172p/c172p.xml"
     model.write_text(re.sub(r"(<emptywt[^>]*>)\s*1500", r"\1 1600", model.read_text()))
     block.reset()
     assert block.trim.weight == pytest.approx(weight + 100.0)
+    block.reset()
+    throttle, engine = block.trim.throttle, root / "engine/eng_io320.xml"
+    engine.write_text(re.sub(r"320.0( *</disp)", r"400.0\1", engine.read_text()))
+    block.reset()
+    assert np.less(block.trim.throttle, throttle).all()

@@ -133,10 +133,10 @@ class Airframe(PropertyTree):
         self._names = names  # those of the same model
         self.write(written)
 
-    def version(self) -> tuple[int, int]:
-        """Time and size of the model's file."""
-        state = self._file.path.stat()
-        return state.st_mtime_ns, state.st_size
+    def version(self) -> list[tuple[int, int]]:
+        """Times and sizes of the files that the model is made of."""
+        states = [path.stat() for path in self._file.parts]
+        return [(state.st_mtime_ns, state.st_size) for state in states]
 
     def forget(self) -> None:
         """Nothing was written, and no engine stopped: JSBSim is as after loading."""

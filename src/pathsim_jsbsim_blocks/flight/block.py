@@ -68,8 +68,14 @@ _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", 
 # parameters that are those of its trim condition: a block's own setup is written after its
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
 
-# parameters that checkpoints name where they are not as usual: older ones do not name them
-_LATER = (("integrators", "default"), ("planet", None), ("gravity", None), ("systems", None))
+# what checkpoints name where it is not as usual: older ones do not name it
+_LATER = (
+    ("integrators", "default"),
+    ("planet", None),
+    ("gravity", None),
+    ("systems", None),
+    ("restored", False),
+)
 
 # parameters that act at once, and those that a reset refuses to change
 _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
@@ -362,10 +368,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         )
         condition = self._condition()
         self._flying = self._flight_key()
-        before, self._asked = self._asked, f"{self._flying}, {self.restored}"
+        own = self.allow_network, self.allow_files, self.flightgear, self.systems
+        before, self._asked = self._asked, f"{self._flying}, {own}"
         repeated = self._asked == before
         started = self._started_again(condition) if repeated else None
-        write, read = started or self._started_anew(condition, dt, repeated)
+        write, read = started or self._started_anew(condition, dt, repeated, any(own))
         fdm = self.airframe.fdm
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
         self._thread = get_ident()
@@ -391,15 +398,16 @@ class FlightBlock(NamedPorts, SampledPlant):
             observe(self)
 
     def _started_anew(
-        self, condition: TrimCondition, dt: float, repeated: bool
+        self, condition: TrimCondition, dt: float, repeated: bool, own: bool
     ) -> tuple[Write, Read]:
         """Load, initialise and trim a fresh aircraft; returns what `_connect` does.
 
         One that has flown the same before is expected to fly it again.
         """
-        own = self.allow_network, self.allow_files, self.flightgear, self.systems
+        # after an error below there is nothing to fly again
+        self._rewind = None
         # JSBSim's search on the ground reads invalid memory on an executive that was used
-        reusable = (repeated or self.restored) and not any(own) and condition.mode != "ground"
+        reusable = (repeated or self.restored) and not own and condition.mode != "ground"
         for restored in (self.restored, False):
             self.airframe = Airframe(
                 self._model(),
@@ -432,7 +440,7 @@ class FlightBlock(NamedPorts, SampledPlant):
                 self.trim = trim(self.airframe, condition, self.setup, hint=False)
             write, read = self._connect()
             self.airframe.write(self.properties, "properties")
-        except (BlocksError, jsbsim.BaseError):
+        except (BlocksError, jsbsim.BaseError, OSError):
             return None
         return (write, read) if rewind.proven() else None
 

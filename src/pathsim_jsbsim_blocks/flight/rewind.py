@@ -18,6 +18,7 @@ from math import isfinite
 import jsbsim
 
 from .airframe import Airframe
+from .console import capture_console
 from .trimming.initial import properties
 from .trimming.state import TrimState, read_state
 from .trimming.trimmer import Trimmer
@@ -112,6 +113,7 @@ class Rewind:
         airframe, fdm = self._airframe, self._airframe.fdm
         if not isfinite(fdm[_SPEED]) or airframe.version() != self._version:
             return False
+        capture_console()
         fdm.reset_to_initial_conditions(_WITHOUT_RUN_IC)
         for name, value in self._initial:
             fdm[name] = value
