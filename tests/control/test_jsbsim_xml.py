@@ -189,6 +189,53 @@ def test_a_step_that_does_not_divide_the_period_leaves_it_inactive(tmp_path):
     assert not rows[:, -1].any()
 
 
+def low_flight(file, seconds=20.0, **how):
+    """Height above the ground after an autopilot is told to go from 200 to 50 ft."""
+    file.write_text(Autopilot("c172p-designed").to_jsbsim_xml("ap", **how), encoding="utf-8")
+    properties = {"ap/pathsim/ap/engaged": 1.0, "ap/pathsim/ap/h-ref-ft": -150.0}
+    plane = Aircraft("c172p", altitude=200, speed=90, systems=[str(file)], properties=properties)
+    for _ in range(round(seconds * 120)):
+        plane.fdm.run()
+    return plane.fdm["position/h-agl-ft"]
+
+
+def test_the_ground_protects_unless_its_port_is_left_unwired(tmp_path):
+    assert low_flight(tmp_path / "a.xml") > 95.0
+    assert low_flight(tmp_path / "a.xml", unwired=["h_agl"]) == pytest.approx(50.0, abs=10.0)
+    for wrong in ("h_agl", ["h_alg"]):
+        with pytest.raises(ParameterError, match="h_agl"):
+            Autopilot().to_jsbsim_xml(unwired=wrong)
+
+
+@pytest.mark.parametrize("kind", LAWS, ids=lambda kind: kind.__name__)
+def test_any_input_can_be_left_unwired(kind, tmp_path):
+    block, file = kind(), tmp_path / "law.xml"
+    text = block.to_jsbsim_xml("law", unwired=list(block.input_port_labels))
+    file.write_text(text, encoding="utf-8")
+    plane = Aircraft(**start("c172p"), systems=[str(file)])
+    fdm, state = plane.fdm, block.initial_state()
+    fdm["ap/pathsim/law/engaged"] = 1.0
+    for _ in range(5):
+        outputs, state = block.law([0.0] * len(block.input_port_labels), state)
+        fdm.run()
+    nodes = plane.airframe.property_names("ap/pathsim/law/")
+    for port, value in zip(block.output_port_labels, outputs, strict=True):
+        name = f"ap/pathsim/law/{port.replace('_', '-')}"
+        node = min((n for n in nodes if re.fullmatch(f"{name}(-[a-z_]+)?", n)), key=len)
+        assert fdm[node] == value
+
+
+def test_absolute_references_begin_at_the_parameters(tmp_path):
+    file = tmp_path / "a.xml"
+    block = AltitudeHold("c172p", h_ref=5040.0, reference="absolute")
+    file.write_text(block.to_jsbsim_xml("law"), encoding="utf-8")
+    fdm = Aircraft(**start("c172p", altitude=5000), systems=[str(file)]).fdm
+    fdm["ap/pathsim/law/engaged"] = 1.0
+    for _ in range(30 * 120):
+        fdm.run()
+    assert fdm["position/h-sl-ft"] == pytest.approx(5040.0, abs=10.0)
+
+
 @pytest.mark.parametrize("kind", REFUSED)
 def test_what_has_no_place_in_xml_is_refused_by_name(kind):
     with pytest.raises(ParameterError, match=kind.__name__):
@@ -228,6 +275,13 @@ def test_a_file_that_is_no_system_is_refused(tmp_path):
         file.write_text(text)
         with pytest.raises(ParameterError, match=why):
             Aircraft("c172p", systems=[str(file)])
+    file.write_text('<system file="b"/>')
+    with pytest.raises(ParameterError, match="includes 'b'"):
+        Aircraft("c172p", systems=[str(file)])
+    file.write_text(PitchHold().to_jsbsim_xml())
+    # a law that flies twice would take two steps of its state in each frame
+    with pytest.raises(ParameterError, match="second system with the name"):
+        Aircraft("c172p", systems=[str(file), str(file)])
     with pytest.raises(ParameterError, match="list of XML files"):
         Aircraft("c172p", systems=str(file))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ClassVar, TypeVar
 
 from .._core.checks import refuse
@@ -37,19 +37,25 @@ class DescribedLaw(TunableLaw):
         """What decides on the law beside parameters, at these inputs."""
         return None
 
-    def to_jsbsim_xml(self, name: str | None = None, engines: int = 1) -> str:
+    def to_jsbsim_xml(
+        self, name: str | None = None, engines: int = 1, unwired: Sequence[str] = ()
+    ) -> str:
         """The law as a ``<system>`` of JSBSim, which flies as the block does, bit for bit.
 
-        All inputs count as wired: those that an `Aircraft` puts out are JSBSim's own properties,
-        the others become properties with units in their names. Outputs that an `Aircraft` takes in
-        move JSBSim's commands. The file's header lists the properties.
+        Inputs count as wired: those that an `Aircraft` puts out are JSBSim's own properties, the
+        others become properties with units in their names. Absolute references begin at the
+        block's parameters, or at 0. Outputs that an `Aircraft` takes in move JSBSim's commands. The
+        file's header lists the properties.
 
         Parameters
         ----------
         name : str, optional
             node of its properties under ``ap/pathsim/``; default is the block's ("pitch-hold")
         engines : int
-            number of the aircraft's engines, for the throttle
+            number of the aircraft's engines; the throttles of further ones are not moved
+        unwired : list of str
+            inputs that count as not wired, as ``["h_agl"]`` to fly without protection from the
+            ground; each becomes a property of the file, at 0
 
         Returns
         -------
@@ -59,7 +65,7 @@ class DescribedLaw(TunableLaw):
         Raises
         ------
         ParameterError
-            for an invalid name or number, and for a block whose law JSBSim's XML cannot express
+            for an invalid name, number or input, and for a law that JSBSim's XML cannot express
         """
         if not hasattr(type(self).law, "described"):
             kind = type(self).__name__
@@ -68,7 +74,7 @@ class DescribedLaw(TunableLaw):
                 kind,
                 f"{kind} has no place in JSBSim's XML: it computes positions on the Earth",
             )
-        return system(self, name, engines)
+        return system(self, name, engines, unwired)
 
     def configure(self) -> None:
         self._laws: dict[Hashable, Law] = {}

@@ -11,11 +11,11 @@ from __future__ import annotations
 import inspect
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, SHORT_INPUTS, SHORT_OUTPUTS, SURFACES
-from .._core.checks import refuse, whole
+from .._core.checks import one_of, refuse, whole
 from .gains import GainSchedule
 from .signals import (
     Operations,
@@ -141,10 +141,13 @@ class _System:
         the node of its properties under ``ap/pathsim``
     engines : int
         how many throttles there are
+    unwired : collection of str
+        inputs that count as not wired
     """
 
-    def __init__(self, block: Any, name: str, engines: int):
+    def __init__(self, block: Any, name: str, engines: int, unwired: Collection[str]):
         self.block, self.base, self.engines = block, f"{ROOT}/{name}", engines
+        self.unwired = unwired
         self.inputs, self.outputs = list(block.input_port_labels), list(block.output_port_labels)
         self.declared: list[ET.Element] = []
         self.functions: list[ET.Element] = []
@@ -227,12 +230,15 @@ class _System:
     def measured(self) -> tuple[list[Any], list[tuple[Any, Any]]]:
         """The inputs, and what of them is to be held for the next frame."""
         u, held, documented = [], [], _documented(self.block, "Inputs")
+        absolute = getattr(self.block, "reference", None) == "absolute"
         for port in self.inputs:
             name = _property_of(port)
-            if port not in _MEASURED:
+            if port not in _MEASURED or port in self.unwired:
                 name = f"given-{name}" if port in self.outputs else name
                 about = "" if port in _EXCESS else documented.get(port, "")
-                u.append(self.property(name, about=about))
+                begins = absolute and port not in self.unwired
+                start = getattr(self.block.checked, port, None) if begins else None
+                u.append(self.property(name, start or 0.0, about))
                 continue
             path, factor = _MEASURED[port]
             value: Any = Signal(path)
@@ -272,7 +278,8 @@ class _System:
             moved = limit(before + increment, low, high)
             self.put(command, select(self.active, moved, command))
         excess = [before + increment - command for command, before in captured]
-        for sat in (u[i] for i, name in enumerate(self.inputs) if _EXCESS.get(name) == port):
+        sats = [i for i, x in enumerate(self.inputs) if _EXCESS.get(x) == port]
+        for sat in (u[i] for i in sats if self.inputs[i] not in self.unwired):
             over, *others = excess
             if others:  # the mean over the engines that run, or over all if none does
                 runs: list[Any] = [
@@ -339,11 +346,12 @@ class _System:
 
     def traced(self, u: list[Any], x: Sequence[Any]) -> tuple[list[Any], tuple[Any, ...]]:
         """Outputs and next state, flat."""
-        block, n = self.block, len(self.inputs)
-        wired, block.inputs.wired = block.inputs.wired, set(range(n))
+        block = self.block
+        there = [float(port not in self.unwired) for port in self.inputs]
+        wired, block.inputs.wired = block.inputs.wired, {i for i, x in enumerate(there) if x}
         try:
             state = nested(iter(x), block.START)
-            outputs, state = block.describe(u, state, block.form([1.0] * n))
+            outputs, state = block.describe(u, state, block.form(there))
         finally:
             block.inputs.wired = wired
         return outputs, flat(state)
@@ -402,7 +410,7 @@ units.
 """
 
 
-def system(block: Any, name: str | None = None, engines: int = 1) -> str:
+def system(block: Any, name: str | None, engines: int, unwired: Sequence[str]) -> str:
     """The ``<system>`` of a block, as `DescribedLaw.to_jsbsim_xml` gives it."""
     kind = type(block).__name__
     if name is None:
@@ -414,4 +422,8 @@ def system(block: Any, name: str | None = None, engines: int = 1) -> str:
             f"name must be made of small letters, digits and single dashes, not {name!r}",
         )
     engines = whole("engines", engines, low=1)
-    return _System(block, name, engines).text()
+    if not isinstance(unwired, (list, tuple)):
+        refuse("unwired", unwired, f"unwired must be a list of input ports, not {unwired!r}")
+    for port in unwired:
+        one_of("unwired", port, tuple(block.input_port_labels))
+    return _System(block, name, engines, unwired).text()

@@ -203,13 +203,14 @@ def read_systems(parameter: str, files: Any) -> list[ET.Element]:
     Raises
     ------
     ParameterError
-        for what is no list of paths, and a file whose root is not a ``<system>``
+        for what is no list of paths, a file whose root is not a ``<system>`` or that includes
+        another, and two systems of one name
     FileError
         for a file that cannot be read
     """
     if not isinstance(files, (list, tuple)):
         refuse(parameter, files, f"{parameter} must be a list of XML files, not {files!r}")
-    found = []
+    found: list[ET.Element] = []
     for file in files:
         path = as_path(parameter, file)
         try:
@@ -220,5 +221,14 @@ def read_systems(parameter: str, files: Any) -> list[ET.Element]:
             refuse(parameter, str(path), f"{path} is not well-formed XML: {error}")
         if root.tag != "system":
             refuse(parameter, str(path), f"{path} has a <{root.tag}>, not a <system> of JSBSim")
+        if (other := root.get("file")) is not None:
+            refuse(
+                parameter,
+                str(path),
+                f"{path} includes {other!r}; name the file that has the system itself",
+            )
+        name = root.get("name")
+        if name is not None and any(name == x.get("name") for x in found):
+            refuse(parameter, str(path), f"{path} has a second system with the name {name!r}")
         found.append(root)
     return found
