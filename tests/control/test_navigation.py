@@ -49,7 +49,7 @@ def flown(plane, seconds, *holds, wind=(0.0, 0.0), ports=None):
         wires.append(Connection(block[:n], scope[:n]))
     for hold in holds:
         for port in hold.input_port_labels:
-            if port in plane.output_port_labels:
+            if port in plane.output_port_labels and port not in (ports or {}):
                 wires.append(Connection(plane[port], hold[port]))
             elif ports and port in ports and isinstance(hold, (CourseHold, GlideslopeHold)):
                 blocks.append(Source(ports[port]))
@@ -314,6 +314,13 @@ def test_a_hold_that_is_off_lets_go_of_the_glide_slope():
         (CourseHold, {"lookahead": 0.0}, "lookahead"),
         (CourseHold, {"intercept": 91.0}, "intercept"),
         (CourseHold, {"bank_max": 90.0}, "bank_max"),
+        (CourseHold, {"waypoints": [(47.0, 11.0)], "fly_over": [2]}, "fly_over"),
+        (CourseHold, {"waypoints": [(47.0, 11.0)], "fly_over": 1}, "fly_over"),
+        (CourseHold, {"waypoints": [(0, 0), (0, 1)], "arcs": {2: (0, 0, "left")}}, "arcs"),
+        (CourseHold, {"waypoints": [(0, 0), (0, 1)], "arcs": {1: (0, 0.1, "left")}}, "arcs"),
+        (CourseHold, {"waypoints": [(0, 0), (0, 1)], "arcs": {1: (0, 0.5, "up")}}, "arcs"),
+        (CourseHold, {"waypoints": [(0, 0)], "holding": (0.0, "right", 0.0, 1e4)}, "holding"),
+        (CourseHold, {"holding": (0.0, "right", 3e3, 1e4)}, "holding"),
         (GlideslopeHold, {"threshold": 47.0}, "threshold"),
         (GlideslopeHold, {"threshold": (-91.0, 0.0)}, "threshold: latitude"),
         (GlideslopeHold, {"angle": 0.0}, "angle"),
@@ -355,3 +362,90 @@ def test_a_checkpoint_goes_on(hold, tmp_path):
     again.load_checkpoint(str(tmp_path / "saved"))
     again.run(1.0)
     assert np.array_equal(later.read()[1][:, -60:], scope.read()[1][:, -60:])
+
+
+def overshoot(name, wind, wired, **start):
+    """Largest distance beyond the second leg after a turn of 90 deg to the right, ft."""
+    lat, lon, size = 47.0, 11.0, 7.0
+    corner = (lat + size * NMI, lon)
+    end = (corner[0], lon + 2 * size * NMI / math.cos(math.radians(lat)))
+    place = {"ic/lat-geod-deg": lat, "ic/long-gc-deg": lon}
+    plane = Aircraft(name, **start, heading=0.0, setup=place)
+    hold = CourseHold(name, waypoints=[corner, end])
+    ports = None if wired else {"vt": lambda t: 0.0}
+    flight = flown(plane, 190.0, hold, AltitudeHold(name), wind=wind, ports=ports)
+    return np.max(-flight["across"][flight["leg"] == 1.0])
+
+
+def test_a_turn_allows_for_the_wind():
+    # 25 kt across, which are from behind after the turn: 535 and 1917 ft
+    start = {"altitude": 10_000.0, "speed": 250.0, "gear": 0.0}
+    wind = (0.0, 25.0 * 1.68781)
+    assert overshoot("A320", wind, True, **start) < 800.0
+    assert overshoot("A320", wind, False, **start) > 1500.0
+
+
+def test_a_waypoint_is_flown_over_on_request():
+    route = [(0.02, 0.0), (0.02, 0.06)]
+    hold = CourseHold("c172p", waypoints=route, fly_over=[1])
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0), 110.0, hold, AltitudeHold("c172p")
+    )
+    away, _ = vdist(flight["lat"], flight["lon"], *route[0], _ellipsoid())
+    assert np.min(away) < 10.0
+    turned = np.argmax(flight["leg"] == 1.0)
+    assert away[turned] < 5.0
+    # back onto the leg, from outside the turn
+    assert np.min(flight["across"][turned:]) < -500.0
+    assert np.max(np.abs(flight["across"][-600:])) < 50.0
+
+
+@pytest.mark.parametrize(("side", "east"), [("right", 1.0), ("left", -1.0)])
+def test_an_arc_in_wind(side, east):
+    # a quarter of a circle of 5000 ft about a point beside the first waypoint
+    radius = 5000.0
+    centre = (0.02, east * radius / 365_221.0)
+    top = 0.02 + radius / 362_776.0
+    route = [(0.02, 0.0), (top, centre[1]), (top, east * 0.08)]
+    hold = CourseHold("c172p", waypoints=route, arcs={1: (*centre, side)})
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0),
+        150.0,
+        hold,
+        AltitudeHold("c172p"),
+        wind=(-15.0, 20.0),
+    )
+    arc = flight["leg"] == 1.0
+    away, _ = vdist(flight["lat"][arc], flight["lon"][arc], *centre, _ellipsoid())
+    assert np.max(np.abs(away - radius)) < 80.0
+    # the block's distance from the arc is that of the geodesics, positive to its right
+    assert np.max(np.abs(east * (radius - away) - flight["across"][arc])) < 3.0
+    assert flight["to_go"][arc][0] == pytest.approx(math.pi / 2 * radius, rel=0.05)
+    assert np.ptp(flight["to_go"][arc]) > 0.9 * math.pi / 2 * radius
+    after = flight["leg"] == 2.0
+    assert np.max(np.abs(flight["across"][after])) < 80.0
+    assert np.max(np.abs(flight["across"][-600:])) < 10.0
+
+
+@pytest.mark.parametrize("side", first(["right", "left"]))
+def test_a_holding_pattern_is_flown_again_and_again(side):
+    fix, radius, length = (0.01, 0.0), 2600.0, 3000.0
+    hold = CourseHold("c172p", waypoints=[fix], holding=(0.0, side, radius, length))
+    flight = flown(
+        Aircraft("c172p", altitude=5000.0, speed=90.0),
+        360.0,
+        hold,
+        AltitudeHold("c172p"),
+        wind=(10.0, 20.0),
+    )
+    legs = flight["leg"][np.flatnonzero(np.diff(flight["leg"])) + 1]
+    assert list(legs[:6]) == [1.0, 2.0, 3.0, 4.0, 1.0, 2.0]
+    # the racetrack: two straight lines and two half circles, by geodesics
+    turn = 1.0 if side == "right" else -1.0
+    north, east, _ = geodetic2ned(flight["lat"], flight["lon"], 0.0, *fix, 0.0, _ellipsoid())
+    straight = np.clip(north, -length, 0.0)
+    x, y = north - straight, turn * east - radius
+    off = np.hypot(x, y) - radius
+    pattern = flight["leg"] > 0.0
+    assert np.max(np.abs(off[pattern])) < 150.0
+    assert np.median(np.abs(off[pattern])) < 30.0

@@ -87,6 +87,68 @@ class GreatCircle(NamedTuple):
         return Track(across, to_go, _course(_cross(self.left, p), here))
 
 
+class Arc(NamedTuple):
+    """An arc of a circle about a point; its track is one of `GreatCircle`.
+
+    Parameters
+    ----------
+    centre : Place
+        middle of the circle
+    radius : float
+        ft, some tens of nautical miles at most
+    end : float
+        bearing from the centre to the end, deg
+    extent : float
+        angle of the arc, deg in (0, 360)
+    side : float
+        1 turns right, -1 left
+    """
+
+    centre: Place
+    radius: float
+    end: float
+    extent: float
+    side: float
+
+    def track(self, here: Place) -> Track:
+        """Distance from the arc, distance along it to the end, and course."""
+        bearing = bearing_from(self.centre, here)
+        angle = self.side * (self.end - bearing) % 360.0
+        # the gap of the circle belongs half to the end and half to the start
+        if angle > 180.0 + self.extent / 2:
+            angle -= 360.0
+        across = self.side * (self.radius - distance(self.centre, here))
+        course = (bearing + self.side * 90.0) % 360.0
+        return Track(across, self.radius * math.radians(angle), course)
+
+
+def arc_about(centre: Place, first: Place, last: Place, side: float) -> Arc:
+    """The arc from one place to another about a third, at its distance from the last."""
+    end = bearing_from(centre, last)
+    extent = side * (end - bearing_from(centre, first)) % 360.0
+    return Arc(centre, distance(centre, last), end, extent, side)
+
+
+def bearing_from(centre: Place, there: Place) -> float:
+    """Bearing in deg from one place to another that is near it."""
+    d = tuple(b - a for a, b in zip(centre.position, there.position, strict=True))
+    return math.degrees(math.atan2(_dot(d, centre.east), _dot(d, centre.north)))
+
+
+def beside(
+    start: tuple[float, float], course: float, ahead: float, right: float
+) -> tuple[float, float]:
+    """Latitude and longitude in deg of a point ahead and to the right, some miles away, ft."""
+    chi, lat = math.radians(course), math.radians(start[0])
+    north = ahead * math.cos(chi) - right * math.sin(chi)
+    east = ahead * math.sin(chi) + right * math.cos(chi)
+    share = _A2 * math.cos(lat) ** 2 + _B2 * math.sin(lat) ** 2
+    return (
+        start[0] + math.degrees(north * share**1.5 / (_A2 * _B2)),
+        start[1] + math.degrees(east * math.sqrt(share) / (_A2 * math.cos(lat))),
+    )
+
+
 def place(lat: float, lon: float) -> Place:
     """The point of the surface at a geodetic latitude and longitude, deg.
 

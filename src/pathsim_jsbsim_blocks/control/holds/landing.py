@@ -31,6 +31,7 @@ _BANDWIDTH = 1.0  # rad/s, of the rate of climb
 _LIFT_SLOPE = 4.0  # g per rad of alpha; V over g times this is the lag of hdot behind the pitch
 _DAMPING = 0.22  # of that lag, gain on the rate of the error
 _SMOOTH = 0.2  # s, time constant of that rate
+_GUST = 0.2  # s, time constant of vertical gusts; the pitch angle follows no faster
 _RAMP = 15.0  # deg/s, of the pitch reference
 _PULL = 8.0  # ft/s2, of the rate of climb demanded
 _TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
@@ -40,6 +41,8 @@ _YAW = 3.0  # deg/s, of the heading reference
 _YAW_DAMPING = 0.5  # s
 _RUDDER = 1.0  # 1/s, of the rudder
 _IDLE = 0.2  # 1/s, of the throttle
+_BALLOON = 10.0  # ft, climb in the flare that begins a go-around
+_CLEAR = 30.0  # ft, height above which no tail strikes
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
@@ -185,6 +188,7 @@ class FlareState(NamedTuple):
     hdot: float = 0.0
     lift: float = 0.0  # rate of hdot, ft/s2, smoothed
     theta: float = 0.0  # reference of the roll-out, deg
+    lowest: float = 0.0  # pitch reference in the flare: that at its beginning, deg
     psi: float = 0.0  # reference of the heading, deg
     rudder: float = 0.0
     throttle: float = 0.0
@@ -192,7 +196,9 @@ class FlareState(NamedTuple):
     v: float = 0.0  # airspeed, ft/s
     acceleration: float = 0.0  # smoothed
     kept: float = 0.0  # airspeed at the beginning of a go-around, ft/s
+    gust: float = 0.0  # air that sinks, ft/s, smoothed
     floated: float = 0.0  # length of the flare over the ground, ft
+    least: float = 0.0  # height reached in the flare, ft
 
 
 APPROACH, FLARE, ROLL_OUT, GO_AROUND = 0.0, 1.0, 2.0, 3.0
@@ -205,22 +211,28 @@ class FlareHold(Hold):
     .. math::
         \\dot h_\\mathrm{cmd} &= -\\frac{h_w}{\\tau} - \\dot h_0 \\\\
         \\theta_\\mathrm{cmd} &= \\theta_0 + \\frac{1}{V} \\left[\\dot h_\\mathrm{cmd}
-        + \\tau_l (\\ddot h_\\mathrm{cmd} + \\omega e) + \\omega \\int e \\, dt\\right] \\\\
-        e &= \\dot h_\\mathrm{cmd} - \\dot h
+        + w + \\tau_l (\\ddot h_\\mathrm{cmd} + \\omega e) + \\omega \\int e \\, dt\\right] \\\\
+        e &= \\dot h_\\mathrm{cmd} - \\dot h, \\quad w = V (\\theta - \\alpha) - \\dot h
 
     with the height h_w of the wheels above the runway, and the pitch and roll loops of
-    ``PitchHold`` and ``RollHold`` inside, sampled at T. It stands between the holds of the approach
-    and the aircraft: the ports ``elevator`` to ``throttle`` are theirs, and pass through until the
-    flare begins, where the law above asks for no more sink than there is. It takes over without a
-    bump.
+    ``PitchHold`` and ``RollHold`` inside, sampled at T. The vertical gust w is known from the angle
+    of attack, with the port ``alpha`` wired; theta_0 grows as the airspeed falls.
+
+    It stands between the holds of the approach and the aircraft: the ports ``elevator`` to
+    ``throttle`` are theirs, and pass through until the flare begins, where the law above asks for
+    no more sink than there is. It takes over without a bump.
 
     In the flare the throttle moves to idle, the rudder turns the nose to the runway's course, and a
-    bank of at most ``bank_max`` keeps the aircraft on the centre line. With the wheels on the
-    ground it lowers the nose, steers along the centre line and brakes. A go-around, at any height
-    and on the ground too, levels the wings, applies full throttle and climbs at ``climb``, or less
-    where that costs airspeed. It begins by itself where, below the height ``decide``, the aircraft
-    is more than ``across_max`` beside the centre line, where the flare would begin at more than
-    ``sink_max``, and where it is longer than ``float_max``.
+    bank of at most ``bank_max`` keeps the aircraft on the centre line. Where the sink has ended
+    earlier than the law above asks, that is kept down to the sink of the touchdown, and the nose is
+    never lower than at the beginning. With the wheels on the ground it lowers the nose, steers
+    along the centre line and brakes.
+
+    A go-around, at any height and on the ground too, levels the wings, applies full throttle and
+    climbs at ``climb``, or less where that costs airspeed. It begins by itself where, below the
+    height ``decide``, the aircraft is more than ``across_max`` beside the centre line, where the
+    flare would begin at more than ``sink_max``, where it is longer than ``float_max``, and where
+    it climbs by 10 ft.
 
     Parameters
     ----------
@@ -252,6 +264,8 @@ class FlareHold(Hold):
         largest increment of elevator and ailerons, of full travel
     %(T)s
     %(alpha_max)s
+    theta_max : float
+        highest pitch reference up to 30 ft, deg: below the angle at which the tail strikes
 
     Inputs
     ------
@@ -270,7 +284,8 @@ class FlareHold(Hold):
     go_around
         not 0 begins a go-around
     alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall
+        angle of attack in deg; without a wire (0) vertical gusts are not countered, and there is no
+        protection from the stall
 
     Outputs
     -------
@@ -303,6 +318,7 @@ class FlareHold(Hold):
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     alpha_max: float | None = parameter(None, optional)
+    theta_max: float = parameter(10.0, number)
 
     measured = ("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc", "loc_ft", "loc_dist")
     commands = {"elevator": "", "aileron": "", "rudder": "", "throttle": ""}
@@ -332,7 +348,8 @@ class FlareHold(Hold):
         state, height = state._replace(beam=beam), h - self.checked.gear_height
         flew = state.phase != APPROACH
         state = self._phase(state, height, hdot, wow != 0.0, go_around != 0.0)
-        state = self._begun(state, flew, hdot, theta, psi, vc, given)
+        state = self._in_air(state, hdot, theta, alpha if form[1] else None, vc)
+        state = self._begun(state, flew, hdot, theta, psi, given)
 
         vertical = Vertical(
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
@@ -355,43 +372,66 @@ class FlareHold(Hold):
         )
         return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
 
+    def _steepest(self, height: Any) -> Any:
+        """Lowest rate of climb of the flare at a height, ft/s."""
+        return smaller(-height / self.checked.tau, 0.0) - self.checked.sink
+
     def _phase(self, state: Any, height: Any, hdot: Any, down: Any, go_around: Any) -> Any:
         """The state in the phase that begins or goes on."""
         c, before = self.checked, state.phase
-        low = (hdot <= -height / c.tau - c.sink) | (height <= c.sink * c.tau)
+        low = (hdot <= self._steepest(height)) | (height <= c.sink * c.tau)
         phase = select((before == APPROACH) & low, FLARE, before)
         phase = select((phase == FLARE) & down, ROLL_OUT, phase)
         floated = state.floated + select(before == FLARE, self.clock.period * state.beam.along, 0.0)
         astray = (height < c.decide) & (abs(state.beam.ft) > c.across_max)
         astray |= (before == APPROACH) & low & (hdot < -c.sink_max)
-        astray = (phase < ROLL_OUT) & (astray | (floated > c.float_max))
-        phase = select(go_around | astray, GO_AROUND, phase)
-        return state._replace(phase=phase, floated=floated)
+        least = select(before == FLARE, smaller(state.least, height), height)
+        astray |= (floated > c.float_max) | (height > least + _BALLOON)
+        phase = select(go_around | ((phase < ROLL_OUT) & astray), GO_AROUND, phase)
+        return state._replace(phase=phase, floated=floated, least=least)
+
+    def _in_air(self, state: Any, hdot: Any, theta: Any, alpha: Any, vc: Any) -> Any:
+        """The state with the airspeed and the vertical gust of the sample."""
+        T, first = self.clock.period, state.v == 0.0
+        v = larger(vc * KNOT, _SLOWEST)
+        gained = select(first, 0.0, v - state.v)
+        share = -math.expm1(-T / _TREND)
+        acceleration = state.acceleration + share * (gained / T - state.acceleration)
+        gust = 0.0
+        if alpha is not None:
+            # what the aircraft climbs through the air less what it climbs
+            sinks = v / _DEGREES * (theta - alpha) - hdot
+            share = select(first, 1.0, -math.expm1(-T / _GUST))
+            gust = state.gust + share * (sinks - state.gust)
+        goes = state.phase == GO_AROUND
+        # the same lift takes an angle of attack inverse to the square of the airspeed
+        lost = select(goes, 0.0, -2.0 * _DEGREES / _LIFT_SLOPE * gained / v)
+        kept = select(goes, state.kept, v)
+        return state._replace(
+            v=v,
+            acceleration=acceleration,
+            gust=gust,
+            integral=state.integral + lost,
+            kept=kept,
+        )
 
     def _begun(
-        self, state: Any, flew: Any, hdot: Any, theta: Any, psi: Any, vc: Any, given: list[Any]
+        self, state: Any, flew: Any, hdot: Any, theta: Any, psi: Any, given: list[Any]
     ) -> Any:
-        """The state of a flare that goes on from the commands of the approach, if it did not fly.
-
-        It follows the airspeed too.
-        """
+        """The state of a flare that goes on from the commands of the approach, if it is new."""
         elevator, aileron, rudder, throttle = given
-        v = larger(vc * KNOT, _SLOWEST)
-        share = select(state.v == 0.0, 0.0, -math.expm1(-self.clock.period / _TREND))
-        gained = (v - state.v) / self.clock.period
-        acceleration = state.acceleration + share * (gained - state.acceleration)
         anew = state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            integral=theta - _DEGREES * hdot / v,
+            integral=theta - _DEGREES * (hdot + state.gust) / state.v,
             hdot_cmd=hdot,
             theta=theta,
+            lowest=theta,
             psi=psi,
             rudder=rudder,
             throttle=throttle,
         )
-        kept = select(state.phase == GO_AROUND, state.kept, v)
-        return select(flew, state, anew)._replace(v=v, acceleration=acceleration, kept=kept)
+        return select(flew, state, anew)
 
     def _pitch(self, state: Any, height: Any, hdot: Any, pitch: Any, down: Any) -> tuple[Any, Any]:
         """Pitch angle of the phase, and the next state."""
@@ -399,9 +439,10 @@ class FlareHold(Hold):
         goes = state.phase == GO_AROUND
         # the rate of climb at which the airspeed comes back to what it was
         spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
-        target = select(
-            goes, limit(spare, 0.3 * c.climb, c.climb), smaller(-height / c.tau, 0.0) - c.sink
-        )
+        steepest = self._steepest(height)
+        # a sink that ended early is not asked for again
+        flared = limit(hdot, steepest, -c.sink)
+        target = select(goes, limit(spare, 0.3 * c.climb, c.climb), flared)
         step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
         error = hdot_cmd - hdot
@@ -410,11 +451,14 @@ class FlareHold(Hold):
             state.hdot == 0.0, 0.0, share * ((hdot - state.hdot) / T - state.lift)
         )
         lag = v / (GRAVITY * _LIFT_SLOPE)
-        ahead = hdot_cmd + select(goes, 0.0, lag * -hdot / c.tau)
+        slows = select(goes, False, hdot < steepest)
+        ahead = hdot_cmd + state.gust + select(slows, lag * -hdot / c.tau, 0.0)
         ahead += lag * (_BANDWIDTH * error + _DAMPING * (step / T - lift))
         asked = state.integral + _DEGREES / v * ahead
         limits = self.loops["altitude"].pid
-        wanted = limit(asked, limits.low, limits.high)
+        highest = select(goes & (height > _CLEAR), limits.high, c.theta_max)
+        lowest = select(goes, limits.low, smaller(state.lowest, c.theta_max))
+        wanted = limit(asked, lowest, highest)
         gained = _BANDWIDTH * T * (_DEGREES / v * error + wanted - asked)
         rolls = state.phase == ROLL_OUT
         lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))

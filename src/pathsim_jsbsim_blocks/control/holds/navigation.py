@@ -6,14 +6,17 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import flag, number, optional, positive, refuse, whole
+from ..._core.checks import flag, number, one_of, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY
 from ...axes.navigation import (
+    Arc,
     GreatCircle,
     Place,
     Track,
+    arc_about,
+    beside,
     circle_through,
     distance,
     great_circle,
@@ -80,10 +83,14 @@ class CourseHold(Hold):
     corrected for without being known.
 
     Leg 0 leads from the position found at engagement to the first waypoint, leg k from waypoint k
-    to the next; all are great circles. A turn begins before its waypoint, so that it ends on the
-    next leg (fly-by). The last leg is flown on beyond its end. While it is off, the block keeps its
-    leg; leg 0 then starts at the position of the next engagement. To fly with an ``Autopilot``,
-    wire ``phi_cmd`` to its ``phi_ref``, with ``roll_mode`` at 1.
+    to the next, along a great circle or an arc. A turn begins before its waypoint, so that it ends
+    on the next leg (fly-by), and with the port ``vt`` wired the wind is allowed for; or at its
+    waypoint (``fly_over``). The last leg is flown on beyond its end, or into a holding pattern,
+    whose legs are the four that follow: turn, outbound, turn, inbound.
+
+    While it is off, the block keeps its leg; leg 0 then starts at the position of the next
+    engagement. To fly with an ``Autopilot``, wire ``phi_cmd`` to its ``phi_ref``, with
+    ``roll_mode`` at 1.
 
     Parameters
     ----------
@@ -102,6 +109,14 @@ class CourseHold(Hold):
         largest angle at which it closes on a leg, deg
     %(bank)s
     %(T)s
+    fly_over : list of int, optional
+        numbers of the waypoints, from 1 on, that are passed before the turn begins
+    arcs : dict, optional
+        {leg: (latitude, longitude, "left" or "right")}: the leg is an arc about that point, which
+        is equally far from both ends. The bank that it takes must be less than ``bank_max``
+    holding : (float, str, float, float), optional
+        the pattern that is held at the last waypoint: inbound course in deg, "left" or "right"
+        turns, their radius and the length of the straight legs in ft
 
     Inputs
     ------
@@ -113,6 +128,8 @@ class CourseHold(Hold):
         deg, added to the parameter; without meaning along waypoints
     %(ail_off)s
     %(vc)s
+    vt
+        true airspeed in ft/s; without a wire (0) turns are begun as in still air
 
     Outputs
     -------
@@ -140,16 +157,19 @@ class CourseHold(Hold):
     bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
+    fly_over: list[int] | None = parameter(None)
+    arcs: dict[int, tuple[float, float, str]] | None = parameter(None)
+    holding: tuple[float, str, float, float] | None = parameter(None)
 
     measured = ("lat", "lon", "psi", "phi", "p")
     commands = {"aileron": "off"}
-    input_port_labels = numbered("lat lon psi phi p chi_ref off ail_sat vc")
+    input_port_labels = numbered("lat lon psi phi p chi_ref off ail_sat vc vt")
     output_port_labels = numbered("aileron phi_cmd chi chi_cmd across to_go leg")
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
         self._chi_ref = c.chi_ref
-        self._route = _Route(self.waypoints, self.leg)
+        self._route = _Route(self.waypoints, self.leg, self.fly_over, self.arcs, self.holding)
         if self._route.waypoints and self._chi_ref is not None:
             refuse(
                 "chi_ref",
@@ -167,7 +187,7 @@ class CourseHold(Hold):
         return _Ground(), None, None, None, flat(self.START)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc = u[:9]
+        lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
         ground, found, leg, direct, lateral = state
         leg = self._route.start if leg is None else leg
         here = place_unchecked(lat, lon)
@@ -179,20 +199,21 @@ class CourseHold(Hold):
         # the course is known from the second sample on
         engaged = not off and ground.known
 
-        across = to_go = 0.0
+        across = to_go = bend = 0.0
         if self._route.waypoints:
-            leg, direct, track = self._along(here, chi, ground.speed, leg, direct, engaged)
+            leg, direct, track = self._along(here, chi, ground, vt, leg, direct, engaged)
             across, to_go = track.across, track.to_go
             tau = self.checked.lookahead or SEPARATION * self.loops["heading"].lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
             most = self.checked.intercept
             target = track.course - min(max(closing, -most), most)
+            bend = self._route.bank(leg, ground)
         else:
             found = found if engaged and found is not None else chi
             target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
         if not engaged:
             found = None
-        flown = [chi, phi, p, target, float(not ground.known), off, ail_sat, *gains]
+        flown = [chi, phi, p, target, bend, float(not ground.known), off, ail_sat, *gains]
         (aileron, phi_cmd), lateral = self.flown(flown, lateral, None, len(flown))
         return (
             [aileron, phi_cmd, chi, target % 360.0 if engaged else chi, across, to_go, float(leg)],
@@ -200,10 +221,11 @@ class CourseHold(Hold):
         )
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        chi, phi, p, target, unknown, off, ail_sat = u
+        chi, phi, p, target, bend, unknown, off, ail_sat = u
         off, unknown = off != 0.0, unknown != 0.0
         lateral = Lateral(self.loops, state, chi, phi, p, off, ail_sat)
-        wanted = lateral.for_heading(Reference(target), idle=off | unknown)
+        wanted = lateral.for_heading(Reference(target), idle=off | unknown) + bend
+        wanted = limit(wanted, -self.checked.bank_max, self.checked.bank_max)
         found, keeps = lateral.roll.towards(state.roll, phi, Reference())
         *outputs, state = lateral.fly(select(unknown, found, wanted), select(unknown, keeps, False))
         return outputs, state
@@ -221,50 +243,69 @@ class CourseHold(Hold):
         self,
         here: Place,
         chi: float,
-        speed: float,
+        ground: _Ground,
+        vt: float,
         leg: int,
         direct: GreatCircle | None,
         engaged: bool,
     ) -> tuple[int, GreatCircle | None, Track]:
         """Active leg, leg 0 once it is engaged, and where the aircraft is on the active one."""
         route = self._route
-        leg = min(leg, route.last)
+        leg = min(leg, len(route.legs))
         if leg == 0:
             first = route.waypoints[0]
             direct = direct if engaged and direct else circle_through(here, first)
-            if direct is None and route.last:
+            if direct is None and route.legs:
                 leg = 1
         circle = route.legs[leg - 1] if leg else direct
         if circle is None:  # at the only waypoint
             return leg, None, Track(0.0, 0.0, chi)
         track = circle.track(here)
-        turns = engaged and leg < route.last
-        if turns and track.to_go <= self._ahead(speed, leg, track.course):
-            leg += 1
+        after = route.after(leg)
+        if engaged and after and track.to_go <= self._ahead(ground, vt, leg, after, track.course):
+            leg = after
             track = route.legs[leg - 1].track(here)
         return leg, direct, track
 
-    def _ahead(self, speed: float, leg: int, course: float) -> float:
+    def _ahead(self, ground: _Ground, vt: float, leg: int, after: int, course: float) -> float:
         """Distance before a waypoint at which the turn begins, ft.
 
-        An arc at the largest bank would be tangent to both legs; rolling into it and out of it
-        takes time.
+        A turn at the largest bank and the true airspeed, carried along by the wind, ends on the
+        next leg; rolling into it and out of it takes time.
         """
-        turn = min(abs(wrap(self._route.courses[leg] - course)), _SHARPEST)
-        radius = speed * speed / self._centripetal
-        roll_in = self.checked.bank_max / self.loops["roll"].ramp
-        lead = (
-            min(turn / self.checked.bank_max, 1.0)
-            * (roll_in + self.loops["heading"].lag(speed))
-            / 2
-        )
-        return radius * math.tan(math.radians(turn / 2)) + lead * speed
+        route, most = self._route, self.checked.bank_max
+        if leg + 1 in route.fly_over:
+            return 0.0
+        speed, drift = ground.speed, ground.drift if vt else 0.0
+        vt, turn = vt or speed, wrap(route.courses[after - 1] - course)
+        side, turn = math.copysign(1.0, turn), min(abs(turn), _SHARPEST)
+        chi, new = math.radians(course), math.radians(course + side * turn)
+        heading = chi - math.radians(drift)
+        north = speed * math.cos(chi) - vt * math.cos(heading)
+        east = speed * math.sin(chi) - vt * math.sin(heading)
+        # the heading on the next leg
+        aside = east * math.cos(new) - north * math.sin(new)
+        settled = new - math.asin(min(max(aside / max(vt, 1.0), -1.0), 1.0))
+        radius = vt * vt / self._centripetal
+        seconds = max(side * math.radians(wrap(math.degrees(settled - heading))), 0.0)
+        seconds *= radius / max(vt, 1.0)
+        north = side * radius * (math.sin(settled) - math.sin(heading)) + north * seconds
+        east = side * radius * (math.cos(heading) - math.cos(settled)) + east * seconds
+        ends = (north * math.sin(new) - east * math.cos(new)) * side
+        lead = min(turn / most, 1.0) * (most / self._roll + self.loops["heading"].lag(speed))
+        lead += abs(route.bank(after, ground) - route.bank(leg, ground)) / self._roll
+        return ends / max(math.sin(math.radians(turn)), 1e-3) + lead * speed / 2
+
+    @property
+    def _roll(self) -> float:
+        """Largest rate of the bank reference, deg/s."""
+        return self.loops["roll"].ramp
 
 
 class _Route:
-    """Waypoints, the great circles between them, and their courses at the start."""
+    """Waypoints, the legs between them and of the holding pattern, and their courses."""
 
-    def __init__(self, waypoints: Any, leg: Any):
+    def __init__(self, waypoints: Any, leg: Any, fly_over: Any, arcs: Any, holding: Any):
         points = waypoints if waypoints is not None else []
         if hasattr(points, "tolist"):
             points = points.tolist()
@@ -276,14 +317,22 @@ class _Route:
             )
         try:
             self.waypoints = [place_unchecked(*point("waypoints", p)) for p in points]
-            self.legs = [great_circle(a, b) for a, b in pairwise(points)]
+            circles = [great_circle(a, b) for a, b in pairwise(points)]
         except ParameterError as error:
             refuse("waypoints", waypoints, str(error))
-        # of leg k + 1 where it begins
-        self.courses = [
-            leg.track(here).course for leg, here in zip(self.legs, self.waypoints, strict=False)
-        ]
-        self.last = len(self.legs)
+        self.last = len(circles)
+        self.legs: list[GreatCircle | Arc] = [*circles]
+        for k, about in _numbered("arcs", arcs, self.last).items():
+            self.legs[k - 1] = self._arc(arcs, about, *self.waypoints[k - 1 : k + 1])
+        starts = self.waypoints[: self.last]
+        over = dict.fromkeys(fly_over) if isinstance(fly_over, (list, tuple)) else fly_over
+        self.fly_over = set(_numbered("fly_over", over, len(points)))
+        if holding is not None:
+            corners = self._pattern(holding, points)
+            starts += corners
+            # the first time, from any course
+            self.fly_over.add(self.last + 1)
+        self.courses = [leg.track(here).course for leg, here in zip(self.legs, starts, strict=True)]
         self.start = whole("leg", leg, low=0)
         if self.start > self.last:
             refuse(
@@ -292,6 +341,73 @@ class _Route:
                 f"leg must be at most {self.last}: {len(points)} waypoints have no leg "
                 f"{self.start}",
             )
+
+    def after(self, leg: int) -> int:
+        """The leg after one; 0 for none. The holding pattern is flown again."""
+        if leg < len(self.legs):
+            return leg + 1
+        return self.last + 1 if len(self.legs) > self.last else 0
+
+    def bank(self, leg: int, ground: _Ground) -> float:
+        """Bank in deg that the curvature of a leg takes at a ground speed."""
+        arc = self.legs[leg - 1] if leg else None
+        if not isinstance(arc, Arc):
+            return 0.0
+        pull = ground.speed**2 / (GRAVITY * arc.radius * math.cos(math.radians(ground.drift)))
+        return arc.side * math.degrees(math.atan(pull))
+
+    @staticmethod
+    def _arc(arcs: Any, about: Any, first: Place, last: Place) -> Arc:
+        if not isinstance(about, (list, tuple)) or len(about) != 3:
+            refuse("arcs", arcs, f"an arc is (latitude, longitude, side), not {about!r}")
+        centre = place_unchecked(*point("arcs", about[:2]))
+        arc = arc_about(centre, first, last, _side("arcs", about[2]))
+        off = distance(centre, first) - arc.radius
+        if abs(off) > 0.01 * arc.radius:
+            refuse("arcs", arcs, f"the centre of an arc is {off:.0f} ft further from its start")
+        return arc
+
+    def _pattern(self, holding: Any, points: Any) -> list[Place]:
+        """Add the legs of the holding pattern; the places where they begin."""
+        if not isinstance(holding, (list, tuple)) or len(holding) != 4 or not points:
+            refuse(
+                "holding",
+                holding,
+                "holding takes waypoints and is (course in deg, side, radius in ft, length in ft), "
+                f"not {holding!r}",
+            )
+        course, side = number("holding", holding[0]), _side("holding", holding[1])
+        radius = number("holding", holding[2], above=0.0)
+        length = number("holding", holding[3], above=0.0)
+
+        def corner(ahead: float, right: float) -> Place:
+            return place_unchecked(*beside(points[-1], course, ahead, side * right))
+
+        fix, abeam = self.waypoints[-1], corner(0.0, 2 * radius)
+        away, back = corner(-length, 2 * radius), corner(-length, 0.0)
+        for leg in (
+            arc_about(corner(0.0, radius), fix, abeam, side),
+            circle_through(abeam, away),
+            arc_about(corner(-length, radius), away, back, side),
+            circle_through(back, fix),
+        ):
+            assert leg is not None
+            self.legs.append(leg)
+        return [fix, abeam, away, back]
+
+
+def _side(parameter: str, value: Any) -> float:
+    return {"left": -1.0, "right": 1.0}[one_of(parameter, value, ("left", "right"))]
+
+
+def _numbered(parameter: str, value: Any, last: int) -> dict[int, Any]:
+    """A dict whose keys are numbers of legs or waypoints; empty for None."""
+    if value is not None and not isinstance(value, dict):
+        refuse(parameter, value, f"{parameter} must have numbers from 1 to {last}, not {value!r}")
+    for key in value or {}:
+        if whole(parameter, key, low=1) > last:
+            refuse(parameter, value, f"{parameter}: there is no number {key!r}, only up to {last}")
+    return value or {}
 
 
 @fill
