@@ -342,6 +342,21 @@ def test_what_needs_a_fresh_executive_gets_one(tmp_path):
         assert block.fdm is not executive
 
 
+def test_overridden_air_is_that_of_the_model_again():
+    def dived():
+        return [block.advance(k, [0.15, *6 * [0.0]]) for k in range(1, 600)]
+
+    block = Aircraft("c172p", altitude=5000, speed=90)
+    first = dived()
+    for name, now in (("temperature", "T-R"), ("density", "rho-slugs_ft3")):
+        for _ in range(2):
+            block.reset()
+        # the same as at the start, so that it shows in the descent only
+        block.fdm[f"atmosphere/override/{name}"] = block.fdm[f"atmosphere/{now}"]
+        block.reset()
+        assert dived() == first
+
+
 def test_permissions_and_addresses_count_from_the_reset_on():
     for name, value in (("allow_files", True), ("flightgear", "localhost:5599")):
         block = Aircraft("c172p", altitude=5000, speed=90)

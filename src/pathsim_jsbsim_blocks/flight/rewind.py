@@ -38,6 +38,9 @@ _SPEED = "velocities/vt-fps"
 # those of the pass before, from which no flight follows
 _REPORTS = re.compile(r"/(fuel-flow-rate-\w+|tsfc)$")
 
+# JSBSim looks for these at every step, and whoever writes one creates it for good
+_OVERRIDES = [f"atmosphere/override/{name}" for name in ("temperature", "pressure", "density")]
+
 # initial conditions from which all others follow, and what they are in flight
 _VELOCITIES = {
     **{f"ic/{axis}-fps": f"velocities/{axis}-fps" for axis in "uvw"},
@@ -82,6 +85,7 @@ class Rewind:
 
     def __init__(self, airframe: Airframe):
         self._airframe, self._version = airframe, airframe.version()
+        self._overridden = list(filter(airframe.has, _OVERRIDES))
         self.trimmed: TrimState | None = None
         nodes = airframe.nodes()
         read = [n for n in nodes if nodes[n].get_attribute(jsbsim.Attribute.READ)]
@@ -112,6 +116,8 @@ class Rewind:
         """Put the airframe back to where loading left it; False where that is not possible."""
         airframe, fdm = self._airframe, self._airframe.fdm
         if not isfinite(fdm[_SPEED]) or airframe.version() != self._version:
+            return False
+        if [*filter(airframe.has, _OVERRIDES)] != self._overridden:
             return False
         capture_console()
         fdm.reset_to_initial_conditions(_WITHOUT_RUN_IC)
