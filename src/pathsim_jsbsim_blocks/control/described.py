@@ -28,6 +28,8 @@ class DescribedLaw(TunableLaw):
 
     # state before the first sample
     START: ClassVar[tuple[Any, ...]]
+    # whether ports with names of an aircraft's are meant for these: a PID's r is no yaw rate
+    of_aircraft: ClassVar[bool] = False
 
     def describe(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         """Outputs and next state from inputs and state; ``form`` is what else decides."""
@@ -42,10 +44,10 @@ class DescribedLaw(TunableLaw):
     ) -> str:
         """The law as a ``<system>`` of JSBSim, which flies as the block does, bit for bit.
 
-        Inputs count as wired: those that an `Aircraft` puts out are JSBSim's own properties, the
-        others become properties with units in their names. Absolute references begin at the
-        block's parameters, or at 0. Outputs that an `Aircraft` takes in move JSBSim's commands. The
-        file's header lists the properties.
+        Inputs count as wired: those of a hold that an `Aircraft` puts out are JSBSim's own
+        properties, others become properties with units in their names. Absolute references begin at
+        the block's parameters, or at 0. Outputs that an `Aircraft` takes in move JSBSim's commands.
+        The file's header lists the properties.
 
         Parameters
         ----------

@@ -231,9 +231,10 @@ class _System:
         """The inputs, and what of them is to be held for the next frame."""
         u, held, documented = [], [], _documented(self.block, "Inputs")
         absolute = getattr(self.block, "reference", None) == "absolute"
+        flies = self.block.of_aircraft
         for port in self.inputs:
-            name = _property_of(port)
-            if port not in _MEASURED or port in self.unwired:
+            name = _property_of(port) if flies else port
+            if not flies or port not in _MEASURED or port in self.unwired:
                 name = f"given-{name}" if port in self.outputs else name
                 about = "" if port in _EXCESS else documented.get(port, "")
                 begins = absolute and port not in self.unwired
