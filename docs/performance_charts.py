@@ -50,7 +50,7 @@ makes all pages and the tables (CSV).
 {flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
 on the right have how many values of an aircraft were flown, the median of the differences, and the
 processor time, which two cores share: `chart` takes half of it. Below the table stand the values
-that are missing, with their reasons.
+that are missing, with their reasons; a star marks one whose search ended early for such a reason.
 
 """
 
@@ -99,8 +99,9 @@ def line(name, table):
     cells, missing = [f"[{name}](performance/{name}.pdf)"], []
     for quantity, form in COLUMNS.values():
         number, reason = value(table, quantity)
-        cells.append("" if pd.isna(number) else f"{number:{form}}")
-        if pd.isna(number):
+        early = reason == "out of time" or (quantity.endswith("ceiling") and not pd.isna(reason))
+        cells.append("" if pd.isna(number) else f"{number:{form}}{'*' * early}")
+        if pd.isna(number) or early:
             missing.append(f"{quantity} ({reason})")
     differences = table.difference_percent.abs()
     median = f"{differences.median():.2f} %" if differences.count() else ""

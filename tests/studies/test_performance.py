@@ -21,6 +21,7 @@ from pathsim_jsbsim_blocks.studies.performance import (
     COLUMNS,
     _burn,
     _ceilings,
+    _glides,
     _gusts,
     _load_factors,
     _stall,
@@ -242,6 +243,14 @@ def test_bad_numbers_are_refused_at_once():
         performance_table("c172p", altitudes=[[0.0]])
 
 
+def test_an_aircraft_that_climbs_with_the_throttle_closed_has_no_glide_ratio():
+    """The Camel's engine gives thrust at any throttle."""
+    plane = Plane({**C172P, "aircraft": "Camel", "altitude": 0.0})
+    _glides(plane, [plane.glide(50.0)])
+    reasons = {row["quantity"]: row["reason"] for row in plane.rows}
+    assert reasons["best glide ratio"] == "it climbs with the throttle closed"
+
+
 def test_the_page_of_a_table_without_values_shows_the_reasons():
     rows = [{"chart": "turn", "quantity": "sustained load factor", "reason": "no engine"}]
     figure = performance_chart(pandas.DataFrame(rows, columns=list(COLUMNS)))
@@ -311,6 +320,11 @@ def test_lift_limit_is_a_parabola_that_ends_flat_only_at_the_limit_load_factor()
     assert (speed[-1], n[-1], n[-2]) == (150.0, 4.0, 4.0)
     speed, n = down.get_data()
     assert (speed[-1], n[-1]) == (70.0, pytest.approx(-0.5))
+
+
+def test_a_lift_limit_without_positive_load_factors_has_no_legend():
+    # pytest turns the warning of a legend without entries into an error
+    assert v_n_rows((1.0, math.nan), (-0.5, 70.0))[0].get_data()[1][-1] == pytest.approx(-0.5)
 
 
 @pytest.mark.long

@@ -387,7 +387,8 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         draw(ax, table[table.chart == "V-n"] if chart == "V-n" else found, quantities)
         if ax.lines:
             ax.grid(alpha=0.4)
-            ax.legend()
+            if ax.get_legend_handles_labels()[0]:
+                ax.legend()
             continue
         ax.set_axis_off()
         failed = table[table.quantity.str.startswith("all of ")]

@@ -118,8 +118,8 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
             row = choose(rows, key=lambda row: row["value"])
             plane.rows.append({**row, "quantity": f"{best} {name}"})
         elif levels and best == "best":
-            why = "out of time" if plane.late() else "the model burns no fuel"
-            plane.put("best specific range", None, reason=why)
+            why = "the model burns no fuel" if exact else "no throttle setting flies level"
+            plane.put("best specific range", None, reason="out of time" if plane.late() else why)
     for level in exact[len(exact) // 2 :][:1]:
         rate = plane.energy_rate(level)
         less = None if rate is None else level.weight * rate / 60.0 / level.tas
@@ -181,9 +181,12 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
         plane.put("sink rate", -climb_rate(state), state.speed)
     far = best_of(plane.glide, path_angle, max(glides, key=path_angle))
     slow = best_of(plane.glide, climb_rate, max(glides, key=climb_rate))
-    rate = plane.energy_rate(far)
-    plane.put("best glide ratio", -1.0 / math.tan(math.radians(far.gamma)), far.speed)
-    plane.flown(rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas)))
+    if far.gamma < 0.0:
+        rate = plane.energy_rate(far)
+        plane.put("best glide ratio", -1.0 / math.tan(math.radians(far.gamma)), far.speed)
+        plane.flown(rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas)))
+    else:
+        plane.put("best glide ratio", None, reason="it climbs with the throttle closed")
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
     used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
     if len(used) < 3 or plane.area <= 0.0:
