@@ -287,10 +287,13 @@ def test_a_file_that_is_no_system_is_refused(tmp_path):
     file.write_text('<system file="b"/>')
     with pytest.raises(ParameterError, match="includes 'b'"):
         Aircraft("c172p", systems=[str(file)])
-    file.write_text(PitchHold().to_jsbsim_xml())
-    # a law that flies twice would take two steps of its state in each frame
-    with pytest.raises(ParameterError, match="second system with the name"):
-        Aircraft("c172p", systems=[str(file), str(file)])
+    other = tmp_path / "b.xml"
+    file.write_text(PitchHold().to_jsbsim_xml("ap"))
+    other.write_text(RollHold().to_jsbsim_xml("ap"))
+    # laws that share properties would count each frame twice
+    for second in (file, other):
+        with pytest.raises(ParameterError, match="second system with the name 'ap/pathsim/ap'"):
+            Aircraft("c172p", systems=[str(file), str(second)])
     with pytest.raises(ParameterError, match="list of XML files"):
         Aircraft("c172p", systems=str(file))
 

@@ -216,7 +216,7 @@ class _System:
 
         kind, schedule = type(self.block).__name__, getattr(self.block, "_schedule", None)
         law = f"{kind} with gains for {schedule.aircraft}" if schedule else repr(self.block)
-        system = ET.Element("system", name=f"{kind} at {self.base}")
+        system = ET.Element("system", name=self.base)
         system.extend([*self.declared, *self.functions])
         header = _HEADER.format(
             law=law.replace("--", "- -"),
