@@ -89,6 +89,7 @@ class Vertical:
         sample: Callable[..., Any] = self.protection.sample
         # positive elevator is nose down
         stop = (self.sat < 0.0) | (self.state.pitch.law.u >= self.pitch.pid.high)
+        stop = select(self.off, False, stop)
         self.limits, guard = sample(
             self.state.guard, self.theta, self.alpha, self.h, self.hdot, vc, stop, *signals
         )

@@ -231,7 +231,9 @@ class Protection:
             level=select(known, state.level + slow * (level - state.level), level),
             stopped=stopped,
             reach=select(
-                stopped > self.STOPPED, smaller(reach, larger(alpha, self.alpha_zero + 1.0)), reach
+                full_elevator & (stopped > self.STOPPED),
+                smaller(reach, larger(alpha, self.alpha_zero + 1.0)),
+                reach,
             ),
         )
 
