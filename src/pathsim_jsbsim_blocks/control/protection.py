@@ -99,6 +99,7 @@ class Protection:
     BANK_YIELDS = 1.0  # deg below the largest angle of attack, before the pitch does
     STOPPED = 0.5  # share of the time at its stop, from which the elevator is at its end
     CLIMB_KEPT = 8.0  # ft/s, below which the bank is less, down to
+    SINK = 30.0  # ft/s beyond what ground and overspeed allow, for wings level
     GENTLE = 10.0  # deg, which takes hardly any thrust
     RELEARN = 0.02  # deg/s, with which more of the elevator's reach is tried
     CLEARANCE = 100.0  # ft above the ground, where a descent ends
@@ -295,9 +296,12 @@ class Protection:
         if self.flies_envelope:
             load = smaller(load, self.LIFT / self._used(state))
         most = math.degrees(1.0) * acos(1.0 / larger(load, 1.0))
-        if limits.climb_max is not None:
+        if limits.climb_max is not None and limits.climb_min is not None:
             less = most * limit(limits.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
             most = smaller(most, larger(less, self.GENTLE))
+            # a sink that ground or overspeed forbid is ended with the wings level
+            excess = limit(limits.climb_min - state.climb, 0.0, self.SINK)
+            most *= 1.0 - excess / self.SINK
         return limit(wanted, -most, most)
 
 
