@@ -121,6 +121,15 @@ def test_a_misspelt_option_is_answered_with_the_nearest(options, close):
         design_schedule("A320", TrimCondition(), [5000.0], [281.0], progress=True)
 
 
+@pytest.mark.parametrize("near", ["A320", [0.3], GAINS["737"], [{"pitch": 0.3}], None])
+def test_neighbours_are_a_list_of_gains(near):
+    with pytest.raises(ParameterError, match="near must be a list of AircraftGains"):
+        design_gains("A320", near=near)
+    # without its condition
+    with pytest.raises(ParameterError, match="near must be a list of DesignedGains"):
+        design_schedule("A320", TrimCondition(), [5000.0], [281.0], near=[GAINS["737"]])
+
+
 def test_designed_gains_are_replaced_by_their_names(found):
     slow = replace(found.designs[0].speed, band=12.0)
     assert replace(found.designs[0], speed=slow).gains.speed.band == 12.0

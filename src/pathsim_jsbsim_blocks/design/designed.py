@@ -6,13 +6,14 @@ import contextlib
 import dataclasses
 import inspect
 import math
+import reprlib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from .._core.checks import flag, known_keywords, refuse_unknown
+from .._core.checks import flag, known_keywords, refuse, refuse_unknown
 from .._core.units import GRAVITY
 from ..control.gains import (
     AircraftGains,
@@ -209,6 +210,7 @@ def design_gains(
     """
     check_options(design_gains, options)
     flag("check", check)
+    check_near(near, AircraftGains)
     if condition is None:
         found = level_flight(aircraft, options.get("root"))
         condition = found.condition
@@ -270,6 +272,12 @@ def check_options(function: Callable[..., Any], options: Mapping[str, Any]) -> N
     owners: tuple[Callable[..., Any], ...] = (function, design_gains, Aircraft)
     names = [name for owner in owners for name in inspect.signature(owner).parameters]
     refuse_unknown(function.__name__, options, [x for x in dict.fromkeys(names) if x != "options"])
+
+
+def check_near(near: Any, kind: type) -> None:
+    """Refuse anything but a list of gains."""
+    if not isinstance(near, Sequence) or not all(isinstance(gains, kind) for gains in near):
+        refuse("near", near, f"near must be a list of {kind.__name__}, not {reprlib.repr(near)}")
 
 
 def _model(plane: Aircraft) -> LinearModel:

@@ -48,7 +48,7 @@ _COARSE = 6
 # 1/s; a slower divergence is left to the loops around
 _DIVERGES = 0.03
 
-
+# of the gain with which the rudder would move the yaw rate as much as it is
 _YAW_SHARES = np.geomspace(0.03, 1.5, 24)
 
 
@@ -149,7 +149,8 @@ def design_rudder(
     wash = _wash_out(T, damper.tau)
     sign = float(np.sign(rudder["beta"][0].real))
     slip = np.abs(rudder["beta"][:60]).max()
-    K, P, rate = grid(damper.K * _SLIP_DAMPERS[: 7 if damper.K else 1], _SLIP_GAINS, _SLIP_RATES)
+    dampers = damper.K * _SLIP_DAMPERS if damper.K else np.zeros(1)
+    K, P, rate = grid(dampers, _SLIP_GAINS, _SLIP_RATES)
     P = P * sign * 4.0 / slip
     K, P, Ki = near.joined("yaw", K=K, Kp=P, Ki=P * rate)
     used = (np.abs(K) * 10.0 + np.abs(P) * 5.0) / room
@@ -374,7 +375,7 @@ class _SpeedLoops:
         dt, a = p.T, -math.expm1(-p.T / SpeedGains.Tf)
         Kp, Ki, Kc = self.Kp[j], self.Ki[j], self.Kc[j]
         total, slow, peak = np.zeros(len(j)), np.zeros(len(j)), np.zeros(len(j))
-        unwind = Ki / Kp
+        unwind = Ki / np.maximum(Kp, 1e-12)
 
         def law(k: int, y: np.ndarray) -> np.ndarray:
             ref = sign * np.minimum(k * dt * ramp, abs(self.step))

@@ -15,7 +15,7 @@ from ..control.gains import DesignPoint, GainSchedule
 from ..errors import DesignError, TrimError
 from ..flight import TrimCondition
 from ..flight.trimming.condition import check_condition
-from .designed import DesignedGains, check_options, design_gains
+from .designed import DesignedGains, check_near, check_options, design_gains
 
 # significant digits in a file
 _DIGITS = 6
@@ -140,6 +140,7 @@ def design_schedule(
     """
     check_options(design_schedule, options)
     check_condition(condition)
+    check_near(near, DesignedGains)
     if progress is not None and not callable(progress):
         refuse("progress", progress, f"progress must be callable, not {progress!r}")
     if condition.mach is not None:
