@@ -247,12 +247,8 @@ def design_gains(
             create=options.get("create"),
         )
 
-    limits = envelope(
-        airframe,
-        replace(condition, setup={**condition.setup, **(options.get("setup") or {})}),
-        trim,
-        trim.speed,
-    )
+    setup = {**condition.setup, **(options.get("setup") or {})}
+    limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
     shaped = partial(_loops, aircraft, condition, model, trim, vt, limits, Neighbours(near))
     designed = shaped(PITCH)
     if not check:
