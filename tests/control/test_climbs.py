@@ -55,7 +55,7 @@ def test_the_airspeed_is_held_by_the_elevator_at_a_given_throttle(name, throttle
     assert flight["throttle"][climbs] == pytest.approx(np.full(capture - 120, throttle), abs=1e-3)
     assert np.sign(height) * flight["hdot"][capture] > 5.0
     # the throttle moves at once; once the climb is steady hardly an error remains
-    assert np.max(np.abs(flight["vc"][climbs] - speed)) < 7.0
+    assert np.max(np.abs(flight["vc"][climbs] - speed)) < 9.0
     assert abs(flight["vc"][capture] - speed) < 1.5
     # the throttle's loop takes over what the aircraft has, so that its command does not jump
     taken = flight["throttle"] - flight["thr_sat"]

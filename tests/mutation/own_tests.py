@@ -97,7 +97,9 @@ OWN_TESTS = {
     "_core/noise": ["test_turbulence.py", "test_sensor_actuator.py"],
     "control/sensor": ["test_sensor_actuator.py", "test_promises.py"],
     "control/actuator": ["test_sensor_actuator.py", "test_promises.py"],
-    "control/holds/navigation": ["test_navigation.py", "test_promises.py"],
+    "control/holds/course": ["test_navigation.py", "test_promises.py"],
+    "control/holds/approach": ["test_navigation.py", "test_landing.py"],
+    "control/holds/flare": ["test_landing.py"],
     "control/autopilot": [
         "test_laws.py",
         "test_promises.py",

@@ -5,11 +5,18 @@ Their outputs are increments on the trimmed commands, as ``Aircraft`` takes them
 
 from typing import TYPE_CHECKING
 
-from . import landing, lateral, longitudinal, navigation
-from .landing import *
+from . import approach, course, flare, lateral, longitudinal
+from .approach import *
+from .course import *
+from .flare import *
 from .lateral import *
 from .longitudinal import *
-from .navigation import *
 
 if not TYPE_CHECKING:  # mypy would take a list that it cannot read for an empty one
-    __all__ = [*lateral.__all__, *longitudinal.__all__, *navigation.__all__, *landing.__all__]
+    __all__ = [
+        *lateral.__all__,
+        *longitudinal.__all__,
+        *course.__all__,
+        *approach.__all__,
+        *flare.__all__,
+    ]

@@ -1,4 +1,4 @@
-"""Holds of the last miles: localizer, then flare, roll-out and go-around."""
+"""Landing: flare, touchdown and roll-out, or a go-around."""
 
 from __future__ import annotations
 
@@ -12,19 +12,17 @@ from ..._core.units import GRAVITY, KNOT
 from ..channels import Lateral, LateralState, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, Reference, ReferenceState, attitude_loop
+from ..loops import AltitudeLoop, ReferenceState, attitude_loop
 from ..pid import PID
-from ..signals import atan, larger, limit, select, smaller, wrap
-from .navigation import SEPARATION, SMOOTHING
+from ..signals import larger, limit, select, smaller, wrap
+from .approach import SLOWEST, BeamState
 
 # the package and PathView export these names
-__all__ = ["FlareHold", "LocalizerHold"]
+__all__ = ["FlareHold"]
 
 _DEGREES = math.degrees(1.0)
 
 _TREND = 2.0  # s, time constant of the acceleration
-_SLOWEST = 30.0  # ft/s, for angles from speeds
-_ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 
 _STEEPEST = -10.0  # deg, pitch reference
 _BANDWIDTH = 1.0  # rad/s, of the rate of climb
@@ -46,134 +44,6 @@ _CLEAR = 30.0  # ft, height above which no tail strikes
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
-
-
-class BeamState(NamedTuple):
-    """Motion seen from a localizer."""
-
-    known: bool = False
-    ft: float = 0.0
-    dist: float = 0.0
-    aside: float = 0.0  # ft/s to the right of the course, smoothed
-    along: float = 0.0  # ft/s towards the station, smoothed
-
-    def next(
-        self, ft: float, dist: float, T: float, smoothing: float
-    ) -> tuple[BeamState, float, float]:
-        """The state at a sample; speeds across and along the course as they are measured, ft/s."""
-        across, along = (ft - self.ft) / T, (self.dist - dist) / T
-        share = select(self.along == 0.0, 1.0, -math.expm1(-T / smoothing))
-        moves = [
-            select(self.known, smooth + share * (now - smooth), 0.0)
-            for smooth, now in ((self.aside, across), (self.along, along))
-        ]
-        return BeamState(True, ft, dist, *moves), across, along
-
-
-class LocalizerState(NamedTuple):
-    """State of a `LocalizerHold`."""
-
-    lateral: LateralState = Lateral.START
-    beam: BeamState = BeamState()
-    drift: float = 0.0  # deg, smoothed
-    heading: float = 0.0  # found at engagement, deg
-    captured: bool = False
-
-
-@fill
-class LocalizerHold(Hold):
-    """Captures the course of a localizer with the ailerons, and follows it.
-
-    .. math::
-        \\chi_\\mathrm{cmd} &= \\chi_\\mathrm{loc} - \\arctan\\frac{d}{\\tau V_g}, \\quad
-        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi) \\\\
-        \\phi_\\mathrm{cmd} &= K_p e + K_i \\int e \\, dt, \\quad
-        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
-
-    with the distance d from the course line, the ground speed V_g and the course over the ground
-    chi, which follow from the receiver's outputs, and the roll loop of ``RollHold`` inside, sampled
-    at T. Until the capture it holds the heading found at engagement. It captures where the law
-    above would no longer turn further towards the course line, or would close on it at less than
-    5 deg. Wind is corrected for: the drift
-    angle is measured.
-
-    Parameters
-    ----------
-    gains : str or dict
-        as in ``HeadingHold``
-    course : float
-        true course of the localizer, deg
-    lookahead : float, optional
-        time constant tau of the distance in s; default 3.5 times that of the heading loop,
-        V_g / (g Kp)
-    intercept : float
-        largest angle at which it closes on the course line, deg
-    %(bank)s
-    %(T)s
-
-    Inputs
-    ------
-    psi, phi, p
-        true heading and roll angle in deg, roll rate in deg/s
-    loc_ft, loc_dist
-        outputs ``ft`` and ``dist`` of a ``Localizer``
-    %(ail_off)s
-    %(vc)s
-
-    Outputs
-    -------
-    %(aileron)s
-    chi_cmd
-        course demanded, deg, [0, 360)
-    captured
-        1 from the capture on, otherwise 0
-
-    %(raises)s
-    """
-
-    gains: Gains = parameter("c172p")
-    course: float = parameter(0.0, number)
-    lookahead: float | None = parameter(None, optional, above=0.0)
-    intercept: float = parameter(45.0, number, above=0.0, high=80.0)
-    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
-    authority: Authority = parameter(1.0, authority_limits)
-    T: float = parameter(1 / 120, positive)
-
-    measured = ("psi", "phi", "p", "loc_ft", "loc_dist")
-    commands = {"aileron": "off"}
-    input_port_labels = numbered("psi phi p loc_ft loc_dist off ail_sat vc")
-    output_port_labels = numbered("aileron phi_cmd chi_cmd captured")
-
-    START = LocalizerState()
-
-    def build(self) -> None:
-        self.loops = self.lateral_loops()
-
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        psi, phi, p, ft, dist, off, ail_sat, _ = u
-        off, c = off != 0.0, self.checked
-        beam, across, along = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
-        speed, known = larger(beam.along, _SLOWEST), state.beam.known
-        drift = wrap(c.course + _DEGREES * atan(across / larger(along, _SLOWEST)) - psi)
-        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / SMOOTHING))
-        drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
-        chi = psi + drift
-        tau = c.lookahead
-        if tau is None:
-            tau = larger(SEPARATION * self.loops["heading"].lag(speed), 1.0)
-        closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
-        ahead = wrap(chi - c.course)
-        met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
-        captured = select(off, False, state.captured | (known & met))
-
-        measured = select(captured, chi, psi)
-        lateral = Lateral(self.loops, state.lateral, measured, phi, p, off, ail_sat)
-        found = select(state.lateral.heading.law.engaged, state.heading, psi)
-        target = select(captured, c.course - closing, found)
-        wanted = lateral.for_heading(Reference(target), idle=off)
-        aileron, phi_cmd, turned = lateral.fly(wanted)
-        outputs = [aileron, phi_cmd, target % 360.0, select(captured, 1.0, 0.0)]
-        return outputs, LocalizerState(turned, beam, drift, found, captured)
 
 
 class FlareState(NamedTuple):
@@ -393,7 +263,7 @@ class FlareHold(Hold):
     def _in_air(self, state: Any, hdot: Any, theta: Any, alpha: Any, vc: Any) -> Any:
         """The state with the airspeed and the vertical gust of the sample."""
         T, first = self.clock.period, state.v == 0.0
-        v = larger(vc * KNOT, _SLOWEST)
+        v = larger(vc * KNOT, SLOWEST)
         gained = select(first, 0.0, v - state.v)
         share = -math.expm1(-T / _TREND)
         acceleration = state.acceleration + share * (gained / T - state.acceleration)

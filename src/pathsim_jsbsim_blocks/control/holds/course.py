@@ -1,4 +1,4 @@
-"""Holds that follow a path over the ground: course, waypoints, glide slope."""
+"""Holds of a course over the ground: waypoints, arcs, holding patterns."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import flag, number, one_of, optional, positive, refuse, whole
+from ..._core.checks import number, one_of, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY
@@ -25,21 +25,19 @@ from ...axes.navigation import (
     point,
 )
 from ...errors import ParameterError
-from ..channels import Lateral, Vertical
+from ..channels import Lateral
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, AltitudeState, Reference
-from ..receivers import above_path
-from ..signals import flat, larger, limit, select, wrap
+from ..loops import Reference
+from ..signals import flat, limit, select, wrap
 
 # the package and PathView export these names
-__all__ = ["CourseHold", "GlideslopeHold"]
+__all__ = ["CourseHold"]
 
 SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
 # crossover of the heading loop over that of the loop around it; 4 would be critically damped
 SEPARATION = 3.5
 _SHARPEST = 120.0  # deg: turns beyond are not begun earlier than this one
-_CAPTURE = 0.35  # deg above the glide path: half of full scale on an ILS indicator
 
 
 class _Ground(NamedTuple):
@@ -408,183 +406,3 @@ def _numbered(parameter: str, value: Any, last: int) -> dict[int, Any]:
         if whole(parameter, key, low=1) > last:
             refuse(parameter, value, f"{parameter}: there is no number {key!r}, only up to {last}")
     return value or {}
-
-
-@fill
-class GlideslopeHold(Hold):
-    """Follows a glide path down to a runway with the elevator; captures it from below or above.
-
-    .. math::
-        \\dot h_\\mathrm{cmd} &= -V_c \\tan\\gamma - K_h \\, \\Delta h \\\\
-        \\theta_\\mathrm{cmd} &= K_p (\\dot h_\\mathrm{cmd} - \\dot h)
-        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt \\\\
-        \\theta_\\mathrm{min} &\\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
-
-    with the height Delta h above the path, the speed V_c of closing on the threshold, and the pitch
-    loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
-    the ground at the runway, which passes above the threshold; the Earth's surface falls away below
-    it. Until it is captured, the altitude found at engagement is held. It is captured where it
-    demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
-    ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
-    ``FlareHold`` comes after it. With the port ``alpha`` wired it keeps the
-    angle of attack below its limit; the lowest airspeed of the gain table is that of the clean
-    aircraft and has no effect here.
-
-    Parameters
-    ----------
-    gains : str or dict
-        as in ``AltitudeHold``
-    threshold : (float, float)
-        geodetic latitude and longitude of the runway's threshold, deg
-    elevation : float
-        height of the threshold above sea level, ft
-    angle : float
-        glide path angle gamma in [0.1, 20], deg
-    crossing_height : float
-        height of the path above the threshold, ft
-    hdot_max : float, optional
-        largest correction of the rate of climb, ft/s, downwards; upwards it may be as large as the
-        path's own rate of descent; default is the gain table's
-    theta_min : float
-        lowest pitch reference in deg
-    theta_max : float, optional
-        highest pitch reference in deg; default is the gain table's
-    authority : float or pair
-        largest elevator increment, of full travel
-    %(T)s
-    %(alpha_max)s
-    from_above : bool
-        capture the path from above too, at any height: it descends to it by ``hdot_max`` faster
-        than the path does
-
-    Inputs
-    ------
-    h, hdot
-        altitude in ft, rate of climb in ft/s
-    lat, lon
-        geodetic latitude and longitude in deg
-    theta, q
-        pitch angle in deg, pitch rate in deg/s
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
-    %(vc)s
-    alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall. The load
-        factor is limited with ``vc`` wired only
-    gs_deg, gs_ft, gs_dist
-        outputs of a ``Glideslope`` receiver, whose angle is ``angle``. If ``gs_dist`` is wired they
-        replace ``lat``, ``lon``, ``threshold``, ``elevation`` and ``crossing_height``
-
-    Outputs
-    -------
-    elevator
-        increment of the elevator command; positive is nose **down**
-    theta_cmd
-        pitch reference on its ramp, deg
-    hdot_cmd
-        rate of climb demanded, ft/s; 0 while off
-    gs_deg
-        deviation seen from the path's foot, deg, positive above the path
-    gs_ft
-        height above the path, ft
-    dist
-        distance to the threshold (with a receiver, to its station) in ft, negative beyond it once
-        the path is captured
-    captured
-        1 from the capture on, otherwise 0
-
-    %(raises)s
-    """
-
-    gains: Gains = parameter("c172p")
-    threshold: tuple[float, float] = parameter((0.0, 0.0), point)
-    elevation: float = parameter(0.0, number)
-    angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)
-    crossing_height: float = parameter(50.0, number, low=0.0, high=1e4)
-    hdot_max: float | None = parameter(None, optional, above=0.0)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
-    authority: Authority = parameter(1.0, authority_limits)
-    T: float = parameter(1 / 120, positive)
-    alpha_max: float | None = parameter(None, optional)
-    from_above: bool = parameter(False, flag)
-
-    measured = ("h", "hdot", "lat", "lon", "theta", "q")
-    commands = {"elevator": "off"}
-    input_port_labels = numbered(
-        "h hdot lat lon theta q off elev_sat vc alpha gs_deg gs_ft gs_dist"
-    )
-    output_port_labels = numbered("elevator theta_cmd hdot_cmd gs_deg gs_ft dist captured")
-
-    def build(self) -> None:
-        T, c = self.clock.period, self.checked
-        self._threshold = place_unchecked(*c.threshold)
-        self._slope = math.tan(math.radians(c.angle))
-        self._foot = c.crossing_height / self._slope
-        self._received = self.input_port_labels["gs_dist"]
-        self.loops = self.vertical_loops()
-        self._share = -math.expm1(-T / SMOOTHING)
-
-    START = Vertical.START
-
-    def initial_state(self) -> tuple[Any, ...]:
-        # distance and speed of closing, None while unknown; captured; the vertical channel
-        return None, None, 0.0, flat(self.START)
-
-    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
-        before, speed, captured, vertical = state
-        received = self._received in self.inputs.wired
-        if received:
-            degrees, above, away = u[10:13]
-        else:
-            away = distance(place_unchecked(lat, lon), self._threshold)
-        rate = 0.0 if before is None else (before - away) / self.clock.period
-        if before is not None:
-            speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
-        dist = -away if captured and rate < 0.0 else away
-        if not received:
-            height = h - self.checked.elevation
-            degrees, above = above_path(height, dist + self._foot, self.checked.angle)
-
-        flown = [h, hdot, theta, q, off, elev_sat, vc, alpha]
-        flown += [above, speed or 0.0, rate, degrees, captured, *self.gains_at(vc, h)]
-        (elevator, theta_cmd, hdot_cmd, captured), vertical = self.flown(
-            flown, vertical, alpha != 0.0, len(flown)
-        )
-        return (
-            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, captured],
-            (away, speed, captured, vertical),
-        )
-
-    def needed(self) -> tuple[str, ...]:
-        received = self._received in self.inputs.wired
-        return tuple(x for x in self.measured if not (received and x in ("lat", "lon")))
-
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
-        off = off != 0.0
-        vertical = Vertical(self.loops, form, state, theta, q, h, hdot, vc, alpha, off, elev_sat)
-        # without the airspeed: its lowest is that of the clean aircraft
-        vertical.guard(0.0, True)
-        altitude, (found, climb) = vertical.altitude, state.altitude
-        found = select(climb.engaged, found, h)
-        level = altitude.climb_rate(found - h)
-        # a limit of the correction below this would end in a descent short of the path
-        sink = speed * self._slope
-        most = larger(altitude.hdot_max, sink)
-        descent = limit(-altitude.Kh * above, -altitude.hdot_max, most) - sink
-        met = True if self.checked.from_above else degrees <= _CAPTURE
-        # the speed is known once the distance has changed
-        lower = (rate > 0.0) & (-altitude.Kh * above - sink <= level) & met
-        captured = select(off, False, (captured != 0.0) | lower)
-        hdot_cmd = select(captured, descent, level)
-        reference = vertical.pitch.reference(state.pitch, theta)
-        wanted, climb = altitude.climb(climb, hdot_cmd, hdot, reference, state.cut)
-        vertical.state = vertical.state._replace(
-            altitude=select(off, AltitudeLoop.START, AltitudeState(found, climb))
-        )
-        *outputs, state = vertical.fly(wanted)
-        return [*outputs, select(off, 0.0, hdot_cmd), select(captured, 1.0, 0.0)], state

@@ -1,0 +1,334 @@
+"""The last miles: course of a localizer, and glide path."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ..._core.checks import flag, number, optional, positive
+from ..._core.parameters import parameter
+from ..._core.ports import numbered
+from ...axes.navigation import distance, place_unchecked, point
+from ..channels import Lateral, LateralState, Vertical
+from ..controller import Authority, Hold, authority_limits, fill
+from ..gains import Gains
+from ..loops import AltitudeLoop, AltitudeState, Reference
+from ..receivers import above_path
+from ..signals import atan, flat, larger, limit, select, wrap
+from .course import SEPARATION, SMOOTHING
+
+# the package and PathView export these names
+__all__ = ["GlideslopeHold", "LocalizerHold"]
+
+SLOWEST = 30.0  # ft/s, for angles from speeds
+_DEGREES = math.degrees(1.0)
+_ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
+_ON_GLIDE_PATH = 0.35  # deg above it: half of full scale on an ILS indicator
+
+
+class BeamState(NamedTuple):
+    """Motion seen from a localizer."""
+
+    known: bool = False
+    ft: float = 0.0
+    dist: float = 0.0
+    aside: float = 0.0  # ft/s to the right of the course, smoothed
+    along: float = 0.0  # ft/s towards the station, smoothed
+
+    def next(
+        self, ft: float, dist: float, T: float, smoothing: float
+    ) -> tuple[BeamState, float, float]:
+        """The state at a sample; speeds across and along the course as they are measured, ft/s."""
+        across, along = (ft - self.ft) / T, (self.dist - dist) / T
+        share = select(self.along == 0.0, 1.0, -math.expm1(-T / smoothing))
+        moves = [
+            select(self.known, smooth + share * (now - smooth), 0.0)
+            for smooth, now in ((self.aside, across), (self.along, along))
+        ]
+        return BeamState(True, ft, dist, *moves), across, along
+
+
+class LocalizerState(NamedTuple):
+    """State of a `LocalizerHold`."""
+
+    lateral: LateralState = Lateral.START
+    beam: BeamState = BeamState()
+    drift: float = 0.0  # deg, smoothed
+    heading: float = 0.0  # found at engagement, deg
+    captured: bool = False
+
+
+@fill
+class LocalizerHold(Hold):
+    """Captures the course of a localizer with the ailerons, and follows it.
+
+    .. math::
+        \\chi_\\mathrm{cmd} &= \\chi_\\mathrm{loc} - \\arctan\\frac{d}{\\tau V_g}, \\quad
+        e = \\mathrm{wrap}(\\chi_\\mathrm{cmd} - \\chi) \\\\
+        \\phi_\\mathrm{cmd} &= K_p e + K_i \\int e \\, dt, \\quad
+        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+
+    with the distance d from the course line, the ground speed V_g and the course over the ground
+    chi, which follow from the receiver's outputs, and the roll loop of ``RollHold`` inside, sampled
+    at T. Until the capture it holds the heading found at engagement. It captures where the law
+    above would no longer turn further towards the course line, or would close on it at less than
+    5 deg. Wind is corrected for: the drift
+    angle is measured.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``HeadingHold``
+    course : float
+        true course of the localizer, deg
+    lookahead : float, optional
+        time constant tau of the distance in s; default 3.5 times that of the heading loop,
+        V_g / (g Kp)
+    intercept : float
+        largest angle at which it closes on the course line, deg
+    %(bank)s
+    %(T)s
+
+    Inputs
+    ------
+    psi, phi, p
+        true heading and roll angle in deg, roll rate in deg/s
+    loc_ft, loc_dist
+        outputs ``ft`` and ``dist`` of a ``Localizer``
+    %(ail_off)s
+    %(vc)s
+
+    Outputs
+    -------
+    %(aileron)s
+    chi_cmd
+        course demanded, deg, [0, 360)
+    captured
+        1 from the capture on, otherwise 0
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    course: float = parameter(0.0, number)
+    lookahead: float | None = parameter(None, optional, above=0.0)
+    intercept: float = parameter(45.0, number, above=0.0, high=80.0)
+    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+
+    measured = ("psi", "phi", "p", "loc_ft", "loc_dist")
+    commands = {"aileron": "off"}
+    input_port_labels = numbered("psi phi p loc_ft loc_dist off ail_sat vc")
+    output_port_labels = numbered("aileron phi_cmd chi_cmd captured")
+
+    START = LocalizerState()
+
+    def build(self) -> None:
+        self.loops = self.lateral_loops()
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        psi, phi, p, ft, dist, off, ail_sat, _ = u
+        off, c = off != 0.0, self.checked
+        beam, across, along = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
+        speed, known = larger(beam.along, SLOWEST), state.beam.known
+        drift = wrap(c.course + _DEGREES * atan(across / larger(along, SLOWEST)) - psi)
+        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / SMOOTHING))
+        drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
+        chi = psi + drift
+        tau = c.lookahead
+        if tau is None:
+            tau = larger(SEPARATION * self.loops["heading"].lag(speed), 1.0)
+        closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
+        ahead = wrap(chi - c.course)
+        met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
+        captured = select(off, False, state.captured | (known & met))
+
+        measured = select(captured, chi, psi)
+        lateral = Lateral(self.loops, state.lateral, measured, phi, p, off, ail_sat)
+        found = select(state.lateral.heading.law.engaged, state.heading, psi)
+        target = select(captured, c.course - closing, found)
+        wanted = lateral.for_heading(Reference(target), idle=off)
+        aileron, phi_cmd, turned = lateral.fly(wanted)
+        outputs = [aileron, phi_cmd, target % 360.0, select(captured, 1.0, 0.0)]
+        return outputs, LocalizerState(turned, beam, drift, found, captured)
+
+
+@fill
+class GlideslopeHold(Hold):
+    """Follows a glide path down to a runway with the elevator; captures it from below or above.
+
+    .. math::
+        \\dot h_\\mathrm{cmd} &= -V_c \\tan\\gamma - K_h \\, \\Delta h \\\\
+        \\theta_\\mathrm{cmd} &= K_p (\\dot h_\\mathrm{cmd} - \\dot h)
+        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt \\\\
+        \\theta_\\mathrm{min} &\\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
+
+    with the height Delta h above the path, the speed V_c of closing on the threshold, and the pitch
+    loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
+    the ground at the runway, which passes above the threshold; the Earth's surface falls away below
+    it. Until it is captured, the altitude found at engagement is held. It is captured where it
+    demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
+    ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
+    ``FlareHold`` comes after it. With the port ``alpha`` wired it keeps the
+    angle of attack below its limit; the lowest airspeed of the gain table is that of the clean
+    aircraft and has no effect here.
+
+    Parameters
+    ----------
+    gains : str or dict
+        as in ``AltitudeHold``
+    threshold : (float, float)
+        geodetic latitude and longitude of the runway's threshold, deg
+    elevation : float
+        height of the threshold above sea level, ft
+    angle : float
+        glide path angle gamma in [0.1, 20], deg
+    crossing_height : float
+        height of the path above the threshold, ft
+    hdot_max : float, optional
+        largest correction of the rate of climb, ft/s, downwards; upwards it may be as large as the
+        path's own rate of descent; default is the gain table's
+    theta_min : float
+        lowest pitch reference in deg
+    theta_max : float, optional
+        highest pitch reference in deg; default is the gain table's
+    authority : float or pair
+        largest elevator increment, of full travel
+    %(T)s
+    %(alpha_max)s
+    from_above : bool
+        capture the path from above too, at any height: it descends to it by ``hdot_max`` faster
+        than the path does
+
+    Inputs
+    ------
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    lat, lon
+        geodetic latitude and longitude in deg
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    off
+        0 engaged; otherwise the elevator is frozen
+    elev_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(vc)s
+    alpha
+        angle of attack in deg; without a wire (0) there is no protection from the stall. The load
+        factor is limited with ``vc`` wired only
+    gs_deg, gs_ft, gs_dist
+        outputs of a ``Glideslope`` receiver, whose angle is ``angle``. If ``gs_dist`` is wired they
+        replace ``lat``, ``lon``, ``threshold``, ``elevation`` and ``crossing_height``
+
+    Outputs
+    -------
+    elevator
+        increment of the elevator command; positive is nose **down**
+    theta_cmd
+        pitch reference on its ramp, deg
+    hdot_cmd
+        rate of climb demanded, ft/s; 0 while off
+    gs_deg
+        deviation seen from the path's foot, deg, positive above the path
+    gs_ft
+        height above the path, ft
+    dist
+        distance to the threshold (with a receiver, to its station) in ft, negative beyond it once
+        the path is captured
+    captured
+        1 from the capture on, otherwise 0
+
+    %(raises)s
+    """
+
+    gains: Gains = parameter("c172p")
+    threshold: tuple[float, float] = parameter((0.0, 0.0), point)
+    elevation: float = parameter(0.0, number)
+    angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)
+    crossing_height: float = parameter(50.0, number, low=0.0, high=1e4)
+    hdot_max: float | None = parameter(None, optional, above=0.0)
+    theta_min: float = parameter(-10.0, number)
+    theta_max: float | None = parameter(None, optional)
+    authority: Authority = parameter(1.0, authority_limits)
+    T: float = parameter(1 / 120, positive)
+    alpha_max: float | None = parameter(None, optional)
+    from_above: bool = parameter(False, flag)
+
+    measured = ("h", "hdot", "lat", "lon", "theta", "q")
+    commands = {"elevator": "off"}
+    input_port_labels = numbered(
+        "h hdot lat lon theta q off elev_sat vc alpha gs_deg gs_ft gs_dist"
+    )
+    output_port_labels = numbered("elevator theta_cmd hdot_cmd gs_deg gs_ft dist captured")
+
+    def build(self) -> None:
+        T, c = self.clock.period, self.checked
+        self._threshold = place_unchecked(*c.threshold)
+        self._slope = math.tan(math.radians(c.angle))
+        self._foot = c.crossing_height / self._slope
+        self._received = self.input_port_labels["gs_dist"]
+        self.loops = self.vertical_loops()
+        self._share = -math.expm1(-T / SMOOTHING)
+
+    START = Vertical.START
+
+    def initial_state(self) -> tuple[Any, ...]:
+        # distance and speed of closing, None while unknown; captured; the vertical channel
+        return None, None, 0.0, flat(self.START)
+
+    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
+        before, speed, captured, vertical = state
+        received = self._received in self.inputs.wired
+        if received:
+            degrees, above, away = u[10:13]
+        else:
+            away = distance(place_unchecked(lat, lon), self._threshold)
+        rate = 0.0 if before is None else (before - away) / self.clock.period
+        if before is not None:
+            speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
+        dist = -away if captured and rate < 0.0 else away
+        if not received:
+            height = h - self.checked.elevation
+            degrees, above = above_path(height, dist + self._foot, self.checked.angle)
+
+        flown = [h, hdot, theta, q, off, elev_sat, vc, alpha]
+        flown += [above, speed or 0.0, rate, degrees, captured, *self.gains_at(vc, h)]
+        (elevator, theta_cmd, hdot_cmd, captured), vertical = self.flown(
+            flown, vertical, alpha != 0.0, len(flown)
+        )
+        return (
+            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, captured],
+            (away, speed, captured, vertical),
+        )
+
+    def needed(self) -> tuple[str, ...]:
+        received = self._received in self.inputs.wired
+        return tuple(x for x in self.measured if not (received and x in ("lat", "lon")))
+
+    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
+        h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
+        off = off != 0.0
+        vertical = Vertical(self.loops, form, state, theta, q, h, hdot, vc, alpha, off, elev_sat)
+        # without the airspeed: its lowest is that of the clean aircraft
+        vertical.guard(0.0, True)
+        altitude, (found, climb) = vertical.altitude, state.altitude
+        found = select(climb.engaged, found, h)
+        level = altitude.climb_rate(found - h)
+        # a limit of the correction below this would end in a descent short of the path
+        sink = speed * self._slope
+        most = larger(altitude.hdot_max, sink)
+        descent = limit(-altitude.Kh * above, -altitude.hdot_max, most) - sink
+        met = True if self.checked.from_above else degrees <= _ON_GLIDE_PATH
+        # the speed is known once the distance has changed
+        lower = (rate > 0.0) & (-altitude.Kh * above - sink <= level) & met
+        captured = select(off, False, (captured != 0.0) | lower)
+        hdot_cmd = select(captured, descent, level)
+        reference = vertical.pitch.reference(state.pitch, theta)
+        wanted, climb = altitude.climb(climb, hdot_cmd, hdot, reference, state.cut)
+        vertical.state = vertical.state._replace(
+            altitude=select(off, AltitudeLoop.START, AltitudeState(found, climb))
+        )
+        *outputs, state = vertical.fly(wanted)
+        return [*outputs, select(off, 0.0, hdot_cmd), select(captured, 1.0, 0.0)], state
