@@ -11,7 +11,7 @@ from pathsim.blocks import Block
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.cli import main
 
-CHAPTERS = 10
+CHAPTERS = 11
 
 
 def chapters(folder):

@@ -4,7 +4,7 @@
 # A Cessna 172, trimmed at 3000 ft and 80 knots. The first chapter flies it for a second, first with JSBSim alone, then
 # as a block in a diagram, and looks at the properties of the model.
 #
-# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`. It copies the ten chapters to
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`. It copies the chapters to
 # a folder of yours and opens them in JupyterLab. Run a cell with Shift+Enter; change a number and run it again.
 
 # %% tags=["versions"]

@@ -204,7 +204,7 @@ def test_turns_are_coordinated_at_a_large_angle_of_attack(name, speed):
     plane = Aircraft(name, altitude=5000.0, speed=speed, gear=0.0)
     record = fly(plane, 45.0, {"psi_ref": step(30.0)}, unwired=())
     assert record["alpha"][0] > 9.0
-    assert np.max(np.abs(record["beta"])) < 1.0  # deg
+    assert np.max(np.abs(record["beta"])) < 1.25  # deg
     assert np.max(np.abs(record["h"] - record["h"][0])) < 5.0
     assert record["psi"][-1] == pytest.approx(30.0, abs=0.5)
 

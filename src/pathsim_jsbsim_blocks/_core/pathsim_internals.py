@@ -44,6 +44,10 @@ from pathsim.utils.register import Register
 
 from .checks import did_you_mean, nearest_ports, number, positive, refuse
 
+# names in a block, for who compares two: whether it is on, and what a run changes
+ON = "_active"
+OF_A_RUN = {"graph", "inputs", "outputs", "engine", "_solver_args"}
+
 
 def values(register: Register) -> list[float]:
     """The values in a block's inputs or outputs."""

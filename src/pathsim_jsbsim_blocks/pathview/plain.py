@@ -19,6 +19,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 
+from .._core.pathsim_internals import OF_A_RUN, ON
 from ..scripts.script import FOLLOWING, Script
 
 _NUMBERS = (bool, int, float, complex)
@@ -114,14 +115,13 @@ def attributes(part: Any) -> dict[str, str]:
     return {
         name.removeprefix("_p_"): text_of(value)
         for name, value in vars(part).items()
-        if name == "_active" or not (name in _ELSEWHERE or (name[0] == "_" and not of_pathsim))
+        if name == ON or not (name in _ELSEWHERE or (name[0] == "_" and not of_pathsim))
     }
 
 
 # wires are compared by their numbers, what a subsystem consists of by `structure`, and what a
 # run changes by the flight
-_ELSEWHERE = {"input_port_labels", "output_port_labels", "blocks", "connections", "graph"}
-_ELSEWHERE |= {"inputs", "outputs", "engine", "_solver_args"}
+_ELSEWHERE = {"input_port_labels", "output_port_labels", "blocks", "connections", *OF_A_RUN}
 
 
 def _items(value: Any, around: tuple[int, ...]) -> str:
