@@ -6,7 +6,7 @@ sees only the airspeed: it pulls to hold the altitude behind the power curve, th
 in the stall the airspeed is above the reference again, so it goes on pulling. With it the pitch
 reference is bounded by the angle of attack, and the power comes up in time.
 
-Expected: with alpha, at least 51.6 kt, alpha at most 11.4 deg, altitude within 23 ft; the speed
+Expected: with alpha, at least 52.9 kt, alpha at most 10.5 deg, altitude within 12 ft; the speed
 creeps up to the 55 kt. Without it, 46.5 kt and 24.2 deg, and 4078 ft are lost in 200 s.
 
 Source: our own.

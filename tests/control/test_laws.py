@@ -252,7 +252,8 @@ def test_heading_hold(wires, target, straight, vt):
             start["psi"] = wires["psi"][k] - behind
             start["phi"] += (1 - math.exp(-T)) * (wires["phi"][k] - start["phi"])
             turned = math.degrees(math.atan(vt * math.radians(behind) / 32.174))
-            start["bank"] += (1 - math.exp(-T / 10.0)) * (start["phi"] - turned - start["bank"])
+            if abs(turned) < 0.5:
+                start["bank"] += (1 - math.exp(-T / 10.0)) * (start["phi"] - turned - start["bank"])
         error = math.remainder(
             (start["found"] if target is None else target) + wires["psi_ref"][k] - wires["psi"][k],
             360.0,

@@ -377,6 +377,7 @@ def overshoot(name, wind, wired, **start):
     return np.max(-flight["across"][flight["leg"] == 1.0])
 
 
+@pytest.mark.long
 def test_a_turn_allows_for_the_wind():
     # 25 kt across, which are from behind after the turn: 535 and 1917 ft
     start = {"altitude": 10_000.0, "speed": 250.0, "gear": 0.0}
@@ -400,7 +401,7 @@ def test_a_waypoint_is_flown_over_on_request():
     assert np.max(np.abs(flight["across"][-600:])) < 50.0
 
 
-@pytest.mark.parametrize(("side", "east"), [("right", 1.0), ("left", -1.0)])
+@pytest.mark.parametrize(("side", "east"), first([("right", 1.0), ("left", -1.0)]))
 def test_an_arc_in_wind(side, east):
     # a quarter of a circle of 5000 ft about a point beside the first waypoint
     radius = 5000.0
@@ -427,7 +428,8 @@ def test_an_arc_in_wind(side, east):
     assert np.max(np.abs(flight["across"][-600:])) < 10.0
 
 
-@pytest.mark.parametrize("side", first(["right", "left"]))
+@pytest.mark.long
+@pytest.mark.parametrize("side", ["right", "left"])
 def test_a_holding_pattern_is_flown_again_and_again(side):
     fix, radius, length = (0.01, 0.0), 2600.0, 3000.0
     hold = CourseHold("c172p", waypoints=[fix], holding=(0.0, side, radius, length))

@@ -174,7 +174,7 @@ class HeadingLoop:
 
     Integration starts once the proportional part alone demands less than the largest bank. With
     the true airspeed V, the bank of straight flight follows what the turn does not explain, with a
-    failed engine for example:
+    failed engine for example, in a turn of less than half a degree of bank:
 
     .. math::
         \\tau \\dot\\phi_0 = \\phi - \\phi_0
@@ -184,6 +184,7 @@ class HeadingLoop:
     START = HeadingState()
 
     STRAIGHT = 10.0  # s
+    TURNS = 0.5  # deg, the bank of a turn, in which the bank of straight flight is kept
     RATE = 1.0  # s, filter of the turn's rate
 
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
@@ -213,8 +214,9 @@ class HeadingLoop:
         slow_psi = select(law.engaged, slow_psi + share * wrap(psi - slow_psi), psi)
         slow_phi = select(law.engaged, slow_phi + share * (phi - slow_phi), self.bank)
         turn = vt / GRAVITY * math.radians(1.0) / self.RATE * wrap(psi - slow_psi)
-        straight = slow_phi - math.degrees(1.0) * atan(turn)
-        bank += -expm1(-self.pid.T / self.STRAIGHT) * (straight - bank)
+        turn = math.degrees(1.0) * atan(turn)
+        learns = select(abs(turn) < self.TURNS, -expm1(-self.pid.T / self.STRAIGHT), 0.0)
+        bank += learns * (slow_phi - turn - bank)
         bank = select(law.engaged & (vt > 0.0), bank, self.bank)
         target, increment = reference
         found = psi if target is not None else select(law.engaged, found, psi)

@@ -113,6 +113,7 @@ class Protection:
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve, a descent may regain the one demanded
     DESCENT_FORCED_BELOW = 0.96
     BOOST_FULL_AT = 0.04  # so far below the one demanded
+    AHEAD = 2.0  # s, of the airspeed, by the rate of the energy
 
     def __init__(self, T: float, alpha_max: float | None, envelope: EnvelopeLimits | None):
         self.T = T
@@ -263,7 +264,8 @@ class Protection:
         behind = limit((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
         traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
         most = smaller(larger(traded, -behind * self.descent_max), climb + spare)
-        missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed
+        rate = state.acceleration + GRAVITY * state.climb / larger(v, self.SLOWEST)
+        missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed - self.AHEAD * rate
         boost = limit(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return larger(most, -self.descent_max), boost
 
