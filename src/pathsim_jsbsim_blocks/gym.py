@@ -122,7 +122,7 @@ class DiagramEnv(gymnasium.Env):
                 refuse(name, judge, f"{name} must be a function of the values, not {judge!r}")
         self.render_mode = given["render_mode"]
         if self.render_mode is not None:
-            one_of("render_mode", self.render_mode, self.metadata["render_modes"])
+            one_of("render_mode", self.render_mode, ("rgb_array",))
         one_of("wired", given["wired"], ("refuse", "replace"))
         one_of("restart", given["restart"], ("trimmed", "restored"))
         flag("normalise", given["normalise"])
