@@ -118,9 +118,9 @@ def test_a_port(tree):
     pytest.importorskip("pathview")
     flight = tree / "src" / package.__name__ / "flight"
     edit(
-        flight / "aircraft.py",
-        '    "thr_sat": _EXCESS,\n',
-        '    "thr_sat": _EXCESS,\n    "ny": ("accelerations/Ny", 1.0),\n',
+        flight.parent / "_core" / "aircraft_ports.py",
+        '    "thr_sat": EXCESS,\n',
+        '    "thr_sat": EXCESS,\n    "ny": ("accelerations/Ny", 1.0),\n',
     )
     edit(flight / "docstrings.py", "    nx, nz\n", "    nx, ny, nz\n")
     promise(tree, "Aircraft")
