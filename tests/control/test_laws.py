@@ -119,6 +119,21 @@ def on_a_ramp(pi, ramp, target, y, rate, port, sat, off, feed, seen=lambda refer
     return u, references
 
 
+def elevator_for(pitch, wires, limits):
+    """The elevator of a pitch angle, which is a function of the sample."""
+    return on_a_ramp(
+        attitude(-1.0, *limits),
+        ATTITUDE["ramp"],
+        pitch,
+        wires["theta"],
+        wires["q"],
+        NOTHING,
+        wires["elev_sat"],
+        wires["off"],
+        NOTHING,
+    )
+
+
 @pytest.fixture(scope="module", params=[0.0, 1.0], ids=["engaged first", "off first"])
 def wires(request):
     """Random signals for every port, large enough for ramps and limits to act now and then."""
@@ -306,17 +321,7 @@ def test_altitude_hold(wires, target, hdot_max, theta_max, of_table):
         demanded[k] = clip(ALTITUDE["Kh"] * error, -climb, climb)
         return now["pi"](demanded[k], wires["hdot"][k], engaging=engaging)
 
-    u, reference = on_a_ramp(
-        attitude(-1.0, *limits),
-        ATTITUDE["ramp"],
-        altitude,
-        wires["theta"],
-        wires["q"],
-        NOTHING,
-        wires["elev_sat"],
-        wires["off"],
-        NOTHING,
-    )
+    u, reference = elevator_for(altitude, wires, limits)
     assert_same(
         laws(block, **wires), {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded}, limits
     )
@@ -401,17 +406,7 @@ def test_climbs(wires, hold):
         captured[k] = state["captured"]
         return now["pi"](demanded[k], wires["hdot"][k], engaging=engaging)
 
-    u, reference = on_a_ramp(
-        attitude(-1.0, *limits),
-        ATTITUDE["ramp"],
-        climb,
-        wires["theta"],
-        wires["q"],
-        NOTHING,
-        wires["elev_sat"],
-        wires["off"],
-        NOTHING,
-    )
+    u, reference = elevator_for(climb, wires, limits)
     expected = {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded, "captured": captured}
     assert_same(laws(block, **wires), expected, limits)
     assert 50 < np.count_nonzero(captured) < N - 200

@@ -337,7 +337,7 @@ def test_another_user_with_the_token_or_the_cookie_gets_nothing(secret, server):
 
 @LINUX
 def test_a_connection_that_its_program_has_closed_is_nobodys():
-    """Linux may list it as root's, whoever opened it: the owner is unknown."""
+    """Linux may list such a socket as owned by root, so its owner cannot be known."""
     with Server({}, port=0) as server:
         statuses, answered = [], threading.Event()
 

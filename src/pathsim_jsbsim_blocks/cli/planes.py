@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from ..control.gains import GainSchedule
     from ..design import DesignedGains
     from ..flight.airframe import Airframe
+    from ..flight.control_system import ControlChannel
+    from ..pathview.diagram import Graph
 
 
 def add_aircraft(commands: Commands) -> None:
@@ -185,7 +187,6 @@ def list_systems(args: argparse.Namespace) -> None:
     from .._core.checks import ending, writable
     from .._core.files import write_whole
     from ..flight.control_system import control_system
-    from ..pathview.diagram import Graph, Node, Wire
     from ..pathview.svg import picture
 
     if args.save is not None:
@@ -196,25 +197,31 @@ def list_systems(args: argparse.Namespace) -> None:
         print(title)
         for c in channel.components:
             print(f"  {c.type} {c.name!r}: {', '.join(c.inputs)} -> {', '.join(c.outputs)}")
-        nodes = [Node(c.name, c.type, {}, list(c.inputs), ["out"]) for c in channel.components]
-        # what is behind a property: a component, or an end of its own
-        sources = {name: i for i, c in enumerate(channel.components) for name in c.outputs}
-        used = {name for c in channel.components for name in c.inputs}
-        wires = []
-        for i, c in enumerate(channel.components):
-            for port, name in enumerate(c.inputs):
-                if name not in sources:
-                    sources[name] = len(nodes)
-                    nodes.append(Node(name, "", outputs=["out"]))
-                wires.append(Wire(sources[name], 0, i, port))
-            for name in c.outputs[1:] or (() if c.outputs[0] in used else c.outputs):
-                wires.append(Wire(i, 0, len(nodes), 0))
-                # with an output the layout puts it next to its source
-                nodes.append(Node(name, "", inputs=["in"], outputs=["out"]))
-        parts.append((title, Graph(nodes, wires, [])))
+        parts.append((title, _signal_graph(channel)))
     if args.save is not None:
         write_whole(args.save, picture(parts))
         print(f"picture saved: {args.save}")
+
+
+def _signal_graph(channel: ControlChannel) -> Graph:
+    """Components as nodes, joined by properties; one that no component has is an end of its own."""
+    from ..pathview.diagram import Graph, Node, Wire
+
+    nodes = [Node(c.name, c.type, {}, list(c.inputs), ["out"]) for c in channel.components]
+    sources = {name: i for i, c in enumerate(channel.components) for name in c.outputs}
+    used = {name for c in channel.components for name in c.inputs}
+    wires = []
+    for i, c in enumerate(channel.components):
+        for port, name in enumerate(c.inputs):
+            if name not in sources:
+                sources[name] = len(nodes)
+                nodes.append(Node(name, "", outputs=["out"]))
+            wires.append(Wire(sources[name], 0, i, port))
+        for name in c.outputs[1:] or (() if c.outputs[0] in used else c.outputs):
+            wires.append(Wire(i, 0, len(nodes), 0))
+            # with an output the layout puts it next to its source
+            nodes.append(Node(name, "", inputs=["in"], outputs=["out"]))
+    return Graph(nodes, wires, [])
 
 
 def add_trim(commands: Commands) -> None:

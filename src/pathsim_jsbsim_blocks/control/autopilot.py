@@ -51,9 +51,9 @@ class Autopilot(Hold):
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
     ``AirspeedHold`` and ``YawDamper``, on request of ``VerticalSpeedHold`` or ``SpeedOnPitchHold``,
-    sampled at T. With every port at 0 it holds the altitude,
-    heading and airspeed found at engagement. Mode changes are bumpless; a mode that takes over
-    holds the values it finds, plus its reference port.
+    sampled at T. With every port at 0 it holds the altitude, heading and airspeed found at
+    engagement. Mode changes are bumpless; a mode that takes over holds the values it finds, plus
+    its reference port.
 
     With the port ``alpha`` wired, and a gain table that has limits of the flight envelope,
     references are limited so that no demand leads into the stall, to the ground or beyond the

@@ -51,11 +51,19 @@ fill = filler(
     authority : float or pair
         largest elevator increment, of full travel
     """,
-    climbing="""
+    elev_off="""
+    off
+        0 engaged; otherwise the elevator is frozen
+    elev_sat
+        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    """,
+    elevator="""
     elevator
         increment of the elevator command; positive is nose **down**
     theta_cmd
         pitch reference on its ramp, deg
+    """,
+    climbing="""
     hdot_cmd
         rate of climb demanded, ft/s
     captured

@@ -361,19 +361,24 @@ class GainSchedule:
 
     def _interpolated(self, h: float, vc: float) -> list[float]:
         # as JSBSim's tables do, which have the same rounding errors then
-        altitudes, speeds, numbers = self.grid
+        altitudes, speeds, numbers = self._varying_grid
         i, upwards = _between(altitudes, h)
         j, along = _between(speeds, vc)
         slower, faster = numbers[j - 1 : j + 1, i - 1 : i + 1]
         low, high = slower * (1.0 - along) + faster * along
         row: np.ndarray = self._rows[0].copy()
-        row[self.varying] = (low + upwards * (high - low))[self.varying]
+        row[self.varying] = low + upwards * (high - low)
         return row.tolist()
 
     @functools.cached_property
     def varying(self) -> np.ndarray:
         """Indices of the numbers that are not the same at all points."""
         return np.flatnonzero((self._rows != self._rows[0]).any(axis=0))
+
+    @functools.cached_property
+    def _varying_grid(self) -> tuple[list[float], list[float], np.ndarray]:
+        altitudes, speeds, numbers = self.grid
+        return altitudes, speeds, numbers[:, :, self.varying]
 
     @functools.cached_property
     def grid(self) -> tuple[list[float], list[float], np.ndarray]:

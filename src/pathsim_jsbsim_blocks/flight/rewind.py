@@ -38,7 +38,7 @@ _SPEED = "velocities/vt-fps"
 # those of the pass before, from which no flight follows
 _REPORTS = re.compile(r"/(fuel-flow-rate-\w+|tsfc)$")
 
-# JSBSim looks for these at every step, and whoever writes one creates it for good
+# JSBSim uses these at every step where they exist; once written, they exist until it loads anew
 _OVERRIDES = [f"atmosphere/override/{name}" for name in ("temperature", "pressure", "density")]
 
 # initial conditions from which all others follow, and what they are in flight

@@ -101,7 +101,7 @@ def _state(value: Any, around: tuple[int, ...]) -> str:
     except Exception:  # classes refuse in ways of their own
         parts = [place, getattr(value, "__dict__", {})]
         if hasattr(value, "__next__") and place is None:
-            parts = [id(value)]  # nobody can tell what comes next: unlike any other
+            parts = [id(value)]  # what it gives next cannot be read: it equals nothing else
     return text_of(parts, around)
 
 
@@ -130,11 +130,8 @@ def _items(value: Any, around: tuple[int, ...]) -> str:
 
 def _kind(value: Any) -> str:
     kind = type(value)
-    return (
-        kind.__qualname__
-        if kind.__module__ in ("builtins", *_OWN)
-        else (f"{kind.__module__}.{kind.__qualname__}")
-    )
+    own = kind.__module__ in ("builtins", *_OWN)
+    return kind.__qualname__ if own else f"{kind.__module__}.{kind.__qualname__}"
 
 
 def _of_code(code: types.CodeType, variables: Mapping[str, Any]) -> str:

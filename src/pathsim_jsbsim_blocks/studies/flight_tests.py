@@ -34,7 +34,7 @@ _DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of th
 # stalls and 4 others, take 100 s on 2 cores, with the last trim of each (1 s) 110 s
 _TIME = {"level": 16.0, "stall": 8.0}
 _USUAL_TIME = 12.0
-_LATE = "out of time"
+LATE = "out of time"
 LARGE = 19000.0  # lb, above which CS-25 applies
 _LEAST_FUEL = 0.05  # of full tanks
 _HEAVIEST = 1.5  # times the weight with full tanks and the model's payload
@@ -132,7 +132,7 @@ class Plane:
                 **{"weight_lb": self.weight, "flaps_norm": self.base.flaps or 0.0},
                 **{"speed_kcas": speed, "unit": unit},
                 **{"value": math.nan if value is None else value},
-                **{"reason": self.reason if value is None else _LATE * self.late(), **more},
+                **{"reason": self.reason if value is None else LATE * self.late(), **more},
             }
         )
 
@@ -140,7 +140,7 @@ class Plane:
         """Add to the last value what a flight has found for it, and the difference in percent."""
         row = self.rows[-1]
         if found is None:
-            row["reason"] = _LATE if self.late() else "the flight does not stay at the condition"
+            row["reason"] = LATE if self.late() else "the flight does not stay at the condition"
         else:
             row["flown"] = found
             row["difference_percent"] = 100.0 * (found - row["value"]) / row["value"]
@@ -152,7 +152,7 @@ class Plane:
     def trim(self, speed: float, **fields: Any) -> TrimState | None:
         """The trim at an airspeed in KCAS; None without one, with ``reason`` set."""
         if self.late():
-            self.reason = _LATE
+            self.reason = LATE
             return None
         try:
             condition = replace(self.base, speed=speed, **fields)

@@ -23,6 +23,7 @@ from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
 from .flight_tests import (
     LARGE,
+    LATE,
     Find,
     Plane,
     Row,
@@ -119,7 +120,7 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
             plane.rows.append({**row, "quantity": f"{best} {name}"})
         elif levels and best == "best":
             why = "the model burns no fuel" if exact else "no throttle setting flies level"
-            plane.put("best specific range", None, reason="out of time" if plane.late() else why)
+            plane.put("best specific range", None, reason=LATE if plane.late() else why)
     for level in exact[len(exact) // 2 :][:1]:
         rate = plane.energy_rate(level)
         less = None if rate is None else level.weight * rate / 60.0 / level.tas

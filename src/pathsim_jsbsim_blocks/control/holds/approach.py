@@ -189,12 +189,7 @@ class GlideslopeHold(Hold):
     hdot_max : float, optional
         largest correction of the rate of climb, ft/s, downwards; upwards it may be as large as the
         path's own rate of descent; default is the gain table's
-    theta_min : float
-        lowest pitch reference in deg
-    theta_max : float, optional
-        highest pitch reference in deg; default is the gain table's
-    authority : float or pair
-        largest elevator increment, of full travel
+    %(climb)s
     %(T)s
     %(alpha_max)s
     from_above : bool
@@ -209,10 +204,7 @@ class GlideslopeHold(Hold):
         geodetic latitude and longitude in deg
     theta, q
         pitch angle in deg, pitch rate in deg/s
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(elev_off)s
     %(vc)s
     alpha
         angle of attack in deg; without a wire (0) there is no protection from the stall. The load
@@ -223,10 +215,7 @@ class GlideslopeHold(Hold):
 
     Outputs
     -------
-    elevator
-        increment of the elevator command; positive is nose **down**
-    theta_cmd
-        pitch reference on its ramp, deg
+    %(elevator)s
     hdot_cmd
         rate of climb demanded, ft/s; 0 while off
     gs_deg

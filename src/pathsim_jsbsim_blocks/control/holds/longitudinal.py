@@ -61,10 +61,7 @@ class PitchHold(Hold):
         pitch angle in deg, pitch rate in deg/s
     theta_ref
         deg, added to the parameter
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(elev_off)s
     %(vc)s
 
     Outputs
@@ -130,12 +127,7 @@ class AltitudeHold(Hold):
         altitude to hold in ft; default: the value at engagement
     hdot_max : float, optional
         largest rate of climb and descent demanded, ft/s; default is the gain table's
-    theta_min : float
-        lowest pitch reference in deg
-    theta_max : float, optional
-        highest pitch reference in deg; default is the gain table's
-    authority : float or pair
-        largest elevator increment, of full travel
+    %(climb)s
     %(T)s
     %(reference)s
     %(alpha_max)s
@@ -148,10 +140,7 @@ class AltitudeHold(Hold):
         pitch angle in deg, pitch rate in deg/s
     h_ref
         ft, added to the parameter
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(elev_off)s
     vc
         calibrated airspeed in kt, for gains that depend on it, and for the protection; without a
         wire (0) the gains are those of the table's nominal point, and the protection limits neither
@@ -161,10 +150,7 @@ class AltitudeHold(Hold):
 
     Outputs
     -------
-    elevator
-        increment of the elevator command; positive is nose **down**
-    theta_cmd
-        pitch reference on its ramp, deg
+    %(elevator)s
     hdot_cmd
         rate of climb demanded, ft/s
 
@@ -243,15 +229,13 @@ class VerticalSpeedHold(Hold):
         pitch angle in deg, pitch rate in deg/s
     hdot_ref, h_ref
         added to the parameters, ft/s and ft
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(elev_off)s
     vc, alpha
         as in ``AltitudeHold``
 
     Outputs
     -------
+    %(elevator)s
     %(climbing)s
 
     %(raises)s
@@ -330,15 +314,13 @@ class SpeedOnPitchHold(Hold):
         pitch angle in deg, pitch rate in deg/s
     vc_ref, h_ref
         added to the parameters, kt and ft
-    off
-        0 engaged; otherwise the elevator is frozen
-    elev_sat
-        ``Aircraft`` output of that name, for anti-windup at the end of travel
+    %(elev_off)s
     alpha
         as in ``AltitudeHold``
 
     Outputs
     -------
+    %(elevator)s
     %(climbing)s
     vc_cmd
         airspeed demanded on its ramp, kt
