@@ -26,16 +26,20 @@ from pathsim_jsbsim_blocks._core import running
 
 pytestmark = pytest.mark.matrix
 
-# all that PathSim keeps to itself; `_port_labels` is also how public names end
-PRIVATE = {
-    node.attr if isinstance(node, ast.Attribute) else node.name
-    for path in Path(pathsim.__file__).parent.rglob("*.py")
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    if isinstance(node, (ast.Attribute, ast.FunctionDef))
-    and re.match(
-        "_(?!port_labels$)[a-z]", node.attr if isinstance(node, ast.Attribute) else node.name
+
+def private_names():
+    """All that PathSim keeps to itself; `_port_labels` is also how public names end."""
+    trees = (
+        ast.parse(path.read_text(encoding="utf-8"))
+        for path in Path(pathsim.__file__).parent.rglob("*.py")
     )
-}
+    used = {
+        node.attr if isinstance(node, ast.Attribute) else node.name
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, (ast.Attribute, ast.FunctionDef))
+    }
+    return {name for name in used if re.match("_(?!port_labels$)[a-z]", name)}
 
 
 def test_registers_keep_their_values_in_data():
@@ -315,7 +319,7 @@ def test_a_diagram_of_scopes_runs():
 
 
 def test_private_names_of_pathsim_are_in_the_seam_only():
-    found = set()
+    found, private = set(), private_names()
     for file, node in nodes():
         path = Path(file)
         if isinstance(node, ast.Attribute):
@@ -327,7 +331,7 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
             name = re.search(r"^pathsim\..*\b_\w+|$", node.module or "")[0]
         else:
             continue
-        if name in PRIVATE or (isinstance(node, ast.ImportFrom) and name):
+        if name in private or (isinstance(node, ast.ImportFrom) and name):
             found.add(f"{path.parent.name}/{path.name}: {name}")
         # the runner looks for the line of a script that it runs; blocks look at no frames
         if path.parent.name != "scripts" and name in ("_getframe", "currentframe"):

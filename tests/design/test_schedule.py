@@ -51,6 +51,7 @@ def test_a_schedule_has_the_conditions_that_can_be_held(found):
     assert found.schedule.at(5000.0, 230.0) == found.designs[0].gains
 
 
+@pytest.mark.long
 def test_a_saved_schedule_is_read_back_to_six_digits(found, tmp_path):
     file = tmp_path / "a320.json"
     found.save(file)
