@@ -6,16 +6,15 @@ pathsim-flight also has are drop-in replacements for its blocks.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from inspect import cleandoc
 from textwrap import indent
-from typing import TypeVar
+from typing import Any
 
 import pathsim_flight.utils as flight
 
 from . import airspeed
 from .atmosphere_blocks import AirDataBlock
-
-Converter = TypeVar("Converter", bound=type[AirDataBlock])
 
 # quantities by the names of their ports
 _PORTS = {
@@ -28,12 +27,26 @@ _PORTS = {
     "temp_deviation": "from the standard temperature, K",
 }
 
-_PITOT = """\
-with f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above; index 0 is sea level.
-A perfect gas: valid to about Mach 5. A negative speed stays negative."""
+# how each airspeed follows from the Mach number
+_FORMULAS = {
+    "cas": r"p_0 f(CAS / a_0) = p f(M)",
+    "eas": r"EAS = M a_0 \sqrt{p / p_0} = TAS \sqrt{\rho / \rho_0}",
+    "tas": "TAS = M a",
+    "mach": "",
+}
+
+_PITOT = """
+f(M) = (1 + 0.2 M^2)^3.5 - 1 up to Mach 1, Rayleigh's formula above.
+A perfect gas: valid to about Mach 5."""
 
 _PAGE = """\
 {text}
+
+.. math::
+
+    {formulas}
+{notes}
+A negative speed stays negative.
 
 Parameters
 ----------
@@ -58,234 +71,78 @@ FlightError
 """
 
 
-def _conversion(block: Converter) -> Converter:
-    """Complete the docstring of a block by what all have, and by its ports."""
+class _Conversion(AirDataBlock):
+    """Base of the blocks named SOURCEtoTARGET: ports, function and page follow from the name."""
 
-    def described(labels: dict[str, int]) -> str:
-        return "\n".join(f"{name}\n    {_PORTS[name]}" for name in labels)
+    _convert: Callable[..., float]
 
-    if block.__doc__:  # absent under python -OO
-        page = _PAGE.format(
-            text=cleandoc(block.__doc__).replace("%(pitot)s", _PITOT),
-            inputs=described(block.input_port_labels),
-            outputs=described(block.output_port_labels),
-        )
-        # indented, as other docstrings are
-        block.__doc__ = indent(page, "    ").lstrip()
-    return block
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        source, target = sides = cls.__name__.lower().split("to")
+        # the temperature enters only in TAS
+        inputs = [source, "altitude", *(["temp_deviation"] if "tas" in sides else [])]
+        cls.input_port_labels = {name: i for i, name in enumerate(inputs)}
+        cls.output_port_labels = {target: 0}
+        cls._convert = staticmethod(getattr(airspeed, f"{source}_to_{target}"))
+        if cls.__doc__:  # absent under python -OO
+            formulas = r", \qquad ".join(filter(None, map(_FORMULAS.get, sides)))
+            page = _PAGE.format(
+                text=cleandoc(cls.__doc__),
+                formulas=formulas,
+                notes="\nIndex 0 is sea level." * ("_0" in formulas) + _PITOT * ("cas" in sides),
+                inputs="\n".join(f"{name}\n    {_PORTS[name]}" for name in inputs),
+                outputs=f"{target}\n    {_PORTS[target]}",
+            )
+            # indented, as other docstrings are
+            cls.__doc__ = indent(page, "    ").lstrip()
+        super().__init_subclass__(**keywords)
 
+    def _eval(self, speed: float, altitude: float, temp_deviation: float = 0.0) -> float:
+        return self._convert(speed, self._isa(altitude, temp_deviation))
 
-@_conversion
-class EAStoTAS(AirDataBlock, flight.EAStoTAS):
-    r"""True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude.
 
-    .. math::
+class EAStoTAS(_Conversion, flight.EAStoTAS):
+    """True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude."""
 
-        TAS = EAS \sqrt{\rho_0 / \rho} = \frac{EAS}{a_0} \sqrt{p_0 / p}\, a
 
-    Index 0 is sea level. A negative speed stays negative.
-    """
+class EAStoMach(_Conversion):
+    """Mach number at an equivalent airspeed (EAS) and an altitude."""
 
-    input_port_labels = {"eas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"tas": 0}
 
-    def _eval(self, eas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.eas_to_tas(eas, self._isa(altitude, temp_deviation))
+class TAStoEAS(_Conversion):
+    """Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude."""
 
 
-@_conversion
-class EAStoMach(AirDataBlock):
-    r"""Mach number at an equivalent airspeed (EAS) and an altitude.
+class TAStoMach(_Conversion):
+    """Mach number at a true airspeed (TAS) and an altitude."""
 
-    .. math::
 
-        M = \frac{EAS}{a_0} \sqrt{p_0 / p}
+class MachtoEAS(_Conversion):
+    """Equivalent airspeed (EAS) at a Mach number and an altitude."""
 
-    Index 0 is sea level. A negative speed stays negative.
-    """
 
-    input_port_labels = {"eas": 0, "altitude": 1}
-    output_port_labels = {"mach": 0}
+class MachtoTAS(_Conversion):
+    """True airspeed (TAS) at a Mach number and an altitude."""
 
-    def _eval(self, eas: float, altitude: float) -> float:
-        return airspeed.eas_to_mach(eas, self._isa(altitude))
 
+class CAStoEAS(_Conversion, flight.CAStoEAS):
+    """Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude."""
 
-@_conversion
-class TAStoEAS(AirDataBlock):
-    r"""Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude.
 
-    .. math::
+class CAStoTAS(_Conversion, flight.CAStoTAS):
+    """True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude."""
 
-        EAS = TAS \sqrt{\rho / \rho_0} = \frac{TAS}{a} a_0 \sqrt{p / p_0}
 
-    Index 0 is sea level. A negative speed stays negative.
-    """
+class CAStoMach(_Conversion, flight.CAStoMach):
+    """Mach number at a calibrated airspeed (CAS) and an altitude."""
 
-    input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"eas": 0}
 
-    def _eval(self, tas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.tas_to_eas(tas, self._isa(altitude, temp_deviation))
+class EAStoCAS(_Conversion):
+    """Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude."""
 
 
-@_conversion
-class TAStoMach(AirDataBlock):
-    """Mach number at a true airspeed (TAS) and an altitude.
+class TAStoCAS(_Conversion, flight.TAStoCAS):
+    """Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude."""
 
-    .. math::
 
-        M = TAS / a
-
-    A negative speed stays negative.
-    """
-
-    input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"mach": 0}
-
-    def _eval(self, tas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.tas_to_mach(tas, self._isa(altitude, temp_deviation))
-
-
-@_conversion
-class MachtoEAS(AirDataBlock):
-    r"""Equivalent airspeed (EAS) at a Mach number and an altitude.
-
-    .. math::
-
-        EAS = M a_0 \sqrt{p / p_0}
-
-    Index 0 is sea level. A negative speed stays negative.
-    """
-
-    input_port_labels = {"mach": 0, "altitude": 1}
-    output_port_labels = {"eas": 0}
-
-    def _eval(self, mach: float, altitude: float) -> float:
-        return airspeed.mach_to_eas(mach, self._isa(altitude))
-
-
-@_conversion
-class MachtoTAS(AirDataBlock):
-    """True airspeed (TAS) at a Mach number and an altitude.
-
-    .. math::
-
-        TAS = M a
-
-    A negative speed stays negative.
-    """
-
-    input_port_labels = {"mach": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"tas": 0}
-
-    def _eval(self, mach: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.mach_to_tas(mach, self._isa(altitude, temp_deviation))
-
-
-@_conversion
-class CAStoEAS(AirDataBlock, flight.CAStoEAS):
-    r"""Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0), \qquad EAS = M a_0 \sqrt{p / p_0}
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1}
-    output_port_labels = {"eas": 0}
-
-    def _eval(self, cas: float, altitude: float) -> float:
-        return airspeed.cas_to_eas(cas, self._isa(altitude))
-
-
-@_conversion
-class CAStoTAS(AirDataBlock, flight.CAStoTAS):
-    r"""True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0), \qquad TAS = M a
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"tas": 0}
-
-    def _eval(self, cas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.cas_to_tas(cas, self._isa(altitude, temp_deviation))
-
-
-@_conversion
-class CAStoMach(AirDataBlock, flight.CAStoMach):
-    """Mach number at a calibrated airspeed (CAS) and an altitude.
-
-    .. math::
-
-        p f(M) = p_0 f(CAS / a_0)
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"cas": 0, "altitude": 1}
-    output_port_labels = {"mach": 0}
-
-    def _eval(self, cas: float, altitude: float) -> float:
-        return airspeed.cas_to_mach(cas, self._isa(altitude))
-
-
-@_conversion
-class EAStoCAS(AirDataBlock):
-    r"""Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude.
-
-    .. math::
-
-        M = \frac{EAS}{a_0} \sqrt{p_0 / p}, \qquad p_0 f(CAS / a_0) = p f(M)
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"eas": 0, "altitude": 1}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, eas: float, altitude: float) -> float:
-        return airspeed.eas_to_cas(eas, self._isa(altitude))
-
-
-@_conversion
-class TAStoCAS(AirDataBlock, flight.TAStoCAS):
-    r"""Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude.
-
-    .. math::
-
-        M = TAS / a, \qquad p_0 f(CAS / a_0) = p f(M)
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"tas": 0, "altitude": 1, "temp_deviation": 2}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, tas: float, altitude: float, temp_deviation: float = 0.0) -> float:
-        return airspeed.tas_to_cas(tas, self._isa(altitude, temp_deviation))
-
-
-@_conversion
-class MachtoCAS(AirDataBlock, flight.MachtoCAS):
-    """Calibrated airspeed (CAS) at a Mach number and an altitude.
-
-    .. math::
-
-        p_0 f(CAS / a_0) = p f(M)
-
-    %(pitot)s
-    """
-
-    input_port_labels = {"mach": 0, "altitude": 1}
-    output_port_labels = {"cas": 0}
-
-    def _eval(self, mach: float, altitude: float) -> float:
-        return airspeed.mach_to_cas(mach, self._isa(altitude))
+class MachtoCAS(_Conversion, flight.MachtoCAS):
+    """Calibrated airspeed (CAS) at a Mach number and an altitude."""
