@@ -22,87 +22,79 @@ Stevens, Lewis, Johnson: Aircraft Control and Simulation, 3rd ed., Wiley 2016, c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from inspect import cleandoc
 from typing import Any, TypeVar
 
 import numpy as np
 
 from .._core.checks import arrays, refuse
-from .._core.docstrings import filler
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
-Rotation = TypeVar("Rotation", bound=Callable[..., Components])
+Function = TypeVar("Function", bound=Callable[..., Components])
 
 INCHES_PER_FOOT = 12.0
 
-RAISES = """\
+_FORCE = {"x, y, z": "force along the body axes"}
+_DRAG = {
+    "drag, side, lift": "drag positive aft, side force positive to the right, lift positive up"
+}
+_ALPHA = {"alpha": "angle of attack, deg"}
+_BETA = {"beta": "sideslip angle, deg, positive with the air from the right"}
+_FLOW = {"alpha, beta": "angle of attack and sideslip angle, deg"}
+_EULER = {
+    "phi, theta, psi": "roll (right wing down), pitch (nose up) and true heading (clockwise from "
+    "north), deg"
+}
+
+_PAGE = """\
+{text}
+
+Parameters
+----------
+{given}
+
+Returns
+-------
+{found}
+
 Raises
 ------
 ParameterError
     for a value that is not real, shapes that do not broadcast{more}"""
 
-_fill = filler(
-    raises_reference=RAISES.format(more=", a reference not of three parts"),
-    raises=RAISES.format(more=""),
-    flow_angles="""
-    alpha, beta : array_like
-        angle of attack and sideslip angle, deg
-    """,
-)
 
-_ANGLES = {
-    "alpha": ("alpha", "angle of attack, deg"),
-    "beta": ("beta", "sideslip angle, deg, positive with the air from the right"),
-    "flow": ("alpha, beta", "angle of attack and sideslip angle, deg"),
-    "euler": (
-        "phi, theta, psi",
-        "roll (right wing down), pitch (nose up) and true heading (clockwise from north), deg",
-    ),
-}
+def page(
+    given: Mapping[str, str], found: Mapping[str, str], more: str = ""
+) -> Callable[[Function], Function]:
+    """A decorator that completes a docstring: names and meaning of what is given and found."""
 
-_ROTATION = """\
-{text}
+    def listed(values: Mapping[str, str], kind: str) -> str:
+        return "\n".join(f"{names} : {kind}\n    {text}" for names, text in values.items())
 
-Parameters
-----------
-{given} : array_like
-    components along the {source} axes
-{angles} : array_like
-    {meaning}
-
-Returns
--------
-{found} : float or ndarray
-    components along the {target} axes
-
-{raises}"""
-
-
-def rotation(
-    source: str, target: str, angles: str, meaning: str, more: str = ""
-) -> Callable[[Rotation], Rotation]:
-    """A decorator that completes the docstring of a rotation between axes."""
-
-    def names(axes: str) -> str:
-        return "north, east, down" if "NED" in axes else "x, y, z"
-
-    def complete(function: Rotation) -> Rotation:
+    def complete(function: Function) -> Function:
         if function.__doc__:  # absent under python -OO
-            function.__doc__ = _ROTATION.format(
+            function.__doc__ = _PAGE.format(
                 text=cleandoc(function.__doc__),
-                given=names(source),
-                source=source,
-                angles=angles,
-                meaning=meaning,
-                found=names(target),
-                target=target,
-                raises=RAISES.format(more=more),
+                given=listed(given, "array_like"),
+                found=listed(found, "float or ndarray"),
+                more=more,
             )
         return function
 
     return complete
+
+
+def rotation(
+    source: str, target: str, angles: Mapping[str, str], more: str = ""
+) -> Callable[[Function], Function]:
+    """`page` of a rotation between axes."""
+    given, found = (
+        {"north, east, down" if "NED" in axes else "x, y, z": f"components along the {axes} axes"}
+        for axes in (source, target)
+    )
+    return page({**given, **angles}, found, more)
 
 
 def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
@@ -111,49 +103,34 @@ def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
     return a * c + b * s, b * c - a * s
 
 
-@_fill
+@page(
+    {
+        "x, y, z": "the point: station (aft), buttline (right) and waterline (up), in",
+        "reference": "x, y, z of the point that becomes the origin, in the same axes, in; the "
+        "centre of gravity (``inertia/cg-x-in``, ``cg-y-in``, ``cg-z-in``) for the body axes",
+    },
+    {"x, y, z": "forward, right, down of the reference, ft"},
+    ", a reference not of three parts",
+)
 def structural_to_body(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
     """Body coordinates of a point given in structural coordinates.
 
     (x_B, y_B, z_B) = (x_ref - x, y - y_ref, z_ref - z) / 12
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        the point: station (aft), buttline (right) and waterline (up), in
-    reference : sequence of three array_like
-        the point that becomes the origin, in the same axes, in; the centre of gravity
-        (``inertia/cg-x-in``, ``cg-y-in``, ``cg-z-in``) for the body axes
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        forward, right, down of the reference, ft
-
-    %(raises_reference)s
     """
     x, y, z, x0, y0, z0 = arrays(x=x, y=y, z=z, **_reference(reference))
     return (x0 - x) / INCHES_PER_FOOT, (y - y0) / INCHES_PER_FOOT, (z0 - z) / INCHES_PER_FOOT
 
 
-@_fill
+@page(
+    {
+        "x, y, z": "the point: forward, right, down of the reference, ft",
+        "reference": "origin of the body axes in structural coordinates, in",
+    },
+    {"x, y, z": "station (aft), buttline (right) and waterline (up), in"},
+    ", a reference not of three parts",
+)
 def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
-    """Structural coordinates of a point given in body coordinates.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        the point: forward, right, down of the reference, ft
-    reference : sequence of three array_like
-        origin of the body axes in structural coordinates, in
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        station (aft), buttline (right) and waterline (up), in
-
-    %(raises_reference)s
-    """
+    """Structural coordinates of a point given in body coordinates."""
     x, y, z, x0, y0, z0 = arrays(x=x, y=y, z=z, **_reference(reference))
     return x0 - INCHES_PER_FOOT * x, y0 + INCHES_PER_FOOT * y, z0 - INCHES_PER_FOOT * z
 
@@ -161,41 +138,30 @@ def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Valu
 def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     parts = list(reference) if np.iterable(reference) else []
     if len(parts) != 3:
-        refuse(
-            "reference",
-            reference,
-            f"reference must be the three coordinates x, y, z, not {reference!r}",
-        )
+        why = f"reference must be the three coordinates x, y, z, not {reference!r}"
+        refuse("reference", reference, why)
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 
-@_fill
+@page(
+    {"u, v, w": "velocity relative to the air in body axes, any unit"},
+    {
+        "alpha, beta": "deg; alpha is positive with the air from below, in [-180, 180]; beta is "
+        "positive with the air from the right, in [-90, 90]; both are 0 at rest",
+        "airspeed": "in the unit of u, v, w",
+    },
+)
 def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:
     """Angle of attack, sideslip angle and airspeed of a velocity relative to the air.
 
     alpha = atan2(w, u),  beta = atan2(v, sqrt(u^2 + w^2)),  V = sqrt(u^2 + v^2 + w^2)
-
-    Parameters
-    ----------
-    u, v, w : array_like
-        velocity relative to the air in body axes, any unit
-
-    Returns
-    -------
-    alpha, beta : float or ndarray
-        deg; alpha is positive with the air from below, in [-180, 180]; beta is positive with the
-        air from the right, in [-90, 90]; both are 0 at rest
-    airspeed : float or ndarray
-        in the unit of u, v, w
-
-    %(raises)s
     """
     u, v, w = arrays(u=u, v=v, w=w)
     uw = np.hypot(u, w)
     return np.rad2deg(np.arctan2(w, u)), np.rad2deg(np.arctan2(v, uw)), np.hypot(uw, v)
 
 
-@rotation("body", "stability", *_ANGLES["alpha"])
+@rotation("body", "stability", _ALPHA)
 def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from body to stability axes, about the y axis.
 
@@ -206,7 +172,7 @@ def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     return x, y, z
 
 
-@rotation("stability", "body", *_ANGLES["alpha"])
+@rotation("stability", "body", _ALPHA)
 def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from stability to body axes: the inverse of `body_to_stability`."""
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
@@ -214,7 +180,7 @@ def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     return x, y, z
 
 
-@rotation("stability", "wind", *_ANGLES["beta"])
+@rotation("stability", "wind", _BETA)
 def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from stability to wind axes, about the z axis.
 
@@ -225,7 +191,7 @@ def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Componen
     return x, y, z
 
 
-@rotation("wind", "stability", *_ANGLES["beta"])
+@rotation("wind", "stability", _BETA)
 def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from wind to stability axes: the inverse of `stability_to_wind`."""
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
@@ -233,7 +199,7 @@ def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Componen
     return x, y, z
 
 
-@rotation("body", "wind", *_ANGLES["flow"])
+@rotation("body", "wind", _FLOW)
 def body_to_wind(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
     """Turn a vector from body to wind axes: through alpha, then through beta."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
@@ -242,7 +208,7 @@ def body_to_wind(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -
     return x, y, z
 
 
-@rotation("wind", "body", *_ANGLES["flow"])
+@rotation("wind", "body", _FLOW)
 def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
     """Turn a vector from wind to body axes: the inverse of `body_to_wind`."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
@@ -251,59 +217,31 @@ def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -
     return x, y, z
 
 
-@_fill
+@page({**_FORCE, **_FLOW}, _DRAG)
 def body_to_drag_side_lift(
     x: Values, y: Values, z: Values, alpha: Values = 0.0, beta: Values = 0.0
 ) -> Components:
     """Drag, side force and lift of an aerodynamic force given in body axes.
 
-    (D, Y, L) = (-x_W, y_W, -z_W), the signs of JSBSim's ``forces/fw*-aero-lbs``.
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        force along the body axes
-    alpha, beta : array_like
-        angle of attack and sideslip angle, deg; with beta = 0 the result is that of the stability
-        axes, JSBSim's ``forces/fs*-aero-lbs``
-
-    Returns
-    -------
-    drag, side, lift : float or ndarray
-        drag positive aft, side force positive to the right, lift positive up
-
-    %(raises)s
+    (D, Y, L) = (-x_W, y_W, -z_W), the signs of JSBSim's ``forces/fw*-aero-lbs``; with beta = 0
+    they are those of the stability axes, JSBSim's ``forces/fs*-aero-lbs``.
     """
     x, y, z = body_to_wind(x, y, z, alpha, beta)
     return -x, y, -z
 
 
-@_fill
+@page({**_DRAG, **_FLOW}, _FORCE)
 def drag_side_lift_to_body(
     drag: Values, side: Values, lift: Values, alpha: Values = 0.0, beta: Values = 0.0
 ) -> Components:
-    """Body-axis components of drag, side force and lift.
-
-    Parameters
-    ----------
-    drag, side, lift : array_like
-        drag positive aft, side force positive to the right, lift positive up
-    %(flow_angles)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        force along the body axes
-
-    %(raises)s
-    """
+    """Body-axis components of drag, side force and lift: inverse of `body_to_drag_side_lift`."""
     drag, side, lift, alpha, beta = arrays(drag=drag, side=side, lift=lift, alpha=alpha, beta=beta)
     x, y = turn(-drag, side, -beta)
     x, z = turn(x, -lift, -alpha)
     return x, y, z
 
 
-@rotation("local NED", "body", *_ANGLES["euler"])
+@rotation("local NED", "body", _EULER)
 def ned_to_body(
     north: Values, east: Values, down: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:
@@ -320,7 +258,7 @@ def ned_to_body(
     return x, y, z
 
 
-@rotation("body", "local NED", *_ANGLES["euler"])
+@rotation("body", "local NED", _EULER)
 def body_to_ned(
     x: Values, y: Values, z: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:

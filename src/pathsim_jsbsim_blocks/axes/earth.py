@@ -22,35 +22,44 @@ NIMA TR8350.2, World Geodetic System 1984, 3rd ed., 2000.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from .._core.checks import arrays, refuse
-from .._core.docstrings import filler
-from .aircraft import RAISES, Components, Values, rotation, turn
+from .aircraft import Components, Function, Values, page, rotation, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3
 SEMI_MINOR_AXIS = 20855486.5951  # ft, JSBSim 1.3.3
 
 _LATITUDE = ", a latitude beyond 90 deg"
-_NED = "lat, lon", "geodetic latitude and longitude of the NED axes, deg"
-_EARTH_ANGLE = (
-    "earth_angle",
-    (
-        "angle that the Earth has turned since the two axes coincided, deg;\n    "
-        "JSBSim's ``position/epa-rad``"
-    ),
-)
+_NED = {"lat, lon": "geodetic latitude and longitude of the NED axes, deg"}
+_EARTH_ANGLE = {
+    "earth_angle": "angle that the Earth has turned since the two axes coincided, deg; JSBSim's "
+    "``position/epa-rad``"
+}
 
-_fill = filler(
-    raises_latitude=RAISES.format(more=_LATITUDE),
-    reference="""
-    lat0, lon0, h0 : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the reference
-    """,
-)
+# positions by their kind: components and meaning
+_POSITIONS = {
+    "ECEF": {"x, y, z": "ECEF coordinates, ft"},
+    "geodetic": {
+        "lat, lon": "geodetic latitude in [-90, 90] and longitude, deg",
+        "h": "height above the ellipsoid, ft",
+    },
+    "NED": {"north, east, down": "position in the tangent axes of the reference, ft"},
+}
+_REFERENCE = {
+    "lat0, lon0, h0": "geodetic latitude and longitude (deg) and height (ft) of the reference"
+}
+
+
+def _conversion(source: str, target: str) -> Callable[[Function], Function]:
+    """`page` of a conversion between positions."""
+    reference = _REFERENCE if "NED" in (source, target) else {}
+    more = _LATITUDE if reference or source == "geodetic" else ", a point deep inside the Earth"
+    return page({**_POSITIONS[source], **reference}, _POSITIONS[target], more)
 
 
 @cache
@@ -66,26 +75,12 @@ def _check_latitude(parameter: str, lat: Any) -> None:
         refuse(parameter, lat, f"{parameter} must lie in [-90, 90] deg, not {lat}")
 
 
-@_fill
+@_conversion("geodetic", "ECEF")
 def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
     """Earth-centred, Earth-fixed coordinates of a geodetic position.
 
     With N = a^2 / sqrt(a^2 cos^2 lat + b^2 sin^2 lat): x = (N + h) cos lat cos lon,
     y = (N + h) cos lat sin lon, z = (N b^2 / a^2 + h) sin lat
-
-    Parameters
-    ----------
-    lat, lon : array_like
-        geodetic latitude and longitude, deg
-    h : array_like
-        height above the ellipsoid, ft
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        ECEF coordinates, ft
-
-    %(raises_latitude)s
     """
     from pymap3d import geodetic2ecef
 
@@ -94,33 +89,13 @@ def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
     return geodetic2ecef(lat, lon, h, _ellipsoid())
 
 
+@_conversion("ECEF", "geodetic")
 def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     """Geodetic position of a point in Earth-centred, Earth-fixed coordinates.
 
-    The inverse of `geodetic_to_ecef` to 1e-7 ft up to 100,000 ft and to 1e-5 ft up to 330,000 ft;
-    the error grows from there, to 0.005 ft at 2,000,000 ft (R.-J. You's solution without
-    iterations).
-
-    Parameters
-    ----------
-    x, y, z : array_like
-        ECEF coordinates, ft
-
-    Returns
-    -------
-    lat, lon : float or ndarray
-        geodetic latitude in [-90, 90] and longitude in [-180, 180], deg
-    h : float or ndarray
-        height above the ellipsoid, ft
-
-    Raises
-    ------
-    ParameterError
-        for a value that is not real, shapes that do not broadcast, a point deep inside the Earth
-
-    References
-    ----------
-    You: Transformation of Cartesian to Geodetic Coordinates without Iterations, J. Surveying
+    The inverse of `geodetic_to_ecef`, with a longitude in [-180, 180] deg, to 1e-7 ft up to 100,000
+    ft and to 1e-5 ft up to 330,000 ft; the error grows from there, to 0.005 ft at 2,000,000 ft.
+    R.-J. You: Transformation of Cartesian to Geodetic Coordinates without Iterations, J. Surveying
     Engineering 126 (2000).
     """
     from pymap3d import ecef2geodetic
@@ -128,34 +103,19 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     x, y, z = arrays(x=x, y=y, z=z)
     radius = np.sqrt(x * x + y * y + z * z)
     if np.any(radius < 0.98 * SEMI_MINOR_AXIS):
-        refuse(
-            "x, y, z",
-            (x, y, z),
-            "x, y, z must lie near or above the ground, some 20.9e6 ft from the "
-            f"centre of the Earth, not at {np.min(radius):g} ft",
-        )
+        why = "x, y, z must lie near or above the ground, some 20.9e6 ft from the centre of the "
+        refuse("x, y, z", (x, y, z), f"{why}Earth, not at {np.min(radius):g} ft")
     return ecef2geodetic(x, y, z, _ellipsoid())
 
 
-@_fill
+@_conversion("ECEF", "NED")
 def ecef_to_ned(
     x: Values, y: Values, z: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
     """Position of a point in Earth-centred coordinates, north, east and down of a reference.
 
-    Parameters
-    ----------
-    x, y, z : array_like
-        ECEF coordinates of the point, ft
-    %(reference)s
-
-    Returns
-    -------
-    north, east, down : float or ndarray
-        in the tangent axes of the reference, ft; the ground falls away from their plane by 1 ft
-        at a distance of 6500 ft, and with the distance's square
-
-    %(raises_latitude)s
+    The ground falls away from the tangent plane by 1 ft at a distance of 6500 ft, and with the
+    distance's square.
     """
     from pymap3d import ecef2ned
 
@@ -164,25 +124,11 @@ def ecef_to_ned(
     return ecef2ned(x, y, z, lat0, lon0, h0, _ellipsoid())
 
 
-@_fill
+@_conversion("NED", "ECEF")
 def ned_to_ecef(
     north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Earth-centred coordinates of a point north, east and down of a reference.
-
-    Parameters
-    ----------
-    north, east, down : array_like
-        position in the tangent axes of the reference, ft
-    %(reference)s
-
-    Returns
-    -------
-    x, y, z : float or ndarray
-        ECEF coordinates, ft
-
-    %(raises_latitude)s
-    """
+    """Earth-centred coordinates of a point north, east and down of a reference."""
     from pymap3d import ned2ecef
 
     north, east, down, lat0, lon0, h0 = arrays(
@@ -192,51 +138,23 @@ def ned_to_ecef(
     return ned2ecef(north, east, down, lat0, lon0, h0, _ellipsoid())
 
 
-@_fill
+@_conversion("geodetic", "NED")
 def geodetic_to_ned(
     lat: Values, lon: Values, h: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Position of a geodetic position, north, east and down of a reference.
-
-    Parameters
-    ----------
-    lat, lon, h : array_like
-        geodetic latitude and longitude (deg) and height (ft) of the point
-    %(reference)s
-
-    Returns
-    -------
-    north, east, down : float or ndarray
-        in the tangent axes of the reference, ft
-
-    %(raises_latitude)s
-    """
+    """Position of a geodetic position, north, east and down of a reference."""
     return ecef_to_ned(*geodetic_to_ecef(lat, lon, h), lat0, lon0, h0)
 
 
-@_fill
+@_conversion("NED", "geodetic")
 def ned_to_geodetic(
     north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Geodetic position of a point north, east and down of a reference.
-
-    Parameters
-    ----------
-    north, east, down : array_like
-        position in the tangent axes of the reference, ft
-    %(reference)s
-
-    Returns
-    -------
-    lat, lon, h : float or ndarray
-        geodetic latitude and longitude (deg) and height (ft)
-
-    %(raises_latitude)s
-    """
+    """Geodetic position of a point north, east and down of a reference."""
     return ecef_to_geodetic(*ned_to_ecef(north, east, down, lat0, lon0, h0))
 
 
-@rotation("ECEF", "NED", *_NED, _LATITUDE)
+@rotation("ECEF", "NED", _NED, _LATITUDE)
 def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values) -> Components:
     """Turn a vector, such as a velocity, from Earth-centred to local NED axes."""
     x, y, z, lat, lon = arrays(x=x, y=y, z=z, lat=lat, lon=lon)
@@ -246,7 +164,7 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values
     return north, east, -up
 
 
-@rotation("NED", "ECEF", *_NED, _LATITUDE)
+@rotation("NED", "ECEF", _NED, _LATITUDE)
 def ned_vector_to_ecef(
     north: Values, east: Values, down: Values, lat: Values, lon: Values
 ) -> Components:
@@ -258,7 +176,7 @@ def ned_vector_to_ecef(
     return x, y, z
 
 
-@rotation("ECI", "ECEF", *_EARTH_ANGLE)
+@rotation("ECI", "ECEF", _EARTH_ANGLE)
 def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
     """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis."""
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
@@ -266,7 +184,7 @@ def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Compone
     return x, y, z
 
 
-@rotation("ECEF", "ECI", *_EARTH_ANGLE)
+@rotation("ECEF", "ECI", _EARTH_ANGLE)
 def ecef_to_eci(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
     """Turn a vector from Earth-fixed to Earth-centred inertial axes: inverse of `eci_to_ecef`."""
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
