@@ -32,14 +32,9 @@ def oseguera_bowles(
 ) -> tuple[Any, Any, Any]:
     """Velocity of the air in an axially symmetric downburst above flat ground.
 
-    .. math::
-        u_r &= \\frac{\\lambda R^2}{2 r} \\left(1 - e^{-(r/R)^2}\\right)
-        \\left(e^{-z/z^*} - e^{-z/\\epsilon}\\right) \\\\
-        w &= -\\lambda e^{-(r/R)^2}
-        \\left(z^* (1 - e^{-z/z^*}) - \\epsilon (1 - e^{-z/\\epsilon})\\right)
-
-    with w positive upwards, z* = z_m / 0.22 and epsilon = z_m / 2.75. The flow conserves mass.
-    The outflow is strongest at r = 1.12 R and at the height z_m; lambda follows from it.
+    Oseguera and Bowles, NASA TM-100632; `Microburst` has the equations. There w is positive
+    upwards, z* = z_m / 0.22 and epsilon = z_m / 2.75. The flow conserves mass. The outflow is
+    strongest at r = 1.12 R and at the height z_m; lambda follows from it.
 
     Parameters
     ----------
@@ -64,11 +59,6 @@ def oseguera_bowles(
     ParameterError
         for a radius or height outside of [1, 1e6] ft, an outflow that is not positive or above
         1000 ft/s, and values that are not finite
-
-    References
-    ----------
-    Oseguera, Bowles: *A Simple, Analytic 3-Dimensional Downburst Model Based on Boundary Layer
-    Stagnation Flow*, NASA TM-100632, 1988.
     """
     north, east, h = finite(north=north, east=east, h=h)
     radius, height = _length("radius", radius), _length("height", height)

@@ -24,10 +24,7 @@ _roughness = partial(number, above=0.0, low=1e-6, high=math.nextafter(_REFERENCE
 def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15) -> Any:
     """Speed of the mean wind at a height above the terrain.
 
-    .. math::
-        u = W_{20} \\frac{\\ln(h / z_0)}{\\ln(20 \\, \\mathrm{ft} / z_0)}
-
-    0 below z_0, and the value at 1000 ft above that.
+    The logarithmic profile of MIL-F-8785C, 3.7.3, as of `WindShear`.
 
     Parameters
     ----------
@@ -48,10 +45,6 @@ def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15
     ------
     ParameterError
         for a negative wind speed, a roughness out of its range, values that are not finite
-
-    References
-    ----------
-    MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.3.
     """
     (h,) = finite(h=h)
     low, speed = _roughness("roughness", roughness), _speed("wind_20ft", wind_20ft)
