@@ -59,11 +59,8 @@ def pole_map(*models: LinearModel, title: str = "") -> Figure:
 
 def _checked(model: LinearModel) -> LinearModel:
     if not isinstance(model, LinearModel):
-        refuse(
-            "model",
-            model,
-            f"a LinearModel is needed, such as plane.linear_model(), not {reprlib.repr(model)}",
-        )
+        why = f"a LinearModel is needed, such as plane.linear_model(), not {reprlib.repr(model)}"
+        refuse("model", model, why)
     return model
 
 
@@ -91,13 +88,9 @@ def _name_modes(ax: Axes, modes: Sequence[Mode], size: float) -> None:
     """The names of the modes in a panel of this size."""
     for mode in modes:
         if 0.1 * size < abs(mode.pole) <= size:
-            ax.annotate(
-                mode.name,
-                (mode.pole.real, mode.pole.imag),
-                xytext=(5, 5),
-                textcoords="offset points",
-                fontsize="small",
-            )
+            place = mode.pole.real, mode.pole.imag
+            beside: Any = {"xytext": (5, 5), "textcoords": "offset points", "fontsize": "small"}
+            ax.annotate(mode.name, place, **beside)
 
 
 @exact_curves()
@@ -187,12 +180,8 @@ def root_locus(
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
-        refuse(
-            "values",
-            values,
-            f"values must have one number for each of the {len(models)} models (at least one), not "
-            f"the shape {swept.shape}",
-        )
+        wanted = f"one number for each of the {len(models)} models (at least one)"
+        refuse("values", values, f"values must have {wanted}, not the shape {swept.shape}")
     found = [_checked(model).modes() for model in models]
     points = [(m.pole, value) for modes, value in zip(found, swept, strict=True) for m in modes]
     poles, colours = np.array([pole for pole, _ in points]), [value for _, value in points]

@@ -133,21 +133,11 @@ def realise(
 
 @dataclass(frozen=True)
 class _Pulses:
-    """Responses to a pulse on each input, scaled and without their latency.
+    """Responses to a pulse on each input, scaled and without their latency."""
 
-    Attributes
-    ----------
-    g : numpy.ndarray
-        shape (m, n, p), as in `realise`
-    T : float
-        sample period in s
-    width : int
-        samples of the pulse
-    """
-
-    g: np.ndarray
-    T: float
-    width: int
+    g: np.ndarray  # shape (m, n, p), as in `realise`
+    T: float  # sample period in s
+    width: int  # samples of the pulse
 
     @property
     def after(self) -> np.ndarray:
@@ -160,13 +150,13 @@ class _Pulses:
 
     def states(self, A: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """States at sample instants, for B = 1: shape (instants, n, n)."""
-        step, held = _held(A, self.T)
+        step, into = held(A, self.T)
         x = np.zeros((len(instants), *A.shape))
         state, now = np.zeros_like(A), 0
         powers: dict[int, np.ndarray] = {}
         for i, instant in enumerate(instants):
             while now < min(instant, self.width):
-                state, now = step @ state + held, now + 1
+                state, now = step @ state + into, now + 1
             if ahead := instant - now:
                 if ahead not in powers:
                     powers[ahead] = np.linalg.matrix_power(step, ahead)
@@ -184,11 +174,10 @@ class _Pulses:
 def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
     """Whole periods by which the motion answers to each input later than by one sample."""
     late = []
-    for y in np.abs(g[:, :, rigid]):
+    size = np.abs(g[:, :, rigid])
+    for y in size:
         peak = y.max(axis=0)
-        reacts = (y > _REACTION * peak) & (
-            peak > _RELEVANT * np.abs(g[:, :, rigid]).max(axis=(0, 1))
-        )
+        reacts = (y > _REACTION * peak) & (peak > _RELEVANT * size.max(axis=(0, 1)))
         late.append(max(int(np.argmax(reacts.any(axis=1))) - 1, 0))
     return late
 
@@ -271,8 +260,8 @@ def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
     -------
     array, shape (m, n + 1, p)
     """
-    step, held = _held(found.A, T)
-    into = held @ found.B
+    step, into = held(found.A, T)
+    into = into @ found.B
     late = np.zeros_like(u)
     for j, periods in enumerate(found.latency):
         late[periods:, j] = u[: len(u) - periods, j]
@@ -284,7 +273,7 @@ def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
     return y.transpose(2, 0, 1)
 
 
-def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
+def held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
     """Transition over one period, and the effect of a constant input over it."""
     n = len(A)
     both = expm(np.block([[A, np.eye(n)], [np.zeros((n, 2 * n))]]) * T)

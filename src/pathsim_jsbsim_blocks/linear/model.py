@@ -10,12 +10,12 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import expm
 
 from .._core.checks import as_path, did_you_mean, mapping, nearest, positive, refuse
 from .._core.extras import required
 from .._core.files import write_whole
 from ..errors import FileError
+from .identification import held
 from .modes import Mode, natural_modes
 
 if TYPE_CHECKING:
@@ -129,21 +129,16 @@ class LinearModel:
             if value.shape != wanted and value.size == np.prod(wanted) == 0:
                 value = value.reshape(wanted)
             if value.shape != wanted:
-                refuse(
-                    name,
-                    value,
-                    f"{name} has the shape {value.shape}, but there are "
-                    + " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape)),
-                )
+                there = " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape))
+                refuse(name, value, f"{name} has the shape {value.shape}, but there are {there}")
             known = value[~np.isnan(value)] if name in _UNKNOWN else value
             if not np.all(np.isfinite(known)):
                 refuse(name, value, f"{name} must be finite")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
-        if np.any((self.latency < 0) | (self.latency != np.round(self.latency))):
-            refuse(
-                "latency", self.latency, f"latency is in whole periods, not {self.latency.tolist()}"
-            )
+        late = self.latency
+        if np.any((late < 0) | (late != np.round(late))):
+            refuse("latency", late, f"latency is in whole periods, not {late.tolist()}")
 
     @property
     def delay(self) -> np.ndarray:
@@ -166,21 +161,17 @@ class LinearModel:
         ParameterError
             for a name that the model does not have, naming the nearest
         """
-        u = find("inputs", self.inputs, inputs)
-        y = find("outputs", self.outputs, outputs)
-        return replace(
-            self,
-            B=self.B[:, u],
-            C=self.C[y],
-            D=self.D[np.ix_(y, u)],
-            inputs=tuple(self.inputs[i] for i in u),
-            outputs=tuple(self.outputs[i] for i in y),
-            u0=self.u0[u],
-            latency=self.latency[u],
-            y0=self.y0[y],
-            kinks=self.kinks[np.ix_(y, u)],
-            fit=self.fit[np.ix_(y, u)],
-        )
+        kept = {
+            "states": range(len(self.states)),
+            "inputs": find("inputs", self.inputs, inputs),
+            "outputs": find("outputs", self.outputs, outputs),
+        }
+        parts: dict[str, Any] = {
+            name: getattr(self, name)[np.ix_(*(kept[side] for side in shape))]
+            for name, shape in _ARRAYS.items()
+        }
+        parts |= {side: [getattr(self, side)[i] for i in kept[side]] for side in _NAMES}
+        return replace(self, **parts)
 
     def modes(self) -> list[Mode]:
         """Natural modes, the fastest first, named by the states that take part."""
@@ -212,23 +203,16 @@ class LinearModel:
             usable = False
         if not usable:
             shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
-            refuse(
-                "u",
-                given,
-                f"u must have a row for each period of {self.dt:.6g} s and {len(self.inputs)} "
-                f"columns ({', '.join(self.inputs)}) of finite numbers, not "
-                f"{reprlib.repr(given)}{shape}",
-            )
+            wanted = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
+            wanted += f" ({', '.join(self.inputs)}) of finite numbers"
+            refuse("u", given, f"u must have {wanted}, not {reprlib.repr(given)}{shape}")
         du = np.zeros_like(u)
         for j, late in enumerate(self.latency.astype(int)):
             du[late:, j] = (u[:, j] - self.u0[j])[: max(len(u) - late, 0)]
-        n, m = self.B.shape
-        both = np.zeros((n + m, n + m))
-        both[:n, :n], both[:n, n:] = self.A, self.B
-        both = expm(both * self.dt)
-        x = np.zeros((len(u) + 1, n))
-        for k, held in enumerate(du):
-            x[k + 1] = both[:n, :n] @ x[k] + both[:n, n:] @ held
+        step, into = held(self.A, self.dt)
+        x = np.zeros((len(u) + 1, len(self.A)))
+        for k, now in enumerate(du @ self.B.T):
+            x[k + 1] = step @ x[k] + into @ now
         y = self.y0 + x @ self.C.T
         y[1:] += du @ self.D.T
         return y
@@ -254,11 +238,8 @@ class LinearModel:
         try:
             states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
         except (IndexError, np.linalg.LinAlgError):
-            refuse(
-                "omega",
-                omega,
-                f"omega must be a list of frequencies at which no pole lies, not {omega!r}",
-            )
+            why = f"omega must be a list of frequencies at which no pole lies, not {omega!r}"
+            refuse("omega", omega, why)
         return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -281,7 +262,7 @@ class LinearModel:
         rate = np.diag(1.0 / tau[lagging])
         B, D = self.B.copy(), self.D.copy()
         B[:, lagging] = D[:, lagging] = 0.0
-        into = np.zeros((k, len(self.inputs)))
+        into = np.zeros((k, m))
         into[:, lagging] = rate
         return (
             np.block([[self.A, self.B[:, lagging]], [np.zeros((k, n)), -rate]]),
@@ -301,16 +282,10 @@ class LinearModel:
             if python-control (extra ``analysis``) is not installed
         """
         control = required("control", "analysis", name="python-control")
+        names = {side: list(getattr(self, side)) for side in _NAMES}
+        matrices = self.A, self.B, self.C, self.D
         return control.StateSpace(
-            self.A,
-            self.B,
-            self.C,
-            self.D,
-            states=list(self.states),
-            inputs=list(self.inputs),
-            outputs=list(self.outputs),
-            name=self.aircraft,
-            remove_useless_states=False,
+            *matrices, **names, name=self.aircraft, remove_useless_states=False
         )
 
     def to_frame(self) -> pd.DataFrame:
@@ -394,13 +369,8 @@ def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> 
         refuse(parameter, wanted, f"{parameter} must be a list of names, not {wanted!r}")
     for i, name in enumerate(wanted):
         if name not in known:
-            close = nearest(str(name), known)
-            refuse(
-                parameter,
-                wanted,
-                f"{parameter}[{i}]: there is no {name!r}"
-                + (did_you_mean(close) if close else f" among {', '.join(known)}"),
-            )
+            close = did_you_mean(nearest(str(name), known)) or f" among {', '.join(known)}"
+            refuse(parameter, wanted, f"{parameter}[{i}]: there is no {name!r}{close}")
     if len(set(wanted)) < len(wanted):
         refuse(parameter, wanted, f"{parameter} lists a name twice: {', '.join(wanted)}")
     return [list(known).index(name) for name in wanted]

@@ -154,11 +154,8 @@ def _names(modes: list[Mode]) -> list[str]:
 
     def family(*states: str, oscillatory: bool) -> list[int]:
         """Modes with most of their share in some states, the fastest first."""
-        members = [
-            i
-            for i in free
-            if modes[i].oscillatory == oscillatory and _share(modes[i], *states) > _SHARE
-        ]
+        kind = (i for i in free if modes[i].oscillatory == oscillatory)
+        members = (i for i in kind if _share(modes[i], *states) > _SHARE)
         return sorted(members, key=lambda i: -modes[i].frequency)
 
     oscillations = family(*_LATERAL, oscillatory=True)
@@ -173,13 +170,8 @@ def _names(modes: list[Mode]) -> list[str]:
     rolls = [i for i in lateral if _share(modes[i], "p") > _SHARE]
     if rolls:
         name(rolls[0], "roll")
-    spirals = [
-        i
-        for i in lateral
-        if i in free
-        and modes[i].frequency < _SPIRAL
-        and _share(modes[i], "phi") > _share(modes[i], "p")
-    ]
+    slow = (i for i in lateral if i in free and modes[i].frequency < _SPIRAL)
+    spirals = [i for i in slow if _share(modes[i], "phi") > _share(modes[i], "p")]
     if spirals:
         name(spirals[-1], "spiral")
 

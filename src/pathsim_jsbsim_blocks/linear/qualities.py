@@ -133,25 +133,19 @@ def flying_qualities(
         add("phugoid damping ratio", "3.2.1.2", phugoid.damping, "", level)
     if dutch := of.get("Dutch roll"):
         limits_of = _dutch_roll(category, aircraft_class)
-        for i, (name, value, unit) in enumerate(
-            (
-                ("Dutch roll damping ratio", dutch.damping, ""),
-                ("Dutch roll damping times frequency", -dutch.pole.real, "rad/s"),
-                ("Dutch roll frequency", dutch.frequency, "rad/s"),
-            )
-        ):
+        values = (
+            ("damping ratio", dutch.damping, ""),
+            ("damping times frequency", -dutch.pole.real, "rad/s"),
+            ("frequency", dutch.frequency, "rad/s"),
+        )
+        for i, (name, value, unit) in enumerate(values):
             level = _within(value, tuple((row[i], _INF) for row in limits_of))
-            add(name, "3.3.1.1", value, unit, level)
+            add(f"Dutch roll {name}", "3.3.1.1", value, unit, level)
     if roll := real.get("roll"):
         slowest = _roll(category, aircraft_class)
         T = roll.time_constant
-        add(
-            "roll mode time constant",
-            "3.3.1.2",
-            T,
-            "s",
-            _within(T, tuple((0.0, t) for t in slowest)),
-        )
+        level = _within(T, tuple((0.0, t) for t in slowest))
+        add("roll mode time constant", "3.3.1.2", T, "s", level)
     if spiral := real.get("spiral"):
         T = spiral.time_to_double
         level = 1 if math.isnan(T) else 1 + sum(t > T for t in _SPIRAL_DOUBLE[category])

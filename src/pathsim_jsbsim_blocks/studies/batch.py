@@ -112,10 +112,10 @@ def run_batch(
     else:
         for option, value in (("measure", measure), ("duration", duration)):
             if value is not None:
-                refuse(
-                    option, value, f"{option} goes with a script: the function build does it all"
-                )
-        name, run = _name(build), partial(_call, build, _check(build, rows))
+                why = f"{option} goes with a script: the function build does it all"
+                refuse(option, value, why)
+        name = getattr(build, "__name__", type(build).__name__)
+        run = partial(_call, build, _check(build, rows))
 
     def job() -> dict[str, Any]:
         parts: dict[str, Any] = {"cases": rows, "python": ".".join(map(str, sys.version_info[:2]))}
@@ -138,24 +138,13 @@ def run_batch(
     )
     if not any("seed" in row for row in [*points, *found]):
         rows = points
-    return pd.DataFrame(
-        [
-            {key: cell(value) for key, value in {**row, **result}.items()}
-            for row, result in zip(rows, found, strict=True)
-        ]
-    )
-
-
-def _name(function: Any) -> str:
-    return getattr(function, "__name__", type(function).__name__)
+    both = ({**row, **result} for row, result in zip(rows, found, strict=True))
+    return pd.DataFrame([{key: cell(value) for key, value in row.items()} for row in both])
 
 
 def _call(
-    build: Callable[..., Mapping[str, Any]],
-    takes_seed: bool,
-    seeding: Seeding,
-    case: dict[str, Any],
-) -> Mapping[str, Any]:
+    build: Callable[..., Any], takes_seed: bool, seeding: Seeding, case: dict[str, Any]
+) -> Any:
     seeding.used = takes_seed
     return build(**(case if takes_seed else _without_seed(case)))
 
@@ -165,12 +154,8 @@ def _without_seed(case: dict[str, Any]) -> dict[str, Any]:
 
 
 def _fly_script(
-    script: Path,
-    measure: Callable[[Any], Mapping[str, Any]],
-    duration: float | None,
-    seeding: Seeding,
-    case: dict[str, Any],
-) -> Mapping[str, Any]:
+    script: Path, measure: Any, duration: float | None, seeding: Seeding, case: dict[str, Any]
+) -> Any:
     from .._core.running import fly
     from ..scripts.script import Script
 
@@ -193,11 +178,8 @@ def _check_script(
     from ..scripts.settings import SettingError
 
     if not callable(measure):
-        refuse(
-            "measure",
-            measure,
-            f"measure must be a function of the script's module, not {measure!r}",
-        )
+        why = f"measure must be a function of the script's module, not {measure!r}"
+        refuse("measure", measure, why)
     _check_sent("measure", measure)
     if duration is not None:
         positive("duration", duration)
@@ -210,33 +192,24 @@ def _check_script(
             raise
         except (Exception, SystemExit):
             continue  # a value that cannot be ends its own case
+        why = ""
         if not isinstance(getattr(module, "sim", None), Simulation):
-            refuse(
-                "build",
-                str(script),
-                f"{script.name} builds no Simulation named sim when it is imported",
-            )
-        if module.sim.time:
-            refuse(
-                "build",
-                str(script),
-                f"{script.name} runs when it is imported: put the run under "
-                'if __name__ == "__main__":',
-            )
+            why = "builds no Simulation named sim when it is imported"
+        elif module.sim.time:
+            why = 'runs when it is imported: put the run under if __name__ == "__main__":'
+        if why:
+            refuse("build", str(script), f"{script.name} {why}")
         if duration is None and not hasattr(module, "DURATION"):
             refuse("duration", None, f"{script.name} has no DURATION: give duration=...")
     return measure
 
 
 def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
-    drawn = [
-        int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(len(rows))
-    ]
-    given = [
-        whole(f"cases point {i}: seed", row.get("seed", drawn[i]), low=0)
-        for i, row in enumerate(rows)
-    ]
-    return [{**row, "seed": given[i]} for i, row in enumerate(rows)]
+    seeded = []
+    for i, child in enumerate(np.random.SeedSequence(seed).spawn(len(rows))):
+        drawn = rows[i].get("seed", int(child.generate_state(1)[0]))
+        seeded.append({**rows[i], "seed": whole(f"cases point {i}: seed", drawn, low=0)})
+    return seeded
 
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
@@ -252,12 +225,8 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     for i, row in enumerate(rows):
         for key in row:
             if key not in parameters and key != "seed" and not free:
-                refuse(
-                    key,
-                    row[key],
-                    f"case {i} has {key!r}, which build does not take"
-                    + did_you_mean(nearest(key, parameters)),
-                )
+                close = did_you_mean(nearest(key, parameters))
+                refuse(key, row[key], f"case {i} has {key!r}, which build does not take{close}")
         for key, p in parameters.items():
             needed = p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
             if needed and key not in row:

@@ -24,23 +24,19 @@ _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence"
 _WORDS = {"aircraft", "case", "reason"}
 
 
-def _trimmed(table: Any, chart: str, study: str, *columns: str) -> pd.DataFrame:
+def _trimmed(table: Any, chart: str, study: str, columns: str) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
     known = [str(name) for name in getattr(table, "columns", ())]
     if not known:
         refuse("table", table, f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}")
-    for name in ("trimmed", *columns):
+    for name in ("trimmed", *columns.split()):
         if name not in known:
-            refuse(
-                "table",
-                known,
-                f"{chart} draws a table of {study}; this one has no column {name!r}"
-                + did_you_mean(nearest(name, known)),
-            )
+            why = f"{chart} draws a table of {study}; this one has no column {name!r}"
+            refuse("table", known, why + did_you_mean(nearest(name, known)))
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
         refuse("table", known, f"{chart} has nothing to draw: no point of the table trims")
-    for name in columns:
+    for name in columns.split():
         if name not in _WORDS and rows[name].infer_objects().dtype.kind not in "biuf":
             refuse("table", name, f"{chart} needs numbers in the column {name!r}")
     return rows
@@ -69,46 +65,34 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    trimmed = _trimmed(
-        table,
-        "alpha_elevator_chart",
-        "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed",
-        "requested_altitude_ft",
-        "speed_kcas",
-        "alpha_deg",
-        "elevator_rad",
-        "elevator_norm",
-        "weight_lb",
-        "cg_x_in",
-    )
+    study = "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed"
+    needed = "speed_kcas alpha_deg elevator_rad elevator_norm weight_lb cg_x_in"
+    needed = f"requested_altitude_ft {needed}"
+    trimmed = _trimmed(table, "alpha_elevator_chart", study, needed)
     lines = list(_lines(trimmed))
     figure, axes = subplots(
         3, 1, sharex=True, figsize=(8, 8 + 0.2 * len(lines)), layout="constrained"
     )
     for label, style, rows in lines:
-        for ax, y in zip(
-            axes, (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm), strict=True
-        ):
+        shown = (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm)
+        for ax, y in zip(axes, shown, strict=True):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
     axes[0].set(ylabel="angle of attack [deg]")
     axes[1].set(ylabel="elevator deflection [deg]")
     axes[2].set(ylabel="elevator deflection [-]", xlabel="calibrated airspeed [kt]")
     for ax in axes:
         ax.grid(alpha=0.4)
-    figure.legend(
-        *axes[0].get_legend_handles_labels(), loc="outside lower center", fontsize="small"
-    )
-    figure.suptitle(
-        title or _of(table, "trim: angle of attack, and elevator (trailing edge down positive)")
-    )
+    marks = axes[0].get_legend_handles_labels()
+    figure.legend(*marks, loc="outside lower center", fontsize="small")
+    headline = "trim: angle of attack, and elevator (trailing edge down positive)"
+    figure.suptitle(title or _of(table, headline))
     return figure
 
 
 def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFrame]]:
     """Label, style and rows of each line: colour by weight, marker by CG, dashes by altitude."""
-    keys = [
-        key for key in ("weight_case", "cg_shift_percent", "requested_altitude_ft") if key in table
-    ]
+    keys = ["weight_case", "cg_shift_percent", "requested_altitude_ft"]
+    keys = [key for key in keys if key in table]
     values = [list(table[key].unique()) for key in keys]
     for group, rows in table.groupby(keys, sort=False):
         at = dict(zip(keys, group, strict=True))
@@ -155,17 +139,9 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
     """
     from matplotlib.ticker import MaxNLocator
 
-    trimmed = _trimmed(
-        table,
-        "envelope_map",
-        "trim_envelope or a trim_sweep over speed and gamma",
-        "requested_speed_kcas",
-        "requested_gamma_deg",
-        "reason",
-        "thrust_lb",
-        "throttle_norm",
-        "alpha_deg",
-    )
+    study = "trim_envelope or a trim_sweep over speed and gamma"
+    needed = "reason thrust_lb throttle_norm alpha_deg requested_speed_kcas requested_gamma_deg"
+    trimmed = _trimmed(table, "envelope_map", study, needed)
     figure, axes = subplots(3, 1, sharex=True, figsize=(8, 10.5), layout="constrained")
     for ax, values, label in (
         (axes[0], trimmed.throttle_norm, "throttle command [-]"),
@@ -177,15 +153,12 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
         )
         figure.colorbar(points, ax=ax, label=label)
         for reason, rows in table[~table.trimmed].groupby("reason"):
-            ax.scatter(
-                rows.requested_speed_kcas,
-                rows.requested_gamma_deg,
-                s=26,
-                color="0.35",
-                linewidths=1.0,
-                marker=_REASONS.get(str(reason), "."),
-                label=f"no trim: {reason}",
-            )
+            style: dict[str, Any] = {
+                "marker": _REASONS.get(str(reason), "."),
+                "label": f"no trim: {reason}",
+            }
+            style |= {"s": 26, "color": "0.35", "linewidths": 1.0}
+            ax.scatter(rows.requested_speed_kcas, rows.requested_gamma_deg, **style)
         ax.set_ylabel("flight path angle [deg]")
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes[-1].set_xlabel("calibrated airspeed [kt]")
@@ -216,15 +189,8 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ParameterError
         if the table lacks a column, or no point of it trims
     """
-    trimmed = _trimmed(
-        table,
-        "thrust_chart",
-        "thrust_vectoring",
-        "case",
-        "thrust_angle_deg",
-        "thrust_lb",
-        "alpha_deg",
-    )
+    needed = "case thrust_angle_deg thrust_lb alpha_deg"
+    trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", needed)
     cases = list(trimmed.groupby("case", sort=False))
     figure, axes = subplots(
         len(cases), 1, squeeze=False, figsize=(8, 3.6 * len(cases)), layout="constrained"
@@ -267,24 +233,16 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """
     from matplotlib.ticker import MaxNLocator
 
-    trimmed = _trimmed(
-        table,
-        "climb_chart",
-        "climb_schedule or a trim_sweep over altitude",
-        "requested_altitude_ft",
-        "requested_speed_kcas",
-        "requested_gamma_deg",
-        "throttle_norm",
-        "pitch_trim_norm",
-    )
+    study = "climb_schedule or a trim_sweep over altitude"
+    needed = "requested_altitude_ft throttle_norm pitch_trim_norm"
+    needed += " requested_speed_kcas requested_gamma_deg"
+    trimmed = _trimmed(table, "climb_chart", study, needed)
     figure, axes = subplots(1, 2, figsize=(8, 3.8), layout="constrained")
-    for ax, values, label in (
-        (axes[0], trimmed.throttle_norm, "throttle command [-]"),
-        (axes[1], trimmed.pitch_trim_norm, "pitch trim command [-]"),
-    ):
+    for ax, name in zip(axes, ("throttle", "pitch trim"), strict=True):
+        values = trimmed[f"{name.replace(' ', '_')}_norm"]
         ax.plot(trimmed.requested_altitude_ft, values, "o-", markersize=4)
         ax.xaxis.set_major_locator(MaxNLocator(5))
-        ax.set(xlabel="altitude [ft]", ylabel=label)
+        ax.set(xlabel="altitude [ft]", ylabel=f"{name} command [-]")
         ax.grid(alpha=0.4)
     first = table.iloc[0]
     climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
@@ -309,14 +267,9 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """
     from .modes import MODES, column
 
-    trimmed = _trimmed(
-        table,
-        "modes_chart",
-        "modes_over_speed",
-        "aircraft",
-        "requested_speed_kcas",
-        *(f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")),
-    )
+    poles = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
+    needed = " ".join(["aircraft", "requested_speed_kcas", *poles])
+    trimmed = _trimmed(table, "modes_chart", "modes_over_speed", needed)
     flown = list(trimmed.groupby("aircraft", sort=False))
     figure, axes = subplots(
         3, len(flown), squeeze=False, sharex="col", figsize=(max(4.2 * len(flown), 6), 9),
@@ -343,9 +296,8 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
             ax.grid(alpha=0.4)
             if ax.lines:
                 ax.legend(fontsize="small")
-    figure.suptitle(
-        title or f"Modes in level flight at {table.requested_altitude_ft.iloc[0]:.0f} ft"
-    )
+    altitude = table.requested_altitude_ft.iloc[0]
+    figure.suptitle(title or f"Modes in level flight at {altitude:.0f} ft")
     return figure
 
 

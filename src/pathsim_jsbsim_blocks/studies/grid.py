@@ -6,9 +6,11 @@ import dataclasses
 import itertools
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
+
+import numpy as np
 
 from .._core.checks import did_you_mean, nearest, number, refuse
 from ..errors import ParameterError
@@ -49,24 +51,16 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
         grid = grid.to_dict("records")
     if isinstance(grid, Mapping):
         axes = {key: _axis(name, key, values) for key, values in grid.items()}
-        rows = (
-            [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
-            if axes
-            else []
-        )
-    elif (
-        isinstance(grid, Iterable)
-        and not isinstance(grid, (str, bytes))
-        and getattr(grid, "ndim", 1) > 0
-    ):
+        values_of = itertools.product(*axes.values()) if axes else ()
+        rows = [dict(zip(axes, values, strict=True)) for values in values_of]
+    elif isinstance(grid, (str, bytes)) or not np.iterable(grid):
+        why = f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}"
+        refuse(name, grid, why)
+    else:
         rows = list(grid)
         for row in rows:
             if not isinstance(row, Mapping):
                 refuse(name, grid, f"{name} must hold one dict for each point, not {row!r}")
-    else:
-        refuse(
-            name, grid, f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}"
-        )
     if not rows:
         refuse(name, grid, f"{name} is empty")
     return [
@@ -81,9 +75,8 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
     try:
         values = list(values)
     except TypeError:
-        refuse(
-            str(key), values, f"{name}: {key} must be a value or a list of values, not {values!r}"
-        )
+        why = f"{name}: {key} must be a value or a list of values, not {values!r}"
+        refuse(str(key), values, why)
     if not values:
         refuse(str(key), values, f"{name} is empty: {key} has no values")
     return values
@@ -113,50 +106,35 @@ def plain(name: str, value: Any) -> Any:
 
 
 class _List(list):
-    """A list whose text is JSON, in a CSV file too."""
-
-    def __str__(self) -> str:
-        return json.dumps(self)
+    __str__ = json.dumps  # type: ignore[assignment]
 
 
 class _Dict(dict):
-    """A dict whose text is JSON, with text for keys, as Parquet needs too."""
-
-    def __str__(self) -> str:
-        return json.dumps(self)
+    __str__ = json.dumps  # type: ignore[assignment]
 
 
 def cell(value: Any) -> Any:
     """Plain data as a cell of a table: lists and dicts stay such in Parquet, JSON text in CSV."""
-    if isinstance(value, list):
-        return _List(value)
-    if isinstance(value, dict):
+    if isinstance(value, dict):  # Parquet needs text for keys
         return _Dict({str(key): item for key, item in value.items()})
-    return value
+    return _List(value) if isinstance(value, list) else value
 
 
-def trim_conditions(points: list[dict[str, Any]]) -> list[TrimCondition]:
-    """The condition of each point; columns with a slash are JSBSim properties.
+def trim_condition(i: int, point: dict[str, Any]) -> TrimCondition:
+    """The condition of a point; columns with a slash are JSBSim properties.
 
     Raises
     ------
     ParameterError
         for unknown columns and values that are not possible; the message names the point
     """
-    return [_condition(i, point) for i, point in enumerate(points)]
-
-
-def _condition(i: int, point: dict[str, Any]) -> TrimCondition:
     fields = {key: value for key, value in point.items() if "/" not in key}
     for key in fields:
         if key not in _COLUMNS:
-            refuse(
-                key,
-                point[key],
-                f"the grid has a column {key!r} that no trim condition has"
-                + did_you_mean(nearest(key, _COLUMNS))
-                + f" (columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path)",
-            )
+            close = did_you_mean(nearest(key, _COLUMNS))
+            known = f"columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path"
+            why = f"the grid has a column {key!r} that no trim condition has{close} ({known})"
+            refuse(key, point[key], why)
     try:
         if fields.get("mach") is not None and fields.get("speed") is not None:
             refuse("mach", fields["mach"], "both mach and speed are given")
@@ -176,18 +154,7 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
     """
     return (
         condition.mode,
-        *(
-            value is None
-            for value in (
-                condition.mach,
-                condition.gear,
-                condition.flaps,
-                condition.alpha_min,
-                condition.alpha_max,
-                condition.latitude,
-                condition.longitude,
-            )
-        ),
+        *(getattr(condition, name) is None for name in _COLUMNS),
         condition.searched_by,
         *(tuple(getattr(condition, name)) for name in ("payload", "fuel", "setup")),
     )
@@ -210,7 +177,5 @@ def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> 
         else:
             columns[title] = [math.nan if value is None else value for value in values]
     for name in dict.fromkeys(key for point in points for key in point if "/" in key):
-        columns[f"requested_{name}"] = [
-            condition.setup.get(name, math.nan) for condition in conditions
-        ]
+        columns[f"requested_{name}"] = [c.setup.get(name, math.nan) for c in conditions]
     return columns

@@ -11,11 +11,15 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .._core.checks import as_path, refuse
+from .._core.extras import required
 from ..errors import FileError
 from .identity import differences
 
 _FORMAT = "pathsim-jsbsim study"
 _VERSION = 3
+
+# what reading a line raises that is not as it was written
+_DAMAGED = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 
 
 class Journal:
@@ -69,16 +73,13 @@ class Journal:
             raise
 
     def _lock(self) -> None:
-        from filelock import lock_descriptor
-
         free = True
         with contextlib.suppress(OSError):  # a file system without locks
-            free = lock_descriptor(self._file.fileno(), blocking=False)
+            lock = required("filelock", "studies").lock_descriptor
+            free = lock(self._file.fileno(), blocking=False)
         if not free:
-            self._refuse(
-                f"{str(self.path)!r} is in use: another process runs this study. "
-                "Wait for it or name another file"
-            )
+            why = "is in use: another process runs this study. Wait for it or name another file"
+            self._refuse(f"{str(self.path)!r} {why}")
 
     def _refuse(self, why: str) -> NoReturn:
         refuse("resume", str(self.path), why)
@@ -91,18 +92,15 @@ class Journal:
         # text after the last newline was cut off by a kill
         first, *lines = content.split(b"\n")[:-1] or [content]
         if first + b"\n" != _line(header):
-            self._refuse(
-                f"{str(self.path)!r} holds {_holds(first, header)}; name another file or delete it"
-            )
+            holds = _holds(first, header)
+            self._refuse(f"{str(self.path)!r} holds {holds}; name another file or delete it")
         for number, line in enumerate(lines, 2):
             try:
                 part = _checked(line)
                 self.finished[part["part"]] = part["rows"]
-            except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-                self._refuse(
-                    f"line {number} of {str(self.path)!r} is damaged: delete the line and it is "
-                    "computed again"
-                )
+            except _DAMAGED:
+                why = "is damaged: delete the line and it is computed again"
+                self._refuse(f"line {number} of {str(self.path)!r} {why}")
         self._file.truncate(content.rindex(b"\n") + 1)
 
     def add(self, part: int, rows: list) -> None:
@@ -119,9 +117,8 @@ class Journal:
             while line:
                 line = line[self._file.write(line) :]
         except OSError as error:
-            raise FileError(
-                "write", self.path, error, "; the parts finished before are kept in it"
-            ) from None
+            kept = "; the parts finished before are kept in it"
+            raise FileError("write", self.path, error, kept) from None
 
 
 def _line(data: dict[str, Any]) -> bytes:
@@ -150,8 +147,7 @@ def _holds(first: bytes, wanted: dict[str, Any]) -> str:
             return "a study written by another version"
         found = _checked(first)
         parts = differences(found["key"], wanted["key"])
-        return f"another study ({found['study']}), not this one ({wanted['study']})" + (
-            f". What differs: {parts}" if parts else ""
-        )
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        differs = f". What differs: {parts}" if parts else ""
+        return f"another study ({found['study']}), not this one ({wanted['study']}){differs}"
+    except _DAMAGED:
         return "other data"

@@ -77,19 +77,11 @@ def modes_over_speed(
         refuse("speeds", speeds, "speeds are those of one aircraft: name it")
     if aircraft is not None and speeds is None and aircraft not in _SWEEPS:
         Airframe(aircraft)
-        refuse(
-            "speeds",
-            None,
-            f"speeds: give those of {aircraft!r}; the study knows {' and '.join(_SWEEPS)}",
-        )
+        known = " and ".join(_SWEEPS)
+        refuse("speeds", None, f"speeds: give those of {aircraft!r}; the study knows {known}")
     given = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
     points = [
-        {
-            "aircraft": name,
-            "altitude": altitude,
-            "speed": float(speed),
-            "gear": 0.0 if has_retractable_gear(name) else None,
-        }
+        {"aircraft": name, "requested_altitude_ft": altitude, "requested_speed_kcas": float(speed)}
         for name in (_SWEEPS if aircraft is None else [aircraft])
         for speed in (_SWEEPS[name] if given is None else given)
     ]
@@ -99,25 +91,18 @@ def modes_over_speed(
         _modes_at,
         [[point] for point in points],
         died={"trimmed": False, "reason": WORKER_DIED},
-        describe=lambda point: f"{point['aircraft']} at {point['speed']:g} KCAS",
+        describe=lambda point: "{aircraft} at {requested_speed_kcas:g} KCAS".format(**point),
         title=f"modes_over_speed, {len(points)} points",
         job=lambda: {"study": "modes_over_speed", "points": points},
         jobs=jobs,
         resume=resume,
         progress=progress,
     )
-    columns = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
-    return pd.DataFrame(
-        {
-            "aircraft": [point["aircraft"] for point in points],
-            "requested_altitude_ft": [point["altitude"] for point in points],
-            "requested_speed_kcas": [point["speed"] for point in points],
-            "trimmed": [row["trimmed"] for row in rows],
-            "reason": [row["reason"] for row in rows],
-            "warning": [row.get("warning", "") for row in rows],
-            **{c: np.array([row.get(c, np.nan) for row in rows], dtype=float) for c in columns},
-        }
-    )
+    poles = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
+    # poles that no row has are columns of numbers too
+    empty = {"warning": "", **dict.fromkeys(poles, np.nan)}
+    found = [{**p, **empty, **row} for p, row in zip(points, rows, strict=True)]
+    return pd.DataFrame(found, columns=[*points[0], "trimmed", "reason", "warning", *poles])
 
 
 def column(mode: str) -> str:
@@ -132,9 +117,9 @@ def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
     rows = []
     for point in points:
         condition = TrimCondition(
-            altitude=point["altitude"],
-            speed=point["speed"],
-            gear=point["gear"],
+            altitude=point["requested_altitude_ft"],
+            speed=point["requested_speed_kcas"],
+            gear=0.0 if has_retractable_gear(point["aircraft"]) else None,
             setup={"propulsion/fuel_freeze": 1.0},
         )
         row: dict[str, Any] = {"trimmed": True, "reason": "", "warning": ""}

@@ -69,13 +69,8 @@ def aoa_vs_cas(
     """
     payload, fuel = _WEIGHTS["mid"]
     loading = {"payload": [[payload]], "fuel": [[fuel] * 3]} if aircraft == "global5000" else {}
-    return trim_sweep(
-        aircraft,
-        {"altitude": altitude, **loading, "speed": speeds},
-        jobs=jobs,
-        resume=resume,
-        progress=progress,
-    )
+    grid = {"altitude": altitude, **loading, "speed": speeds}
+    return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
 
 def aoa_vs_cas_loading(
@@ -164,15 +159,9 @@ def thrust_vectoring(
         "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0},
     }
     angles = np.linspace(0.0, 10.0, 100).tolist()
-    engines = Airframe(aircraft).engines
+    turned = [f"propulsion/engine[{i}]/pitch-angle-rad" for i in range(Airframe(aircraft).engines)]
     grid = [
-        {
-            **condition,
-            **{
-                f"propulsion/engine[{i}]/pitch-angle-rad": math.radians(angle)
-                for i in range(engines)
-            },
-        }
+        {**condition, **dict.fromkeys(turned, math.radians(angle))}
         for condition in cases.values()
         for angle in angles
     ]
@@ -216,13 +205,8 @@ def trim_envelope(
         that of `trim_sweep`, 680 rows for the 737
     """
     settings = {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0} if wide else _ALPHA_LIMITS
-    return trim_sweep(
-        aircraft,
-        {"altitude": altitude, **settings, "speed": speeds, "gamma": range(-10, 10)},
-        jobs=jobs,
-        resume=resume,
-        progress=progress,
-    )
+    grid = {"altitude": altitude, **settings, "speed": speeds, "gamma": range(-10, 10)}
+    return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
 
 def climb_schedule(
@@ -255,13 +239,9 @@ def climb_schedule(
     pandas.DataFrame
         that of `trim_sweep`
     """
-    return trim_sweep(
-        aircraft,
-        {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS, "altitude": range(1000, 21000, 1000)},
-        jobs=jobs,
-        resume=resume,
-        progress=progress,
-    )
+    altitudes = range(1000, 21000, 1000)
+    grid = {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS, "altitude": altitudes}
+    return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
 
 class Study(NamedTuple):

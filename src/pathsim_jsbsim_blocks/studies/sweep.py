@@ -17,7 +17,7 @@ from ..flight.airframe import Airframe
 from ..flight.trimming import TrimState, trim
 from ..flight.trimming.condition import TrimCondition
 from ..flight.trimming.state import UNITS
-from .grid import column, expand, requested, structure, trim_conditions
+from .grid import column, expand, requested, structure, trim_condition
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def trim_sweep(
     required("joblib", "studies")
 
     points = expand("grid", grid)
-    conditions = trim_conditions(points)
+    conditions = [trim_condition(i, point) for i, point in enumerate(points)]
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = whole("chunk", chunk, low=1)
     _try_out(aircraft, root, conditions, outputs)
@@ -121,16 +121,12 @@ def trim_sweep(
     found_at = dict(zip(order, rows, strict=True))
     rows = [found_at[i] for i in range(len(points))]
     found = [column(name) for name in _FOUND] + outputs
-    table = pd.concat(
-        [
-            pd.DataFrame(requested(conditions, points)),
-            pd.DataFrame(rows, columns=["trimmed", "reason"]),
-            pd.DataFrame(
-                [[row.get(name) for name in found] for row in rows], columns=found, dtype=float
-            ),
-        ],
-        axis=1,
-    )
+    parts = [
+        pd.DataFrame(requested(conditions, points)),
+        pd.DataFrame(rows, columns=["trimmed", "reason"]),
+        pd.DataFrame([[row.get(x) for x in found] for row in rows], columns=found, dtype=float),
+    ]
+    table = pd.concat(parts, axis=1)
     table.attrs["aircraft"] = aircraft  # for the titles of figures
     return table
 
@@ -189,19 +185,8 @@ def _trim_points(
             state = trim(airframe, condition, hint=False, warm=True)
         except TrimError as error:
             rows.append({"trimmed": False, "reason": error.reason})
-        else:
-            rows.append(
-                {
-                    "trimmed": True,
-                    "reason": "",
-                    **_found(state),
-                    **{name: airframe.fdm[name] for name in outputs},
-                }
-            )
+            continue
+        row = {"trimmed": True, "reason": ""} | {column(x): getattr(state, x) for x in _FOUND}
+        row[column("throttle")] = state.throttle[0] if state.throttle else None
+        rows.append(row | {name: airframe.fdm[name] for name in outputs})
     return rows
-
-
-def _found(state: TrimState) -> dict[str, float | None]:
-    values = {name: getattr(state, name) for name in _FOUND}
-    values["throttle"] = state.throttle[0] if state.throttle else None
-    return {column(name): value for name, value in values.items()}

@@ -19,7 +19,6 @@ from typing import Any
 
 from .._core.callers import warn_user
 from .._core.checks import flag, refuse, whole
-from .._core.extras import required
 from ..errors import ParameterError
 from .identity import study_key
 from .journal import Journal
@@ -70,9 +69,14 @@ def run_parts(
     progress : bool
         show a progress bar on stderr
     """
-    jobs = _count(jobs)
-    if resume is not None:
-        required("filelock", "studies")
+    from tqdm import tqdm
+
+    flag("progress", progress)
+    if jobs != -1:
+        try:
+            jobs = whole("jobs", jobs, low=1)
+        except ParameterError as error:
+            refuse("jobs", jobs, f"{error} (-1: all cores)")
     journal = Journal(resume, title, study_key(job())) if resume is not None else None
     rows = dict(journal.finished) if journal else {}
 
@@ -83,16 +87,17 @@ def run_parts(
             journal.add(index, result)
         bar.update(len(result))
 
+    points, done = _points(parts), _points(rows.values())
     try:
-        with _one_interrupt(), _bar(title, parts, rows, progress) as bar:
+        bar = tqdm(total=points, initial=done, desc=title, unit=" points", disable=not progress)
+        with _one_interrupt(), bar:
             while pending := [i for i in range(len(parts)) if i not in rows]:
                 _run(work, parts, pending, keep, died, describe, jobs)
     except KeyboardInterrupt:
-        done = f"{_points(rows.values())} of {_points(parts)} points done"
         kept = "lost: name a file to resume from and they are kept"
-        raise KeyboardInterrupt(
-            f"{done}, {kept if resume is None else f'resume with {str(resume)!r}'}"
-        ) from None
+        kept = kept if resume is None else f"resume with {str(resume)!r}"
+        done = _points(rows.values())
+        raise KeyboardInterrupt(f"{done} of {points} points done, {kept}") from None
     finally:
         if journal:
             journal.close()
@@ -123,27 +128,6 @@ def _one_interrupt() -> Iterator[None]:
 
 def _points(parts: Iterable[list[Any]]) -> int:
     return sum(map(len, parts))
-
-
-def _count(jobs: int) -> int:
-    if jobs == -1:
-        return -1
-    try:
-        return whole("jobs", jobs, low=1)
-    except ParameterError as error:
-        refuse("jobs", jobs, f"{error} (-1: all cores)")
-
-
-def _bar(title: str, parts: list[Part], finished: dict[int, list[Row]], progress: bool) -> Any:
-    from tqdm import tqdm
-
-    return tqdm(
-        total=_points(parts),
-        initial=_points(finished.values()),
-        desc=title,
-        unit=" points",
-        disable=not flag("progress", progress),
-    )
 
 
 def _run(
