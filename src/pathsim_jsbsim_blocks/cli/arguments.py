@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
@@ -28,13 +29,18 @@ def repeatable(
     sub.add_argument(option, metavar=metavar, action="append", default=[], help=help_text, **more)
 
 
-def trust_option(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--trust",
-        action="store_true",
-        help="open a model from outside without asking, now and later; its code runs "
-        "as you when the model runs",
-    )
+def switch(sub: argparse.ArgumentParser, option: str, text: str) -> None:
+    sub.add_argument(option, action="store_true", help=text)
+
+
+def file_option(sub: argparse.ArgumentParser, *options: str, metavar: str, text: str) -> None:
+    sub.add_argument(*options, metavar=metavar, type=Path, help=text)
+
+
+def trust_options(sub: argparse.ArgumentParser) -> None:
+    text = "open a model from outside without asking, now and later; its code runs "
+    switch(sub, "--trust", text + "as you when the model runs")
+    trust_toolbox_option(sub)
 
 
 def trust_toolbox_option(sub: argparse.ArgumentParser) -> None:
@@ -61,35 +67,23 @@ def condition_options(sub: argparse.ArgumentParser) -> None:
     root_option(sub)
     sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
     speed = sub.add_mutually_exclusive_group()
-    speed.add_argument(
-        "--speed",
-        type=float,
-        default=100.0,
-        help="KCAS (default %(default)g; docs/evidence/fleet.md has one for each aircraft)",
-    )
+    text = "KCAS (default %(default)g; docs/evidence/fleet.md has one for each aircraft)"
+    speed.add_argument("--speed", type=float, default=100.0, help=text)
     speed.add_argument("--mach", type=float, help="instead of --speed")
     sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
     sub.add_argument("--heading", type=float, default=0.0, help="deg")
     sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
     sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
-    sub.add_argument(
-        "--mode",
-        default="full",
-        help="full, longitudinal, ground, pull-up, turn, glide or none",
-    )
+    text = "full, longitudinal, ground, pull-up, turn, glide or none"
+    sub.add_argument("--mode", default="full", help=text)
     sub.add_argument("--beta", type=float, default=0.0, help="sideslip angle, deg")
     sub.add_argument("--throttle", type=float, help="0 to 1; the path angle is then free")
     sub.add_argument("--thrust", type=float, help="lbf, instead of --throttle")
     sub.add_argument("--free", help="gamma or speed, with --throttle, --thrust or a glide")
     sub.add_argument("--latitude", type=float, help="deg, north positive")
     sub.add_argument("--longitude", type=float, help="deg, east positive")
-    sub.add_argument(
-        "--engines-off",
-        type=engine_numbers,
-        default=(),
-        metavar="N,...",
-        help="engines that do not run, from 0, or all",
-    )
+    text = "engines that do not run, from 0, or all"
+    sub.add_argument("--engines-off", type=engine_numbers, default=(), metavar="N,...", help=text)
     sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
     sub.add_argument("--gear", type=float, help="0 up to 1 down")
     sub.add_argument("--flaps", type=float, help="0 to 1")

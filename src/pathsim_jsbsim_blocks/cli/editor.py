@@ -11,7 +11,17 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..errors import UntrustedModelError
-from .arguments import Commands, add_command, repeatable, trust_option, trust_toolbox_option
+from .arguments import (
+    Commands,
+    add_command,
+    file_option,
+    repeatable,
+    switch,
+    trust_options,
+    trust_toolbox_option,
+)
+from .console import tell
+from .saving import check_file
 
 _Opened = TypeVar("_Opened")
 _LONG = 60.0  # s
@@ -19,15 +29,11 @@ _LONG = 60.0  # s
 
 def add_view(commands: Commands) -> None:
     sub = add_command(commands, "view", view_model, "open a diagram in PathView")
-    sub.add_argument(
-        "target",
-        nargs="?",
-        help="a diagram, a model (.pvm) or a script; default is an empty diagram",
-    )
+    text = "a diagram, a model (.pvm) or a script; default is an empty diagram"
+    sub.add_argument("target", nargs="?", help=text)
     sub.add_argument("--port", type=int, help="default is 8360, or a free one")
-    sub.add_argument("--no-browser", action="store_true", help="only serve")
-    trust_option(sub)
-    trust_toolbox_option(sub)
+    switch(sub, "--no-browser", "only serve")
+    trust_options(sub)
 
 
 def view_model(args: argparse.Namespace) -> None:
@@ -76,21 +82,11 @@ def says_yes(error: UntrustedModelError) -> bool:
 def add_export(commands: Commands) -> None:
     sub = add_command(commands, "export", export, "write a diagram script as a PathView model")
     sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
-    sub.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE.pvm",
-        type=Path,
-        help="default is NAME.pvm, beside the script or, for the catalogue, here",
-    )
-    sub.add_argument(
-        "--check",
-        metavar="SECONDS",
-        type=_seconds_or_all,
-        default=60.0,
-        help="processing time for which the model flies beside the script's first run, or all: "
-        "to the end of the run; default is 60",
-    )
+    text = "default is NAME.pvm, beside the script or, for the catalogue, here"
+    file_option(sub, "-o", "--output", metavar="FILE.pvm", text=text)
+    text = "processing time for which the model flies beside the script's first run, or all: "
+    text += "to the end of the run; default is 60"
+    sub.add_argument("--check", metavar="SECONDS", type=_seconds_or_all, default=60.0, help=text)
 
 
 def _seconds_or_all(text: str) -> float:
@@ -98,23 +94,17 @@ def _seconds_or_all(text: str) -> float:
 
 
 def export(args: argparse.Namespace) -> None:
-    from .._core.checks import ending, writable
     from ..catalogue import diagram_folder, find_diagram
     from ..pathview.export import export_with_proof
     from ..pathview.pvm import read
     from ..pathview.trusted_models import digest, remember
 
-    if args.output is not None:
-        ending("output", writable("output", args.output), ".pvm", ".json")
+    check_file("output", args.output, ".pvm", ".json")
     script = find_diagram(args.script)
     own = script.parent == diagram_folder()
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
-    waiting = threading.Timer(
-        _LONG,
-        print,
-        [f"pathsim-jsbsim: {script} still runs after {_LONG:.0f} s; Ctrl-C ends the export"],
-        {"file": sys.stderr},
-    )
+    text = f"{script} still runs after {_LONG:.0f} s; Ctrl-C ends the export"
+    waiting = threading.Timer(_LONG, tell, [text])
     waiting.daemon = True
     waiting.start()
     try:
@@ -129,16 +119,10 @@ def export(args: argparse.Namespace) -> None:
 def add_convert(commands: Commands) -> None:
     sub = add_command(commands, "convert", convert, "write a PathView model as a Python script")
     sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
-    sub.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE.py",
-        type=Path,
-        help="default is NAME.py beside the model, if that does not exist yet",
-    )
-    repeatable(
-        sub, "--toolbox", "PACKAGE[:IMPORT]", "a toolbox that the model itself does not name"
-    )
+    text = "default is NAME.py beside the model, if that does not exist yet"
+    file_option(sub, "-o", "--output", metavar="FILE.py", text=text)
+    text = "a toolbox that the model itself does not name"
+    repeatable(sub, "--toolbox", "PACKAGE[:IMPORT]", text)
     trust_toolbox_option(sub)
 
 

@@ -10,21 +10,16 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from .arguments import Commands, add_command
+from .arguments import Commands, add_command, switch
 
 
 def add_course(commands: Commands) -> None:
     sub = add_command(
         commands, "course", course, "copy the chapters of the course, and open them in JupyterLab"
     )
-    sub.add_argument(
-        "folder",
-        nargs="?",
-        type=Path,
-        default=Path("jsbsim-course"),
-        help="where to copy them (default %(default)s); a file that is there stays as it is",
-    )
-    sub.add_argument("--no-open", action="store_true", help="only copy")
+    text = "where to copy them (default %(default)s); a file that is there stays as it is"
+    sub.add_argument("folder", nargs="?", type=Path, default=Path("jsbsim-course"), help=text)
+    switch(sub, "--no-open", "only copy")
 
 
 def chapters() -> Path:
@@ -101,14 +96,13 @@ def print_manual(args: argparse.Namespace) -> None:
         title, *lines = _use(args.block, found)
         print(f"\n{title}\n{'-' * len(title)}")
         print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))
-    if inspect.isclass(found) and issubclass(found, Exception):
-        return
-    arguments = ", ".join(
-        p.name if p.default is p.empty else f"{p.name}={p.default!r}"
-        for p in inspect.signature(found).parameters.values()
-    )
-    signature = textwrap.fill(f"{args.block}({arguments})", 96, subsequent_indent="    ")
-    print(f"\nSignature\n---------\n{signature}")
+    if not (inspect.isclass(found) and issubclass(found, Exception)):
+        parameters = [
+            p.replace(annotation=p.empty) for p in inspect.signature(found).parameters.values()
+        ]
+        signature = f"{args.block}{inspect.Signature(parameters)}"
+        print("\nSignature\n---------")
+        print(textwrap.fill(signature, 96, subsequent_indent="    "))
 
 
 def _use(name: str, block: Any) -> list[str]:
@@ -123,14 +117,6 @@ def _use(name: str, block: Any) -> list[str]:
                 calls = [ast.unparse(n) for n in ast.walk(tree) if isinstance(n, ast.Call)]
                 wires = [c for c in calls if c.startswith("Connection(") and variable.search(c)]
                 return [f"In the diagram {script.stem}", ast.unparse(node), *wires]
-    inputs, outputs = (
-        [f"block[{port!r}]" for port in getattr(block, f"{side}_port_labels", None) or ()]
-        for side in ("input", "output")
-    )
-    wires = [f"Connection(other, {port})" for port in inputs]
-    return [
-        "In a diagram",
-        f"block = {name}()",
-        *wires,
-        *(f"Connection({x}, other)" for x in outputs),
-    ]
+    inputs = [f"Connection(other, block[{port!r}])" for port in block.input_port_labels or ()]
+    outputs = [f"Connection(block[{port!r}], other)" for port in block.output_port_labels or ()]
+    return ["In a diagram", f"block = {name}()", *inputs, *outputs]

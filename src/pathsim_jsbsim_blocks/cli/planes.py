@@ -18,11 +18,13 @@ from .arguments import (
     add_command,
     condition_of,
     condition_options,
+    file_option,
     property_options,
     root_option,
+    switch,
     values_of,
 )
-from .saving import saving_figures
+from .saving import check_file, saving_figures
 
 if TYPE_CHECKING:
     from ..control.gains import GainSchedule
@@ -38,17 +40,10 @@ def add_aircraft(commands: Commands) -> None:
     )
     sub.add_argument("name", nargs="?", help="one model only")
     root_option(sub)
-    sub.add_argument(
-        "--points",
-        metavar="FIG",
-        type=Path,
-        help="draw the points that the model names: CG, wheels, tanks, ...",
-    )
-    sub.add_argument(
-        "--table",
-        action="store_true",
-        help="trim each in level flight or a glide and fly it for 30 s, controls fixed",
-    )
+    text = "draw the points that the model names: CG, wheels, tanks, ..."
+    file_option(sub, "--points", metavar="FIG", text=text)
+    text = "trim each in level flight or a glide and fly it for 30 s, controls fixed"
+    switch(sub, "--table", text)
 
 
 def list_aircraft(args: argparse.Namespace) -> None:
@@ -57,11 +52,8 @@ def list_aircraft(args: argparse.Namespace) -> None:
 
     if args.table:
         if args.root is not None:
-            refuse(
-                "root",
-                args.root,
-                "--table covers the models that jsbsim brings; it takes no --root",
-            )
+            why = "--table covers the models that jsbsim brings; it takes no --root"
+            refuse("root", args.root, why)
         from ..flight.fleet import HEADER, fleet_table, format_row
 
         print(HEADER, end="")
@@ -112,17 +104,9 @@ def add_properties(commands: Commands) -> None:
     )
     sub.add_argument("aircraft")
     sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
-    sub.add_argument(
-        "--trim",
-        action="store_true",
-        help="values after the trim; implied by any option of the condition",
-    )
-    sub.add_argument(
-        "--after",
-        metavar="SECONDS",
-        type=float,
-        help="values after this time of flight from the trim, controls fixed",
-    )
+    switch(sub, "--trim", "values after the trim; implied by any option of the condition")
+    text = "values after this time of flight from the trim, controls fixed"
+    sub.add_argument("--after", metavar="SECONDS", type=float, help=text)
     condition_options(sub)
 
 
@@ -179,18 +163,16 @@ def add_systems(commands: Commands) -> None:
         "an aircraft's own control system: channels, components, inputs and outputs",
     )
     sub.add_argument("aircraft")
-    sub.add_argument("--save", metavar="FILE.svg", type=Path, help="draw it as a block diagram")
+    file_option(sub, "--save", metavar="FILE.svg", text="draw it as a block diagram")
     root_option(sub)
 
 
 def list_systems(args: argparse.Namespace) -> None:
-    from .._core.checks import ending, writable
     from .._core.files import write_whole
     from ..flight.control_system import control_system
     from ..pathview.svg import picture
 
-    if args.save is not None:
-        ending("save", writable("save", args.save), ".svg")
+    check_file("save", args.save, ".svg")
     parts = []
     for channel in control_system(args.aircraft, args.root):
         title = f"{channel.section}: {channel.name}"
@@ -227,14 +209,9 @@ def _signal_graph(channel: ControlChannel) -> Graph:
 def add_trim(commands: Commands) -> None:
     sub = add_command(commands, "trim", print_trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")
+    text = "fly from the trim (default 10 s), controls fixed, and say how far it is from it then"
     sub.add_argument(
-        "--steady",
-        type=float,
-        nargs="?",
-        const=10.0,
-        default=0.0,
-        metavar="SECONDS",
-        help="fly from the trim (default 10 s), controls fixed, and say how far it is from it then",
+        "--steady", metavar="SECONDS", type=float, nargs="?", const=10.0, default=0.0, help=text
     )
     condition_options(sub)
 
@@ -258,33 +235,20 @@ def add_modes(commands: Commands) -> None:
         "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C",
     )
     sub.add_argument("aircraft")
-    sub.add_argument(
-        "--method",
-        default="flown",
-        help="flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)",
-    )
-    sub.add_argument(
-        "--class",
-        dest="aircraft_class",
-        default="II-L",
-        help="I, II-L, II-C, III or IV (default %(default)s: medium, land-based)",
-    )
-    sub.add_argument(
-        "--category",
-        default="B",
-        help="flight phases: A, B or C (default %(default)s: climb, cruise)",
-    )
-    sub.add_argument("--save", metavar="FIG", type=Path, help="draw the poles into this file")
-    sub.add_argument("--json", metavar="FILE", type=Path, help="write the linear model")
+    text = "flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)"
+    sub.add_argument("--method", default="flown", help=text)
+    text = "I, II-L, II-C, III or IV (default %(default)s: medium, land-based)"
+    sub.add_argument("--class", dest="aircraft_class", default="II-L", help=text)
+    text = "flight phases: A, B or C (default %(default)s: climb, cruise)"
+    sub.add_argument("--category", default="B", help=text)
+    file_option(sub, "--save", metavar="FIG", text="draw the poles into this file")
+    file_option(sub, "--json", metavar="FILE", text="write the linear model")
     condition_options(sub)
 
 
 @_warnings_last()
 def print_modes(args: argparse.Namespace) -> None:
-    from .._core.checks import writable
-
-    if args.json is not None:
-        writable("json", args.json)
+    check_file("json", args.json)
     with saving_figures(args.save):
         _print_modes(args)
 
@@ -337,40 +301,25 @@ def add_gains(commands: Commands) -> None:
     )
     sub.add_argument("aircraft")
     for option, unit in (("altitude", "ft"), ("speed", "KCAS")):
-        sub.add_argument(
-            f"--{option}",
-            metavar=unit.upper(),
-            type=float,
-            nargs="+",
-            help=f"{unit}, one or several (default: docs/evidence/fleet.md)",
-        )
+        text = f"{unit}, one or several (default: docs/evidence/fleet.md)"
+        sub.add_argument(f"--{option}", metavar=unit.upper(), type=float, nargs="+", help=text)
     sub.add_argument("--gear", type=float, help="0 up to 1 down (default: up where it retracts)")
     sub.add_argument("--flaps", type=float, help="0 to 1")
-    sub.add_argument(
-        "--save", metavar="FILE.json", type=Path, help="write the gains, as gains= takes them"
-    )
-    sub.add_argument(
-        "--table",
-        action="store_true",
-        help="do not design: take the gain table of this name that comes with the package",
-    )
-    sub.add_argument(
-        "--xml",
-        metavar="FILE.xml",
-        type=Path,
-        help="write the autopilot with these gains as a <system> of JSBSim",
-    )
+    file_option(sub, "--save", metavar="FILE.json", text="write the gains, as gains= takes them")
+    text = "do not design: take the gain table of this name that comes with the package"
+    switch(sub, "--table", text)
+    text = "write the autopilot with these gains as a <system> of JSBSim"
+    file_option(sub, "--xml", metavar="FILE.xml", text=text)
     root_option(sub)
     property_options(sub)
 
 
 def print_gains(args: argparse.Namespace) -> int:
-    from .._core.checks import ending, refuse, writable
+    from .._core.checks import refuse
     from ..control.gain_tables import table
 
-    for option, kind in (("save", ".json"), ("xml", ".xml")):
-        if (path := getattr(args, option)) is not None:
-            ending(option, writable(option, path), kind)
+    check_file("save", args.save, ".json")
+    check_file("xml", args.xml, ".xml")
     if not args.table:
         return _design(args)
     for option in ("altitude", "speed", "gear", "flaps", "save"):
@@ -410,12 +359,9 @@ def _design(args: argparse.Namespace) -> int:
         _, needed, condition = prepared(args.aircraft, args.root)
     create = {**needed, **values_of("create", args.create)}
     setup = {**condition.setup, **values_of("set", args.set)}
-    given = {"gear": args.gear, "flaps": args.flaps}
-    condition = dataclasses.replace(
-        condition,
-        setup=setup,
-        **{name: value for name, value in given.items() if value is not None},
-    )
+    given = {"setup": setup, "gear": args.gear, "flaps": args.flaps}
+    given = {name: value for name, value in given.items() if value is not None}
+    condition = dataclasses.replace(condition, **given)
     altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
     # holds that do not know the airspeed or the altitude have the gains there
     middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
@@ -429,15 +375,8 @@ def _design(args: argparse.Namespace) -> int:
             print(f"{found}\n", flush=True)
 
     try:
-        found = design_schedule(
-            args.aircraft,
-            condition,
-            altitudes,
-            speeds,
-            progress=tell,
-            root=args.root,
-            create=create,
-        )
+        model = {"root": args.root, "create": create}
+        found = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
     except (DesignError, TrimError):  # at no condition: reported already
         return 1
     if args.save is not None:

@@ -11,8 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import FileError
-from .arguments import Commands, add_command, root_option, values_in_range
-from .saving import csv_path, saving_figures
+from .arguments import (
+    Commands,
+    add_command,
+    file_option,
+    repeatable,
+    root_option,
+    switch,
+    values_in_range,
+)
+from .saving import check_csv, check_file, saving_figures
 
 
 def studies() -> Mapping[str, Any]:
@@ -26,15 +34,12 @@ def studies() -> Mapping[str, Any]:
 
 def add_study(commands: Commands) -> None:
     sub = add_command(commands, "study", study, "run a trim study: its table, its figure")
-    sub.add_argument(
-        "name",
-        help="aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, modes_over_speed, thrust_vectoring "
-        "or trim_envelope",
-    )
-    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
-    sub.add_argument("--csv", metavar="FILE", type=Path, help="write the table as CSV")
+    text = "aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, modes_over_speed, thrust_vectoring "
+    sub.add_argument("name", help=text + "or trim_envelope")
+    file_option(sub, "--save", metavar="FIG", text="write the figure to this file")
+    file_option(sub, "--csv", metavar="FILE", text="write the table as CSV")
     _jobs(sub)
-    sub.add_argument("--wide", action="store_true", help="the larger grid, if there is one")
+    switch(sub, "--wide", "the larger grid, if there is one")
     own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
     own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
     own.add_argument("--altitude", metavar="FT", type=float)
@@ -45,25 +50,16 @@ def add_study(commands: Commands) -> None:
 
 def _jobs(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
-    kept = "keep finished points in this file, and resume from it"
-    sub.add_argument("--resume", metavar="FILE", type=Path, help=kept)
+    text = "keep finished points in this file, and resume from it"
+    file_option(sub, "--resume", metavar="FILE", text=text)
 
 
 def study(args: argparse.Namespace) -> None:
-    speeds = None if args.speeds is None else values_in_range("speeds", args.speeds)
-    run_study(
-        args.name,
-        args.save,
-        args.csv,
-        jobs=args.jobs,
-        resume=args.resume,
-        wide=args.wide or None,
-        aircraft=args.aircraft,
-        altitude=args.altitude,
-        speeds=speeds,
-        speed=args.speed,
-        gamma=args.gamma,
-    )
+    names = ("jobs", "resume", "aircraft", "altitude", "speed", "gamma")
+    options = {name: getattr(args, name) for name in names}
+    if args.speeds is not None:
+        options["speeds"] = values_in_range("speeds", args.speeds)
+    run_study(args.name, args.save, args.csv, wide=args.wide or None, **options)
 
 
 def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
@@ -77,14 +73,9 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
     taken = inspect.signature(study.table).parameters
     for option, value in options.items():
         if option not in taken:
-            refuse(
-                option,
-                value,
-                f"the study {name} takes no --{option}; it takes "
-                + ", ".join(f"--{x}" for x in taken if x != "progress"),
-            )
-    if csv_file is not None:
-        csv_path(csv_file)
+            known = ", ".join(f"--{x}" for x in taken if x != "progress")
+            refuse(option, value, f"the study {name} takes no --{option}; it takes {known}")
+    check_csv(csv_file)
     with saving_figures(figure_file):
         table = study.table(**options)
         trimmed = int(table["trimmed"].sum())
@@ -108,31 +99,21 @@ def add_chart(commands: Commands) -> None:
     for name, unit in (("altitude", "ft"), ("weight", "lb"), ("flaps", "0 to 1")):
         help_text = f"{unit}, one or several"
         sub.add_argument(f"--{name}", metavar=name.upper(), type=float, nargs="+", help=help_text)
-    sub.add_argument(
-        "--save",
-        metavar="FILE",
-        type=Path,
-        action="append",
-        default=[],
-        help="write the page (.pdf, .png, .svg) or the table (.csv) to this file (repeatable)",
-    )
-    sub.add_argument(
-        "--handbook",
-        metavar="FILE.csv",
-        type=Path,
-        help="compare with these values of a handbook, at their conditions",
-    )
+    text = "write the page (.pdf, .png, .svg) or the table (.csv) to this file"
+    repeatable(sub, "--save", "FILE", text, type=Path)
+    text = "compare with these values of a handbook, at their conditions"
+    file_option(sub, "--handbook", metavar="FILE.csv", text=text)
     _jobs(sub)
     root_option(sub)
 
 
 def chart(args: argparse.Namespace) -> None:
-    from .._core.checks import ending, refuse, writable
+    from .._core.checks import refuse
     from ..plots import show
     from ..studies import against_handbook, performance_chart, performance_table
 
     for path in args.save:
-        ending("save", writable("save", path), ".pdf", ".png", ".svg", ".csv")
+        check_file("save", path, ".pdf", ".png", ".svg", ".csv")
     options = {"root": args.root, "jobs": args.jobs, "resume": args.resume}
     at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]
     found = ["unit", "difference_percent", "reason"]
@@ -179,20 +160,13 @@ def add_check(commands: Commands) -> None:
     sub = add_command(
         commands, "check", check, "fly NASA's check cases and compare with NASA's simulators"
     )
-    sub.add_argument(
-        "case", nargs="*", type=float, help="1 to 12, 13.1 to 13.4, 15, 16 (default all)"
-    )
-    sub.add_argument(
-        "--rate", metavar="HZ", type=int, help="steps per second (default 100, and 200 from 11 on)"
-    )
-    sub.add_argument(
-        "--integrators",
-        default="precise",
-        help="default, which is JSBSim's own, or precise (default %(default)s)",
-    )
-    sub.add_argument(
-        "--save", metavar="FIG", type=Path, help="write the figures: FIG, FIG with _2, ..."
-    )
+    text = "1 to 12, 13.1 to 13.4, 15, 16 (default all)"
+    sub.add_argument("case", nargs="*", type=float, help=text)
+    text = "steps per second (default 100, and 200 from 11 on)"
+    sub.add_argument("--rate", metavar="HZ", type=int, help=text)
+    text = "default, which is JSBSim's own, or precise (default %(default)s)"
+    sub.add_argument("--integrators", default="precise", help=text)
+    file_option(sub, "--save", metavar="FIG", text="write the figures: FIG, FIG with _2, ...")
 
 
 def check(args: argparse.Namespace) -> int:

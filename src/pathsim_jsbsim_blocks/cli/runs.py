@@ -6,16 +6,14 @@ import argparse
 import ast
 import contextlib
 import inspect
-import itertools
-import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import BlocksError
-from .arguments import Commands, add_command, repeatable, trust_option, trust_toolbox_option
-from .console import GONE, directory_is_gone
+from .arguments import Commands, add_command, file_option, repeatable, trust_options
+from .console import directory_is_gone, report, tell
 from .editor import asking
 from .results import run_study, studies
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
@@ -43,49 +41,22 @@ def add_run(commands: Commands) -> None:
     sub = add_command(
         commands, "run", run, "run a diagram or a study: print its results and show its figures"
     )
-    sub.add_argument(
-        "name",
-        help="a diagram or a study of the catalogue, or the path of a script or a model (.pvm)",
-    )
-    repeatable(
-        sub,
-        "--set",
-        "NAME=VALUE",
-        "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
-        "at the top of the script",
-    )
+    text = "a diagram or a study of the catalogue, or the path of a script or a model (.pvm)"
+    sub.add_argument("name", help=text)
+    text = "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
+    repeatable(sub, "--set", "NAME=VALUE", text + "at the top of the script")
     sub.add_argument("--duration", metavar="SECONDS", type=float, help="simulated time to run for")
-    sub.add_argument("--save", metavar="FIG", type=Path, help="write the figure to this file")
-    sub.add_argument(
-        "--csv",
-        metavar="FILE",
-        type=Path,
-        help="write all recorded signals as CSV, including those of a run that crashes or is "
-        "interrupted",
-    )
-    sub.add_argument(
-        "--csv-rate",
-        metavar="HZ",
-        type=float,
-        help="at most so many rows per second in the CSV, each as recorded; default is all",
-    )
-    repeatable(
-        sub,
-        "--track",
-        "FILE",
-        "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
-        "(Tacview), .czml (Cesium), .csv or .parquet",
-        type=Path,
-    )
-    sub.add_argument(
-        "--flightgear",
-        metavar="HOST:PORT",
-        nargs="?",
-        const="",
-        help="fly in real time and send to FlightGear (default 127.0.0.1:5550)",
-    )
-    trust_option(sub)
-    trust_toolbox_option(sub)
+    file_option(sub, "--save", metavar="FIG", text="write the figure to this file")
+    text = "write all recorded signals as CSV, including those of a run that crashes or is "
+    file_option(sub, "--csv", metavar="FILE", text=text + "interrupted")
+    text = "at most so many rows per second in the CSV, each as recorded; default is all"
+    sub.add_argument("--csv-rate", metavar="HZ", type=float, help=text)
+    text = "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
+    text += "(Tacview), .czml (Cesium), .csv or .parquet"
+    repeatable(sub, "--track", "FILE", text, type=Path)
+    text = "fly in real time and send to FlightGear (default 127.0.0.1:5550)"
+    sub.add_argument("--flightgear", metavar="HOST:PORT", nargs="?", const="", help=text)
+    trust_options(sub)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -118,7 +89,6 @@ def run(args: argparse.Namespace) -> int:
             _tracking(args.track),
             with_progress(),
             _to_flightgear(args.flightgear),
-            _model_figures(script) if source is not None else contextlib.nullcontext(),
             contextlib.ExitStack() as timed,
         ):
             try:
@@ -156,11 +126,8 @@ def _refuse_options_of_scripts(args: argparse.Namespace) -> None:
         ("csv_rate", "has no time"),
     ):
         if getattr(args, option) not in (None, []):
-            refuse(
-                option,
-                str(getattr(args, option)),
-                f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}",
-            )
+            why = f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}"
+            refuse(option, str(getattr(args, option)), why)
 
 
 def _settings(items: Sequence[str]) -> dict[str, Any]:
@@ -182,9 +149,8 @@ def _once(name: str, option: str, settings: Mapping[str, Any], value: Any) -> di
     from .._core.checks import refuse
 
     if name in settings:
-        refuse(
-            option, str(value), f"--{option}: {name} is set twice, to {settings[name]} and {value}"
-        )
+        why = f"--{option}: {name} is set twice, to {settings[name]} and {value}"
+        refuse(option, str(value), why)
     return {name: value}
 
 
@@ -202,31 +168,6 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     # tracebacks show the lines of the script
     linecache.cache[str(path)] = (len(source), None, source.splitlines(True), str(path))
     return source
-
-
-@contextlib.contextmanager
-def _model_figures(model: Path) -> Iterator[None]:
-    """Save the figures that a model shows, where there is no display."""
-    import matplotlib.pyplot as plt
-
-    from ..plots import show
-
-    usual = plt.show
-    names = itertools.chain([model.stem], (f"{model.stem}_{n}" for n in itertools.count(2)))
-
-    def shown(*args: Any, **kwargs: Any) -> None:
-        plt.show = usual
-        try:
-            for n in plt.get_fignums():
-                show(plt.figure(n), next(names))
-        finally:
-            plt.show = shown
-
-    plt.show = shown
-    try:
-        yield
-    finally:
-        plt.show = usual
 
 
 @contextlib.contextmanager
@@ -262,7 +203,7 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
             except BlocksError as failure:
                 if ended:
                     raise
-                print(f"pathsim-jsbsim: {failure}", file=sys.stderr)
+                report(failure)
 
 
 @contextlib.contextmanager
@@ -301,7 +242,7 @@ def _report_no_run(objects: Iterable[Any], duration: float | None, constant: boo
     )
     if duration is not None:
         refuse("duration", duration, message)
-    print(f"pathsim-jsbsim: {message}", file=sys.stderr)
+    tell(message)
 
 
 def _report_failure(
@@ -317,15 +258,12 @@ def _report_failure(
             saved = f"; what was recorded {until} is saved"
         except BlocksError as failure:
             saved = f"; what was recorded {until} is not all saved: {failure}"
-    status, message = 1, str(error)
-    if isinstance(error, KeyboardInterrupt):
-        status, message = 130, ": ".join(filter(None, ["interrupted", message]))
-    elif directory_is_gone():
-        message = GONE
-    elif isinstance(error, SyntaxError):
+    if isinstance(error, (BlocksError, KeyboardInterrupt)) or directory_is_gone():
+        return report(error, saved)
+    if isinstance(error, SyntaxError):
         line = f":{error.lineno}" if error.lineno else ""
         message = f"{error.filename or script}{line}: {error.msg}"
-    elif not isinstance(error, BlocksError):
+    else:
         message = f"{script}: {type(error).__name__}: {error}"
         inside = error.__traceback__
         while inside is not None and inside.tb_frame.f_code.co_filename != str(script):
@@ -334,8 +272,8 @@ def _report_failure(
             # the script's own fault: show its lines, as python does
             traceback.print_exception(type(error), error, inside)
             message = f"{script} failed"
-    print(f"pathsim-jsbsim: {message}{saved}", file=sys.stderr)
-    return status
+    tell(message + saved)
+    return 1
 
 
 def _variables_at(error: BaseException) -> list[Any]:

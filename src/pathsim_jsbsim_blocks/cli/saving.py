@@ -42,34 +42,30 @@ def _save_open_figures() -> None:
         show(plt.figure(n), "")
 
 
-def csv_path(path: Path) -> Path:
-    """``path`` if a table can be written there; without an ending it may be a pipe.
-
-    Raises
-    ------
-    ParameterError
-        for an ending that promises another format, and for a file that cannot be written
-    """
+def check_file(option: str, path: Path | None, *endings: str) -> None:
+    """Refuse a file that cannot be written, or whose ending promises another format."""
     from .._core.checks import ending, writable
 
-    return ending("csv", writable("csv", path), ".csv", "")
+    if path is not None:
+        writable(option, path)
+        if endings:
+            ending(option, path, *endings)
+
+
+def check_csv(path: Path | None) -> None:
+    check_file("csv", path, ".csv", "")  # without an ending it may be a pipe
 
 
 def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | None:
-    """What writes the recordings of scopes as CSV, with at most ``rate`` rows per second.
-
-    Raises
-    ------
-    ParameterError
-        for a rate without a file, a rate that is not positive, and the errors of `csv_path`
-    """
+    """What writes the recordings of scopes as CSV, with at most ``rate`` rows per second."""
     from .._core.checks import positive, refuse
 
     if rate is not None:
         positive("csv-rate", rate)
         if path is None:
             refuse("csv-rate", rate, "--csv-rate goes with --csv FILE")
-    return None if path is None else partial(_write_csv, csv_path(path).absolute(), rate)
+    check_csv(path)
+    return None if path is None else partial(_write_csv, path.absolute(), rate)
 
 
 def saving_figures(path: Path | None) -> contextlib.AbstractContextManager[None]:

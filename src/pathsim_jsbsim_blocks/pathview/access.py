@@ -18,11 +18,7 @@ class Access:
     """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
     Their values differ, so that the address, which other programs may see or log, is no cookie.
-
-    Parameters
-    ----------
-    served : callable
-        whether the page may open what a path names
+    ``served`` tells whether the page may open what a path names.
     """
 
     def __init__(self, served: Callable[[str], bool]):
@@ -31,15 +27,7 @@ class Access:
         self._served = served
 
     def refusal(self, request: Any, page: bool) -> str:
-        """Why a request is refused; empty if it may be answered.
-
-        Parameters
-        ----------
-        request : flask.Request
-            the request
-        page : bool
-            whether the answer is an HTML page
-        """
+        """Why a request is refused, ``page`` if for an HTML page; empty if it may be answered."""
         headers = request.headers
         # another site can make its own name resolve to this machine (DNS rebinding)
         if request.host.partition(":")[0] not in _NAMES:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection
 from pathlib import Path
-from typing import NoReturn
 
 from ..errors import DiagramError
 from .shape import Json
@@ -27,80 +26,50 @@ def without_clashes(
 
     The outer block or event keeps its name; within one level, the first does. ``assigned`` are
     names that the code binds, and built-in functions that it uses; ``called_later`` are names to
-    which functions refer.
-
-    Raises
-    ------
-    DiagramError
-        if renaming would be ambiguous: a name used in a function, or the name of a subsystem, which
-        is the prefix of the names of its blocks
+    which functions refer. A `DiagramError` names what must not be renamed: what functions refer to,
+    and a subsystem, whose name is the prefix of the names of its blocks.
     """
-    clashes = _Clashes({*assigned, *_GENERATED}, called_later, path)
+    bound = {*assigned, *_GENERATED}
+    taken: set[str] = set()  # variables of the levels done so far
+
+    def renamed(part: Json, kind: str, prefix: str, wishes: Collection[str]) -> Json:
+        if part["type"] in _NAMELESS:
+            return part
+        whole, own = part["type"] == "Subsystem", _variables(part, prefix)
+        for name in sorted(own & bound):
+            if whole or name in called_later:
+                raise DiagramError(
+                    f"{'subsystem' if whole else kind} {part['name']!r}: the model's code uses the "
+                    f"name {name!r} for something else; rename one of them",
+                    path=path,
+                )
+        if own & (bound | taken) or not plain(part["name"]):
+            wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
+            names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
+            used = {*bound, *taken, *wishes}
+            candidates = ({**part, "name": name} for name in names)
+            part = next(p for p in candidates if not _variables(p, prefix) & used)
+        taken.update(_variables(part, prefix))
+        return part
+
+    def level(graph: Json, prefix: str) -> Json:
+        parts = (*graph["nodes"], *graph["events"])
+        wishes = {variable for part in parts for variable in _variables(part, prefix)}
+        nodes = [renamed(n, "block", prefix, wishes) for n in graph["nodes"]]
+        events = [renamed(e, "event", prefix, wishes) for e in graph["events"]]
+        for i, node in enumerate(nodes):
+            if node["type"] == "Subsystem" and "graph" in node:
+                inside = level(node["graph"], prefix_inside(node["name"], prefix))
+                nodes[i] = {**node, "graph": inside}
+        return {**graph, "nodes": nodes, "events": events}
+
     # a model's own events stand beside its graph, those of subsystems in it
-    graph = clashes.without({**content["graph"], "events": content["events"]}, "")
+    graph = level({**content["graph"], "events": content["events"]}, "")
     return {**content, "graph": graph, "events": graph["events"]}
 
 
-class _Clashes:
-    def __init__(self, bound: Collection[str], called_later: Collection[str], path: Path):
-        self.bound, self.called_later, self.path = bound, called_later, path
-        self.taken: set[str] = set()  # variables of the levels done so far
-
-    def without(self, graph: Json, prefix: str) -> Json:
-        wishes = {_variable(part, prefix) for part in (*graph["nodes"], *graph["events"])}
-        nodes = [self._renamed(n, "block", prefix, wishes) for n in graph["nodes"]]
-        events = [self._renamed(e, "event", prefix, wishes) for e in graph["events"]]
-        return {**graph, "nodes": [self._inside(n, prefix) for n in nodes], "events": events}
-
-    def _inside(self, node: Json, prefix: str) -> Json:
-        if node["type"] != "Subsystem" or "graph" not in node:
-            return node
-        return {**node, "graph": self.without(node["graph"], _inner(node, prefix))}
-
-    def _renamed(self, part: Json, kind: str, prefix: str, wishes: Collection[str]) -> Json:
-        if part["type"] in _NAMELESS:
-            return part
-        if part["type"] == "Subsystem":
-            # its name is the prefix of its blocks' names, so it is refused instead of renamed
-            for name in sorted(self._variables(part, prefix) & {*self.bound}):
-                self._refuse(f"subsystem {part['name']!r}", name)
-        name = _variable(part, prefix)
-        if name in self.bound and name in self.called_later:
-            self._refuse(f"{kind} {part['name']!r}", name)
-        if (
-            not plain(part["name"])
-            or name in self.bound
-            or (self._variables(part, prefix) & self.taken)
-        ):
-            wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
-            names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
-            used = {*self.bound, *self.taken, *wishes}
-            part = next(
-                p
-                for p in ({**part, "name": n} for n in names)
-                if not self._variables(p, prefix) & used
-            )
-        self.taken |= self._variables(part, prefix)
-        return part
-
-    @staticmethod
-    def _variables(part: Json, prefix: str) -> set[str]:
-        if part["type"] != "Subsystem":
-            return {_variable(part, prefix)}
-        return {_variable(part, prefix), f"{_inner(part, prefix)}interface"}
-
-    def _refuse(self, what: str, name: str) -> NoReturn:
-        raise DiagramError(
-            f"{what}: the model's code uses the name {name!r} for something else; "
-            "rename one of them",
-            path=self.path,
-        )
-
-
-def _variable(part: Json, prefix: str) -> str:
+def _variables(part: Json, prefix: str) -> set[str]:
     # PathView puts nothing before a subsystem in a subsystem
-    return ("" if part["type"] == "Subsystem" else prefix) + plain(part["name"])
-
-
-def _inner(subsystem: Json, prefix: str) -> str:
-    return prefix_inside(subsystem["name"], prefix)
+    if part["type"] == "Subsystem":
+        return {plain(part["name"]), f"{prefix_inside(part['name'], prefix)}interface"}
+    return {prefix + plain(part["name"])}

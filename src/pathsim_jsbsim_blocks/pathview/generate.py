@@ -58,15 +58,31 @@ def _finished(code: str, content: Json, path: Path) -> str:
     if content["simulationSettings"].get("log") is False:
         rest = rest.replace("\n)\n", "\n    log=False,\n)\n", 1)
     kinds = {node["type"] for node in content["graph"]["nodes"]}
-    if "Scope" in kinds and "Spectrum" not in kinds:
-        rest = rest.replace(
-            "    sim.plot()\n    plt.show()\n",
-            "    from pathlib import Path\n\n"
-            "    from pathsim_jsbsim_blocks.plots import show, time_histories\n\n"
-            "    scopes = [block for block in blocks if isinstance(block, Scope)]\n"
-            "    show(time_histories(*scopes), Path(__file__).stem)\n",
-        )
-    return before + start + rest
+    plots = _SPECTRA if "Spectrum" in kinds else _SCOPES if "Scope" in kinds else _PLOTS
+    return before + start + rest.replace(_PLOTS, plots)
+
+
+_PLOTS = """\
+    sim.plot()
+    plt.show()
+"""
+_SCOPES = """\
+    from pathlib import Path
+
+    from pathsim_jsbsim_blocks.plots import show, time_histories
+
+    scopes = [block for block in blocks if isinstance(block, Scope)]
+    show(time_histories(*scopes), Path(__file__).stem)
+"""
+_SPECTRA = """\
+    from pathlib import Path
+
+    from pathsim_jsbsim_blocks.plots import show
+
+    sim.plot()
+    for figure in [plt.figure(number) for number in plt.get_fignums()]:
+        show(figure, f"{Path(__file__).stem}_{figure.number}")
+"""
 
 
 def _in_docstring(name: str) -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from statistics import mean, median_low
+from typing import NamedTuple
 
 from .diagram import Graph, Node
 
@@ -28,7 +29,16 @@ class Layout:
     """Centres of the nodes in px, and which of them are turned (inputs at the right)."""
 
     centres: list[tuple[int, int]]
-    turned: set[int] = field(default_factory=set)
+    turned: set[int]
+
+
+class Box(NamedTuple):
+    """Edges of a rectangle, px."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
 
 
 def labelled(node: Node, ports: list[str]) -> bool:
@@ -65,7 +75,8 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
             loops |= component
             hub = _hub(component, edges, nodes, observed)
             cut |= {(hub, i) for i in component} & edges
-    turned = _feedback(nodes, edges, cut, loops)
+    chains = _feedback(nodes, edges, cut, loops)
+    turned = {i for chain in chains for i in chain}
 
     layer = _layers(
         [i for i in inner if i not in turned], {e for e in edges - cut if not turned & set(e)}
@@ -79,7 +90,6 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
             layer[i] = max(last, 0)
     bands = _bands(graph, sizes, layer, cut, sinks, page)
     x = {i: at for band in bands for i, at in _columns(graph, sizes, band, cut).items()}
-    chains = _chains(graph, turned)
     centres: dict[int, tuple[int, int]] = {}
     for band in bands:
         y = _rows(graph, sizes, band, cut, sinks)
@@ -87,20 +97,26 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
             between = {
                 (w.source, w.output) for w in graph.wires if (w.source in y) != (w.target in y)
             }
-            top = _floor(centres, sizes) + _ROW + GRID * len(between)
+            top = bounds(centres, sizes).bottom + _ROW + GRID * len(between)
             shift = top - min(y[i] - sizes[i][1] / 2 for i in y)
             y = {i: at + shift for i, at in y.items()}
         centres.update({i: (x[i], _snap(at)) for i, at in y.items()})
-        floor = _floor({i: at for i, at in centres.items() if nodes[i].outputs}, sizes)
+        sources = {i: at for i, at in centres.items() if nodes[i].outputs}
+        floor = bounds(sources, sizes).bottom
         for chain in [c for c in chains if band is bands[-1] or _goals(graph, c) & centres.keys()]:
             _place_turned(graph, sizes, chain, floor, x, centres)
             chains.remove(chain)
     return Layout([centres[i] for i in range(len(nodes))], turned)
 
 
-def _floor(centres: dict[int, tuple[int, int]], sizes: list[tuple[int, int]]) -> float:
-    """Height of the lowest edge of blocks."""
-    return max((y + sizes[i][1] / 2 for i, (_, y) in centres.items()), default=0.0)
+def bounds(centres: Mapping[int, tuple[int, int]], sizes: Sequence[tuple[int, int]]) -> Box:
+    """The rectangle around blocks."""
+    edges = [
+        (x - sizes[i][0] / 2, y - sizes[i][1] / 2, x + sizes[i][0] / 2, y + sizes[i][1] / 2)
+        for i, (x, y) in centres.items()
+    ]
+    left, top, right, bottom = zip(*edges or [(0.0,) * 4], strict=True)
+    return Box(min(left), min(top), max(right), max(bottom))
 
 
 def _bands(
@@ -176,24 +192,28 @@ def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: s
 
 def _feedback(
     nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge], loops: set[int]
-) -> set[int]:
-    """Blocks on the way back: fed by one block, which is where a loop was opened or on that way."""
-    before = defaultdict(set)
+) -> list[list[int]]:
+    """Chains of blocks on a way back, each fed by one block; the first by one that opens a loop."""
+    before = defaultdict(list)
     for a, b in edges:
-        before[b].add(a)
-    turned: set[int] = set()
+        before[b].append(a)
     openers = {a for a, _ in cut}
-    while True:
-        more = {
-            i
-            for i in loops - turned - openers
-            if len(nodes[i].inputs) <= 2
-            and len(before[i]) == 1
-            and all(a in turned or (a, i) in cut for a in before[i])
-        }
-        if not more:
-            return turned
-        turned |= more
+    fed = {
+        i: before[i][0]
+        for i in sorted(loops - openers)
+        if len(nodes[i].inputs) <= 2 and len(before[i]) == 1
+    }
+    chains: list[list[int]] = []
+    todo = [i for i, source in fed.items() if (source, i) in cut]
+    for i in todo:
+        # a second branch is a chain of its own
+        chain = next((c for c in chains if c[-1] == fed[i]), None)
+        if chain:
+            chain.append(i)
+        else:
+            chains.append([i])
+        todo += [j for j, source in fed.items() if source == i]
+    return chains
 
 
 def _layers(nodes: list[int], edges: Collection[Edge]) -> dict[int, int]:
@@ -314,17 +334,6 @@ def _columns(
     return x
 
 
-def _chains(graph: Graph, turned: set[int]) -> list[list[int]]:
-    """The blocks on each way back, in the order of the signal."""
-    left = set(turned)
-    chains = []
-    for start in sorted(turned):
-        if start in left:
-            chains.append(_chain(graph, start, left))
-            left -= set(chains[-1])
-    return chains
-
-
 def _goals(graph: Graph, chain: list[int]) -> set[int]:
     """The blocks to which a way back leads."""
     return {
@@ -353,23 +362,6 @@ def _place_turned(
         while any(touch((x[i], y), sizes[i], at, sizes[j]) for j, at in centres.items()):
             y += GRID
         centres[i] = (x[i], y)
-
-
-def _chain(graph: Graph, start: int, turned: Collection[int]) -> list[int]:
-    """``start`` with the turned blocks before and after it, in the order of the signal."""
-    chain = [start]
-    before = {w.target: w.source for w in graph.wires if w.target in turned}
-    while (first := before.get(chain[0], start)) in turned and first not in chain:
-        chain.insert(0, first)
-    while True:
-        after = [
-            w.target
-            for w in graph.wires
-            if w.source == chain[-1] and w.target in turned and w.target not in chain
-        ]
-        if not after:
-            return chain
-        chain.append(after[0])
 
 
 def touch(

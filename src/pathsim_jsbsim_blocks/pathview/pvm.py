@@ -12,7 +12,7 @@ from typing import Any
 from .._core.files import write_whole
 from ..errors import DiagramError
 from .diagram import NOTE, Diagram, Event, Graph, Node
-from .layout import GRID, RECORDERS, arrange, labelled, size, touch
+from .layout import GRID, RECORDERS, Box, arrange, bounds, labelled, size, touch
 from .shape import check_shape
 from .variables import plain
 
@@ -58,13 +58,7 @@ def text(content: Mapping[str, Any]) -> str:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """The content of a model file.
-
-    Raises
-    ------
-    DiagramError
-        if it cannot be read, is not a model of a known version, or is damaged
-    """
+    """The content of a model file; `DiagramError` if it is none of a known version, or damaged."""
     try:
         # Notepad puts a byte order mark first
         content = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -98,32 +92,14 @@ def _no_model(content: Any) -> str:
 
 
 def write(path: Path, content: str) -> None:
-    """Write a whole file or nothing.
-
-    Raises
-    ------
-    DiagramError
-        if it cannot be written; an existing file is left unchanged
-    """
+    """Write a whole file; if it cannot be written, `DiagramError`, and an existing one stays."""
     try:
         write_whole(path, content)
     except OSError as error:
         raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
 
 
-class _Box:
-    """Where the blocks of a graph are: the smallest rectangle around them, in px."""
-
-    def __init__(self) -> None:
-        self.left = self.top = math.inf
-        self.right = self.bottom = -math.inf
-
-    def add(self, x: float, y: float, width: float, height: float) -> None:
-        self.left, self.right = min(self.left, x - width / 2), max(self.right, x + width / 2)
-        self.top, self.bottom = min(self.top, y - height / 2), max(self.bottom, y + height / 2)
-
-
-def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _Box]:
+def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], Box]:
     pins = [_pinned(n) for n in graph.nodes]
     sizes = [size(n, len(p)) for n, p in zip(graph.nodes, pins, strict=True)]
     layout = arrange(graph, sizes)
@@ -131,23 +107,21 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], _B
     olds = [kept.get(plain(n.name), {}) for n in graph.nodes]
     centres = _kept_centres(layout.centres, sizes, olds)
     ids = [prefix + plain(n.name) for n in graph.nodes]
-    box = _Box()
     nodes = []
     for i, node in enumerate(graph.nodes):
-        box.add(*centres[i], *sizes[i])
         turned = 2 if i in layout.turned else 0
         rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
     # PathView routes feedback wires around the blocks, mostly above them
     first = min((y + sizes[i][1] / 2 for i, (_, y) in enumerate(centres)), default=0.0)
-    box.top -= GRID * len(
-        {
-            (w.source, w.output)
-            for w in graph.wires
-            if centres[w.source][0] >= centres[w.target][0]
-            and centres[w.target][1] - sizes[w.target][1] / 2 < first
-        }
-    )
+    above = {
+        (w.source, w.output)
+        for w in graph.wires
+        if centres[w.source][0] >= centres[w.target][0]
+        and centres[w.target][1] - sizes[w.target][1] / 2 < first
+    }
+    box = bounds(dict(enumerate(centres)), sizes)
+    box = box._replace(top=box.top - GRID * len(above))
     connections = [
         {
             "id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
@@ -240,7 +214,7 @@ def _pinned(node: Node) -> list[str]:
 
 
 def _events(
-    events: Sequence[Event], prefix: str, box: _Box, old: Sequence[Existing]
+    events: Sequence[Event], prefix: str, box: Box, old: Sequence[Existing]
 ) -> list[dict[str, Any]]:
     kept = {plain(str(e.get("name", ""))): e.get("position") for e in old}
     out = []
@@ -259,7 +233,7 @@ def _events(
     return out
 
 
-def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
+def _annotations(docstring: str, box: Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
     """The script's docstring, above the diagram, and the notes of an existing model."""
     others = [dict(a) for a in old if a.get("id") != NOTE]
     content = _markdown(docstring)
@@ -272,17 +246,10 @@ def _annotations(docstring: str, box: _Box, old: Sequence[Existing]) -> list[dic
     lines = (math.ceil(len(p) * _NOTE_CHARACTER / (width - 20)) for p in paragraphs)
     text_height = _NOTE_TITLE + sum(_NOTE_SPACE + _NOTE_LINE * n for n in lines)
     height = GRID * math.ceil(text_height / GRID)
-    note = {
-        "id": NOTE,
-        "position": {
-            "x": GRID * round(box.left / GRID),
-            "y": GRID * round((box.top - height) / GRID) - 3 * GRID,
-        },
-        "content": content,
-        "width": width,
-        "height": height,
-    }
-    return [{**note, **{k: kept[k] for k in ("position", "width", "height") if k in kept}}, *others]
+    x, y = GRID * round(box.left / GRID), GRID * round((box.top - height) / GRID) - 3 * GRID
+    note = {"position": {"x": x, "y": y}, "content": content, "width": width, "height": height}
+    note.update({k: kept[k] for k in ("position", "width", "height") if k in kept})
+    return [{"id": NOTE, **note}, *others]
 
 
 def _markdown(docstring: str) -> str:

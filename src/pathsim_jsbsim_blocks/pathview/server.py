@@ -6,7 +6,6 @@ import logging
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 from urllib.parse import quote, unquote
 
@@ -33,17 +32,8 @@ _HEADERS = {
 class Server:
     """PathView on 127.0.0.1. As a context manager it closes itself, with PathView's workers.
 
-    Parameters
-    ----------
-    models : mapping
-        contents of models by file name
-    port : int, optional
-        default is 8360, or a free port if that is in use; 0 is a free port
-
-    Raises
-    ------
-    ParameterError
-        if the port cannot be used
+    ``models`` are contents by file name; ``port`` is by default 8360, or a free port if that is in
+    use; 0 is a free port. A `ParameterError` says why a port cannot be used.
     """
 
     def __init__(self, models: Mapping[str, Json], port: int | None = None):
@@ -80,12 +70,7 @@ class Server:
     def __enter__(self) -> Server:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: Any) -> None:
         self.close()
 
     def _served(self, path: str) -> bool:
@@ -105,11 +90,8 @@ class Server:
 
         static = Path(pathview.__file__).parent / "static"
         # compared by name: file systems may ignore case and final dots, and limit lengths
-        self._files = {
-            file.relative_to(static).as_posix(): file
-            for file in static.rglob("*")
-            if file.is_file()
-        }
+        files = filter(Path.is_file, static.rglob("*"))
+        self._files = {file.relative_to(static).as_posix(): file for file in files}
         scripts = page.local_scripts(static)
         app = create_app(serve_static=True)
 
@@ -143,9 +125,8 @@ class Server:
 
         def editor(html: Path) -> Any:
             name = unquote(request.args.get("model", "").removeprefix("/model/"))
-            required = (
-                required_toolboxes(self._models[name], Path(name)) if name in self._models else []
-            )
+            model = self._models.get(name, {})
+            required = required_toolboxes(model, Path(name))
             text, nonce = page.rendered(html.read_text(encoding="utf-8"), required)
             response = make_response(text)
             response.headers["Content-Security-Policy"] = page.policy(nonce)
@@ -170,10 +151,8 @@ class Server:
         def model(name: str) -> tuple[str, dict[str, str]]:
             if name not in self._models:
                 abort(404)
-            return pvm.text(self._models[name]), {
-                "Content-Type": "application/json",
-                "Cache-Control": "no-store",
-            }
+            headers = {"Content-Type": "application/json", "Cache-Control": "no-store"}
+            return pvm.text(self._models[name]), headers
 
         @app.get("/katex/<path:name>")
         def katex(name: str) -> Any:

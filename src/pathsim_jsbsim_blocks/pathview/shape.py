@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -76,14 +76,17 @@ def with_parts(content: Json, part: Callable[[Json], Json]) -> Json:
     return {**content, "graph": graph(content["graph"]), "events": events(content)}
 
 
-def check_shape(content: Any, path: Path) -> None:
-    """Refuse a model file that does not have the structure PathView writes.
+def graphs(content: Json) -> Iterator[Json]:
+    """The graph of a model, and those of its subsystems."""
+    waiting = [content["graph"]]
+    while waiting:
+        graph = waiting.pop()
+        yield graph
+        waiting += [node["graph"] for node in graph.get("nodes") or [] if node.get("graph")]
 
-    Raises
-    ------
-    DiagramError
-        with the file and the place in it, as ``graph.nodes[2].params``
-    """
+
+def check_shape(content: Any, path: Path) -> None:
+    """Refuse a model without PathView's structure: the error names ``graph.nodes[2].params``."""
     _check_depth(content, path)
     _check(content, _MODEL, "", path)
 
@@ -93,9 +96,8 @@ def _check_depth(content: Any, path: Path) -> None:
     todo: list[tuple[Any, tuple[str, ...]]] = [(content, ())]
     for value, place in todo:
         if len(place) > _DEEP:
-            _refuse(
-                f"{''.join(place).lstrip('.')[:60]}... is nested deeper than {_DEEP} levels", path
-            )
+            where = "".join(place).lstrip(".")[:60]
+            _refuse(f"{where}... is nested deeper than {_DEEP} levels", path)
         if isinstance(value, dict):
             todo += [(v, (*place, f".{k}")) for k, v in value.items()]
         elif isinstance(value, list):
@@ -105,9 +107,8 @@ def _check_depth(content: Any, path: Path) -> None:
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:
     kind = spec if isinstance(spec, type) else type(spec)
     if not _is(value, kind):
-        _refuse(
-            f"{place} must be {_KINDS.get(kind, 'an object')}, not {shortened(repr(value))}", path
-        )
+        wanted = _KINDS.get(kind, "an object")
+        _refuse(f"{place} must be {wanted}, not {shortened(repr(value))}", path)
     if isinstance(spec, list):
         for i, item in enumerate(value):
             _check(item, spec[0], f"{place}[{i}]", path)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from .diagram import Graph, Node
-from .layout import GRID, Layout, arrange, port_offset, size
+from .layout import GRID, Layout, arrange, bounds, port_offset, size
 
 _MARGIN, _TITLE = 40, 30  # px
 _STYLE = """\
@@ -28,17 +28,15 @@ def picture(parts: Sequence[tuple[str, Graph]]) -> str:
         sizes = [(w, max(h, size(n)[1])) for (w, h), n in zip(sizes, graph.nodes, strict=True)]
         layout = arrange(graph, sizes, page=math.inf)
         boxes = list(zip(layout.centres, sizes, strict=True))
-        left = min((x - w / 2 for (x, _), (w, _) in boxes), default=0.0) - _MARGIN
-        above = min((y - h / 2 for (_, y), (_, h) in boxes), default=0.0) - _MARGIN - _TITLE
-        right = max((x + w / 2 for (x, _), (w, _) in boxes), default=0.0) + _MARGIN
-        floor = max((y + h / 2 for (_, y), (_, h) in boxes), default=0.0)
-        wires, below = _wires(graph, boxes, layout, floor)
+        edges = bounds(dict(enumerate(layout.centres)), sizes)
+        left, above = edges.left - _MARGIN, edges.top - _MARGIN - _TITLE
+        wires, below = _wires(graph, boxes, layout, edges.bottom)
         drawn.append(
             f'<g transform="translate({-left:g},{top - above:g})">'
             f'<text class="title" x="{left + _MARGIN:g}" y="{above + _TITLE:g}">'
             f"{html.escape(title)}</text>{wires}{_nodes(graph, boxes)}</g>"
         )
-        width, top = max(width, right - left), top + below - above
+        width, top = max(width, edges.right + _MARGIN - left), top + below - above
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{top:g}" '
         f'viewBox="0 0 {width:g} {top:g}"><style>{_STYLE}</style>'

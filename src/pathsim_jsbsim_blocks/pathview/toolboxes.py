@@ -58,11 +58,10 @@ class Toolbox:
         """Its blocks by class name, found by PathView's own rule: public, and defined there."""
         try:
             module = importlib.import_module(self.import_path)
-        except ImportError as error:
-            why = f"is not installed ({error}); pip install {self.package}"
-            refuse("toolbox", self.package, f"toolbox {self.package!r} {why}")
         except (Exception, SystemExit) as error:
             why = f"cannot be imported: {type(error).__name__}: {error}"
+            if isinstance(error, ImportError):
+                why = f"is not installed ({error}); pip install {self.package}"
             refuse("toolbox", self.package, f"toolbox {self.package!r} {why}")
         public = (getattr(module, name) for name in dir(module) if not name.startswith("_"))
         return {
@@ -74,10 +73,7 @@ class Toolbox:
         }
 
     def requirement(self) -> dict[str, Any]:
-        """Its entry in ``requiredToolboxes`` of a model.
-
-        The installed version is left out, so that the same script always gives the same file.
-        """
+        """Its entry in a model, without the version: the same script gives the same file."""
         return {
             "id": self.id,
             "displayName": self.package,
@@ -161,11 +157,9 @@ def with_toolboxes(
     blocks = dict(registry["blocks"])
     for toolbox in toolboxes:
         for name, block in toolbox.blocks().items():
-            blocks[name] = {
-                "blockClass": name,
-                "importPath": toolbox.import_path,
-                "params": list(block.info()["parameters"]),
-            }
+            params = list(block.info()["parameters"])
+            path = toolbox.import_path
+            blocks[name] = {"blockClass": name, "importPath": path, "params": params}
     return {**registry, "blocks": blocks}
 
 
@@ -185,21 +179,17 @@ def registry_for(
 
 def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
     """The toolboxes that a model names itself."""
-    return [_required(entry, path) for entry in content.get("requiredToolboxes") or []]
-
-
-def _required(entry: Any, path: Path) -> Toolbox:
-    source = entry.get("source") if isinstance(entry, dict) else None
-    if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
-        raise DiagramError(f"requires a toolbox that is not a package: {entry!r}", path=path)
-    try:
-        return Toolbox.parse(
-            f"{source.get('pkg') or entry.get('displayName') or ''}:{entry.get('importPath') or ''}"
-        )
-    except ParameterError as error:
-        raise DiagramError(
-            f"requires a toolbox that is not a package: {error}", path=path
-        ) from error
+    toolboxes = []
+    for entry in content.get("requiredToolboxes") or []:
+        source, why = entry.get("source"), "requires a toolbox that is not a package"
+        if not isinstance(source, dict) or source.get("type") not in ("pypi", "url"):
+            raise DiagramError(f"{why}: {entry!r}", path=path)
+        package = source.get("pkg") or entry.get("displayName") or ""
+        try:
+            toolboxes.append(Toolbox.parse(f"{package}:{entry.get('importPath') or ''}"))
+        except ParameterError as error:
+            raise DiagramError(f"{why}: {error}", path=path) from error
+    return toolboxes
 
 
 def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:

@@ -30,14 +30,7 @@ def trusted_code(
     """The script of a model that is to run; none of its code is executed here.
 
     ``content`` is as `pvm.read` gives it: what is checked is what runs. ``trust`` trusts it now and
-    later.
-
-    Raises
-    ------
-    DiagramError
-        if the model has unknown parts, or code that is not Python
-    UntrustedModelError
-        if the model is from another source and not trusted
+    later. An `UntrustedModelError` has the digest by which the model can be trusted.
     """
     code = to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
     if trust:
@@ -46,11 +39,15 @@ def trusted_code(
     return code
 
 
-def digest(content: Json) -> str:
-    """A digest of a model's content without what moving a block or saving changes.
+def require_trust(content: Json, path: Path) -> None:
+    """Refuse a model that is neither one of this package nor trusted by the user."""
+    value = digest(content)
+    if value not in _remembered and value not in _trusted() and value not in _ours():
+        raise UntrustedModelError(path=path, digest=value)
 
-    The omitted parts are the times of saving and the positions of blocks.
-    """
+
+def digest(content: Json) -> str:
+    """A digest of a model's content without times of saving and positions of blocks."""
 
     def lasting(value: Any) -> Any:
         if isinstance(value, dict):
@@ -70,19 +67,6 @@ def digest(content: Json) -> str:
 
 def _coordinates(value: Any) -> bool:
     return isinstance(value, dict) and all(isinstance(x, (int, float)) for x in value.values())
-
-
-def require_trust(content: Json, path: Path) -> None:
-    """Refuse a model that is neither one of this package nor trusted by the user.
-
-    Raises
-    ------
-    UntrustedModelError
-        with the digest by which the model can be trusted
-    """
-    value = digest(content)
-    if value not in _remembered and value not in _trusted() and value not in _ours():
-        raise UntrustedModelError(path=path, digest=value)
 
 
 def remember(value: str) -> None:
@@ -109,14 +93,8 @@ def _ours() -> set[str]:
 
 
 def _file() -> Path:
-    """File with one digest per line, in the system's folder for application state.
-
-    Raises
-    ------
-    RuntimeError
-        if the user has no home directory, as in some containers
-    """
-    home = Path.home()
+    """File with one digest per line, in the system's folder for application state."""
+    home = Path.home()  # RuntimeError where the user has none, as in some containers
     if sys.platform == "win32":
         folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
     elif sys.platform == "darwin":
