@@ -354,6 +354,13 @@ PLOTS = [
     "scopes = [block for block in blocks if isinstance(block, Scope)]",
     "show(time_histories(*scopes), Path(__file__).stem)",
 ]
+SPECTRA = [
+    "from pathlib import Path",
+    "from pathsim_jsbsim_blocks.plots import show",
+    "sim.plot()",
+    "for figure in [plt.figure(number) for number in plt.get_fignums()]:\n"
+    "    show(figure, f'{Path(__file__).stem}_{figure.number}')",
+]
 
 
 def assert_says_what_the_model_says(code, model, registry):
@@ -375,7 +382,7 @@ def assert_says_what_the_model_says(code, model, registry):
     assert ast.unparse(run).startswith("sim.run(duration=")
     assert len(run.value.keywords) == 1
     assert not run.value.args
-    assert [*map(ast.unparse, plots)] in (["sim.plot()", "plt.show()"], PLOTS)
+    assert [*map(ast.unparse, plots)] in (["sim.plot()", "plt.show()"], PLOTS, SPECTRA)
     settings = model.get("simulationSettings") or {}
     _check_setting(run.value.keywords[0].value, settings, "duration")
     names = {

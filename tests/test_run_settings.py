@@ -156,6 +156,21 @@ def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
     assert sorted(p.name for p in tmp_path.glob("*.png")) == ["pitch_hold.png"]
 
 
+@pytest.mark.parametrize("save", [[], ["--save", "own.png"]])
+def test_the_spectrum_of_a_model_is_saved_where_there_is_no_display(save, tmp_path, capsys):
+    (tmp_path / "tone.py").write_text(
+        "from pathsim import Connection, Simulation\nfrom pathsim.blocks import *\n"
+        "tone = SinusoidalSource(frequency=1.0)\nspectrum = Spectrum(freq=[0.5, 1.0])\n"
+        "sim = Simulation([tone, spectrum], [Connection(tone, spectrum)], dt=0.05, log=False)\n"
+        "sim.run(1)\n"
+    )
+    assert main(["export", "tone.py"]) == 0
+    assert main(["run", "tone.pvm", *save]) == 0
+    name = save[1] if save else "tone_1.png"
+    assert [p.name for p in tmp_path.glob("*.png")] == [name]
+    assert f"figure saved: {tmp_path / name if save else name}" in capsys.readouterr().out
+
+
 @pytest.fixture
 def outside(tmp_path):
     """A model from elsewhere; its code makes the folder 'owned' when it runs."""

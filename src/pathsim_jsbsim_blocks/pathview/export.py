@@ -93,10 +93,7 @@ def script_model(
 ) -> tuple[Json, Proof]:
     """The content of a script's model, and what was compared; parameters as in `export_script`.
 
-    Warns
-    -----
-    UserWarning
-        names what the script does after its first run, which is not in the model
+    A warning names what the script does after its first run, which is not in the model.
     """
     frozen = Frozen(time.time())
     with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal, frozen.applied():

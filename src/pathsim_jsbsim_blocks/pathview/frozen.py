@@ -23,12 +23,7 @@ class Frozen:
     """Randomness, time and order that do not depend on the process, within `applied`.
 
     Generators that are not given a seed all start from the same entropy. `time.time` starts at
-    ``now`` and advances by a millisecond at each call.
-
-    Parameters
-    ----------
-    now : float
-        seconds since the epoch
+    ``now``, in seconds since the epoch, and advances by a millisecond at each call.
     """
 
     def __init__(self, now: float):
@@ -50,15 +45,10 @@ class Frozen:
             # where numpy takes the entropy of every generator without a seed
             stack.enter_context(patch.object(bit_generator, "randbits", lambda bits: _ENTROPY))
             stack.enter_context(patch.object(random.Random, "seed", same))
-            for module, name in (
-                (random, "seed"),
-                (random, "setstate"),
-                (np.random, "seed"),
-                (np.random, "set_state"),
-            ):
-                stack.enter_context(
-                    patch.object(module, name, self._recording_seeds(getattr(module, name)))
-                )
+            seeds = ((random, ("seed", "setstate")), (np.random, ("seed", "set_state")))
+            for module, name in ((module, name) for module, names in seeds for name in names):
+                recording = self._recording_seeds(getattr(module, name))
+                stack.enter_context(patch.object(module, name, recording))
             stack.enter_context(patch.object(time, "time", self._time))
             stack.enter_context(patch.object(time, "time_ns", lambda: int(self._time() * 1e9)))
             try:

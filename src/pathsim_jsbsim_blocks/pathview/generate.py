@@ -17,10 +17,7 @@ from .variables import printable
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
-    """A model's script, after a full check: PathView's converter drops unknown parts.
-
-    ``content`` comes from ``pvm.read``, which checks its shape, or from ``pvm.model``.
-    """
+    """The script of a model from `pvm`, after a full check: the converter drops unknown parts."""
     from pathview.converter import generate_python
 
     content = complete(content)

@@ -39,13 +39,7 @@ ByValue = set[tuple[int | None, str]]
 
 
 def read_diagram(script: FirstRun, by_value: ByValue, without: Collection[int] = ()) -> Diagram:
-    """Everything in a diagram script that a model file can represent.
-
-    Raises
-    ------
-    DiagramError
-        for what PathView cannot represent, with file, line and reason
-    """
+    """Everything in a diagram script; a `DiagramError` names what PathView cannot represent."""
     return _Reader(script, by_value, without).diagram()
 
 

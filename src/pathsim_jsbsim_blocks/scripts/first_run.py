@@ -39,12 +39,7 @@ class FirstRun(Script):
     """A script at the beginning of its first run, or at its end if it runs nothing.
 
     ``capture`` is called with this object at that point, before any cleanup such as ``finally``;
-    ``result`` is what it returns.
-
-    Raises
-    ------
-    DiagramError
-        for a script that cannot be read, fails, or has no simulation, with its line
+    ``result`` is what it returns. A `DiagramError` has the line of what fails.
     """
 
     simulation: Simulation
@@ -135,10 +130,8 @@ class FirstRun(Script):
             return self.begun.simulation
         found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
         if not found:
-            self.refuse(
-                "the script runs no Simulation, and has none at its top level; run it, or "
-                "build it outside functions"
-            )
+            why = "the script runs no Simulation, and has none at its top level"
+            self.refuse(f"{why}; run it, or build it outside functions")
         if len(found) == 1:
             return next(iter(found.values()))
         if isinstance(self.namespace.get("sim"), Simulation):

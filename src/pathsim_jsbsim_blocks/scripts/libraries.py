@@ -17,10 +17,7 @@ _OF_DIAGRAMS = {_OURS, "builtins", "jsbsim", "math", "numpy", "pathsim", "random
 class Libraries:
     """Modules and classes of PathSim, its toolboxes and numpy, as they are before a script.
 
-    Parameters
-    ----------
-    tree : ast.Module
-        the script; toolboxes that it imports are imported, so that changes to them can be seen
+    Toolboxes that the script imports are imported before it, so that changes to them can be seen.
     """
 
     def __init__(self, tree: ast.Module):

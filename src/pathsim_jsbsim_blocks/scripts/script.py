@@ -40,32 +40,11 @@ class Construction:
 
 
 class Script:
-    """A script's text, with settings that take effect when it runs.
+    """A script's text, with settings that take effect when it runs; see `Settings`.
 
-    Parameters
-    ----------
-    path : Path
-        the script; shown in tracebacks
-    settings : mapping
-        see `Settings`
-    source : str, optional
-        the script's text; default is the file's
-    recorded : bool
-        whether to record which call builds which part of a diagram
-
-    Attributes
-    ----------
-    tree : ast.Module
-        its syntax tree
-    seeded : list
-        what the script has built with a ``seed`` that follows from the settings
-
-    Raises
-    ------
-    SettingError
-        for a variable that the script does not have, naming the nearest, or never reads
-    SyntaxError, OSError
-        if the script is not Python or cannot be read
+    ``source`` is its text instead of the file's; with ``recorded`` it is recorded which call builds
+    which part of a diagram. ``tree`` is its syntax tree; ``seeded`` is what it has built with a
+    ``seed`` that follows from the settings.
     """
 
     def __init__(
@@ -100,16 +79,7 @@ class Script:
         return module
 
     def run(self, module: types.ModuleType) -> None:
-        """Execute the script in a module.
-
-        Raises
-        ------
-        SettingError
-            for a parameter that the call does not have, naming the nearest, and for a setting that
-            the script has not come across
-        Exception
-            whatever the script raises
-        """
+        """Execute the script in a module; a `SettingError` names a setting without a place."""
         setattr(module, _CALL, self._call)
         setattr(module, _DECORATE, lambda i, make: functools.partial(self._call, i, make))
         setattr(module, _SET, self._settings.constant)
@@ -136,9 +106,9 @@ class Script:
 
 
 class _Rewriter(ast.NodeTransformer):
-    """``f(x)`` becomes ``_CALL(i, f, x)``, and ``NAME = x`` ``NAME = _SET("NAME", x)``.
+    """Makes ``_CALL(i, f, x)`` of ``f(x)``, and ``NAME = _SET("NAME", x)`` of ``NAME = x``.
 
-    With ``every``, all calls do, and ``@f`` becomes ``@_DECORATE(i, f)``.
+    With ``every``, all calls are passed on, and ``@f`` becomes ``@_DECORATE(i, f)``.
     """
 
     def __init__(self, originals: Mapping[ast.AST, ast.AST], settings: Settings, every: bool):
@@ -177,10 +147,7 @@ def _call(name: str, *args: Any, keywords: Sequence[ast.keyword] = ()) -> ast.Ca
 
 @contextmanager
 def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleType]:
-    """A module that is the main program: no arguments, its folder first in ``sys.path``.
-
-    Modules that it imports from there are forgotten: another script may have others of that name.
-    """
+    """A module that is the main program: no arguments, its folder first in ``sys.path``."""
     module = types.ModuleType(name)
     module.__file__ = str(path)
     folder = path.resolve().parent
@@ -196,6 +163,7 @@ def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleTyp
             yield module
         finally:
             sys.modules.pop(name, None)
+            # another script may have other modules of the same names beside it
             for imported, value in list(sys.modules.items()):
                 package = imported.partition(".")[0]
                 file = Path(getattr(value, "__file__", "") or "")

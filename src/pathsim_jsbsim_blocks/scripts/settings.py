@@ -43,13 +43,7 @@ class Text(str):
     """A value as it is typed on the command line; what it replaces tells how to read it."""
 
     def read(self, name: str, replaced: Any) -> Any:
-        """The value: a number, list, ... in Python's notation, such as ``1/120``, or the text.
-
-        Raises
-        ------
-        ParameterError
-            for a text where the script has a value of another kind
-        """
+        """The value: a number, list, ... in Python's notation, such as ``1/120``, or the text."""
         text = str(self)
         try:
             tree = ast.parse(text.strip(), mode="eval")
@@ -65,33 +59,18 @@ class Text(str):
         if value is ...:
             if replaced is None or replaced is inspect.Parameter.empty:
                 return text
-            refuse(
-                name,
-                text,
-                f"cannot set {name!r}: {text!r} is not a Python value such as 3.5, 1/120, True or "
-                f"[1, 2]; it replaces {replaced!r}",
-            )
+            why = f"{text!r} is not a Python value such as 3.5, 1/120, True or [1, 2]"
+            refuse(name, text, f"cannot set {name!r}: {why}; it replaces {replaced!r}")
         return value
 
 
 class Settings:
     """Values by name, and where they belong in a script.
 
-    Parameters
-    ----------
-    script : str
-        the script's name, for messages
-    tree : ast.Module
-        its syntax tree
-    values : mapping
-        ``"NAME"`` is a variable that the script assigns at its top level, ``"NAME.PARAMETER"`` an
-        argument of the call from which it assigns a block (or anything else) to NAME, at any
-        level, whether the script gives it or leaves it at its default
-
-    Raises
-    ------
-    SettingError
-        for a variable that the script does not have, naming the nearest, or never reads
+    ``"NAME"`` is a variable that the script assigns at its top level, ``"NAME.PARAMETER"`` an
+    argument of the call from which it assigns a block (or anything else) to NAME, at any level,
+    whether the script gives it or leaves it at its default. A `SettingError` says why the script
+    has no place for a setting, naming the nearest.
     """
 
     def __init__(self, script: str, tree: ast.Module, values: Mapping[str, Any]):
@@ -99,14 +78,13 @@ class Settings:
         self.assigned = _calls_by_name(own(tree.body))
         self._anywhere = _calls_by_name(ast.walk(tree))
         self._waiting = set(values)
-        parameters: dict[str, dict[str, Any]] = {}
+        self._parameters: dict[str, list[str]] = {}  # by block
         for name in values:
             if reason := self._misplaced(name):
                 self._refuse(name, reason)
             block, _, parameter = name.rpartition(".")
             if block:
-                parameters.setdefault(block, {})[parameter] = values[name]
-        self._parameters = parameters
+                self._parameters.setdefault(block, []).append(parameter)
         # names of variables by the expressions that they are assigned
         self.constants = {
             value: target.id
@@ -119,10 +97,10 @@ class Settings:
             value: target.id
             for node in ast.walk(tree)
             for target, value in assignments(node)
-            if target.id in parameters and isinstance(value, ast.Call)
+            if target.id in self._parameters and isinstance(value, ast.Call)
         }
         # calls with a seed that follows from the values
-        self.seeding = {c for c, block in self.calls.items() if "seed" in parameters[block]}
+        self.seeding = {c for c, block in self.calls.items() if "seed" in self._parameters[block]}
         following = _following(self.constants.values(), tree)
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and any(
@@ -164,17 +142,14 @@ class Settings:
             ]
             reason = f"{self._script} assigns no {variable!r} at its top level"
             return reason + (did_you_mean(blocks) or _nearest_of(variable, self.assigned))
-        every = list(ast.walk(self._tree))
         if not any(isinstance(n.ctx, ast.Load) for n in _uses(variable, references(self._tree))):
             return f"{self._script} never uses it"
-        for node in every:
+        for node in ast.walk(self._tree):
             if isinstance(node, ast.Global) and variable in node.names:
                 return f"a function of {self._script} changes it (line {node.lineno})"
         for node in own(self._tree.body):
             if isinstance(node, ast.Assign) and len(node.targets) > 1:
-                others = {
-                    n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name)
-                }
+                others = bound(node.targets)
                 if variable in others:
                     names = ", ".join(sorted(others - {variable}))
                     return f"line {node.lineno} of {self._script} gives {names} the same value"
@@ -214,8 +189,7 @@ class Settings:
         try:
             signature = inspect.signature(make)
         except (TypeError, ValueError):
-            name = f"{variable}.{next(iter(given))}"
-            self._refuse(name, f"the parameters of {make!r} are not known")
+            self._refuse(f"{variable}.{given[0]}", f"the parameters of {make!r} are not known")
         try:
             bound = signature.bind_partial(*args, **kwargs)
         except TypeError:
