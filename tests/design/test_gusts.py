@@ -9,8 +9,7 @@ from hand_tuned import GAINS
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 from pathsim_jsbsim_blocks.control.gains import AttitudeGains
 from pathsim_jsbsim_blocks.design import outer, search
-from pathsim_jsbsim_blocks.design.plant import Plant
-from pathsim_jsbsim_blocks.design.search import OMEGA
+from pathsim_jsbsim_blocks.design.plant import OMEGA, Plant
 from pathsim_jsbsim_blocks.design.turbulence import AIR, Rough, at_a_stop, in_turbulence, rms
 from pathsim_jsbsim_blocks.wind import dryden_field
 

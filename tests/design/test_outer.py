@@ -23,7 +23,7 @@ from pathsim_jsbsim_blocks.design.outer import (
     dutch_roll,
 )
 from pathsim_jsbsim_blocks.design.plant import Plant
-from pathsim_jsbsim_blocks.design.search import Neighbours
+from pathsim_jsbsim_blocks.design.search import Neighbours, Unstable
 
 T = 1 / 120
 OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
@@ -140,7 +140,8 @@ def test_a_turn_settles_as_reported(speed, lag):
 
 
 def test_a_bank_that_turns_the_wrong_way_has_no_heading_gains():
-    assert design_heading(rolling(400.0, 1.0, sign=-1.0), 10.0, 3.0, 400.0) is None
+    with pytest.raises(Unstable):
+        design_heading(rolling(400.0, 1.0, sign=-1.0), 10.0, 3.0, 400.0)
 
 
 def climbing(speed, lag):

@@ -99,13 +99,15 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
     expected = law_flown(plant, actuator, fly_law, 600)
     found = stepped(search.closed(plant, loop, GAINS, "reference"), "reference", 1.0, 600)
     assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=1e-9)
-    error, peak = search.attitude_steps(
+    error, peak = search.tracked(
         plant,
         loop,
+        loop.required.size,
+        600 * T,
         1e6,
         FAR,
-        *(np.array([x]) for x in (GAINS.Kp, GAINS.Ki, GAINS.Kr, GAINS.b)),
-        600 * T,
+        [np.array([x]) for x in (GAINS.Kp, GAINS.Ki, GAINS.Kr)],
+        np.array([GAINS.b]),
     )
     assert error[:, 0] / loop.required.size + 1.0 == pytest.approx(
         expected[:, OUTPUTS.index(angle)], abs=1e-9

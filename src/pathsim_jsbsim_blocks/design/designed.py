@@ -8,9 +8,8 @@ import inspect
 import math
 import reprlib
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 from .._core.checks import flag, known_keywords, refuse, refuse_unknown
@@ -46,42 +45,34 @@ from .requirements import (
     CLIMB_OF_EXCESS,
     CLIMB_OF_SPEED,
     GUST,
+    LEAST_RISE,
     MAX_FINAL_ERROR,
     NEAR_THE_LOWEST,
+    NO_CLIMB,
     NOSE_UP,
     RAMP_HIGH,
     RAMP_LOAD,
     RAMP_LOW,
+    RISE,
+    RISE_OF_EXCESS,
     ROLL_RAMP,
     ROLL_SLIP,
     ROLL_SLOW,
     STEP_REQUIREMENTS,
     THETA_MAX,
+    THROTTLE_USE,
 )
-from .search import PITCH, ROLL, Attitude, LoopReport, Neighbours, closed, design_attitude
+from .search import PITCH, ROLL, Loop, LoopReport, Neighbours, Unstable, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
 
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
-# share of the throttle's remaining travel that a step up in airspeed may hold
-_ENOUGH = 0.7
-
 # weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
 RELAXED_STOP_WEIGHT = 0.05
 
-# ft/s, of the excess climb: rates of climb whose feed-forward may use all of the throttle's
-# remaining travel; the second where the steps are not finished at their end with the first, where
-# it is at least so many ft/s (more feed keeps the throttle at its stop) and relaxes nothing
-_RISE, _RISE_OF_EXCESS, _LEAST_RISE = 40.0, 2.0, 25.0
-
-# ft/s; less is no climb to speak of: the altitude is then designed for a descent
-_NO_CLIMB = 2.0
-
-
 Held = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
-Refuse = Callable[[str, str], DesignError]
 
 
 @known_keywords
@@ -121,24 +112,28 @@ class DesignedGains(AircraftGains):
 
 def report_table(report: tuple[LoopReport, ...]) -> str:
     """The report as a table of fixed width."""
-    head = (
-        f"{'loop':<13}{'rad/s':>7}{'dB':>6}{'deg':>6}{'Ms':>6}{'+50 ms':>8}"
-        f"{'settles s':>11}{'flown s':>9}{'over':>7}{'flown':>7}{'use':>6}  relaxed"
+    columns = (
+        ("rad/s", "crossover", 2),
+        ("dB", "gain_margin", 1),
+        ("deg", "phase_margin", 0),
+        ("Ms", "Ms", 2),
+        ("+50 ms", "Ms_delayed", 2),
+        ("settles s", "settling", 1),
+        ("flown s", "flown_settling", 1),
+        ("over", "overshoot", 2),
+        ("flown", "flown_overshoot", 2),
+        ("use", "use", 2),
     )
-    rows = [head]
-    for r in report:
-
-        def cell(x: float, width: int, digits: int) -> str:
-            text = "" if math.isnan(x) else "-" if math.isinf(x) else f"{x:.{digits}f}"
-            return f"{text:>{width}}"
-
-        rows.append(
-            f"{r.loop:<13}{cell(r.crossover, 7, 2)}{cell(r.gain_margin, 6, 1)}"
-            f"{cell(r.phase_margin, 6, 0)}{cell(r.Ms, 6, 2)}{cell(r.Ms_delayed, 8, 2)}"
-            f"{cell(r.settling, 11, 1)}{cell(r.flown_settling, 9, 1)}{cell(r.overshoot, 7, 2)}"
-            f"{cell(r.flown_overshoot, 7, 2)}{cell(r.use, 6, 2)}  {r.relaxed}".rstrip()
-        )
-    return "\n".join(rows)
+    rows = [("loop", [head for head, *_ in columns], "relaxed")]
+    for row in report:
+        values = [(getattr(row, name), digits) for _, name, digits in columns]
+        cells = [f"{x:.{digits}f}".replace("nan", "").replace("inf", "-") for x, digits in values]
+        rows.append((row.loop, cells, row.relaxed))
+    widths = [max(len(head) + 2, 6) for head, *_ in columns]
+    return "\n".join(
+        f"{loop:<13}{''.join(map(str.rjust, cells, widths))}  {relaxed}".rstrip()
+        for loop, cells, relaxed in rows
+    )
 
 
 def design_gains(
@@ -236,7 +231,6 @@ def design_gains(
             loop="speed",
         )
     model = _model(plane)
-    vt = float(model.x0[model.states.index("vt")])
 
     def airframe() -> Airframe:
         return Airframe(
@@ -249,18 +243,34 @@ def design_gains(
 
     setup = {**condition.setup, **(options.get("setup") or {})}
     limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
-    shaped = partial(_loops, aircraft, condition, model, trim, vt, limits, Neighbours(near))
-    designed = shaped(PITCH)
-    if not check:
-        return designed
-    designed = _flown(fresh, designed)
-    excess = designed.report[0].flown_overshoot / PITCH.required.overshoot
-    if excess <= 1.0:
-        return designed
-    # a kink at the trim: ask the linear model for as much less
-    less = replace(PITCH.required, overshoot=0.9 * PITCH.required.overshoot / excess)
-    again = _flown(fresh, shaped(replace(PITCH, required=less)))
+
+    def shaped(pitching: Loop) -> DesignedGains:
+        loops = _loops(model, condition.altitude, trim, limits, Neighbours(near), pitching)
+        found = DesignedGains(**loops, envelope=limits, aircraft=aircraft, condition=condition)
+        return _flown(fresh, found) if check else found
+
+    with _refused(aircraft, condition):
+        designed = shaped(PITCH)
+        excess = designed.report[0].flown_overshoot / PITCH.required.overshoot
+        if not excess > 1.0:
+            return designed
+        # a kink at the trim: tighten the overshoot limit of the linear model by the excess
+        less = replace(PITCH.required, overshoot=0.9 * PITCH.required.overshoot / excess)
+        again = shaped(replace(PITCH, required=less))
     return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
+
+
+@contextlib.contextmanager
+def _refused(aircraft: str, condition: TrimCondition) -> Iterator[None]:
+    try:
+        yield
+    except Unstable as error:
+        raise DesignError(
+            f"no gains for {aircraft!r} at {condition}: {error}",
+            aircraft=aircraft,
+            reason="unstable",
+            loop=error.loop,
+        ) from error
 
 
 def check_options(function: Callable[..., Any], options: Mapping[str, Any]) -> None:
@@ -293,81 +303,55 @@ def _model(plane: Aircraft) -> LinearModel:
 
 
 def _loops(
-    aircraft: str,
-    condition: TrimCondition,
     model: LinearModel,
+    altitude: float,
     trim: TrimState,
-    vt: float,
     limits: EnvelopeLimits,
     near: Neighbours,
-    pitching: Attitude,
-) -> DesignedGains:
-    """Shape one loop after the other."""
-
-    def refuse(loop: str, why: str) -> DesignError:
-        return DesignError(
-            f"no gains for {aircraft!r} at {condition}: {why}",
-            aircraft=aircraft,
-            reason="unstable",
-            loop=loop,
-        )
-
-    plant = in_turbulence(Plant.of(model), model, condition.altitude)
-    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, near, refuse)
-    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near, refuse)
-    turning = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
-    if turning is None:
-        raise refuse("heading", "no gains from the heading to the bank settle a turn")
-    heading, steered = turning
-    speed, quick, altitude, climbing = _speed_and_altitude(
-        plant, trim, vt, limits, pitch.ramp, near, refuse
-    )
-    return DesignedGains(
-        pitch=pitch,
-        roll=roll,
-        heading=heading,
-        altitude=altitude,
-        speed=speed,
-        yaw=yaw,
-        envelope=limits,
-        aircraft=aircraft,
-        condition=condition,
-        report=tuple(
-            report
-            for report in (pitched, rolled, coordinated, steered, quick, climbing)
-            if report is not None
-        ),
-    )
+    pitching: Loop,
+) -> dict[str, Any]:
+    """Gains of all loops, shaped one after the other, and the report."""
+    vt = float(model.x0[model.states.index("vt")])
+    plant = in_turbulence(Plant.of(model), model, altitude)
+    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, near)
+    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near)
+    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
+    speed, quick, climb, climbing = _speed_and_altitude(plant, trim, vt, limits, pitch.ramp, near)
+    report = [pitched, rolled, coordinated, steered, quick, climbing]
+    return {
+        "pitch": pitch,
+        "roll": roll,
+        "heading": heading,
+        "altitude": climb,
+        "speed": speed,
+        "yaw": yaw,
+        "report": tuple(row for row in report if row is not None),
+    }
 
 
 def _pitch(
-    plant: Plant, pitching: Attitude, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
+    plant: Plant, pitching: Loop, trim: TrimState, vt: float, near: Neighbours
 ) -> tuple[AttitudeGains, LoopReport, Plant]:
     """Gains of the pitch loop, how good they are, and the plant with it closed."""
     ramp = min(max(math.degrees(RAMP_LOAD * GRAVITY / vt), RAMP_LOW), RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
     travel = low - trim.elevator, high - trim.elevator
-    found = design_attitude(plant, pitching, ramp, travel, near)
-    if found is None:
-        raise refuse("pitch", "no gains of the elevator settle a step in pitch")
-    return *found, closed(plant, PITCH, found[0], "theta_cmd")
+    gains, found = design_attitude(plant, pitching, ramp, travel, near)
+    return gains, found, closed(plant, PITCH, gains, "theta_cmd")
 
 
 def _roll_and_yaw(
-    plant: Plant, trim: TrimState, vt: float, near: Neighbours, refuse: Refuse
+    plant: Plant, trim: TrimState, vt: float, near: Neighbours
 ) -> tuple[AttitudeGains, LoopReport, YawGains, LoopReport | None, Plant]:
     """The same of ailerons, and of the rudder, which is shaped for the turn; then roll again."""
     slip = math.sin(math.radians(trim.alpha))  # per roll
     slow = slip * ROLL_RAMP > ROLL_SLIP
     ramp = max(ROLL_SLIP / slip, ROLL_SLOW) if slow else ROLL_RAMP
+    travel = -1.0 - trim.aileron, 1.0 - trim.aileron
     rudder = 1.0 - abs(trim.rudder)
 
     def rolled(yaw: YawGains) -> tuple[AttitudeGains, LoopReport]:
-        travel = (-1.0 - trim.aileron, 1.0 - trim.aileron)
-        found = design_attitude(damped(plant, yaw), ROLL, ramp, travel, near)
-        if found is None:
-            raise refuse("roll", "no gains of the ailerons settle a step in roll")
-        return found
+        return design_attitude(damped(plant, yaw), ROLL, ramp, travel, near)
 
     damper = design_yaw(plant, rudder)
     rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
@@ -383,7 +367,6 @@ def _speed_and_altitude(
     limits: EnvelopeLimits,
     ramp: float,
     near: Neighbours,
-    refuse: Refuse,
 ) -> Held:
     """Gains of throttle and rate of climb: those that finish the steps, if any do.
 
@@ -391,41 +374,35 @@ def _speed_and_altitude(
     fed forward too.
     """
     room = (-trim.throttle[0], 1.0 - trim.throttle[0])
-    climb_max = max(limits.climb_max, _NO_CLIMB)
-    feed, per_knot = design_feed(plant, room, _RISE)
+    climb_max = max(limits.climb_max, NO_CLIMB)
+    feed, per_knot = design_feed(plant, room, RISE)
     step = STEP_REQUIREMENTS["speed"].size
-    if per_knot * step >= _ENOUGH * room[1]:
+    if per_knot * step >= THROTTLE_USE * room[1]:
         step = -step
     hdot_max = min(CLIMB, CLIMB_OF_SPEED * vt, CLIMB_OF_EXCESS * climb_max)
     band = BAND if trim.speed > limits.vc_min + NEAR_THE_LOWEST else GUST
 
     def shaped(level: Plant, stops: float, feed: float) -> Held:
         throttle = design_speed(level, room, feed, step, stops, band, near)
-        if throttle is None:
-            raise refuse("speed", "no gains of the throttle hold the airspeed")
         held = with_speed(plant, throttle[0])
-        climb = design_altitude(held, ramp, hdot_max, room, stops, near)
-        if climb is None:
-            raise refuse("altitude", "no gains from the rate of climb to the pitch are stable")
-        return *throttle, *climb
+        return *throttle, *design_altitude(held, ramp, hdot_max, room, stops, near)
 
     def hold(stops: float, feed: float) -> Held:
         # the airspeed with the attitude held, the altitude, and both with the other held
         first = shaped(plant, stops, feed)
         held = shaped(with_altitude(plant, first[2]), stops, feed)
-        if not math.isfinite(held[1].settling):
-            raise refuse("speed", f"no gains of the throttle settle a step of {step:g} kt")
-        if not math.isfinite(held[3].settling):
-            raise refuse("altitude", "no gains from the rate of climb to the pitch angle settle")
+        for by, report in zip(("throttle", "pitch angle"), held[1::2], strict=True):
+            if not math.isfinite(report.settling):
+                raise Unstable(report.loop, f"no gains of the {by} settle a step in {report.loop}")
         return held
 
     held = hold(1.0, feed)
-    if _finished(held) < len(MAX_FINAL_ERROR):
-        with contextlib.suppress(DesignError):
+    if _excess(held) > 1.0:
+        with contextlib.suppress(Unstable):
             held = max(held, hold(RELAXED_STOP_WEIGHT, feed), key=_finished)
-    rise = _RISE_OF_EXCESS * climb_max
-    if _finished(held) < len(MAX_FINAL_ERROR) and _LEAST_RISE <= rise < _RISE:
-        with contextlib.suppress(DesignError):
+    rise = RISE_OF_EXCESS * climb_max
+    if _excess(held) > 1.0 and LEAST_RISE <= rise < RISE:
+        with contextlib.suppress(Unstable):
             more = hold(RELAXED_STOP_WEIGHT, design_feed(plant, room, rise)[0])
             if not any(step.relaxed for step in more[1::2]):
                 held = min(held, more, key=_excess)
@@ -434,35 +411,29 @@ def _speed_and_altitude(
     return speed, quick, altitude, climbing
 
 
-def _finished(held: Held) -> int:
-    """How many of the steps in airspeed and altitude are finished at their end."""
-    return sum(step.late <= late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True))
+def _late(held: Held) -> list[float]:
+    """Errors at the end of the steps in airspeed and altitude, in what they may be."""
+    return [step.late / late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True)]
 
 
 def _excess(held: Held) -> float:
-    """Largest error at the end of these steps, in what it may be."""
-    return max(step.late / late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True))
+    return max(_late(held))
+
+
+def _finished(held: Held) -> int:
+    return sum(late <= 1.0 for late in _late(held))
 
 
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:
     """The report with the steps in pitch and roll flown on the nonlinear aircraft."""
-    report = []
-    for row in designed.report:
+    report = list(designed.report)
+    for i, row in enumerate(report):
         if row.loop in ("pitch", "roll"):
             try:
                 flown = fly_step(fresh, designed, STEPS[row.loop], seconds=10.0).quality
             except FlightError as error:
-                raise DesignError(
-                    f"no gains for {designed.aircraft!r} at {designed.condition}: "
-                    f"the step in {row.loop} ends the flight: {error}",
-                    aircraft=designed.aircraft,
-                    reason="unstable",
-                    loop=row.loop,
-                ) from error
-            row = replace(
-                row,
-                flown_settling=math.inf if math.isnan(flown.settling) else flown.settling,
-                flown_overshoot=flown.overshoot,
-            )
-        report.append(row)
+                why = f"the step in {row.loop} ends the flight: {error}"
+                raise Unstable(row.loop, why) from error
+            settling = math.inf if math.isnan(flown.settling) else flown.settling
+            report[i] = replace(row, flown_settling=settling, flown_overshoot=flown.overshoot)
     return replace(designed, report=tuple(report))

@@ -2,44 +2,71 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
 
 from ..linear.model import LinearModel
 
+OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s, of margins
 
+
+def integral(omega: np.ndarray, T: float) -> np.ndarray:
+    """Frequency response of a sampled law's integral."""
+    return T / (np.exp(1j * omega * T) - 1.0)
+
+
+@dataclass(frozen=True)
+class Law:
+    """What a loop feeds back, linear; gains are numbers, or columns of numbers for many laws.
+
+    .. math::
+        u = -\\sum_i \\left(P_i + \\frac{I_i T}{z - 1}
+        + W_i \\frac{z - 1}{z - e^{-T / \\tau}}\\right) y_i
+
+    Attributes
+    ----------
+    gains : dict
+        from the name of an output to P, or P and I, or P, I and W
+    tau : float
+        s, of the wash-out; 0 where there is none
+    """
+
+    gains: Mapping[str, tuple[Any, ...]]
+    tau: float = 0.0
+
+    def of(self, y: Mapping[str, np.ndarray], T: float) -> np.ndarray:
+        """The sum over outputs with responses ``y`` at `OMEGA`; of the input's own, the loop L."""
+        parts: list[Any] = [1.0, integral(OMEGA, T)]
+        if self.tau:
+            z = np.exp(1j * OMEGA * T)
+            parts.append((z - 1.0) / (z - math.exp(-T / self.tau)))
+        return sum(
+            sum(gain * part for gain, part in zip(gains, parts, strict=False)) * y[name]
+            for name, gains in self.gains.items()
+        )
+
+
+@dataclass(frozen=True)
 class Plant:
     """Difference equations of an aircraft and of the loops closed so far.
 
     .. math::
         x_{k+1} = A x_k + B u_k, \\qquad y_k = C x_k
 
-    in increments about the trim. Inputs are held over each period.
-
-    Parameters
-    ----------
-    A, B, C : array
-        shapes (n, n), (n, m), (p, n)
-    inputs, outputs : list of str
-        names of the m inputs and the p outputs
-    T : float
-        sample period in s
+    in increments about the trim. Inputs are held over each period T, in s.
     """
 
-    def __init__(
-        self,
-        A: np.ndarray,
-        B: np.ndarray,
-        C: np.ndarray,
-        inputs: Sequence[str],
-        outputs: Sequence[str],
-        T: float,
-    ):
-        self.A, self.B, self.C = A, B, C
-        self.inputs, self.outputs = list(inputs), list(outputs)
-        self.T = T
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    T: float
 
     @classmethod
     def of(cls, model: LinearModel) -> Plant:
@@ -68,7 +95,7 @@ class Plant:
             A[range(end, end + k - 1), range(end + 1, end + k)] = 1.0
             B[end + k - 1, j] = 1.0
             end += k
-        return cls(A, B, C, model.inputs, model.outputs, model.dt)
+        return cls(A, B, C, list(model.inputs), list(model.outputs), model.dt)
 
     def row(self, output: str) -> np.ndarray:
         """The row of C of an output."""
@@ -88,61 +115,40 @@ class Plant:
     def close(
         self,
         input_: str,
-        *,
-        law: np.ndarray,
-        read: Mapping[str, np.ndarray],
-        through: Mapping[str, float],
-        reference: str | None = None,
+        law: Law,
+        reference: tuple[str, float, float] | None = None,
         command: str | None = None,
     ) -> Plant:
-        """The plant with a law of its own states around one input.
+        """The plant with a law around one input.
 
-        .. math::
-            x^c_{k+1} = F x^c_k + \\sum_i g_i y_i, \\qquad u = h x^c + \\sum_i d_i y_i
-
-        Parameters
-        ----------
-        input_ : str
-            the input that the law moves
-        law : array, shape (c + 1, c)
-            F, and h as the last row
-        read : dict
-            from the name of an output or of the reference to g, shape (c,)
-        through : dict
-            from the name of an output or of the reference to d
-        reference : str, optional
-            name of the new input that takes the place of ``input_``
-        command : str, optional
-            name of a new output: what the law moves the input to without the reference
+        ``reference`` names the input that takes its place, with P and I of the law's answer to it.
+        ``command`` names a further output: what the law moves without the reference.
         """
-        n, c = len(self.A), law.shape[1]
-        F, h = law[:-1], law[-1]
-        b = self.column(input_)
-        g, d = np.zeros((c, n)), np.zeros(n)
-        for name, gain in read.items():
-            if name != reference:
-                g += np.outer(gain, self.row(name))
-        for name, direct in through.items():
-            if name != reference:
-                d += direct * self.row(name)
-        A = np.block([[self.A + np.outer(b, d), np.outer(b, h)], [g, F]])
-        B = np.vstack([self.B, np.zeros((c, self.B.shape[1]))])
-        C = np.hstack([self.C, np.zeros((len(self.C), c))])
-        j = self.inputs.index(input_)
-        inputs = list(self.inputs)
+        n, T, b = len(self.A), self.T, self.column(input_)
+        P, I, W = np.zeros((3, n))  # noqa: E741
+        for name, gains in law.gains.items():
+            for row, gain in zip((P, I, W), gains, strict=False):
+                row += gain * self.row(name)
+        # further states: the integral, and the lag of the wash-out
+        fade = math.exp(-T / law.tau) if law.tau else 0.0
+        size = n + (2 if law.tau else 1)
+        u = np.concatenate([-P - W, [-1.0, 1.0]])[:size]
+        A, B = np.zeros((n + 2, size)), np.zeros((n + 2, len(self.inputs)))
+        A[:n, :n], B[:n] = self.A, self.B
+        A[:n] += np.outer(b, u)
+        A[n, :n], A[n, n] = T * I, 1.0
+        A[n + 1, :n], A[n + 1, -1] = (1.0 - fade) * W, fade
+        j, inputs = self.inputs.index(input_), list(self.inputs)
         if reference is None:
             B = np.delete(B, j, axis=1)
             del inputs[j]
         else:
-            B[:, j] = np.concatenate(
-                [b * through.get(reference, 0.0), read.get(reference, np.zeros(c))]
-            )
-            inputs[j] = reference
-        outputs = list(self.outputs)
+            inputs[j], p, i = reference
+            B[:n, j], B[n, j] = p * b, -T * i
+        C, outputs = np.hstack([self.C, np.zeros((len(self.C), size - n))]), list(self.outputs)
         if command is not None:
-            C = np.vstack([C, np.concatenate([d, h])])
-            outputs.append(command)
-        return Plant(A, B, C, inputs, outputs, self.T)
+            C, outputs = np.vstack([C, u]), [*outputs, command]
+        return Plant(A[:size], B[:size], C, inputs, outputs, T)
 
     def steps(
         self,
@@ -154,15 +160,7 @@ class Plant:
     ) -> np.ndarray:
         """Outputs of many loops at once over time, shape (samples, outputs, loops).
 
-        Parameters
-        ----------
-        input_ : str
-            what the laws move
-        outputs : list of str
-        law : callable
-            the commands of all loops, from the number of the sample and the outputs
-        loops : int
-        seconds : float
+        ``law`` gives the commands of all loops from the number of the sample and the outputs.
         """
         rows = np.array([self.row(name) for name in outputs])
         moves = np.column_stack([self.A, self.column(input_)])
@@ -182,7 +180,7 @@ class Plant:
         for _ in range(n - 1):
             B = self.A @ B + self.B
             A = self.A @ A
-        return Plant(A, B, self.C, self.inputs, self.outputs, n * self.T)
+        return replace(self, A=A, B=B, T=n * self.T)
 
     def growth(self) -> float:
         """Real part of the least stable pole, 1/s, without the integrals (heading, altitude)."""

@@ -60,21 +60,14 @@ def requirement_met(m: Margins) -> np.ndarray:
     return found
 
 
-def relaxation_text(level: int, *more: str) -> str:
-    """What was relaxed, in words."""
-    margins_ = [] if level == 0 else [str(MARGINS[level])]
-    return "; ".join([*margins_, *(text for text in more if text)])
-
-
 @dataclass(frozen=True)
 class StepRequirement:
-    """A step of a loop's reference, and what it is held to.
+    """A step of a loop's reference, and what it is held to; ``unit`` is that of the output.
 
     Attributes
     ----------
-    size, tolerance : float
-        in the unit of the output; the response has settled when it stays within the tolerance
-    unit : str
+    tolerance : float
+        the response has settled when it stays within it
     seconds : float
         of flight after the step
     settling, settling_off : float
@@ -82,7 +75,7 @@ class StepRequirement:
     quick : float
         s; settling sooner is worth nothing
     overshoot, final_error : float
-        largest excess, and largest error in the last 5 s, in the unit of the output
+        largest excess, and largest error in the last 5 s
     use : float
         largest share of the command's remaining travel that the step may use
     """
@@ -147,11 +140,24 @@ GUST, BAND, NEAR_THE_LOWEST = 12.0, 4.0, 25.0
 # lowest airspeed over that of level flight at this angle
 LIFT, ALPHA, ABOVE_STALL = 0.92, 20.0, 1.1
 
-# damping ratio of the Dutch roll
-DUTCH_ROLL = 0.35
+# damping ratio of the Dutch roll; divergence that is left to the loops around, 1/s
+DUTCH_ROLL, DIVERGENCE = 0.35, 0.03
 
-# largest factor between a gain at neighbouring conditions, unless the aircraft changes by more
-CHANGE = 1.5
+# largest share of the rudder's remaining travel: for so many deg/s of yaw and deg of sideslip, and
+# in the entry of a turn
+RUDDER_USE, YAW_RATE, SIDESLIP, TURN_USE = 0.9, 10.0, 5.0, 0.6
+
+# largest share of the throttle's remaining travel that a step up in airspeed may hold
+THROTTLE_USE = 0.7
+
+# ft/s: rate of climb whose feed-forward may use all of the throttle's remaining travel, or, where
+# the steps are not finished at their end with it, so many times the excess climb, and no less than
+# the third; an excess climb below the last is none: the altitude is designed for a descent
+RISE, RISE_OF_EXCESS, LEAST_RISE, NO_CLIMB = 40.0, 2.0, 25.0, 2.0
+
+# largest factor between a gain at neighbouring conditions, unless the aircraft changes by more, and
+# what the search aims at
+CHANGE, CHANGE_AIM = 1.5, 1.4
 
 
 def requirements_table() -> str:
@@ -181,36 +187,44 @@ def requirements_table() -> str:
             limit(r.use, ""),
         )
         rows.append(f"| {' | '.join(cells)} |")
-    rows += [
-        "",
-        "| further | at the design point | off it |",
-        "|---|--:|--:|",
-        "| altitude kept in a step of the airspeed "
-        f"| {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |",
-        "| error at the end that the search aims at, speed and altitude "
-        f"| {MAX_FINAL_ERROR[0]:g} kt, {MAX_FINAL_ERROR[1]:g} ft | |",
-        f"| sideslip in the turn | | {MAX_SIDESLIP:g} deg |",
-        f"| a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |",
-        f"| altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |",
-        f"| pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |",
-        f"| throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |",
-        f"| damping ratio of the Dutch roll | {DUTCH_ROLL:g} | |",
-        f"| factor between the gains of neighbouring conditions | {CHANGE:g} | |",
-        "",
-        "| demanded at most | |",
-        "|---|--:|",
-        f"| load of a pitch reference that moves | {RAMP_LOAD:g} g |",
-        f"| its rate | {RAMP_LOW:g} to {RAMP_HIGH:g} deg/s |",
-        f"| pitch reference | {THETA_MAX:g} deg, {NOSE_UP:g} deg above level flight |",
-        f"| rate of the roll reference | {ROLL_RAMP:g} deg/s |",
-        f"| sideslip by a roll, p sin &alpha;, but no slower than {ROLL_SLOW:g} deg/s "
-        f"| {ROLL_SLIP:g} deg/s |",
-        f"| bank of a turn | {BANK:g} deg |",
-        f"| rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_SPEED:.0%} of the airspeed, "
-        f"{CLIMB_OF_EXCESS:.0%} of the excess |",
-        f"| error of the airspeed that uses all of the throttle | {GUST:g} kt |",
-        f"| error of the airspeed that counts in full | {BAND:g} kt, "
-        f"{GUST:g} kt within {NEAR_THE_LOWEST:g} kt of the lowest |",
-        f"| angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |",
-    ]
-    return "\n".join(rows)
+    speed_error, altitude_error = MAX_FINAL_ERROR
+    return (
+        "\n".join(rows)
+        + f"""
+
+| further | at the design point | off it |
+|---|--:|--:|
+| altitude kept in a step of the airspeed | {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |
+| error at the end that the search aims at, speed and altitude \
+| {speed_error:g} kt, {altitude_error:g} ft | |
+| sideslip in the turn | | {MAX_SIDESLIP:g} deg |
+| a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |
+| altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |
+| pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |
+| throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |
+| damping ratio of the Dutch roll | {DUTCH_ROLL:g} | |
+| divergence that is left to the loops around | {DIVERGENCE:g} 1/s | |
+| rudder for {YAW_RATE:g} deg/s of yaw and {SIDESLIP:g} deg of sideslip, of what is left \
+| {RUDDER_USE:g} | |
+| rudder in the entry of a turn, of what is left | {TURN_USE:g} | |
+| factor between the gains of neighbouring conditions, and what the search aims at \
+| {CHANGE:g}, {CHANGE_AIM:g} | |
+
+| demanded at most | |
+|---|--:|
+| load of a pitch reference that moves | {RAMP_LOAD:g} g |
+| its rate | {RAMP_LOW:g} to {RAMP_HIGH:g} deg/s |
+| pitch reference | {THETA_MAX:g} deg, {NOSE_UP:g} deg above level flight |
+| rate of the roll reference | {ROLL_RAMP:g} deg/s |
+| sideslip by a roll, p sin &alpha;, but no slower than {ROLL_SLOW:g} deg/s | {ROLL_SLIP:g} deg/s |
+| bank of a turn | {BANK:g} deg |
+| rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_SPEED:.0%} of the airspeed, \
+{CLIMB_OF_EXCESS:.0%} of the excess |
+| rate of climb that is fed all of the throttle | {RISE:g} ft/s, \
+or {RISE_OF_EXCESS:g} times the excess, from {LEAST_RISE:g} ft/s on |
+| step up of the airspeed in the design, of the throttle that is left | {THROTTLE_USE:g} |
+| error of the airspeed that uses all of the throttle | {GUST:g} kt |
+| error of the airspeed that counts in full | {BAND:g} kt, \
+{GUST:g} kt within {NEAR_THE_LOWEST:g} kt of the lowest |
+| angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |"""
+    )

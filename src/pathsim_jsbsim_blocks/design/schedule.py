@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from .._core.checks import number, positive, refuse
+import numpy as np
+
+from .._core.checks import number, refuse
 from ..control.gain_tables import write_gains
 from ..control.gains import DesignPoint, GainSchedule
 from ..errors import DesignError, TrimError
 from ..flight import TrimCondition
 from ..flight.trimming.condition import check_condition
 from .designed import DesignedGains, check_near, check_options, design_gains
-
-# significant digits in a file
-_DIGITS = 6
+from .search import LoopReport
 
 
 @dataclass(frozen=True)
@@ -72,26 +72,18 @@ class DesignedSchedule:
         )
 
 
-def _plain(row: Any) -> dict[str, Any]:
+def _plain(row: LoopReport) -> dict[str, Any]:
     """A row of a report without its name and without numbers that JSON lacks."""
-    return {
-        name: value
-        for name, value in vars(row).items()
-        if name not in ("loop", "late")
-        and value != ""
-        and not (isinstance(value, float) and not math.isfinite(value))
-    }
+    numbers = {k: x for k, x in vars(row).items() if isinstance(x, float) and math.isfinite(x)}
+    numbers.pop("late", None)
+    return numbers | ({"relaxed": row.relaxed} if row.relaxed else {})
 
 
-def _sorted(name: str, values: Any, check: Callable[[str, Any], float]) -> list[float]:
+def _sorted(name: str, values: Any, **bounds: Any) -> list[float]:
     """Checked numbers without repetition, in ascending order."""
-    try:
-        items = None if isinstance(values, str) else list(values)
-    except TypeError:
-        items = None
-    if items is None:
+    if np.ndim(values) != 1:
         refuse(name, values, f"{name} must be a list of numbers, not {values!r}")
-    found = sorted({check(name, value) for value in items})
+    found = sorted({number(name, value, **bounds) for value in values})
     if not found:
         refuse(name, values, f"{name} is empty")
     return found
@@ -149,8 +141,8 @@ def design_schedule(
             condition.mach,
             "a schedule is over the calibrated airspeed: give speeds instead of mach",
         )
-    levels = _sorted("altitudes", altitudes, number)
-    airspeeds = _sorted("speeds", speeds, positive)
+    levels = _sorted("altitudes", altitudes)
+    airspeeds = _sorted("speeds", speeds, above=0.0)
     conditions = [replace(condition, altitude=h, speed=vc) for h in levels for vc in airspeeds]
     designs: list[DesignedGains] = []
     refused: list[tuple[TrimCondition, Exception]] = []

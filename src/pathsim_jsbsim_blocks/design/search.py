@@ -5,21 +5,32 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..control.gains import AircraftGains, AttitudeGains
+from ..control.loops import BEYOND
 from .margins import Margins, margins
-from .plant import Plant
+from .plant import OMEGA, Law, Plant, integral
 from .requirements import (
+    CHANGE_AIM,
     MARGINS,
     STEP_REQUIREMENTS,
     StepRequirement,
-    relaxation_text,
     requirement_met,
 )
 
-OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s
+# of many loops, shape (gains, loops)
+Gains = Sequence[np.ndarray] | np.ndarray
+
+
+class Unstable(Exception):
+    """No gains of a loop settle its step."""
+
+    def __init__(self, loop: str, why: str):
+        super().__init__(why)
+        self.loop = loop
 
 
 @dataclass(frozen=True)
@@ -66,25 +77,57 @@ class LoopReport:
     late: float = math.nan
 
 
-# factor that costs nothing, less than what is asked for; cost of a factor of e beyond it; share of
-# the largest candidate below which a gain counts as that
-_FREE, _PRICE, _LEAST = 1.4, 0.5, 0.05
+def margins_of(m: Margins, k: int) -> dict[str, Any]:
+    """The margins of one loop, by their names in its report."""
+    names = ("crossover", "gain_margin", "phase_margin", "Ms", "Ms_delayed")
+    return {name: float(x[k]) for name, x in zip(names, vars(m).values(), strict=True)}
+
+
+def reported(
+    loop: str,
+    found: Margins,
+    j: int,
+    step: StepRequirement,
+    settling: float,
+    overshoot: float,
+    use: float,
+    late: float = math.nan,
+    more: Sequence[str] = (),
+) -> LoopReport:
+    """The report of the loop ``j`` of those found; ``more`` is what else it does not meet."""
+    level = requirement_met(found)[j]
+    missed = [str(MARGINS[level])] if level else []
+    if not math.isfinite(settling):
+        missed.append("settling")
+    elif settling > step.settling:
+        missed.append(f"settling {settling:.1f} s")
+    if overshoot > step.overshoot:
+        missed.append(f"overshoot {overshoot:.2g} {step.unit}")
+    return LoopReport(
+        loop,
+        **margins_of(found, j),
+        settling=float(settling),
+        overshoot=float(overshoot),
+        use=float(use),
+        relaxed="; ".join([*missed, *more]),
+        late=float(late),
+    )
+
+
+# cost of a factor of e beyond what is aimed at; share of the largest candidate below which a gain
+# counts as that
+_PRICE, _LEAST = 0.5, 0.05
 
 
 class Neighbours:
-    """Gains at the conditions around one, for the search of the gains there.
-
-    Parameters
-    ----------
-    gains : list of AircraftGains
-    """
+    """Gains at the conditions around one, for the search of the gains there."""
 
     def __init__(self, gains: Sequence[AircraftGains] = ()):
         self.gains = tuple(gains)
 
     def joined(self, loop: str, **candidates: np.ndarray) -> tuple[np.ndarray, ...]:
         """The candidates of a loop's gains, then the neighbours' gains, lower and higher too."""
-        scale = _FREE ** np.linspace(-1.0, 1.0, 5)
+        scale = CHANGE_AIM ** np.linspace(-1.0, 1.0, 5)
         return tuple(
             np.concatenate(
                 [x, *(getattr(getattr(near, loop), name) * scale for near in self.gains)]
@@ -100,7 +143,7 @@ class Neighbours:
                 other = abs(getattr(getattr(near, loop), name))
                 least = max(_LEAST * max(np.abs(x).max(), other), 1e-12)
                 factor = np.maximum(np.abs(x), least) / max(other, least)
-                total += np.maximum(np.abs(np.log(factor)) - math.log(_FREE), 0.0)
+                total += np.maximum(np.abs(np.log(factor)) - math.log(CHANGE_AIM), 0.0)
         return _PRICE * total
 
 
@@ -108,30 +151,35 @@ ALONE = Neighbours()
 
 
 @dataclass(frozen=True)
-class Attitude:
-    """A pitch or roll loop to be designed.
+class Loop:
+    """A loop that holds an output at a reference.
 
     Attributes
     ----------
     name : str
-        "pitch" or "roll"
-    input, angle, rate : str
+        "pitch", "roll" or "speed"
+    input, output, rate : str
         names in the plant
     sign : float
-        -1 where a positive command lowers the angle
+        -1 where a positive command lowers the output
     required : StepRequirement
     """
 
     name: str
     input: str
-    angle: str
+    output: str
     rate: str
     sign: float
     required: StepRequirement
 
+    def law(self, Kp: Any, Ki: Any, Kr: Any) -> Law:
+        """The law's feedback: proportional, integral, and of the rate."""
+        s = self.sign
+        return Law({self.output: (s * Kp, s * Ki), self.rate: (s * Kr,)})
 
-PITCH = Attitude("pitch", "elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
-ROLL = Attitude("roll", "aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
+
+PITCH = Loop("pitch", "elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
+ROLL = Loop("roll", "aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
 
 # rad/s, deg, Ki / (Kp crossover), b
 _CROSSOVERS = np.geomspace(0.25, 6.0, 16)
@@ -149,11 +197,6 @@ _ENOUGH = 2
 def grid(*values: np.ndarray) -> tuple[np.ndarray, ...]:
     """All combinations of some values, arrays of shape (combinations,)."""
     return tuple(x.ravel() for x in np.meshgrid(*values, indexing="ij"))
-
-
-def integral(omega: np.ndarray, T: float) -> np.ndarray:
-    """Frequency response of the sampled law's integral."""
-    return T / (np.exp(1j * omega * T) - 1.0)
 
 
 def at(omega: np.ndarray, response: np.ndarray) -> np.ndarray:
@@ -179,77 +222,49 @@ def crossing(x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> tuple[np.ndarra
 
 def design_attitude(
     plant: Plant,
-    loop: Attitude,
+    loop: Loop,
     ramp: float,
     room: tuple[float, float],
     near: Neighbours = ALONE,
-) -> tuple[AttitudeGains, LoopReport] | None:
-    """Gains of a pitch or roll loop, or None if none is stable.
+) -> tuple[AttitudeGains, LoopReport]:
+    """Gains of a pitch or roll loop, and how good they are.
 
-    Parameters
-    ----------
-    plant : Plant
-    loop : Attitude
-    ramp : float
-        rate of the reference, deg/s
-    room : tuple of float
-        lowest and highest increment of the command
-    near : Neighbours, optional
+    ``ramp`` is the rate of the reference in deg/s, ``room`` the lowest and highest increment of
+    the command.
     """
-    g = plant.response(OMEGA, loop.input)
-    G, R = loop.sign * g[loop.angle], loop.sign * g[loop.rate]
-    shaped = _shaped(G, R, plant.T)
-    Kp, Ki, Kr = near.joined(loop.name, Kp=shaped[0], Ki=shaped[1], Kr=shaped[2])
-    L = (Kp[:, None] + Ki[:, None] * integral(OMEGA, plant.T)) * G + Kr[:, None] * R
-    found = margins(OMEGA, L)
+    g, required = plant.response(OMEGA, loop.input), loop.required
+    own = _shaped(loop.sign * g[loop.output], loop.sign * g[loop.rate], plant.T)
+    gains = np.array(near.joined(loop.name, Kp=own[0], Ki=own[1], Kr=own[2]))
+    found = margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
     level = requirement_met(found)
     # rate feedback alone may cross again above the highest crossover
     level[found.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
     # no faster than needed
     cost = 1.5 * level + 0.1 * found.crossover
-    cost += loop.required.quick * near.cost(loop.name, Kp=Kp, Ki=Ki, Kr=Kr)
-    best, least, flown = None, math.inf, np.zeros(len(Kp), dtype=bool)
+    cost += required.quick * near.cost(loop.name, Kp=gains[0], Ki=gains[1], Kr=gains[2])
+    best, least, flown = None, math.inf, np.zeros(len(level), dtype=bool)
     for allowed in range(len(MARGINS)):
         pick = np.flatnonzero((level <= allowed) & ~flown)
         if not len(pick):
             continue
-        theirs = pick >= len(shaped[0])
+        theirs = pick >= len(own[0])
         pick = np.concatenate([_spread(pick[~theirs], found), pick[theirs]])
         flown[pick] = True
         k, b = grid(pick, _WEIGHTS)
-        score, settling, over, use = _scored(plant, loop, ramp, room, Kp[k], Ki[k], Kr[k], b)
+        score, settling, over, use = _scored(plant, loop, ramp, room, gains[:, k], b)
         i = int(np.argmin(score + cost[k]))
         j = k[i]
         if score[i] + cost[j] < least:
             least = score[i] + cost[j]
-            late = not settling[i] <= loop.required.settling
-            relaxed = relaxation_text(
-                level[j],
-                f"settling {settling[i]:.1f} s" if late else "",
-                f"overshoot {over[i] / loop.required.size:.0%}"
-                if over[i] > loop.required.overshoot
-                else "",
-            )
             best = (
-                AttitudeGains(*(float(x) for x in (Kp[j], Ki[j], Kr[j], b[i], ramp))),
-                LoopReport(
-                    loop.name,
-                    *margins_of(found, j),
-                    float(settling[i]),
-                    float(over[i]),
-                    float(use[i]),
-                    relaxed=relaxed,
-                ),
+                AttitudeGains(*(float(x) for x in (*gains[:, j], b[i], ramp))),
+                reported(loop.name, found, j, required, settling[i], over[i], use[i]),
             )
         if best and (not best[1].relaxed or allowed >= _ENOUGH):
             break
+    if best is None:
+        raise Unstable(loop.name, f"no gains of the {loop.input} settle a step in {loop.name}")
     return best
-
-
-def margins_of(m: Margins, k: int) -> tuple[float, float, float, float, float]:
-    """The margins of one loop, in the order of its report."""
-    crossover, gain, phase, Ms, delayed = (float(x[k]) for x in vars(m).values())
-    return crossover, gain, phase, Ms, delayed
 
 
 def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -272,17 +287,15 @@ def _spread(pick: np.ndarray, m: Margins) -> np.ndarray:
 
 def _scored(
     plant: Plant,
-    loop: Attitude,
+    loop: Loop,
     ramp: float,
     room: tuple[float, float],
-    Kp: np.ndarray,
-    Ki: np.ndarray,
-    Kr: np.ndarray,
+    gains: Gains,
     b: np.ndarray,
 ) -> tuple[np.ndarray, ...]:
     """Score, settling time, overshoot and share of the travel used in steps of the reference."""
     required = loop.required
-    error, peak = attitude_steps(plant, loop, ramp, room, Kp, Ki, Kr, b)
+    error, peak = tracked(plant, loop, required.size, _SECONDS, ramp, room, gains, b)
     settling, over, late = step_quality(error, required.tolerance, plant.T)
     use = peak / min(-room[0], room[1])
     score = (
@@ -311,45 +324,48 @@ def step_quality(
     return settled(error, tolerance, T), np.maximum(error.max(axis=0), 0.0), late
 
 
-def attitude_steps(
+def tracked(
     plant: Plant,
-    loop: Attitude,
-    ramp: float,
+    loop: Loop,
+    size: float,
+    seconds: float,
+    ramp: Any,
     room: tuple[float, float],
-    Kp: np.ndarray,
-    Ki: np.ndarray,
-    Kr: np.ndarray,
+    gains: Gains,
     b: np.ndarray,
-    seconds: float = _SECONDS,
+    Tf: float = 0.0,
+    band: float = math.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors in a step of the reference, shape (samples, loops), and the largest commands."""
-    T, total, peak = plant.T, np.zeros(len(Kp)), np.zeros(len(Kp))
+    """Errors in a step of the reference, shape (samples, loops), and the largest commands.
+
+    Errors are below 0 before the step is reached. The ``gains`` are Kp, which acts on the output
+    behind a lag of ``Tf`` s, Ki and Kr; of an error beyond the ``band`` a share counts, as in
+    `SpeedLoop`.
+    """
+    Kp, Ki, Kr = gains
+    T, way = plant.T, math.copysign(1.0, size)
+    total, lagged, peak = np.zeros((3, len(Kp)))
     low, high = sorted(loop.sign * np.array(room))
-    unwind = np.where(Ki > 0.0, np.minimum(T * Ki / np.maximum(Kp, 1e-12), 0.5), 0.0)
+    unwind = np.minimum(T * Ki / np.maximum(Kp, 1e-12), 0.5)
+    share = -math.expm1(-T / Tf) if Tf else 1.0
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        r = min(k * ramp * T, loop.required.size)
-        v = Kp * (b * r - y[0]) + total - Kr * y[1]
+        r = way * np.minimum(k * T * ramp, abs(size))
+        error = r - y[0]
+        if math.isfinite(band):
+            error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
+        lagged[:] += share * (r - error - lagged)
+        v = Kp * (b * r - lagged) + total - Kr * y[1]
         u = np.minimum(np.maximum(v, low), high)
         np.maximum(peak, np.abs(v), out=peak)
-        total[:] += Ki * T * (r - y[0]) + unwind * (u - v)
+        total[:] += Ki * T * error + unwind * (u - v)
         return loop.sign * u
 
-    angle = plant.steps(loop.input, (loop.angle, loop.rate), law, len(Kp), seconds)[:, 0]
-    return angle - loop.required.size, peak
+    y = plant.steps(loop.input, (loop.output, loop.rate), law, len(Kp), seconds)
+    return way * (y[:, 0] - size), peak
 
 
-def closed(plant: Plant, loop: Attitude, gains: AttitudeGains, reference: str) -> Plant:
+def closed(plant: Plant, loop: Loop, gains: AttitudeGains, reference: str) -> Plant:
     """The plant with the loop closed; ``reference`` in place of the actuator."""
-    T, s = plant.T, loop.sign
-    return plant.close(
-        loop.input,
-        law=np.array([[1.0], [s * 1.0]]),
-        read={reference: np.array([gains.Ki * T]), loop.angle: np.array([-gains.Ki * T])},
-        through={
-            reference: s * gains.Kp * gains.b,
-            loop.angle: -s * gains.Kp,
-            loop.rate: -s * gains.Kr,
-        },
-        reference=reference,
-    )
+    s, law = loop.sign, loop.law(gains.Kp, gains.Ki, gains.Kr)
+    return plant.close(loop.input, law, (reference, s * gains.Kp * gains.b, s * gains.Ki))

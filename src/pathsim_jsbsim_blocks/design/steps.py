@@ -19,19 +19,7 @@ BEFORE = 2.0
 
 @dataclass(frozen=True)
 class Step:
-    """A step of one reference.
-
-    Attributes
-    ----------
-    port : str
-        of the `Autopilot`
-    output : str
-        of the `Aircraft`
-    required : StepRequirement
-        with its size and time
-    modes : dict
-        further inputs of the autopilot
-    """
+    """A step of one reference: port of the `Autopilot`, its other inputs, output flown."""
 
     port: str
     output: str
@@ -81,19 +69,8 @@ def fly_step(
 ) -> Flown:
     """Fly a step in a plain loop of an aircraft and the autopilot.
 
-    Parameters
-    ----------
-    fresh : callable
-        makes a trimmed aircraft
-    gains : AircraftGains or GainSchedule
-    step : Step
-    size, seconds : float, optional
-        instead of the step's own
-
-    Raises
-    ------
-    FlightError
-        if the flight ends
+    ``fresh`` makes a trimmed aircraft; ``size`` and ``seconds`` of flight stand in for the step's
+    own. Raises `FlightError` if the flight ends.
     """
     size = step.required.size if size is None else size
     plane = fresh()
@@ -109,11 +86,9 @@ def fly_step(
     n = before + round((step.required.seconds if seconds is None else seconds) / T)
     rows = np.empty((n + 1, len(names)))
     y: Sequence[float] = plane.outputs.to_array().tolist()
+    rows[0] = y
     command = [0.0] * len(plane.input_port_labels)
-    for k in range(n + 1):
-        rows[k] = y
-        if k == n:
-            break
+    for k in range(n):
         for port, i in wired:
             u[port] = y[i]
         if k == before:
@@ -121,17 +96,16 @@ def fly_step(
             u[ports[step.port]] = size
         out, state = autopilot.law(u, state)
         command[:4] = out[:4]
-        y = plane.advance(k + 1, command)
+        y = rows[k + 1] = plane.advance(k + 1, command)
+    column = names.index("psi")
+    rows[:, column] = np.unwrap(rows[:, column], period=360.0)
     outputs = dict(zip(names, rows[before:].T, strict=True))
-    outputs["psi"] = np.unwrap(outputs["psi"], period=360.0)
-    time = np.arange(n + 1 - before) * T
-    found = rows[0, names.index(step.output)]
-    signal = outputs[step.output]
-    if step.output == "psi":
-        found += 360.0 * round((signal[0] - found) / 360.0)
-    reference = np.full(len(time), found + size)
-    reference[0] = found
-    quality = response_quality(time, signal, reference, tolerance=step.required.tolerance, last=5.0)
+    time, start = np.arange(n + 1 - before) * T, rows[0, names.index(step.output)]
+    reference = np.full(len(time), start + size)
+    reference[0] = start
+    quality = response_quality(
+        time, outputs[step.output], reference, tolerance=step.required.tolerance, last=5.0
+    )
     stops = [outputs[name] != 0.0 for name in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")]
     return Flown(quality, time, outputs, max(_longest(s) for s in stops) * T)
 

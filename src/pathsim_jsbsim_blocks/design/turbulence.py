@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from ..linear.model import LinearModel
 from ..wind import dryden_field
-from .plant import Plant
+from .plant import OMEGA, Law, Plant
 from .requirements import (
     ALTITUDE_IN_TURBULENCE,
     PITCH_AIM,
@@ -24,7 +24,7 @@ AIR = ("along", "up")
 
 
 def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
-    """The plant with moderate turbulence as two further inputs, white noise of unit density.
+    """The plant with moderate turbulence at an altitude in ft: white noise at two further inputs.
 
     The states of the aircraft are those relative to the air. Where the air accelerates they change
     by the opposite, and the aircraft rises with it:
@@ -36,19 +36,8 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     with u along the flight path and w up. Both are noise through a lag, of L / V and L / 2V, with
     the rms and the lengths of `dryden_field`, as JSBSim's MIL-spec turbulence has them.
 
-    Parameters
-    ----------
-    plant : Plant
-        of the model, without loops
-    model : LinearModel
-    altitude : float
-        ft
-
-    Returns
-    -------
-    Plant
-        without turbulence if the model has states that no output shows: what the air does to them
-        is unknown
+    If the model has states that no output shows, the plant stays as it is: what the air does to
+    them is unknown.
     """
     n, T = len(plant.A), plant.T
     states = list(model.states)
@@ -77,6 +66,23 @@ def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
     """Root mean square of signals from their responses to white noises, over the last axis."""
     power = sum(np.abs(response) ** 2 for response in responses)
     return np.sqrt(trapezoid(power, omega, axis=-1) / np.pi)
+
+
+def moved(
+    plant: Plant, law: Law, input_: str, *outputs: str
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Loops L of laws at an input; the rms of the input and of outputs, 0 for unknown ones."""
+    g = plant.response(OMEGA, input_)
+    L = law.of(g, plant.T)
+    air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
+    moves = [-law.of(gust, plant.T) / (1.0 + L) for gust in air]
+    signals = {input_: moves}
+    for name in outputs:
+        known = name in plant.outputs
+        signals[name] = [y[name] + g[name] * u for y, u in zip(air, moves, strict=True) if known]
+    # without turbulence nothing moves
+    still = np.zeros_like(L)
+    return L, {name: rms(OMEGA, still, *responses) for name, responses in signals.items()}
 
 
 # the largest altitude error of a flight of some minutes, in rms
@@ -114,14 +120,13 @@ class Rough:
 
     def said(self, i: int) -> tuple[str, ...]:
         """What one of them does not meet, in words."""
-        found = []
-        if self.altitude[i] * _PEAK > ALTITUDE_IN_TURBULENCE:
-            found.append(f"turbulence {self.altitude[i]:.0f} ft rms")
-        if self.pitch[i] > PITCH_IN_TURBULENCE:
-            found.append(f"turbulence {self.pitch[i]:.1f} deg rms")
-        if self.stop[i] > STOP_IN_TURBULENCE:
-            found.append(f"turbulence {self.stop[i]:.0%} at the throttle's stop")
-        return tuple(found)
+        altitude, pitch, stop = self.altitude[i], self.pitch[i], self.stop[i]
+        missed = {
+            f"{altitude:.0f} ft rms": altitude * _PEAK > ALTITUDE_IN_TURBULENCE,
+            f"{pitch:.1f} deg rms": pitch > PITCH_IN_TURBULENCE,
+            f"{stop:.0%} at the throttle's stop": stop > STOP_IN_TURBULENCE,
+        }
+        return tuple(f"turbulence {what}" for what, is_missed in missed.items() if is_missed)
 
 
 def at_a_stop(throttle: np.ndarray, room: tuple[float, float]) -> np.ndarray:
