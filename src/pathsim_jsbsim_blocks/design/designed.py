@@ -26,6 +26,7 @@ from ..errors import DesignError, FlightError, LinearisationError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
+from . import requirements as req
 from .envelope import envelope
 from .outer import (
     damped,
@@ -39,29 +40,7 @@ from .outer import (
     with_speed,
 )
 from .plant import Plant
-from .requirements import (
-    BAND,
-    CLIMB,
-    CLIMB_OF_EXCESS,
-    CLIMB_OF_SPEED,
-    GUST,
-    LEAST_RISE,
-    MAX_FINAL_ERROR,
-    NEAR_THE_LOWEST,
-    NO_CLIMB,
-    NOSE_UP,
-    RAMP_HIGH,
-    RAMP_LOAD,
-    RAMP_LOW,
-    RISE,
-    RISE_OF_EXCESS,
-    ROLL_RAMP,
-    ROLL_SLIP,
-    ROLL_SLOW,
-    STEP_REQUIREMENTS,
-    THETA_MAX,
-    THROTTLE_USE,
-)
+from .requirements import MAX_FINAL_ERROR, STEP_REQUIREMENTS
 from .search import PITCH, ROLL, Loop, LoopReport, Neighbours, Unstable, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
@@ -313,10 +292,15 @@ def _loops(
     """Gains of all loops, shaped one after the other, and the report."""
     vt = float(model.x0[model.states.index("vt")])
     plant = in_turbulence(Plant.of(model), model, altitude)
-    pitch, pitched, plant = _pitch(plant, pitching, trim, vt, near)
+    ramp = math.degrees(req.RAMP_LOAD * GRAVITY / vt)
+    ramp = min(max(ramp, req.RAMP_LOW), req.RAMP_HIGH)
+    low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
+    travel = low - trim.elevator, high - trim.elevator
+    pitch, pitched = design_attitude(plant, pitching, ramp, travel, near)
+    plant = closed(plant, PITCH, pitch, "theta_cmd")
     roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near)
     heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
-    speed, quick, climb, climbing = _speed_and_altitude(plant, trim, vt, limits, pitch.ramp, near)
+    speed, quick, climb, climbing = _speed_and_altitude(plant, trim, vt, limits, ramp, near)
     report = [pitched, rolled, coordinated, steered, quick, climbing]
     return {
         "pitch": pitch,
@@ -329,24 +313,13 @@ def _loops(
     }
 
 
-def _pitch(
-    plant: Plant, pitching: Loop, trim: TrimState, vt: float, near: Neighbours
-) -> tuple[AttitudeGains, LoopReport, Plant]:
-    """Gains of the pitch loop, how good they are, and the plant with it closed."""
-    ramp = min(max(math.degrees(RAMP_LOAD * GRAVITY / vt), RAMP_LOW), RAMP_HIGH)
-    low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
-    travel = low - trim.elevator, high - trim.elevator
-    gains, found = design_attitude(plant, pitching, ramp, travel, near)
-    return gains, found, closed(plant, PITCH, gains, "theta_cmd")
-
-
 def _roll_and_yaw(
     plant: Plant, trim: TrimState, vt: float, near: Neighbours
 ) -> tuple[AttitudeGains, LoopReport, YawGains, LoopReport | None, Plant]:
-    """The same of ailerons, and of the rudder, which is shaped for the turn; then roll again."""
+    """Gains of ailerons and of the rudder, shaped for the turn, and the plant with both closed."""
     slip = math.sin(math.radians(trim.alpha))  # per roll
-    slow = slip * ROLL_RAMP > ROLL_SLIP
-    ramp = max(ROLL_SLIP / slip, ROLL_SLOW) if slow else ROLL_RAMP
+    slow = slip * req.ROLL_RAMP > req.ROLL_SLIP
+    ramp = max(req.ROLL_SLIP / slip, req.ROLL_SLOW) if slow else req.ROLL_RAMP
     travel = -1.0 - trim.aileron, 1.0 - trim.aileron
     rudder = 1.0 - abs(trim.rudder)
 
@@ -374,13 +347,13 @@ def _speed_and_altitude(
     fed forward too.
     """
     room = (-trim.throttle[0], 1.0 - trim.throttle[0])
-    climb_max = max(limits.climb_max, NO_CLIMB)
-    feed, per_knot = design_feed(plant, room, RISE)
+    climb_max = max(limits.climb_max, req.NO_CLIMB)
+    feed, per_knot = design_feed(plant, room, req.RISE)
     step = STEP_REQUIREMENTS["speed"].size
-    if per_knot * step >= THROTTLE_USE * room[1]:
+    if per_knot * step >= req.THROTTLE_USE * room[1]:
         step = -step
-    hdot_max = min(CLIMB, CLIMB_OF_SPEED * vt, CLIMB_OF_EXCESS * climb_max)
-    band = BAND if trim.speed > limits.vc_min + NEAR_THE_LOWEST else GUST
+    hdot_max = min(req.CLIMB, req.CLIMB_OF_SPEED * vt, req.CLIMB_OF_EXCESS * climb_max)
+    band = req.BAND if trim.speed > limits.vc_min + req.NEAR_THE_LOWEST else req.GUST
 
     def shaped(level: Plant, stops: float, feed: float) -> Held:
         throttle = design_speed(level, room, feed, step, stops, band, near)
@@ -400,14 +373,14 @@ def _speed_and_altitude(
     if _excess(held) > 1.0:
         with contextlib.suppress(Unstable):
             held = max(held, hold(RELAXED_STOP_WEIGHT, feed), key=_finished)
-    rise = RISE_OF_EXCESS * climb_max
-    if _excess(held) > 1.0 and LEAST_RISE <= rise < RISE:
+    rise = req.RISE_OF_EXCESS * climb_max
+    if _excess(held) > 1.0 and req.LEAST_RISE <= rise < req.RISE:
         with contextlib.suppress(Unstable):
             more = hold(RELAXED_STOP_WEIGHT, design_feed(plant, room, rise)[0])
             if not any(step.relaxed for step in more[1::2]):
                 held = min(held, more, key=_excess)
     speed, quick, altitude, climbing = held
-    altitude = replace(altitude, theta_max=max(THETA_MAX, trim.theta + NOSE_UP))
+    altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing
 
 

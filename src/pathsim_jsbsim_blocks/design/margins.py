@@ -9,27 +9,13 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins of loops broken at their actuator, arrays of shape (loops,).
+    """Margins of loops broken at their actuator, arrays of shape (loops,)."""
 
-    Attributes
-    ----------
-    crossover : array
-        highest frequency at which the gain is 1, rad/s; 0 without one
-    gain : array
-        dB, the smaller of the margins up and down; infinite without a phase crossing
-    phase : array
-        deg, the smallest; infinite without a crossover
-    Ms : array
-        largest sensitivity |1 / (1 + L)|
-    Ms_delayed : array
-        the same with 50 ms of delay more
-    """
-
-    crossover: np.ndarray
-    gain: np.ndarray
-    phase: np.ndarray
-    Ms: np.ndarray
-    Ms_delayed: np.ndarray
+    crossover: np.ndarray  # highest frequency at which the gain is 1, rad/s; 0 without one
+    gain: np.ndarray  # dB, the smaller of those up and down; infinite without a phase crossing
+    phase: np.ndarray  # deg, the smallest; infinite without a crossover
+    Ms: np.ndarray  # largest sensitivity |1 / (1 + L)|
+    Ms_delayed: np.ndarray  # the same with 50 ms of delay more
 
 
 EXTRA_DELAY = 0.05  # s

@@ -14,22 +14,10 @@ from scipy.signal import fftconvolve
 
 from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
+from . import requirements as req
 from .margins import Margins, margins
 from .plant import OMEGA, Law, Plant, integral
-from .requirements import (
-    BAND,
-    BANK,
-    DIVERGENCE,
-    DUTCH_ROLL,
-    GUST,
-    MARGINS,
-    RUDDER_USE,
-    SIDESLIP,
-    STEP_REQUIREMENTS,
-    TURN_USE,
-    YAW_RATE,
-    requirement_met,
-)
+from .requirements import MARGINS, STEP_REQUIREMENTS, requirement_met
 from .search import (
     ALONE,
     Loop,
@@ -75,13 +63,13 @@ def damped(plant: Plant, gains: YawGains) -> Plant:
 def design_yaw(plant: Plant, room: float) -> YawGains:
     """Rudder from washed-out yaw rate: the lowest gain that damps the Dutch roll."""
     best, bare = YawGains(K=0.0), dutch_roll(plant)
-    if bare is None or bare[1] >= DUTCH_ROLL:
+    if bare is None or bare[1] >= req.DUTCH_ROLL:
         return best
     g = plant.response(OMEGA, "rudder")
     k = int(np.argmin(np.abs(OMEGA - bare[0])))
     sign = np.sign(yaw_law(K=1.0).of(g, plant.T)[k].real)
     K = sign * _YAW_SHARES / np.abs(g["r"][k])
-    K = K[np.abs(K) * YAW_RATE <= RUDDER_USE * room]
+    K = K[np.abs(K) * req.YAW_RATE <= req.RUDDER_USE * room]
     level = requirement_met(margins(OMEGA, yaw_law(K[:, None]).of(g, plant.T)))
     most = bare[1] + 0.02
     for gain in K[level == 0]:
@@ -90,7 +78,7 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
         damping = 1.0 if mode is None else mode[1]
         if damping >= most:
             best, most = gains, damping
-        if damping >= DUTCH_ROLL:
+        if damping >= req.DUTCH_ROLL:
             break
     return best
 
@@ -142,8 +130,8 @@ def design_rudder(
     K, P, rate = grid(dampers, _SLIP_GAINS, _SLIP_RATES)
     P = P * sign * 4.0 / slip
     K, P, Ki = near.joined("yaw", K=K, Kp=P, Ki=P * rate)
-    used = (np.abs(K) * YAW_RATE + np.abs(P) * SIDESLIP) / room
-    K, P, Ki, used = (x[used <= RUDDER_USE] for x in (K, P, Ki, used))
+    used = (np.abs(K) * req.YAW_RATE + np.abs(P) * req.SIDESLIP) / room
+    K, P, Ki, used = (x[used <= req.RUDDER_USE] for x in (K, P, Ki, used))
     law = yaw_law(K[:, None], damper.tau, P[:, None], Ki[:, None])
     L = law.of(rudder, T)
     command = -law.of(bank, T) / (1.0 + L)
@@ -151,7 +139,7 @@ def design_rudder(
     psi = np.abs((bank["psi"] + command * rudder["psi"]) * OMEGA * vt / GRAVITY)
     entry = 1.0 / np.hypot(1.0, OMEGA / _ENTRY)
     score = (
-        BANK * (beta * entry).max(axis=1)
+        req.BANK * (beta * entry).max(axis=1)
         + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
         + 0.5 * used
         + near.cost("yaw", K=K, Kp=P, Ki=Ki)
@@ -162,15 +150,15 @@ def design_rudder(
         if not math.isfinite(score[i]):
             break
         gains = YawGains(K=float(K[i]), tau=damper.tau, Kp=float(P[i]), Ki=float(Ki[i]))
-        if damped(plant, gains).growth() < DIVERGENCE:
+        if damped(plant, gains).growth() < req.DIVERGENCE:
             chosen = gains
             break
     chosen = coordinate(plant, chosen, room, ramp)
     parts = (
-        (chosen.K, YAW_RATE),
-        (chosen.Kp, SIDESLIP),
+        (chosen.K, req.YAW_RATE),
+        (chosen.Kp, req.SIDESLIP),
         (chosen.Kroll, ramp),
-        (chosen.Kbank, BANK),
+        (chosen.Kbank, req.BANK),
     )
     use = sum(abs(gain) * size for gain, size in parts) / room
     if not use:
@@ -200,7 +188,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
             plant, replace(yaw, Kroll=float(feed[0]), Kbank=float(feed[1])), ramp
         )
         use = np.abs(feed[0] * p + feed[1] * phi).max()
-        score = np.abs(beta).max() + _RUDDER_COST * max(use / room - TURN_USE, 0.0)
+        score = np.abs(beta).max() + _RUDDER_COST * max(use / room - req.TURN_USE, 0.0)
         if score < least:
             best, least = feed, score
         if not np.isfinite(kick).all():
@@ -209,7 +197,7 @@ def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGain
         cost = _RUDDER_COST / room * np.array([np.abs(p).max(), np.abs(phi).max()])
         feed = feed + _least_peak(beta, effect.T, cost)
     # a divergence that is there without them, as at low airspeed, is left to the outer loops
-    most = max(DIVERGENCE, 1.01 * damped(plant, yaw).growth())
+    most = max(req.DIVERGENCE, 1.01 * damped(plant, yaw).growth())
     for share in _COORDINATED:
         gains = replace(yaw, Kroll=float(share * best[0]), Kbank=float(share * best[1]))
         steady = damped(plant, gains).growth() < most
@@ -222,7 +210,11 @@ def _entry(plant: Plant, gains: YawGains, ramp: float) -> tuple[np.ndarray, ...]
     """Sideslip, roll rate and bank in the entry of a turn; sideslip after an impulse of rudder."""
     p = damped(plant, gains).slower(_COARSE)
     turn = p.steps(
-        "phi_cmd", ("beta", "p", "phi"), lambda k, y: min(ramp * p.T * k, BANK), 1, _ROLL_IN
+        "phi_cmd",
+        ("beta", "p", "phi"),
+        lambda k, y: min(ramp * p.T * k, req.BANK),
+        1,
+        _ROLL_IN,
     )
     kick = p.steps("rudder", ("beta",), lambda k, y: float(k == 0), 1, _ROLL_IN)
     return *turn[:, :, 0].T, kick[:, 0, 0]
@@ -273,7 +265,7 @@ def design_heading(
     cmd = np.zeros(len(Kp))
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        wanted = np.clip(Kp * (required.size - y[0]), -BANK, BANK)
+        wanted = np.clip(Kp * (required.size - y[0]), -req.BANK, req.BANK)
         cmd[:] += np.clip(wanted - cmd, -ramp * p.T, ramp * p.T)
         return cmd
 
@@ -281,12 +273,12 @@ def design_heading(
     time, over, _ = step_quality(y[:, 0] - required.size, required.tolerance, p.T)
     bank = np.abs(y[:, 1]).max(axis=0)
     score = time + 200.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) + 10.0 * level
-    score += required.size / (turn * BANK) * near.cost("heading", Kp=Kp)
+    score += required.size / (turn * req.BANK) * near.cost("heading", Kp=Kp)
     i = int(np.argmin(np.where(np.isfinite(score), score, 1e6 + over)))
     if level[i] == len(MARGINS) or not math.isfinite(time[i]):
         raise Unstable("heading", "no gains from the heading to the bank settle a turn")
     return HeadingGains(Kp=float(Kp[i]), bank=straight), reported(
-        "heading", found, i, required, time[i], over[i], bank[i] / BANK
+        "heading", found, i, required, time[i], over[i], bank[i] / req.BANK
     )
 
 
@@ -325,7 +317,7 @@ def design_speed(
     Kc: float,
     step: float,
     stops: float = 1.0,
-    band: float = BAND,
+    band: float = req.BAND,
     near: Neighbours = ALONE,
 ) -> tuple[SpeedGains, LoopReport]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
@@ -360,7 +352,7 @@ def _speed_candidates(
     """Kp, Ki, Kd and Kc, of Kp some shares of the throttle for an error of 12 kt; their cost."""
     travel = min(-room[0], room[1])
     share, time, rise = grid(shares, _SPEED_TIMES, _SPEED_RISES)
-    Kp = share * travel / GUST
+    Kp = share * travel / req.GUST
     Kp, Ki, Kc = near.joined("speed", Kp=Kp, Ki=Kp / time, Kc=rise * most)
     Kc = np.minimum(Kc, most)
     gains = np.array([Kp, Ki, -Kp * SpeedGains.Tf, Kc])
@@ -369,7 +361,7 @@ def _speed_candidates(
     rough = Rough(none, none, at_a_stop(moves["throttle"], room))
     cost = (
         60.0 * requirement_met(found)
-        + 10.0 * Kp * GUST / travel
+        + 10.0 * Kp * req.GUST / travel
         + _UNFED * (1.0 - Kc / max(most, 1e-12))
         + rough.cost(stops)
         + SPEED.required.quick * near.cost("speed", Kp=Kp, Ki=Ki, Kc=Kc)
@@ -403,7 +395,7 @@ def _best_speed(
     b, ramp = grid(_SPEED_WEIGHTS, _SPEED_RAMPS)
     these = np.repeat(gains[:, [j]], len(b), axis=1)
     # the widest band where no step settles with the one asked for
-    for kept in dict.fromkeys((band, GUST)):
+    for kept in dict.fromkeys((band, req.GUST)):
         score, time, over, _, use, close = _speed_steps(plant, room, step, these, b, ramp, kept)
         i = int(np.argmin(score + _LARGER * np.minimum(close, SPEED.required.seconds)))
         if math.isfinite(time[i]):

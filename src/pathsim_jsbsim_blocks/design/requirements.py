@@ -4,39 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .margins import Margins
 
 
-@dataclass(frozen=True)
-class MarginRequirement:
-    """What the margins of a loop must be at least, and its sensitivity at most.
-
-    Attributes
-    ----------
-    Ms, Ms_delayed : float
-        largest sensitivity, and with 50 ms of delay more
-    gain : float
-        dB
-    phase : float
-        deg
-    """
+class MarginRequirement(NamedTuple):
+    """What the margins of a loop must be at least, and its sensitivity at most."""
 
     Ms: float
-    Ms_delayed: float
-    gain: float
-    phase: float
-
-    def met(self, m: Margins) -> np.ndarray:
-        """Which of the loops meet it."""
-        return (
-            (m.Ms <= self.Ms)
-            & (m.Ms_delayed <= self.Ms_delayed)
-            & (m.gain >= self.gain)
-            & (m.phase >= self.phase)
-        )
+    Ms_delayed: float  # with 50 ms of delay more
+    gain: float  # dB
+    phase: float  # deg
 
     def __str__(self) -> str:
         return f"Ms {self.Ms:g}, {self.gain:g} dB, {self.phase:g} deg"
@@ -54,42 +35,27 @@ MARGINS = (
 
 def requirement_met(m: Margins) -> np.ndarray:
     """Number of the first of `MARGINS` that each loop meets; their count where it meets none."""
-    found = np.full(len(m.Ms), len(MARGINS))
-    for i, requirement in reversed(list(enumerate(MARGINS))):
-        found[requirement.met(m)] = i
-    return found
+    met = [
+        (m.Ms <= r.Ms) & (m.Ms_delayed <= r.Ms_delayed) & (m.gain >= r.gain) & (m.phase >= r.phase)
+        for r in MARGINS
+    ]
+    return np.argmax([*met, np.ones(len(m.Ms), dtype=bool)], axis=0)
 
 
 @dataclass(frozen=True)
 class StepRequirement:
-    """A step of a loop's reference, and what it is held to; ``unit`` is that of the output.
-
-    Attributes
-    ----------
-    tolerance : float
-        the response has settled when it stays within it
-    seconds : float
-        of flight after the step
-    settling, settling_off : float
-        s, at the design point and off it
-    quick : float
-        s; settling sooner is worth nothing
-    overshoot, final_error : float
-        largest excess, and largest error in the last 5 s
-    use : float
-        largest share of the command's remaining travel that the step may use
-    """
+    """A step of a loop's reference, and what it is held to; lengths are in the output's unit."""
 
     size: float
-    tolerance: float
+    tolerance: float  # settled is what stays within it
     unit: str
-    seconds: float
-    settling: float = math.inf
-    settling_off: float = math.inf
-    quick: float = 0.0
+    seconds: float  # of flight after the step
+    settling: float = math.inf  # s, at the design point
+    settling_off: float = math.inf  # and off it
+    quick: float = 0.0  # s; settling sooner is worth nothing
     overshoot: float = math.inf
-    final_error: float = math.inf
-    use: float = math.inf
+    final_error: float = math.inf  # largest in the last 5 s
+    use: float = math.inf  # largest share of the command's remaining travel
 
 
 STEP_REQUIREMENTS = {
@@ -160,43 +126,13 @@ RISE, RISE_OF_EXCESS, LEAST_RISE, NO_CLIMB = 40.0, 2.0, 25.0, 2.0
 CHANGE, CHANGE_AIM = 1.5, 1.4
 
 
-def requirements_table() -> str:
-    """The requirements as tables in Markdown, for the documentation."""
-
-    def limit(value: float, unit: str) -> str:
-        return "" if math.isinf(value) else f"{value:g} {unit}".rstrip()
-
-    rows = ["| margins | Ms | with 50 ms more | gain | phase |", "|---|--:|--:|--:|--:|"]
-    for i, m in enumerate(MARGINS):
-        name = f"relaxed, {i}" if i else "asked for"
-        rows.append(f"| {name} | {m.Ms:g} | {m.Ms_delayed:g} | {m.gain:g} dB | {m.phase:g} deg |")
-    rows += [
-        "",
-        "| step | settles to | within | off the design point | overshoot | error at the end "
-        "| share of the travel |",
-        "|---|--:|--:|--:|--:|--:|--:|",
-    ]
-    for loop, r in STEP_REQUIREMENTS.items():
-        cells = (
-            f"{loop}, {r.size:g} {r.unit}",
-            f"{r.tolerance:g} {r.unit}",
-            limit(r.settling, "s"),
-            limit(r.settling_off, "s"),
-            limit(r.overshoot, r.unit),
-            limit(r.final_error, r.unit),
-            limit(r.use, ""),
-        )
-        rows.append(f"| {' | '.join(cells)} |")
-    speed_error, altitude_error = MAX_FINAL_ERROR
-    return (
-        "\n".join(rows)
-        + f"""
+_FURTHER = f"""
 
 | further | at the design point | off it |
 |---|--:|--:|
 | altitude kept in a step of the airspeed | {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |
 | error at the end that the search aims at, speed and altitude \
-| {speed_error:g} kt, {altitude_error:g} ft | |
+| {MAX_FINAL_ERROR[0]:g} kt, {MAX_FINAL_ERROR[1]:g} ft | |
 | sideslip in the turn | | {MAX_SIDESLIP:g} deg |
 | a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |
 | altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |
@@ -227,4 +163,33 @@ or {RISE_OF_EXCESS:g} times the excess, from {LEAST_RISE:g} ft/s on |
 | error of the airspeed that counts in full | {BAND:g} kt, \
 {GUST:g} kt within {NEAR_THE_LOWEST:g} kt of the lowest |
 | angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |"""
-    )
+
+
+def requirements_table() -> str:
+    """The requirements as tables in Markdown, for the documentation."""
+
+    def limit(value: float, unit: str) -> str:
+        return "" if math.isinf(value) else f"{value:g} {unit}".rstrip()
+
+    rows = ["| margins | Ms | with 50 ms more | gain | phase |", "|---|--:|--:|--:|--:|"]
+    for i, m in enumerate(MARGINS):
+        name = f"relaxed, {i}" if i else "asked for"
+        rows.append(f"| {name} | {m.Ms:g} | {m.Ms_delayed:g} | {m.gain:g} dB | {m.phase:g} deg |")
+    rows += [
+        "",
+        "| step | settles to | within | off the design point | overshoot | error at the end "
+        "| share of the travel |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    for loop, r in STEP_REQUIREMENTS.items():
+        cells = (
+            f"{loop}, {r.size:g} {r.unit}",
+            f"{r.tolerance:g} {r.unit}",
+            limit(r.settling, "s"),
+            limit(r.settling_off, "s"),
+            limit(r.overshoot, r.unit),
+            limit(r.final_error, r.unit),
+            limit(r.use, ""),
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows) + _FURTHER

@@ -152,24 +152,13 @@ ALONE = Neighbours()
 
 @dataclass(frozen=True)
 class Loop:
-    """A loop that holds an output at a reference.
-
-    Attributes
-    ----------
-    name : str
-        "pitch", "roll" or "speed"
-    input, output, rate : str
-        names in the plant
-    sign : float
-        -1 where a positive command lowers the output
-    required : StepRequirement
-    """
+    """A loop that holds an output at a reference; names are those in the plant."""
 
     name: str
     input: str
     output: str
     rate: str
-    sign: float
+    sign: float  # -1 where a positive command lowers the output
     required: StepRequirement
 
     def law(self, Kp: Any, Ki: Any, Kr: Any) -> Law:

@@ -41,23 +41,12 @@ STEPS = {
 
 @dataclass(frozen=True)
 class Flown:
-    """One step, flown.
-
-    Attributes
-    ----------
-    quality : ResponseQuality
-    time : array
-        s from the step on
-    outputs : dict
-        of the aircraft, arrays by name
-    stop : float
-        longest time in s for which a command was at the end of its travel
-    """
+    """One step, flown."""
 
     quality: ResponseQuality
-    time: np.ndarray
-    outputs: dict[str, np.ndarray]
-    stop: float
+    time: np.ndarray  # s from the step on
+    outputs: dict[str, np.ndarray]  # of the aircraft
+    stop: float  # longest time in s for which a command was at the end of its travel
 
 
 def fly_step(

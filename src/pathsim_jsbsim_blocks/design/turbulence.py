@@ -11,14 +11,8 @@ from scipy.special import ndtr
 
 from ..linear.model import LinearModel
 from ..wind import dryden_field
+from . import requirements as req
 from .plant import OMEGA, Law, Plant
-from .requirements import (
-    ALTITUDE_IN_TURBULENCE,
-    PITCH_AIM,
-    PITCH_IN_TURBULENCE,
-    STOP_AIM,
-    STOP_IN_TURBULENCE,
-)
 
 AIR = ("along", "up")
 
@@ -97,34 +91,28 @@ _PITCH_LOST, _STOP_LOST = 0.5, 4.0
 
 @dataclass(frozen=True)
 class Rough:
-    """What turbulence does to some loops, arrays of shape (loops,).
+    """What turbulence does to some loops, arrays of shape (loops,)."""
 
-    Attributes
-    ----------
-    altitude, pitch : array
-        rms in ft and deg
-    stop : array
-        share of the time for which the throttle is at a stop
-    """
-
-    altitude: np.ndarray
-    pitch: np.ndarray
-    stop: np.ndarray
+    altitude: np.ndarray  # rms in ft
+    pitch: np.ndarray  # rms in deg
+    stop: np.ndarray  # share of the time for which the throttle is at a stop
 
     def cost(self, stops: float) -> np.ndarray:
         """In s of settling; ``stops`` is a weight of the throttle's stops."""
-        h = np.maximum(self.altitude * _PEAK / ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
-        theta = np.clip(self.pitch / (PITCH_AIM * PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST)
-        stop = np.clip(self.stop / (STOP_AIM * STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
+        h = np.maximum(self.altitude * _PEAK / req.ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
+        theta = np.clip(
+            self.pitch / (req.PITCH_AIM * req.PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST
+        )
+        stop = np.clip(self.stop / (req.STOP_AIM * req.STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
         return _ALTITUDE_COST * h + _PITCH_COST * theta + stops * _STOP_COST * stop
 
     def said(self, i: int) -> tuple[str, ...]:
         """What one of them does not meet, in words."""
         altitude, pitch, stop = self.altitude[i], self.pitch[i], self.stop[i]
         missed = {
-            f"{altitude:.0f} ft rms": altitude * _PEAK > ALTITUDE_IN_TURBULENCE,
-            f"{pitch:.1f} deg rms": pitch > PITCH_IN_TURBULENCE,
-            f"{stop:.0%} at the throttle's stop": stop > STOP_IN_TURBULENCE,
+            f"{altitude:.0f} ft rms": altitude * _PEAK > req.ALTITUDE_IN_TURBULENCE,
+            f"{pitch:.1f} deg rms": pitch > req.PITCH_IN_TURBULENCE,
+            f"{stop:.0%} at the throttle's stop": stop > req.STOP_IN_TURBULENCE,
         }
         return tuple(f"turbulence {what}" for what, is_missed in missed.items() if is_missed)
 
