@@ -43,11 +43,11 @@ else:
     # PathSim takes a second to import; the command's --help does not need it
 
     def __getattr__(name: str) -> Any:
-        public = import_module("._public", __name__)
-        here = globals()
-        for n in ("__all__", *public.__all__):
+        here, public = globals(), vars(import_module("._public", __name__))
+        names = [n for n in public if n[0] != "_"]
+        for n, x in {"__all__": names, **{n: public[n] for n in names}}.items():
             # what a test has put here in its place stays
-            here.setdefault(n, getattr(public, n))
+            here.setdefault(n, x)
         if name in here:
             return here[name]
         raise AttributeError(

@@ -22,6 +22,7 @@ from ._core.checks import (
     flag,
     limits,
     mapping,
+    must_be,
     nearest,
     nearest_ports,
     number,
@@ -73,22 +74,21 @@ class _Values(Mapping[str, float]):
     def __init__(self, sim: Simulation, blocks: Mapping[str, Block]):
         self._blocks = blocks
         self._read: dict[str, Callable[[], float]] = {"time": lambda: float(sim.time)}
+        for name, block in blocks.items():
+            # a name that both have is the output's
+            for register in (block.inputs, block.outputs):
+                ports = port_names(register) or {str(i): i for i in range(len(register))}
+                for port, i in ports.items():
+                    self._read[f"{name}.{port}"] = port_reader(register, i)
 
     def __getitem__(self, name: str) -> float:
-        if name not in self._read:
-            self._read[name] = _port(self._blocks, "values", name).read
-        return self._read[name]()
+        return (self._read.get(name) or _port(self._blocks, "values", name).read)()
 
     def __iter__(self) -> Iterator[str]:
-        names = {"time": None}
-        for name, block in self._blocks.items():
-            for register in (block.outputs, block.inputs):
-                ports = port_names(register) or map(str, range(len(register)))
-                names |= dict.fromkeys(f"{name}.{port}" for port in ports)
-        return iter(names)
+        return iter(self._read)
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
+        return len(self._read)
 
 
 class DiagramEnv(gymnasium.Env):
@@ -119,7 +119,7 @@ class DiagramEnv(gymnasium.Env):
         self._reward, self._terminated = given["reward"], given["terminated"] or (lambda _: False)
         for name, judge in (("reward", self._reward), ("terminated", self._terminated)):
             if not callable(judge):
-                refuse(name, judge, f"{name} must be a function of the values, not {judge!r}")
+                must_be(name, judge, "a function of the values")
         self.render_mode = given["render_mode"]
         if self.render_mode is not None:
             one_of("render_mode", self.render_mode, ("rgb_array",))
@@ -306,18 +306,15 @@ class DiagramEnv(gymnasium.Env):
         drawing = Figure(figsize=(10.0, 1.5 + 0.9 * len(signals)), layout="constrained")
         FigureCanvasAgg(drawing)
         sides: Any = drawing.subfigures(1, 2, width_ratios=(3, 2))
-        left, right = sides
-        axes = left.subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
+        axes = sides[0].subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, (name, column)) in enumerate(zip(axes, signals.items(), strict=True)):
-            seen = i < len(self._observed)
             # an action is held over the step that ends at its time
-            ax.plot(
-                time, column, *(["C0"] if seen else ["C1"]), drawstyle=None if seen else "steps-pre"
-            )
+            style = ("C0", "default") if i < len(self._observed) else ("C1", "steps-pre")
+            ax.plot(time, column, style[0], drawstyle=style[1])
             ax.set_ylabel(name.replace(".", "\n"), fontsize="small", rotation=0, ha="right")
             ax.grid(alpha=0.4)
         axes[-1].set_xlabel("time [s]")
-        ax = right.subplots()
+        ax = sides[1].subplots()
         if len(place) == len(POSITION):
             ax.plot(place["lon"], place["lat"], marker="o", markevery=[-1])
         ax.set(xlabel="longitude [deg]", ylabel="latitude [deg]", title="path over the ground")
@@ -536,6 +533,11 @@ def _heading(**options: Any) -> DiagramEnv:
     return make_env(sim, **{**usual, **options})
 
 
+def _off_the_approach(v: Mapping[str, float]) -> float:
+    across, below = abs(v["course.across"]) / 1000, abs(v["glide.gs_ft"]) / 100
+    return -(across + below + abs(v["aircraft.vc"] - 150) / 20)
+
+
 def _approach(**options: Any) -> DiagramEnv:
     """Fly a 737 along localizer and glide path to the decision height, at 150 KCAS."""
     commands = [f"aircraft.{port}" for port in ("aileron", "elevator", "throttle")]
@@ -545,13 +547,7 @@ def _approach(**options: Any) -> DiagramEnv:
     usual: dict[str, Any] = {
         "action": dict.fromkeys(commands, (-0.5, 0.5)),
         "observation": {**dict.fromkeys(angles, (-90, 90)), **ranges, **path},
-        "reward": lambda v: (
-            -(
-                abs(v["course.across"]) / 1000
-                + abs(v["glide.gs_ft"]) / 100
-                + abs(v["aircraft.vc"] - 150) / 20
-            )
-        ),
+        "reward": _off_the_approach,
         "step": 0.5,
         "duration": 330.0,
         "wired": "replace",

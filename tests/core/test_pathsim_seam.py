@@ -162,17 +162,6 @@ def test_the_loop_of_run_yields_after_every_step():
     assert seam.is_running(sim)
     sim.stop()
     assert not seam.is_running(sim), "Simulation._active no longer says whether a run goes on"
-    seam.activate(sim)
-    assert seam.is_running(sim)
-
-
-def test_a_run_in_real_time_keeps_its_tracker():
-    assert hasattr(Simulation, "_run_loop"), "Simulation._run_loop is gone: real time needs it"
-    sim, ticks = Simulation([Scope()], [], dt=0.01, log=False), []
-    stats = seam.run_in_real_time(sim, 0.05, True, lambda: ticks.append(sim.time))
-    assert stats["total_steps"] == len(sim.blocks[0].recording_time) - 1
-    assert ticks
-    assert "_run_loop" not in vars(sim)
 
 
 class Calls(Block):

@@ -11,10 +11,7 @@ _OURS = (__name__.partition(".")[0], "pathsim")
 
 
 def warn_user(message: str, *, once: bool = False) -> None:
-    """Warn at the line of the user's that the calls come from.
-
-    ``once`` shows the same message once for each line, as Python's own warnings do.
-    """
+    """Warn at the line of the user's that the calls come from; ``once`` for each line."""
     callers = list(frames())
     user = next(filter(is_users, callers), callers[-1])
     registry = user.f_globals.setdefault("__warningregistry__", {}) if once else None

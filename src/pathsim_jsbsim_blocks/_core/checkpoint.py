@@ -65,9 +65,9 @@ def save_checkpoint(
         written[0].write_text(json.dumps(data, indent=2), encoding="utf-8")
         for file in written:
             file.replace(f"{base}{file.suffix}")
+    except FileError:
+        raise
     except OSError as error:
-        if isinstance(error, BlocksError):
-            raise
         raise FileError("write", base, error) from None
     finally:
         for file in written:
@@ -97,9 +97,8 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     base = _base(path)
     if in_step(simulation):
         # the step would go on with the time of the run and the state of the checkpoint
-        refuse(
-            "checkpoint", base, "a checkpoint cannot be loaded inside a step: stop the run first"
-        )
+        why = "a checkpoint cannot be loaded inside a step: stop the run first"
+        refuse("checkpoint", base, why)
     try:
         data = json.loads(Path(f"{base}.json").read_text(encoding="utf-8"))
         intact = data["digest"] == _digest(data, Path(f"{base}.npz").read_bytes())
@@ -108,11 +107,8 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
     except (ValueError, TypeError, KeyError, RecursionError):
         intact = False
     if not intact:
-        refuse(
-            "checkpoint",
-            base,
-            f"the checkpoint {base!r} is damaged: its files have changed since they were saved",
-        )
+        why = f"the checkpoint {base!r} is damaged: its files have changed since they were saved"
+        refuse("checkpoint", base, why)
     try:
         _load(simulation, base)
     except BlocksError:

@@ -24,11 +24,15 @@ def refuse(parameter: str, value: Any, why: str) -> NoReturn:
     raise ParameterError(why, parameter=parameter, value=value) from None
 
 
+def must_be(parameter: str, value: Any, wanted: str) -> NoReturn:
+    """Refuse a value that is not what it must be."""
+    refuse(parameter, value, f"{parameter} must be {wanted}, not {value!r}")
+
+
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     """The names most like ``name``: those that contain it, those in it, then by spelling.
 
-    Names that are paths (``attitude/theta-deg``) are compared whole and by their last part; capital
-    letters do not count.
+    Paths (``attitude/theta-deg``) are compared whole and by their last part, in small letters.
     """
     names = list(names)
     low = str(name).lower()
@@ -39,48 +43,28 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
-# ports by what users call them, in small letters
-_PORTS_OF = {
-    "pitch": ("theta",),
-    "pitch_angle": ("theta",),
-    "roll": ("phi",),
-    "bank": ("phi",),
-    "roll_angle": ("phi",),
-    "bank_angle": ("phi",),
-    "heading": ("psi",),
-    "yaw": ("psi",),
-    "roll_rate": ("p",),
-    "pitch_rate": ("q",),
-    "yaw_rate": ("r",),
-    "aoa": ("alpha",),
-    "angle_of_attack": ("alpha",),
-    "sideslip": ("beta",),
-    "fpa": ("gamma",),
-    "path_angle": ("gamma",),
-    "flight_path_angle": ("gamma",),
-    "altitude": ("h",),
-    "alt": ("h",),
-    "height": ("h", "altitude"),
-    "h": ("altitude",),
-    "climb": ("hdot",),
-    "climb_rate": ("hdot",),
-    "rate_of_climb": ("hdot",),
-    "vertical_speed": ("hdot",),
-    "vs": ("hdot",),
-    "airspeed": ("vc", "vt"),
-    "speed": ("vc", "vt"),
-    "cas": ("vc",),
-    "kcas": ("vc",),
-    "ias": ("vc",),
-    "tas": ("vt",),
-    "v": ("vt",),
-    "m": ("mach",),
-    "load_factor": ("nz",),
-    "g": ("nz",),
-    "rho": ("density",),
-    "t": ("temperature",),
-    "a": ("speed_of_sound",),
-    "mu": ("viscosity",),
+# what users call the ports, in small letters
+_CALLED = {
+    "theta": "pitch pitch_angle",
+    "phi": "roll bank roll_angle bank_angle",
+    "psi": "heading yaw",
+    "p": "roll_rate",
+    "q": "pitch_rate",
+    "r": "yaw_rate",
+    "alpha": "aoa angle_of_attack",
+    "beta": "sideslip",
+    "gamma": "fpa path_angle flight_path_angle",
+    "h": "altitude alt height",
+    "altitude": "height h",
+    "hdot": "climb climb_rate rate_of_climb vertical_speed vs",
+    "vc": "airspeed speed cas kcas ias",
+    "vt": "airspeed speed tas v",
+    "mach": "m",
+    "nz": "load_factor g",
+    "density": "rho",
+    "temperature": "t",
+    "speed_of_sound": "a",
+    "viscosity": "mu",
 }
 
 
@@ -88,7 +72,8 @@ def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
     """The ports that ``name`` is another name of; otherwise those most like it."""
     names = list(names)
     key = str(name).lower().replace(" ", "_")
-    return [port for port in _PORTS_OF.get(key, ()) if port in names] or nearest(name, names)
+    meant = [port for port, others in _CALLED.items() if key in others.split() and port in names]
+    return meant or nearest(name, names)
 
 
 def did_you_mean(names: Iterable[str]) -> str:
@@ -100,32 +85,20 @@ def did_you_mean(names: Iterable[str]) -> str:
 def refuse_unknown(
     owner: str, values: Mapping[str, Any], known: Iterable[str], ports: Container[str] = ()
 ) -> None:
-    """Check the names of parameters.
-
-    Raises
-    ------
-    KeywordError
-        for one that is not known, naming the nearest, or the input port of that name, or all
-        parameters that there are
-    """
+    """Refuse unknown names of parameters: a KeywordError names the nearest, a port, or all."""
     known = list(known)
     for name, value in values.items():
         if name not in known:
             hint = did_you_mean(nearest(name, known))
             if not hint and name in ports:
                 hint = f": {name!r} is an input port, which a Connection leads into"
-            raise KeywordError(
-                f"{owner} has no parameter {name!r}{hint or f'; it has {_listed(known)}'}",
-                parameter=name,
-                value=value,
-            )
+            hint = hint or f"; it has {', '.join(known) or 'none'}"
+            message = f"{owner} has no parameter {name!r}{hint}"
+            raise KeywordError(message, parameter=name, value=value)
 
 
 def known_keywords(cls: Checked) -> Checked:
-    """A class whose constructor refuses keywords that it does not have, naming the nearest.
-
-    A constructor that passes further keywords on is left alone.
-    """
+    """A class whose constructor refuses keywords that it neither has nor passes on."""
     init = cls.__init__  # type: ignore[misc]
     parameters = list(inspect.signature(init).parameters.values())[1:]
     if not any(p.kind is p.VAR_KEYWORD for p in parameters):
@@ -141,10 +114,6 @@ def known_keywords(cls: Checked) -> Checked:
     return cls
 
 
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names) or "none"
-
-
 def number(
     parameter: str,
     value: Any,
@@ -156,13 +125,10 @@ def number(
 ) -> float:
     """``value`` as a finite float with ``low <= value <= high`` (and ``value > above``).
 
-    Raises
-    ------
-    ParameterError
-        for text, booleans, arrays, NaN, infinities (unless ``infinite``) and values out of range
+    Refuses text, booleans, arrays, NaN, and infinities unless ``infinite``.
     """
     if isinstance(value, bool) or not isinstance(value, Real):
-        refuse(parameter, value, f"{parameter} must be a number, not {value!r}")
+        must_be(parameter, value, "a number")
     try:
         x = float(value)
     except OverflowError:
@@ -197,7 +163,7 @@ def optional(parameter: str, value: Any, **bounds: Any) -> float | None:
 def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:
     """``value``, a list, tuple or array, as numbers within bounds."""
     if not isinstance(value, (list, tuple)) and not (isinstance(value, np.ndarray) and value.ndim):
-        refuse(parameter, value, f"{parameter} must be a list of numbers, not {value!r}")
+        must_be(parameter, value, "a list of numbers")
     return [number(f"{parameter}[{i}]", x, **bounds) for i, x in enumerate(value)]
 
 
@@ -223,18 +189,15 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     choices = list(choices)
     if isinstance(value, str) and value in choices:
         return value
-    refuse(
-        parameter,
-        value,
-        f"{parameter} must be one of {', '.join(map(repr, choices))}, not {value!r}"
-        + did_you_mean(nearest(str(value), choices, 1)),
-    )
+    close = did_you_mean(nearest(str(value), choices, 1))
+    known = ", ".join(map(repr, choices))
+    refuse(parameter, value, f"{parameter} must be one of {known}, not {value!r}{close}")
 
 
 def flag(parameter: str, value: Any) -> bool:
     """``value`` if it is a real bool: the string "no" is truthy."""
     if not isinstance(value, (bool, np.bool_)):
-        refuse(parameter, value, f"{parameter} must be True or False, not {value!r}")
+        must_be(parameter, value, "True or False")
     return bool(value)
 
 
@@ -246,7 +209,7 @@ def as_path(parameter: str, value: Any) -> Path:
             raise TypeError
         return path
     except TypeError:
-        refuse(parameter, value, f"{parameter} must be a path, not {value!r}")
+        must_be(parameter, value, "a path")
 
 
 def writable(parameter: str, value: Any) -> Path:
@@ -272,19 +235,15 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
     """``path`` if it has one of ``endings``; the error names it with the first of them."""
     if path.suffix.lower() not in endings:
         known = " or ".join(x for x in endings if x)
-        refuse(
-            parameter,
-            str(path),
-            f"{parameter} must end in {known}, not {path.name!r}; did you mean "
-            f"{os.path.splitext(path)[0] + endings[0]!r}?",
-        )
+        hint = did_you_mean([os.path.splitext(path)[0] + endings[0]])
+        refuse(parameter, str(path), f"{parameter} must end in {known}, not {path.name!r}{hint}")
     return path
 
 
 def property_list(parameter: str, names: Any) -> list[str]:
     """``names`` as a list of texts."""
     if isinstance(names, str) or not isinstance(names, Sequence):
-        refuse(parameter, names, f"{parameter} must be a list of property names, not {names!r}")
+        must_be(parameter, names, "a list of property names")
     for i, name in enumerate(names):
         if not isinstance(name, str):
             refuse(parameter, names, f"{parameter}[{i}] must be a property's name, not {name!r}")
@@ -296,17 +255,14 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping):
-        refuse(parameter, value, f"{parameter} must be a dict of names and values, not {value!r}")
+        must_be(parameter, value, "a dict of names and values")
     return dict(value)
 
 
 def arrays(**values: Any) -> list[Any]:
     """``values`` as floats or as float arrays of their common shape, copied.
 
-    Raises
-    ------
-    ParameterError
-        for text, booleans, None, complex numbers, and for shapes that do not broadcast
+    Refuses text, booleans, None, complex numbers, and shapes that do not broadcast.
     """
     out, shape = _reals(values)
     return [np.broadcast_to(x, shape).copy() for x in out] if shape else [x[()] for x in out]
@@ -315,10 +271,7 @@ def arrays(**values: Any) -> list[Any]:
 def finite(**values: Any) -> list[Any]:
     """``values`` as finite floats or float arrays, each in its own shape, not copied.
 
-    Raises
-    ------
-    ParameterError
-        for NaN and infinities, and for what ``arrays`` refuses
+    Refuses NaN and infinities, and what ``arrays`` refuses.
     """
     for value in values.values():
         if type(value) is not float or not math.isfinite(value):
@@ -329,9 +282,8 @@ def finite(**values: Any) -> list[Any]:
     for parameter, x in zip(values, out, strict=True):
         known = np.isfinite(x)
         if not known.all():
-            refuse(
-                parameter, values[parameter], f"{parameter} must be finite, not {x[~known].flat[0]}"
-            )
+            why = f"{parameter} must be finite, not {x[~known].flat[0]}"
+            refuse(parameter, values[parameter], why)
     return [x if x.ndim else float(x) for x in out]
 
 
@@ -344,19 +296,11 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         except ValueError:  # ragged
             x = np.empty(0, object)
         if x.dtype.kind not in "iuf":
-            refuse(
-                parameter,
-                value,
-                f"{parameter} must be a real number or an array of them, not {value!r}",
-            )
+            must_be(parameter, value, "a real number or an array of them")
         out.append(x.astype(float, copy=False))
     try:
         return out, np.broadcast_shapes(*(x.shape for x in out))
     except ValueError:
         shapes = {parameter: x.shape for parameter, x in zip(values, out, strict=True)}
-        refuse(
-            ", ".join(values),
-            shapes,
-            "the arrays must broadcast to one shape, not "
-            + ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape),
-        )
+        found = ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape)
+        refuse(", ".join(values), shapes, f"the arrays must broadcast to one shape, not {found}")

@@ -14,10 +14,7 @@ _PLACE = re.compile(r"^( *)%\((\w+)\)s$", re.MULTILINE)
 
 
 def filler(**texts: str) -> Callable[[Documented], Documented]:
-    """A decorator that replaces the lines ``%(name)s`` of a docstring with ``texts``.
-
-    Each text is indented like its placeholder. An unknown placeholder raises KeyError at import.
-    """
+    """A decorator that replaces the lines ``%(name)s`` of a docstring with ``texts``."""
     clean = {name: cleandoc(text) for name, text in texts.items()}
 
     def fill(documented: Documented) -> Documented:

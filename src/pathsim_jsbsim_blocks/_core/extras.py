@@ -9,13 +9,7 @@ from ..errors import MissingExtraError
 
 
 def required(package: str, extra: str, name: str | None = None) -> Any:
-    """A package that is installed with an extra; its name, where it is not that of the module.
-
-    Raises
-    ------
-    MissingExtraError
-        if the package is not installed
-    """
+    """A package of an extra, or MissingExtraError; ``name`` is its name if not the module's."""
     try:
         return import_module(package)
     except ModuleNotFoundError as error:

@@ -11,21 +11,10 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A file beside ``path`` to write to, which replaces it at the end.
+    """A file beside ``path``, with its ending, to write to; it replaces ``path`` at the end.
 
-    A link stays, and so does a device such as /dev/stdout: it is written directly, as is a file in
-    a folder that takes no new ones.
-
-    Yields
-    ------
-    Path
-        with the ending of ``path``
-
-    Raises
-    ------
-    OSError
-        if it cannot be written; after any exception an existing file is unchanged, unless it was
-        written directly
+    After an exception an existing file is unchanged. A link stays, and so does a device such as
+    /dev/stdout: it is written directly, as is a file in a folder that takes no new ones.
     """
     if path.exists() and not path.is_file():
         yield path

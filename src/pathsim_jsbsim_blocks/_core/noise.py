@@ -14,20 +14,8 @@ _ROWS = 1024
 class WhiteNoise:
     """Independent standard normal numbers, a row of them for each sample.
 
-    A law may be evaluated several times at one instant, so a row depends on the seed and its number
-    only, not on what was drawn before.
-
-    Parameters
-    ----------
-    seed : int
-        0 or more
-    width : int
-        numbers in a row
-
-    Raises
-    ------
-    ParameterError
-        for a seed that is negative or not a whole number
+    A law may be evaluated several times at one instant, so a row depends on the seed (0 or more)
+    and its number only, not on what was drawn before.
     """
 
     def __init__(self, seed: Any, width: int):

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import logging
 import math
 import threading
@@ -31,6 +32,7 @@ import weakref
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from operator import itemgetter
 from typing import Any, NoReturn
+from unittest.mock import patch
 from weakref import WeakKeyDictionary
 
 from pathsim import Connection, Simulation, Subsystem
@@ -85,10 +87,10 @@ class NamedRegister(Register):
     __slots__ = ()
 
     @classmethod
-    def of(cls, names: Iterable[str]) -> NamedRegister:
-        """A register with a port for each name."""
-        names = list(names)
-        return cls(len(names), {name: i for i, name in enumerate(names)})
+    def of(cls, *names: Iterable[str]) -> NamedRegister:
+        """A register with a port for each name, those of several lists one after the other."""
+        ports = [*itertools.chain(*names)]
+        return cls(len(ports), {name: i for i, name in enumerate(ports)})
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str) and key not in self._mapping:
@@ -100,11 +102,8 @@ class NamedRegister(Register):
     def __str__(self) -> str:
         """A line for each port: name, or number without one, and value."""
         names = {number: name for name, number in self._mapping.items()}
-        width = max(map(len, names.values()), default=0)
-        return "\n".join(
-            f"  {names.get(i, str(i)):<{width}} {value:14.8g}"
-            for i, value in enumerate(values(self))
-        )
+        width, rows = max(map(len, self._mapping), default=0), enumerate(values(self))
+        return "\n".join(f"  {names.get(i, str(i)):<{width}} {x:14.8g}" for i, x in rows)
 
 
 class WiredRegister(NamedRegister):
@@ -185,9 +184,7 @@ _settling: WeakKeyDictionary[Subsystem, Settling] = WeakKeyDictionary()
 def _events(subsystem: Subsystem) -> list[Event]:
     """Events of the blocks inside and, where blocks sample there, the pass that they need.
 
-    The simulation collects events recursively through its subsystems. This is the only call that
-    sees a subsystem together with the blocks at any depth in it, so this function replaces
-    `Subsystem.events`. Subsystems without sampled blocks are not affected.
+    `Subsystem.events` is the only call that sees a subsystem with the blocks at any depth in it.
     """
     events = _events_of_blocks(subsystem)
     clocks = [event for event in events if isinstance(event, ClockEvent)]
@@ -212,12 +209,8 @@ class Steps(Iterator[dict[str, Any]]):
     """The steps of a run, as PathSim's loop makes them.
 
     Two runs at once of a simulation, or of two simulations that share a sampled block, would each
-    make a part of the steps: both end with an error. A run that is left unfinished blocks no other.
-
-    Raises
-    ------
-    ParameterError
-        if the run begins inside a step of the other, in an event or in another thread
+    make a part of the steps: where one begins inside a step of the other, in an event or in another
+    thread, both end with an error. A run that is left unfinished blocks no other.
     """
 
     def __init__(self, sim: Simulation, loop: Generator[dict[str, Any], None, None]):
@@ -254,13 +247,9 @@ class Steps(Iterator[dict[str, Any]]):
         return self._sim._active
 
     def _refuse(self) -> NoReturn:
-        refuse(
-            "sim",
-            self._sim,
-            "two runs at once of a simulation, or of a block that two simulations share: one began "
-            "inside an event of the other, or in another thread. Both end here; build a diagram "
-            "for each",
-        )
+        why = "two runs at once of a simulation, or of a block that two simulations share: one "
+        why += "began inside an event of the other, or in another thread. Both end here; build a "
+        refuse("sim", self._sim, f"{why}diagram for each")
 
     def __enter__(self) -> Steps:
         self._inside = True
@@ -328,14 +317,9 @@ def check_diagrams(
 ) -> None:
     """Have blocks and connections checked before PathSim takes them, and fails elsewhere.
 
-    Parameters
-    ----------
-    part : callable
-        called with each part of a diagram, and what it must be: a Block or a Connection
-    ends : callable
-        called with a connection that is to be made, and with what it is to join
-    wire, wires : callable
-        called with a connection that is made, and with all those of a diagram
+    ``part`` is called with each part of a diagram and what it must be, a Block or a Connection;
+    ``ends`` with a connection that is to be made and what it is to join; ``wire`` with one that is
+    made; ``wires`` with all those of a diagram.
     """
 
     def inside(subsystem: Subsystem) -> None:
@@ -385,10 +369,9 @@ def run_loop(
 Run = Callable[[Simulation, float, bool, bool], dict[str, Any]]
 
 
-@contextlib.contextmanager
 def replacing_run(
     run: Callable[[Run, Simulation, float, bool, bool], dict[str, Any]],
-) -> Iterator[None]:
+) -> contextlib.AbstractContextManager[Any]:
     """Context in which ``sim.run(...)`` calls ``run``, with the method that it replaces first."""
     usual = Simulation.run
 
@@ -398,15 +381,12 @@ def replacing_run(
     ) -> dict[str, Any]:
         return run(usual, self, duration, reset, adaptive)
 
-    Simulation.run = method
-    try:
-        yield
-    finally:
-        Simulation.run = usual
+    return patch.object(Simulation, "run", method)
 
 
-@contextlib.contextmanager
-def each_sample(sim: Simulation, take: Callable[[float], None]) -> Iterator[None]:
+def each_sample(
+    sim: Simulation, take: Callable[[float], None]
+) -> contextlib.AbstractContextManager[Any]:
     """Context in which ``take(t)`` is called when ``sim`` has sampled.
 
     It samples when a run begins and after every step that is not rejected.
@@ -418,15 +398,10 @@ def each_sample(sim: Simulation, take: Callable[[float], None]) -> Iterator[None
         if self is sim:
             take(t)
 
-    Simulation._sample = sample
-    try:
-        yield
-    finally:
-        Simulation._sample = usual
+    return patch.object(Simulation, "_sample", sample)
 
 
-@contextlib.contextmanager
-def in_listed_order() -> Iterator[None]:
+def in_listed_order() -> contextlib.AbstractContextManager[Any]:
     """Context in which a graph orders the blocks of a level as its diagram lists them.
 
     PathSim orders them by address, which matters to functions that share state.
@@ -447,30 +422,7 @@ def in_listed_order() -> Iterator[None]:
     def process(graph: Graph, blocks: set[Block]) -> None:
         process_loops(graph, [block for block in graph.blocks if block in blocks])
 
-    Graph._assemble, Graph._process_loops = ordered, process
-    try:
-        yield
-    finally:
-        Graph._assemble, Graph._process_loops = assemble, process_loops
-
-
-def run_in_real_time(
-    sim: Simulation, duration: float, adaptive: bool, tick: Callable[[], None]
-) -> dict[str, Any]:
-    """`Simulation.run_realtime` to its end; returns the statistics of the tracker that it hides."""
-    usual, trackers = sim._run_loop, []
-
-    def run_loop(*args: Any, tracker: ProgressTracker, **options: Any) -> Any:
-        trackers.append(tracker)
-        return usual(*args, tracker=tracker, **options)
-
-    sim._run_loop = run_loop
-    try:
-        for _ in sim.run_realtime(duration, False, adaptive, func_callback=tick):
-            pass
-    finally:
-        del sim._run_loop
-    return trackers[0].stats
+    return patch.multiple(Graph, _assemble=ordered, _process_loops=process)
 
 
 def show_edited(sim: Simulation, dt: float) -> None:
@@ -602,11 +554,6 @@ def in_step(sim: Simulation) -> bool:
 def is_running(sim: Simulation) -> bool:
     """Whether the run is still active: `Simulation.stop` has not been called."""
     return sim._active
-
-
-def activate(sim: Simulation) -> None:
-    """Let a simulation that was stopped run again; `Simulation.run` begins with it."""
-    sim._active = True
 
 
 def draw_first(block: Block) -> None:

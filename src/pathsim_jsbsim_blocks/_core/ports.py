@@ -78,18 +78,9 @@ class NamedPorts(Block):
 
     def __setattr__(self, name: str, value: Any) -> None:
         # 20 times as slow as a plain assignment: what every step changes is on the sample clock
-        if (
-            self._built
-            and name[0] != "_"
-            and not hasattr(type(self), name)
-            and not hasattr(self, name)
-        ):
-            refuse_unknown(
-                type(self).__name__,
-                {name: value},
-                self.info()["parameters"],
-                port_names(self.inputs),
-            )
+        if self._built and name[0] != "_" and not hasattr(self, name):
+            known, ports = self.info()["parameters"], port_names(self.inputs)
+            refuse_unknown(type(self).__name__, {name: value}, known, ports)
         super().__setattr__(name, value)
 
     def __repr__(self) -> str:
@@ -104,15 +95,10 @@ class NamedPorts(Block):
     @classmethod
     def info(cls) -> dict[str, Any]:
         """Metadata of the block, as PathSim gives it, with the ports as PathView labels them."""
-        found = super().info()
-        sides = ("input_port_labels", "output_port_labels")
-        return {
-            **found,
-            **{
-                side: found[side] and {label(n): i for n, i in found[side].items()}
-                for side in sides
-            },
-        }
+        found = dict(super().info())
+        for side in ("input_port_labels", "output_port_labels"):
+            found[side] = found[side] and {label(n): i for n, i in found[side].items()}
+        return found
 
     def __getitem__(self, key: Any) -> Any:
         names = [*port_names(self.inputs), *port_names(self.outputs)]
@@ -120,9 +106,8 @@ class NamedPorts(Block):
             if isinstance(port, str) and port not in names:
                 close = nearest_ports(port, names)
                 known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}"
-                raise self._no_port(
-                    f"{type(self).__name__} has no port {port!r}{known}", port, close
-                )
+                message = f"{type(self).__name__} has no port {port!r}{known}"
+                raise self._no_port(message, port, close)
         return super().__getitem__(key)
 
     def _no_port(self, message: str, port: str, close: list[str]) -> BlocksError:
@@ -167,11 +152,7 @@ class NamedFunction(NamedPorts, Function):
         def slopes(u: np.ndarray) -> np.ndarray:
             # PathSim's steps are of a thousandth: too wide for a latitude
             steps = _STEP * np.maximum(np.abs(u), 1.0)
-            return np.column_stack(
-                [
-                    (outputs(u + step) - outputs(u - step)) / (2 * step.max())
-                    for step in np.diag(steps)
-                ]
-            )
+            changes = [outputs(u + step) - outputs(u - step) for step in np.diag(steps)]
+            return np.column_stack(changes) / (2 * steps)
 
         self.op_alg = Operator(outputs, slopes)

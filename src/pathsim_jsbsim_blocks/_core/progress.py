@@ -16,10 +16,7 @@ _SECONDS_BEFORE_BAR = 2.0
 
 
 def progress_bar(duration: float, shown: bool | None = None) -> tqdm:
-    """A bar on stderr for a run of ``duration`` in s.
-
-    ``shown``: at once or never; default is after 2 s, where stderr is a terminal.
-    """
+    """A bar on stderr for a run of ``duration`` in s; default after 2 s, on a terminal."""
     if shown is not None:
         flag("progress", shown)
     return _bar_class()(

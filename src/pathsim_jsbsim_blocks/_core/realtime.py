@@ -10,8 +10,11 @@ from typing import Any
 
 from pathsim import Simulation
 
-from .pathsim_internals import Run, activate, replacing_run, run_in_real_time
-from .progress import progress_bar
+from .pathsim_internals import Run, replacing_run
+from .running import paced, watched_run
+
+# Hz; how often simulated and real time are compared
+_TICKS = 30
 
 
 @dataclass
@@ -41,53 +44,37 @@ class Pace:
         )
 
 
-_paces: list[Pace] = []
-
-
-def is_real_time() -> bool:
-    """Whether runs keep the pace of the clock now."""
-    return bool(_paces)
-
-
 @contextlib.contextmanager
 def in_real_time() -> Iterator[Pace]:
-    """Context in which ``Simulation.run`` and `fly` run by PathSim's ``run_realtime``.
-
-    Yields
-    ------
-    Pace
-        of all runs in the context
-    """
+    """Context in which ``Simulation.run`` and `fly` keep the pace of the clock."""
     pace = Pace()
-    _paces.append(pace)
 
     def run(
         usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
     ) -> dict[str, Any]:
-        # before run_realtime: it takes the time and whether the run is active from before its reset
         if reset:
             sim.reset()
-        activate(sim)
-        began, start = time.perf_counter(), sim.time
+        began, start, last = time.perf_counter(), sim.time, 0
 
-        def tick() -> None:
-            bar.update(sim.time - start - bar.n)
-            pace.ticks += 1
-            behind = time.perf_counter() - began - (sim.time - start)
-            # after the last step the clock goes on
-            if behind > sim.dt and sim.time - start < duration:
-                pace.late += 1
-                pace.worst = max(pace.worst, behind)
+        def wait(passed: float) -> None:
+            nonlocal last
+            time.sleep(max(passed - (time.perf_counter() - began), 0.0))
+            real = time.perf_counter() - began
+            if int(real * _TICKS) > last:
+                last = int(real * _TICKS)
+                pace.ticks += 1
+                if real - passed > sim.dt:
+                    pace.late += 1
+                    pace.worst = max(pace.worst, real - passed)
 
-        with progress_bar(duration) as bar:
-            stats = run_in_real_time(sim, duration, adaptive, tick)
-        real = time.perf_counter() - began
+        stats = watched_run(sim, duration, False, adaptive, wait)
         pace.simulated += sim.time - start
-        pace.real += real
+        pace.real += time.perf_counter() - began
         return stats
 
+    paced.append(pace)
     try:
         with replacing_run(run):
             yield pace
     finally:
-        _paces.remove(pace)
+        paced.remove(pace)

@@ -14,16 +14,18 @@ from unittest.mock import patch
 from pathsim import Simulation, StopSimulation
 
 from . import pathsim_internals
-from .checks import number, positive, refuse
+from .checks import must_be, number, positive, refuse
 from .pathsim_internals import Run
 from .progress import progress_bar
-from .realtime import is_real_time
 
 if TYPE_CHECKING:
     from tqdm import tqdm
 
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
+
+# contexts in which ``Simulation.run`` keeps the pace of the clock, and `fly` is that method
+paced: list[object] = []
 
 
 def fly(
@@ -59,9 +61,9 @@ def fly(
         if the duration or the step is not positive and finite, or ``sim`` is no simulation
     """
     if not isinstance(sim, Simulation):
-        refuse("sim", sim, f"sim must be a Simulation, not {sim!r}")
+        must_be("sim", sim, "a Simulation")
     duration = number("duration", positive("duration", duration))
-    if is_real_time():
+    if paced:
         return sim.run(duration, reset)
     if _begin:
         run = Beginning(sim, "fly", {"duration": duration, "reset": reset})
@@ -79,9 +81,8 @@ def fly(
                 # sim.dt may be another one since
                 dt = made["dt"]
                 loop.close()
-                _fixed_steps(
-                    loop, sim, dt, _whole(duration / dt) - 1, start, duration, tracker, bar
-                )
+                count = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
+                _fixed_steps(loop, sim, dt, count, start, duration, tracker, bar)
     return tracker.stats
 
 
@@ -89,12 +90,7 @@ class Pieces:
     """A run from the initial state, made in pieces; in between, values may be edited.
 
     Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit, without the checks with which
-    a run begins.
-
-    Parameters
-    ----------
-    sim : pathsim.Simulation
-        with a fixed step; it is reset
+    a run begins. The simulation, with a fixed step, is reset.
     """
 
     def __init__(self, sim: Simulation):
@@ -128,36 +124,41 @@ class Pieces:
         return pathsim_internals.is_running(sim)
 
 
-@contextlib.contextmanager
-def with_progress() -> Iterator[None]:
+def watched_run(
+    sim: Simulation,
+    duration: float,
+    reset: bool,
+    adaptive: bool,
+    after: Callable[[float], object] = lambda passed: None,
+) -> dict[str, Any]:
+    """``Simulation.run`` with a progress bar; ``after`` each step gets the simulated time in s."""
+    start = 0.0 if reset else sim.time
+    tracker = pathsim_internals.tracker(sim, duration)
+    with tracker, progress_bar(duration) as bar:
+        for _ in pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker):
+            bar.update(sim.time - start - bar.n)
+            after(sim.time - start)
+    return tracker.stats
+
+
+def with_progress() -> contextlib.AbstractContextManager[Any]:
     """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
 
     def run(
         usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
     ) -> dict[str, Any]:
-        if sim.log:  # PathSim itself shows the progress
-            return usual(sim, duration, reset, adaptive)
-        start = 0.0 if reset else sim.time
-        tracker = pathsim_internals.tracker(sim, duration)
-        with tracker, progress_bar(duration) as bar:
-            for _ in pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker):
-                bar.update(sim.time - start - bar.n)
-        return tracker.stats
+        # where it logs, PathSim itself shows the progress
+        return (usual if sim.log else watched_run)(sim, duration, reset, adaptive)
 
-    with pathsim_internals.replacing_run(run):
-        yield
+    return pathsim_internals.replacing_run(run)
 
 
 @contextlib.contextmanager
 def intercepted_runs(begin: Callable[[Beginning], None], *methods: str) -> Iterator[None]:
     """Context in which ``begin`` is called before each run: by `fly`, ``Simulation.run``, others.
 
-    Parameters
-    ----------
-    begin : callable
-        may change the arguments of the run, or raise
-    methods : str
-        further methods of ``Simulation``; calls of one by another do not count
+    It may change the arguments of the run, or raise. ``methods`` are further ones of
+    ``Simulation``; calls of one by another do not count.
     """
     running: list[Simulation] = []
 
@@ -206,17 +207,7 @@ _begin: list[Callable[[Beginning], None]] = []
 def with_duration(duration: float | None) -> Iterator[Runs]:
     """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
 
-    With None, runs are counted only.
-
-    Yields
-    ------
-    Runs
-        how many runs have begun
-
-    Raises
-    ------
-    ParameterError
-        when a second run begins: it is not clear which of them has the duration
+    A second run is refused. With None, runs are counted only.
     """
     if duration is not None:
         duration = number("duration", positive("duration", duration))
@@ -226,12 +217,8 @@ def with_duration(duration: float | None) -> Iterator[Runs]:
         runs.begun += 1
         if duration is not None:
             if runs.begun > 1:
-                refuse(
-                    "duration",
-                    duration,
-                    f"the script runs more than once: which of its runs is to last "
-                    f"{duration:g} s is not clear",
-                )
+                why = f"which of its runs is to last {duration:g} s is not clear"
+                refuse("duration", duration, f"the script runs more than once: {why}")
             run.arguments["duration"] = duration
 
     with intercepted_runs(begin):
@@ -243,11 +230,6 @@ class Runs:
     """How many runs have begun."""
 
     begun: int = 0
-
-
-def _whole(steps: float) -> int:
-    """Number of steps that reach a duration."""
-    return math.ceil(steps * (1 - _ROUNDING))
 
 
 def _fixed_steps(

@@ -85,14 +85,8 @@ class Instant(NamedTuple):
 class SampleClock(ClockEvent):
     """Event on the sample instants of one block, the count of them, and what was computed there.
 
-    What every step changes is kept here: a block checks each attribute that is set.
-
-    Parameters
-    ----------
-    block : SampledBlock
-        the block that samples
-    first : int
-        index of the first instant at which the block acts
+    What every step changes is kept here: a block checks each attribute that is set. ``first`` is
+    the index of the first instant at which the block acts.
     """
 
     def __init__(self, block: SampledBlock, first: int):
@@ -298,21 +292,13 @@ class SampledBlock(Block):
         """Follow the simulation that begins to run.
 
         A block may go on in another simulation, but not come back to one whose clock has stood
-        still since, unless the block begins anew.
-
-        Raises
-        ------
-        ParameterError
-            if it comes back
+        still since: that is refused, unless the block begins anew.
         """
         engine = sim.engine
         if engine in self._left and not reset and self.awaited > self.clock.first:
-            refuse(
-                "blocks",
-                self,
-                f"{name_of(self)} has gone on in another simulation since this one ran: two "
-                "simulations cannot share it. Build a block for each, or reset this one first",
-            )
+            why = f"{name_of(self)} has gone on in another simulation since this one ran: two "
+            why += "simulations cannot share it. Build a block for each, or reset this one first"
+            refuse("blocks", self, why)
         if engine is not self._engine:
             self.set_solver(sim.Solver, engine)
         if self._runs_in is not None:
@@ -355,14 +341,9 @@ class SampledBlock(Block):
 
     def _latest(self, t: float) -> int:
         """Index of the latest instant up to ``t`` of which there is a result."""
-        clock = self.clock
-        k, results = clock.index, clock.results
-        latest = k - 1 + clock.due(t)
-        return (
-            latest
-            if latest in results
-            else max((i for i in results if k <= i <= latest), default=k - 1)
-        )
+        k = self.clock.index
+        latest = k - 1 + self.clock.due(t)
+        return max((i for i in self.clock.results if k <= i <= latest), default=k - 1)
 
     def _finish(self) -> None:
         """Let the instants that were reached be over."""
@@ -398,25 +379,15 @@ class SampledBlock(Block):
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        clock = self.clock
-        json_data.update(
-            period=clock.period,
-            start=clock.start,
-            index=clock.index,
-            sampled=clock.sampled,
-            step_start=clock.step_start,
-        )
+        kept = ("period", "start", "index", "sampled", "step_start")
+        json_data.update({name: getattr(self.clock, name) for name in kept})
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         clock = self.clock
         if json_data["period"] != clock.period:
-            refuse(
-                "T",
-                clock.period,
-                f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
-                f"this one has T = {clock.period!r}",
-            )
+            why = f"the checkpoint is of a {type(self).__name__} with T = {json_data['period']!r}, "
+            refuse("T", clock.period, f"{why}this one has T = {clock.period!r}")
         super().load_checkpoint(prefix, json_data, npz)
         clock.in_step = False
         clock.start, clock.step_start = json_data["start"], json_data["step_start"]
@@ -605,10 +576,7 @@ class SampledLaw(SampledBlock):
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the continuous equivalent about the present state, without the hold.
 
-        Raises
-        ------
-        LinearizationError
-            if there is none
+        A LinearizationError tells where there is none.
         """
         u = values(self.inputs)
         results = self.clock.results
@@ -633,12 +601,9 @@ class SampledLaw(SampledBlock):
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         if json_data.get("states") != _STATES:
-            refuse(
-                "path",
-                prefix,
-                f"the checkpoint is of another version of this package, whose "
-                f"{type(self).__name__} keeps another state: fly to that time again",
-            )
+            why = "the checkpoint is of another version of this package, whose "
+            why += f"{type(self).__name__} keeps another state: fly to that time again"
+            refuse("path", prefix, why)
         super().load_checkpoint(prefix, json_data, npz)
         self.clock.results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
 

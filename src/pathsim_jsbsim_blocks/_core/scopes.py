@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 
 def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values, one row for each signal.
-
-    Raises
-    ------
-    ParameterError
-        if it is no scope, or nothing was recorded
-    """
+    """Times and values, one row for each signal; refused if nothing was recorded."""
     from pathsim.blocks import Scope  # a trim does without PathSim
 
     if not isinstance(scope, Scope):

@@ -7,6 +7,7 @@ import pickle
 import random
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from pathsim import Simulation
@@ -27,17 +28,7 @@ class Seeding:
 
     Python's and NumPy's global generators, from which blocks of PathSim draw, are seeded with it
     and restored at the end. Blocks that have a seed or a generator of their own get theirs from
-    `seed_blocks`.
-
-    Parameters
-    ----------
-    seed : int
-        0 or more
-
-    Attributes
-    ----------
-    used : bool
-        at the end: whether anything was drawn from what was seeded
+    `seed_blocks`. At the end ``used`` tells whether anything was drawn from what was seeded.
     """
 
     def __init__(self, seed: int):
@@ -59,18 +50,14 @@ class Seeding:
     @contextlib.contextmanager
     def alone(self) -> Iterator[None]:
         """Context in which other code cannot seed the global generators."""
-        usual = random.seed, np.random.seed
-        random.seed = np.random.seed = lambda *_, **__: None  # type: ignore[assignment]
-        try:
+
+        def ignored(*_: Any, **__: Any) -> None: ...
+
+        with patch.object(random, "seed", ignored), patch.object(np.random, "seed", ignored):
             yield
-        finally:
-            random.seed, np.random.seed = usual
 
     def seed_blocks(self, sim: Simulation, given: Collection[Any] = ()) -> None:
-        """Give each block with random numbers a seed of its own, in the diagram's order.
-
-        Those of ``given`` keep theirs.
-        """
+        """Give each block but those of ``given`` a seed of its own, in the diagram's order."""
         self._look()
         self._blocks += seed_blocks(random_blocks(sim), self.seed, given)
         self._before = self._state()

@@ -22,83 +22,45 @@ GRAVITY = 32.174  # ft/s2, rounded as textbooks of flight dynamics have it
 _POUND_FORCE = _POUND * _GRAVITY  # N
 _SLUG = _POUND_FORCE / FOOT  # kg
 
-# by dimension: unit, (factor, offset) with SI = factor * value + offset
-UNITS: dict[str, dict[str, tuple[float, float]]] = {
+# by dimension: unit, and the factor to SI
+UNITS: dict[str, dict[str, float]] = {
     "length": {
-        "m": (1.0, 0.0),
-        "km": (1000.0, 0.0),
-        "ft": (FOOT, 0.0),
-        "in": (FOOT / 12, 0.0),
-        "nmi": (_MILE, 0.0),
-        "mi": (5280 * FOOT, 0.0),
+        "m": 1.0,
+        "km": 1000.0,
+        "ft": FOOT,
+        "in": FOOT / 12,
+        "nmi": _MILE,
+        "mi": 5280 * FOOT,
     },
     "speed": {
-        "m/s": (1.0, 0.0),
-        "km/h": (1 / 3.6, 0.0),
-        "kt": (_MILE / 3600, 0.0),
-        "ft/s": (FOOT, 0.0),
-        "ft/min": (FOOT / 60, 0.0),
-        "mph": (5280 * FOOT / 3600, 0.0),
+        "m/s": 1.0,
+        "km/h": 1 / 3.6,
+        "kt": _MILE / 3600,
+        "ft/s": FOOT,
+        "ft/min": FOOT / 60,
+        "mph": 5280 * FOOT / 3600,
     },
-    "acceleration": {
-        "m/s2": (1.0, 0.0),
-        "ft/s2": (FOOT, 0.0),
-        "g": (_GRAVITY, 0.0),
-    },
-    "angle": {
-        "rad": (1.0, 0.0),
-        "deg": (math.pi / 180, 0.0),
-    },
-    "angular rate": {
-        "rad/s": (1.0, 0.0),
-        "deg/s": (math.pi / 180, 0.0),
-        "rpm": (math.pi / 30, 0.0),
-    },
-    "mass": {
-        "kg": (1.0, 0.0),
-        "lb": (_POUND, 0.0),
-        "slug": (_SLUG, 0.0),
-    },
-    "moment of inertia": {
-        "kg*m2": (1.0, 0.0),
-        "slug*ft2": (_SLUG * FOOT**2, 0.0),
-    },
-    "force": {
-        "N": (1.0, 0.0),
-        "kN": (1000.0, 0.0),
-        "lbf": (_POUND_FORCE, 0.0),
-    },
-    "moment": {
-        "N*m": (1.0, 0.0),
-        "ft*lbf": (_POUND_FORCE * FOOT, 0.0),
-    },
-    "power": {
-        "W": (1.0, 0.0),
-        "kW": (1000.0, 0.0),
-        "hp": (550 * _POUND_FORCE * FOOT, 0.0),
-    },
+    "acceleration": {"m/s2": 1.0, "ft/s2": FOOT, "g": _GRAVITY},
+    "angle": {"rad": 1.0, "deg": math.pi / 180},
+    "angular rate": {"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": math.pi / 30},
+    "mass": {"kg": 1.0, "lb": _POUND, "slug": _SLUG},
+    "moment of inertia": {"kg*m2": 1.0, "slug*ft2": _SLUG * FOOT**2},
+    "force": {"N": 1.0, "kN": 1000.0, "lbf": _POUND_FORCE},
+    "moment": {"N*m": 1.0, "ft*lbf": _POUND_FORCE * FOOT},
+    "power": {"W": 1.0, "kW": 1000.0, "hp": 550 * _POUND_FORCE * FOOT},
     "pressure": {
-        "Pa": (1.0, 0.0),
-        "hPa": (100.0, 0.0),
-        "psf": (_POUND_FORCE / FOOT**2, 0.0),
-        "psi": (_POUND_FORCE / (FOOT / 12) ** 2, 0.0),
+        "Pa": 1.0,
+        "hPa": 100.0,
+        "psf": _POUND_FORCE / FOOT**2,
+        "psi": _POUND_FORCE / (FOOT / 12) ** 2,
     },
-    "density": {
-        "kg/m3": (1.0, 0.0),
-        "slug/ft3": (_SLUG / FOOT**3, 0.0),
-    },
-    "temperature": {
-        "K": (1.0, 0.0),
-        "degC": (1.0, 273.15),
-        "degF": (5 / 9, 459.67 * 5 / 9),
-        "degR": (5 / 9, 0.0),
-    },
-    "time": {
-        "s": (1.0, 0.0),
-        "min": (60.0, 0.0),
-        "h": (3600.0, 0.0),
-    },
+    "density": {"kg/m3": 1.0, "slug/ft3": _SLUG / FOOT**3},
+    "temperature": {"K": 1.0, "degC": 1.0, "degF": 5 / 9, "degR": 5 / 9},
+    "time": {"s": 1.0, "min": 60.0, "h": 3600.0},
 }
+
+# what is added to give K
+_OFFSETS = {"degC": 273.15, "degF": 459.67 * 5 / 9}
 
 _DIMENSION = {unit: dimension for dimension, units in UNITS.items() for unit in units}
 
@@ -122,12 +84,9 @@ def _known(parameter: str, unit: Any) -> str:
     if isinstance(unit, str) and unit in _DIMENSION:
         return _DIMENSION[unit]
     other = _ELSEWHERE.get(str(unit))
-    refuse(
-        parameter,
-        unit,
-        f"{parameter} must be a unit such as 'kt', 'ft' or 'm/s', not {unit!r}"
-        + did_you_mean([other] if other else nearest(str(unit), _DIMENSION)),
-    )
+    close = did_you_mean([other] if other else nearest(str(unit), _DIMENSION))
+    why = f"{parameter} must be a unit such as 'kt', 'ft' or 'm/s', not {unit!r}{close}"
+    refuse(parameter, unit, why)
 
 
 def conversion(source: str, target: str) -> tuple[float, float]:
@@ -139,12 +98,9 @@ def conversion(source: str, target: str) -> tuple[float, float]:
         for an unknown unit, naming the nearest, and for units of different quantities
     """
     dimension, other = _known("source", source), _known("target", target)
+    units = UNITS[dimension]
     if dimension != other:
-        refuse(
-            "target",
-            target,
-            f"{source!r} is a unit of {dimension}, {target!r} one of {other}; units of {dimension} "
-            f"are {', '.join(UNITS[dimension])}",
-        )
-    (a, b), (c, d) = UNITS[dimension][source], UNITS[dimension][target]
-    return a / c, (b - d) / c
+        why = f"{source!r} is a unit of {dimension}, {target!r} one of {other}; units of "
+        refuse("target", target, f"{why}{dimension} are {', '.join(units)}")
+    offset = _OFFSETS.get(source, 0.0) - _OFFSETS.get(target, 0.0)
+    return units[source] / units[target], offset / units[target]

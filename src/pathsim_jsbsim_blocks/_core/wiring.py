@@ -51,9 +51,10 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                 for block in (source, target):
                     if id(block) not in known:
                         known.add(id(block))
+                        wire = f"{_port(source, i, source.outputs)} to "
+                        wire += _port(target, j, target.inputs)
                         yield (
-                            f"{name_of(block)} is wired ({_port(source, i, source.outputs)} to "
-                            f"{_port(target, j, target.inputs)}), but it is not among the blocks "
+                            f"{name_of(block)} is wired ({wire}), but it is not among the blocks "
                             "of the simulation: it does nothing"
                         )
                 other, k = ends.setdefault((id(target), j), (source, i))
@@ -98,11 +99,8 @@ def _check_ends(_: Connection, *ends: Any, **named: Any) -> None:
     """Refuse a wire to or from what is no block."""
     for end in (*ends, *named.values()):
         if not isinstance(end, (Block, PortReference)):
-            refuse(
-                "connections",
-                end,
-                f"{_called(end)} is no Block: a connection joins ports of blocks",
-            )
+            why = f"{_called(end)} is no Block: a connection joins ports of blocks"
+            refuse("connections", end, why)
 
 
 def _check_wire(connection: Connection) -> None:
@@ -110,13 +108,9 @@ def _check_wire(connection: Connection) -> None:
     for target in connection.targets:
         if len(target) != len(connection.source):
             start, end = connection.source, target
-            refuse(
-                "targets",
-                connection,
-                f"{_called(start)} has {len(start)} port{'s' * (len(start) > 1)} and "
-                f"{_called(end)} has {len(end)}: each target of a connection needs as many ports "
-                "as its source",
-            )
+            why = f"{_called(start)} has {len(start)} port{'s' * (len(start) > 1)} and "
+            why += f"{_called(end)} has {len(end)}: each target of a connection needs as many "
+            refuse("targets", connection, f"{why}ports as its source")
 
 
 def _check_part(part: Any, kind: type) -> None:

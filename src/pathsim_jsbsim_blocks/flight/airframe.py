@@ -178,7 +178,7 @@ class Airframe(PropertyTree):
             if self._cg is not None or self._systems:
                 stage = self._file.staged(self._cg, self._systems)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
-            self._load()
+            self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
         # in this order: a model brings its planet, and a planet resets the integrators
         if self._planet is not None:
             self._do("put aircraft {!r} on this planet", self._load_planet)
@@ -213,18 +213,14 @@ class Airframe(PropertyTree):
         else:
             fdm.disable_output()
 
-    def _load(self) -> None:
-        self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
-
     def _load_planet(self) -> bool:
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
 
     def _do(self, what: str, action: Callable[[], bool]) -> None:
         """Raise AircraftError where an action of JSBSim fails, with what it says."""
         if failure := _failure_of(action):
-            raise AircraftError(
-                f"JSBSim cannot {what.format(self.aircraft)}: {failure}", aircraft=self.aircraft
-            )
+            message = f"JSBSim cannot {what.format(self.aircraft)}: {failure}"
+            raise AircraftError(message, aircraft=self.aircraft)
 
     def _create(self) -> None:
         for name, value in self._given.items():
@@ -247,15 +243,12 @@ class Airframe(PropertyTree):
         failure = _failure_of(self.fdm.run_ic)
         if failure:
             said = re.search(r"property (\S+) does not exist", failure)
-            missing, advice = said[1] if said else "", ""
+            missing = said[1] if said else ""
+            message = f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}"
             if missing:
-                advice = ". It expects this property from its environment; create it with "
-                advice += f"create={{{missing!r}: 0.0}}"
-            raise AircraftError(
-                f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}{advice}",
-                aircraft=self.aircraft,
-                missing=missing,
-            )
+                message += ". It expects this property from its environment; create it with "
+                message += f"create={{{missing!r}: 0.0}}"
+            raise AircraftError(message, aircraft=self.aircraft, missing=missing)
 
     def raise_ground(self, elevation: float) -> None:
         """Put the ground at an elevation in ft above mean sea level."""
@@ -285,37 +278,29 @@ class Airframe(PropertyTree):
 
     def starved(self) -> list[int]:
         """Engines that have stopped while all the tanks that feed them are empty."""
-        stopped = [
-            i
-            for i, name in enumerate(self.of_engines("set-running"))
-            if i not in self.stopped and not self.reader(name)()
-        ]
+        running = enumerate(self.of_engines("set-running"))
+        stopped = [i for i, name in running if i not in self.stopped and not self.reader(name)()]
         if not stopped:
             return []
         if self._feeds is None:
             self._feeds = self._file.feeds()
         feeds = dict(enumerate(self._feeds))
-        return [
-            i for i in stopped if feeds.get(i) and all(self._is_empty(tank) for tank in feeds[i])
-        ]
+        return [i for i in stopped if feeds.get(i) and all(map(self._is_empty, feeds[i]))]
 
     def _is_empty(self, tank: int) -> bool:
-        contents, unusable, density = (
-            self.fdm[f"propulsion/tank[{tank}]/{quantity}"]
-            for quantity in ("contents-lbs", "unusable-volume-gal", "density-lbs_per_gal")
-        )
-        return contents <= unusable * density
+        fdm, path = self.fdm, f"propulsion/tank[{tank}]/"
+        unusable = fdm[f"{path}unusable-volume-gal"] * fdm[f"{path}density-lbs_per_gal"]
+        return fdm[f"{path}contents-lbs"] <= unusable
 
     def start_engines(self) -> None:
         """Start the engines, but stop those in `stopped`."""
         if self.engines and not self.stopped:
             self.fdm["propulsion/set-running"] = -1
-        else:
-            for i in range(self.engines):
-                if i in self.stopped:
-                    self._stop_engine(i)
-                else:
-                    self.fdm["propulsion/set-running"] = i
+        for i in range(self.engines if self.stopped else 0):
+            if i in self.stopped:
+                self._stop_engine(i)
+            else:
+                self.fdm["propulsion/set-running"] = i
         # JSBSim starts them with the mixture full rich
         for name, value in self._written.items():
             if _MIXTURE.match(name):
@@ -370,12 +355,8 @@ class Airframe(PropertyTree):
             # JSBSim limits the contents to the capacity without a message
             full = self.fdm[name]
             if full < values[name] - 1e-6:
-                refuse(
-                    what,
-                    values[name],
-                    f"{what}[{name!r}] is {values[name]!r}, but this tank of "
-                    f"{self.aircraft!r} holds {full:.6g} lb",
-                )
+                why = f"{what}[{name!r}] is {values[name]!r}, but this tank of {self.aircraft!r} "
+                refuse(what, values[name], f"{why}holds {full:.6g} lb")
         for name, value in values.items():
             if value == 0.0 and (engine := ENGINE_RUNS.match(name)):
                 self._stop_engine(int(engine[1] or 0))

@@ -142,11 +142,9 @@ class FlightBlock(NamedPorts, SampledPlant):
         self.input_properties = listed("input_properties", self.input_properties)
         self.output_properties = listed("output_properties", self.output_properties)
         if self.input_properties or self.input_port_labels is None:
-            names = [*(self.input_port_labels or ()), *self.input_properties]
-            self.inputs = NamedRegister.of(names)
+            self.inputs = NamedRegister.of(self.input_port_labels or (), self.input_properties)
         if self.output_properties or self.output_port_labels is None:
-            names = [*(self.output_port_labels or ()), *self.output_properties]
-            self.outputs = NamedRegister.of(names)
+            self.outputs = NamedRegister.of(self.output_port_labels or (), self.output_properties)
 
     def configure(self) -> None:
         """Put the parameters into effect: load, initialise and trim the aircraft."""
@@ -174,13 +172,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         raise NotImplementedError
 
     def _condition(self) -> TrimCondition:
-        """The condition that the block's parameters ask for.
-
-        Raises
-        ------
-        ParameterError
-            for a condition next to flat trim keywords that are not at their defaults
-        """
+        """The condition that the block's parameters ask for, flat or as a condition, not both."""
         parameters = inspect.signature(self._class()).parameters
         names = {name: self._trim_names.get(name, name) for name in parameters}
         given = {name: field for name, field in names.items() if field in _OF_CONDITION}
@@ -190,11 +182,8 @@ class FlightBlock(NamedPorts, SampledPlant):
         for name in given:
             value = getattr(self, name)
             if np.any(value != parameters[name].default):  # an array is refused here too
-                refuse(
-                    name,
-                    value,
-                    f"both condition and {name}={value!r} are given: put {name} into the condition",
-                )
+                why = f"both condition and {name}={value!r} are given: put {name} into the "
+                refuse(name, value, f"{why}condition")
         return self.condition
 
     def _class(self) -> type[FlightBlock]:
@@ -360,12 +349,8 @@ class FlightBlock(NamedPorts, SampledPlant):
     def take_off(self) -> None:
         """Start the flight with an aircraft that is fresh, or as a fresh one is, and show it."""
         self._substeps = whole("substeps", self.substeps, low=1)
-        dt = number(
-            "T / substeps",
-            positive("T", self.T) / self._substeps,
-            low=SHORTEST_PERIOD,
-            high=_LONGEST_STEP,
-        )
+        dt = positive("T", self.T) / self._substeps
+        number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
         own = self.allow_network, self.allow_files, self.flightgear, self.systems
@@ -381,11 +366,11 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._step, self._time_zero = dt, fdm.get_sim_time()
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
-        contact = GroundContact(
-            self.airframe,
-            number("sink_max", self.sink_max, low=0.0, infinite=True),
-            number("scrape_max", self.scrape_max, low=0.0, infinite=True),
+        limits = (
+            number(name, getattr(self, name), low=0.0, infinite=True)
+            for name in ("sink_max", "scrape_max")
         )
+        contact = GroundContact(self.airframe, *limits)
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
         self._flown = array("d")
@@ -471,13 +456,12 @@ class FlightBlock(NamedPorts, SampledPlant):
         if not hasattr(self, "trim"):
             return f"{type(self).__name__}(not built)"
         condition = self.trim.condition
+        speed = (
+            f"{condition.speed:g} KCAS" if condition.mach is None else f"Mach {condition.mach:g}"
+        )
         place = f"{condition.altitude:g} ft"
-        if condition.mode == "ground":
-            place = f"on the ground at {place}"
-        elif condition.mach is not None:
-            place += f", Mach {condition.mach:g}"
-        else:
-            place += f", {condition.speed:g} KCAS"
+        on_ground = condition.mode == "ground"
+        place = f"on the ground at {place}" if on_ground else f"{place}, {speed}"
         return f"{type(self).__name__}({self.airframe.aircraft!r}, {place})"
 
     def __getitem__(self, key: Any) -> PortReference:
@@ -495,13 +479,10 @@ class FlightBlock(NamedPorts, SampledPlant):
     def __reduce_ex__(self, protocol: Any) -> Any:
         # copy.copy and copy.deepcopy ask here too
         name, aircraft = type(self).__name__, self.airframe.aircraft
-        raise CopyError(
-            f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
-            f"process. Build another {name} with the same parameters; to go on from here, save the "
-            "diagram with save_checkpoint and load it there",
-            block=name,
-            aircraft=aircraft,
-        )
+        why = f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
+        why += f"process. Build another {name} with the same parameters; to go on from here, save "
+        why += "the diagram with save_checkpoint and load it there"
+        raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
         """Fly the same flight again: with a fresh aircraft, or this one started as that is."""
@@ -511,12 +492,8 @@ class FlightBlock(NamedPorts, SampledPlant):
     def latch(self) -> list[float]:
         u = values(self.inputs)
         if len(u) > self._n_inputs:
-            refuse(
-                "inputs",
-                len(u),
-                f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
-                f"{self._n_inputs} inputs",
-            )
+            why = f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
+            refuse("inputs", len(u), f"{why}{self._n_inputs} inputs")
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not isfinite(value):
@@ -615,34 +592,22 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
+        later = [(name, getattr(self, name), usual) for name, usual in _LATER]
         return (
             f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
             f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
             f"create={self.create}, root={self.root}, "
             f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}"
-            + "".join(
-                f", {name}={getattr(self, name)!r}"
-                for name, usual in _LATER
-                if getattr(self, name) != usual
-            )
+            + "".join(f", {name}={value!r}" for name, value, usual in later if value != usual)
         )
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
-        """Save the flight as the inputs flown: JSBSim's state itself cannot be saved.
-
-        Raises
-        ------
-        ParameterError
-            if the aircraft has flown and ``record_inputs`` is or was off
-        """
+        """Save the flight as the inputs flown: JSBSim's state itself cannot be saved."""
         flown = max(self.clock.results)
         if len(self._flown) != flown * self._n_inputs:
-            refuse(
-                "record_inputs",
-                self.record_inputs,
-                f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its inputs "
-                "were recorded. Build the block with record_inputs=True",
-            )
+            why = f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its "
+            why += "inputs were recorded. Build the block with record_inputs=True"
+            refuse("record_inputs", self.record_inputs, why)
         json_data, npz_data = super().to_checkpoint(prefix, recordings)
         latched, u = self.clock.latched
         json_data.update(flight=self._flying, samples=flown, latched=latched)
@@ -651,23 +616,14 @@ class FlightBlock(NamedPorts, SampledPlant):
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        """Fly a saved flight again on a fresh aircraft, with the inputs recorded.
-
-        Raises
-        ------
-        ParameterError
-            if the checkpoint is of another flight, or flying it again ends elsewhere
-        """
+        """Fly a saved flight again on a fresh aircraft, with the inputs recorded."""
         flight = json_data.get("flight")
         if flight != self._flight_key():
             there, here = str(flight).split(", "), self._flight_key().split(", ")
-            refuse(
-                "checkpoint",
-                flight,
-                "the checkpoint is of another flight: it has "
-                f"{', '.join(x for x in there if x not in here) or flight}; this block has "
-                f"{', '.join(x for x in here if x not in there) or self._flight_key()}",
-            )
+            theirs = ", ".join(x for x in there if x not in here) or flight
+            ours = ", ".join(x for x in here if x not in there) or self._flight_key()
+            why = f"the checkpoint is of another flight: it has {theirs}; this block has {ours}"
+            refuse("checkpoint", flight, why)
         super().load_checkpoint(prefix, json_data, npz)
         start = time.perf_counter()
         saved = self.outputs.to_array()
@@ -682,11 +638,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         self._flown = array("d", npz[f"{prefix}/flown"].tolist())
         self.clock.latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
         if not any(np.array_equal(y, saved) for y in results.values()):
-            refuse(
-                "checkpoint",
-                flight,
-                "the recorded inputs lead to another state than the one saved: is it the same "
-                "version of jsbsim?",
-            )
+            why = "the recorded inputs lead to another state than the one saved: is it the same "
+            refuse("checkpoint", flight, f"{why}version of jsbsim?")
         show(self.outputs, saved)
         log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)

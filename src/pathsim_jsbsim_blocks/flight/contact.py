@@ -17,32 +17,18 @@ _SINK = "velocities/h-dot-fps"
 
 
 class GroundContact:
-    """Watches an aircraft near the ground; what touches at the start may go on touching.
+    """Watches a trimmed aircraft near the ground; what touches at the start may go on touching.
 
-    Parameters
-    ----------
-    airframe : Airframe
-        trimmed
-    sink_max : float
-        largest sink rate at contact, ft/s
-    scrape_max : float
-        largest depth to which a part that is no wheel may press into the ground, ft
-
-    Attributes
-    ----------
-    reach : float
-        height of the centre of gravity above the ground, ft, from which on nothing can touch;
-        -inf without wheels or without limits
+    ``sink_max`` is the largest sink rate at contact, ft/s; ``scrape_max`` the largest depth to
+    which a part that is no wheel may press into the ground, ft; ``reach`` the height of the centre
+    of gravity above the ground, ft, from which on nothing can touch, -inf if unwatched.
     """
 
     def __init__(self, airframe: Airframe, sink_max: float, scrape_max: float):
         read = airframe.fdm.get_property_value
-        units = [
-            unit
-            for i in range(int(read("gear/num-units")))
-            for unit in (f"gear/unit[{i}]", f"contact/unit[{i}]")
-            if airframe.has(f"{unit}/WOW")
-        ]
+        count = range(int(read("gear/num-units")))
+        units = [f"{kind}/unit[{i}]" for i in count for kind in ("gear", "contact")]
+        units = [unit for unit in units if airframe.has(f"{unit}/WOW")]
         wheels = [unit for unit in units if _is_wheel(airframe, unit)]
         others = [unit for unit in units if unit not in wheels]
         self.reach = -math.inf
@@ -92,10 +78,5 @@ def _is_wheel(airframe: Airframe, unit: str) -> bool:
 
 def _distance(airframe: Airframe, unit: str) -> float:
     """Distance of a contact point from the centre of gravity, ft."""
-    return (
-        math.dist(
-            [airframe.fdm[f"{unit}/{axis}-position"] for axis in "xyz"],
-            [airframe.fdm[f"inertia/cg-{axis}-in"] for axis in "xyz"],
-        )
-        / 12.0
-    )
+    point = [airframe.fdm[f"{unit}/{axis}-position"] for axis in "xyz"]
+    return math.dist(point, [airframe.fdm[f"inertia/cg-{axis}-in"] for axis in "xyz"]) / 12.0

@@ -98,9 +98,8 @@ def _first(
         try:
             # a failed search affects the next one, so each has its own airframe
             fresh = Airframe(aircraft, root=root, create=create)
-            return LevelFlight(
-                aircraft, condition, create, trim(fresh, condition, hint=False, fly=fly)
-            )
+            found = trim(fresh, condition, hint=False, fly=fly)
+            return LevelFlight(aircraft, condition, create, found)
         except TrimError as error:
             first = first or error
     assert first is not None
@@ -113,50 +112,34 @@ def _first(
 def prepared(
     aircraft: str, root: str | None = None
 ) -> tuple[Airframe, dict[str, float], TrimCondition]:
-    """An airframe, the properties created for it, and a condition: gear up, fuel frozen."""
-    airframe, create = _initialised(aircraft, root)
-    gear = 0.0 if has_retractable_gear(aircraft, root) else None
-    frozen = {name: 1.0 for name in ("propulsion/fuel_freeze",) if airframe.has(name)}
-    return airframe, create, TrimCondition(gear=gear, setup=frozen)
-
-
-def _initialised(aircraft: str, root: str | None) -> tuple[Airframe, dict[str, float]]:
-    """An initialised airframe, and the properties that had to be created for it."""
+    """An initialised airframe, properties created for it, and a condition: gear up, fuel frozen."""
     create: dict[str, float] = {}
     while True:
         airframe = Airframe(aircraft, root=root, create=create)
         try:
             airframe.run_ic()
+            break
         except AircraftError as error:
             if not error.missing or error.missing in create:
                 raise
             create[error.missing] = 0.0
-        else:
-            return airframe, create
+    gear = 0.0 if has_retractable_gear(aircraft, root) else None
+    frozen = {"propulsion/fuel_freeze": 1.0} if airframe.has("propulsion/fuel_freeze") else {}
+    return airframe, create, TrimCondition(gear=gear, setup=frozen)
 
 
 @dataclass(frozen=True)
 class FleetRow:
-    """Result of trimming and flying one aircraft model.
-
-    Attributes
-    ----------
-    aircraft : str
-        the model's name
-    engines : int or None
-        number of engines; None if the model does not load
-    flight : LevelFlight or None
-        where it trims; None if it does not
-    error : BlocksError or None
-        why it does not load, trim or fly
-    starved : tuple of int
-        engines that stop for want of fuel within 60 s of flight, fuel not frozen
-    """
+    """Result of trimming and flying one aircraft model."""
 
     aircraft: str
+    # None if the model does not load
     engines: int | None
+    # None if it does not trim
     flight: LevelFlight | None
+    # why it does not load, trim or fly
     error: BlocksError | None
+    # engines that stop for want of fuel within 60 s of flight, fuel not frozen
     starved: tuple[int, ...] = ()
 
     @property
@@ -188,32 +171,20 @@ class FleetRow:
 def fleet_table(
     names: Iterable[str] | None = None, duration: float = 30.0, tries: int = len(TRIES)
 ) -> Iterator[FleetRow]:
-    """Trim every aircraft and fly it with controls fixed; one row at a time.
+    """Trim every aircraft and fly it with controls fixed for a time in s; one row at a time.
 
     Level flight by JSBSim's search, then by the Newton search, then a glide with closed throttle.
-
-    Parameters
-    ----------
-    names : iterable of str, optional
-        aircraft models; default is all that are shipped with jsbsim
-    duration : float
-        time to fly in s
-    tries : int
-        as for `level_flight`
+    ``names`` are by default those shipped with jsbsim; ``tries`` is as for `level_flight`.
     """
     for name in aircraft_names() if names is None else names:
-        yield _row(name, duration, tries)
-
-
-def _row(name: str, duration: float, tries: int) -> FleetRow:
-    engines: int | None = None
-    flight: LevelFlight | None = None
-    try:
-        engines = Airframe(name).engines
-        flight = _level_or_glide(name, tries, duration)
-        return FleetRow(name, engines, flight, None, _starved(flight))
-    except BlocksError as error:
-        return FleetRow(name, engines, flight, error)
+        engines: int | None = None
+        flight: LevelFlight | None = None
+        try:
+            engines = Airframe(name).engines
+            flight = _level_or_glide(name, tries, duration)
+            yield FleetRow(name, engines, flight, None, _starved(flight))
+        except BlocksError as error:
+            yield FleetRow(name, engines, flight, error)
 
 
 def _level_or_glide(aircraft: str, tries: int, fly: float) -> LevelFlight:
@@ -247,17 +218,12 @@ HEADER = """\
 
 def format_row(row: FleetRow) -> str:
     """One line of the Markdown table under `HEADER`."""
-    if row.flight is None:
-        numbers = [""] * 6
-    else:
+    numbers = [""] * 6
+    if row.flight is not None:
         condition, found = row.flight.condition, row.flight.trim
-        numbers = [
-            f"{condition.altitude:.0f}",
-            f"{condition.speed:.0f}",
-            "up" if condition.gear == 0.0 else "as is",
-            f"{found.alpha:.2f}",
-            f"{found.throttle[0]:.3f}" if found.throttle else "",
-            f"{row.drift:+.1f}",
-        ]
+        gear = "up" if condition.gear == 0.0 else "as is"
+        throttle = f"{found.throttle[0]:.3f}" if found.throttle else ""
+        numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}", gear]
+        numbers += [f"{found.alpha:.2f}", throttle, f"{row.drift:+.1f}"]
     engines = "" if row.engines is None else str(row.engines)
     return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict])} |"

@@ -9,7 +9,7 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
-from .._core.checks import refuse
+from .._core.checks import must_be, refuse
 
 HOST, PORT = "127.0.0.1", 5550
 
@@ -20,30 +20,17 @@ _addresses: list[Iterator[str | None]] = []
 
 
 def address(parameter: str, value: Any) -> tuple[str, int]:
-    """Host and port of ``HOST:PORT``, ``HOST`` or ``:PORT``.
-
-    Raises
-    ------
-    ParameterError
-        for anything else, and for ports that do not exist
-    """
+    """Host and port of ``HOST:PORT``, ``HOST`` or ``:PORT``."""
     found = re.fullmatch(r"([\w.-]*)(?::(\d{1,5}))?", value) if isinstance(value, str) else None
     port = int(found[2] or PORT) if found else 0
     if not found or not 0 < port < 65536:
-        refuse(
-            parameter,
-            value,
-            f"{parameter} must be HOST:PORT such as '{HOST}:{PORT}', not {value!r}",
-        )
+        must_be(parameter, value, f"HOST:PORT such as '{HOST}:{PORT}'")
     host = found[1] or HOST
     try:
         socket.getaddrinfo(host, port, socket.AF_INET)
     except OSError as error:
-        refuse(
-            parameter,
-            value,
-            f"{parameter} names the host {host!r}, which is not found: {error.strerror}",
-        )
+        why = f"{parameter} names the host {host!r}, which is not found: {error.strerror}"
+        refuse(parameter, value, why)
     return host, port
 
 

@@ -22,10 +22,9 @@ class Outcome(enum.Enum):
 
 
 def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
-    """Whether an action ends within a CPU time in s, without ending the process.
+    """What a forked child, which exits, shows of an action limited to a CPU time in s.
 
-    A forked child runs it first and exits, which adds a few ms to a short action. On a platform
-    without fork (Windows) the result is always `Outcome.ENDS`.
+    It adds a few ms. On a platform without fork (Windows) the result is always `Outcome.ENDS`.
     """
     if not hasattr(os, "fork"):
         return Outcome.ENDS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .._core.checks import one_of, refuse
+from .._core.checks import must_be, one_of
 
 # JSBSim's numbers for simulation/integrator/... (FGPropagate::eIntegrateType)
 _METHODS = {
@@ -51,22 +51,12 @@ PRESETS: Mapping[str, Mapping[str, str]] = {
 
 
 def integrator_properties(integrators: Any) -> dict[str, int]:
-    """JSBSim's properties for a preset or methods by state, with their values.
-
-    Raises
-    ------
-    ParameterError
-        for an unknown preset, state or method; the message names the nearest
-    """
+    """JSBSim's properties for a preset or methods by state, with their values."""
     if isinstance(integrators, str):
         integrators = PRESETS[one_of("integrators", integrators, PRESETS)]
     elif not isinstance(integrators, Mapping):
-        refuse(
-            "integrators",
-            integrators,
-            f"integrators must be one of {', '.join(map(repr, PRESETS))} or a dict of states and "
-            f"methods, not {integrators!r}",
-        )
+        known = ", ".join(map(repr, PRESETS))
+        must_be("integrators", integrators, f"one of {known} or a dict of states and methods")
     properties = {}
     for state, method in integrators.items():
         methods = _STATES[one_of("integrators key", state, _STATES)]

@@ -160,8 +160,6 @@ class LinearAircraft(LinearModelBlock, Parametric):
 def _with_ports(model: LinearModel, names: Iterable[str]) -> LinearModel:
     """The model with inputs of all these names: those it lacks, such as a throttle, do nothing."""
     lacking = [name for name in names if name not in model.inputs]
-    if not lacking:
-        return model
 
     def beyond(array: np.ndarray, value: float = 0.0) -> np.ndarray:
         wide = [(0, 0)] * (array.ndim - 1) + [(0, len(lacking))]

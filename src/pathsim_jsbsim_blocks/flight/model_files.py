@@ -15,7 +15,7 @@ from typing import Any
 
 import jsbsim
 
-from .._core.checks import as_path, did_you_mean, nearest, refuse
+from .._core.checks import as_path, did_you_mean, must_be, nearest, refuse
 from ..errors import AircraftError, FileError
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
@@ -87,13 +87,7 @@ def _any_wheel_retracts(aircraft: str, root: str | None, version: tuple[int, int
 
 
 class ModelFile:
-    """The file of one aircraft model below a JSBSim root.
-
-    Raises
-    ------
-    AircraftError
-        if there is no such model, naming the nearest; from the methods, if the file is malformed
-    """
+    """The file of one aircraft model below a JSBSim root; AircraftError if there is none."""
 
     def __init__(self, aircraft: str, root: str | None):
         if not isinstance(aircraft, str):
@@ -166,12 +160,7 @@ class ModelFile:
     def staged(self, x: float | None, systems: Sequence[ET.Element]) -> Iterator[str]:
         """Context with an aircraft path to a copy of the model.
 
-        Parameters
-        ----------
-        x : float, optional
-            where its empty-weight CG is, inches
-        systems : sequence of Element
-            further ``<system>`` elements
+        It has its empty-weight CG at ``x`` in inches, if given, and further ``<system>`` elements.
         """
         with tempfile.TemporaryDirectory(
             prefix="jsbsim-aircraft-", ignore_cleanup_errors=True
@@ -182,34 +171,23 @@ class ModelFile:
                 model = self.parsed()
                 model.extend(systems)
                 if x is not None:
-                    self._move_cg(model, x)
+                    location, factor = self.cg(model)
+                    node = location.find("x")
+                    if node is None:
+                        name = repr(self.aircraft)
+                        raise self.error(f"the empty-weight CG of aircraft {name} has no x")
+                    node.text = repr(x / factor)
                 copy.chmod(0o644)
                 ET.ElementTree(model).write(copy, encoding="utf-8", xml_declaration=True)
             except (OSError, shutil.Error) as error:
                 raise FileError("copy", self.path.parent, error) from None
             yield stage
 
-    def _move_cg(self, model: ET.Element, x: float) -> None:
-        location, factor = self.cg(model)
-        node = location.find("x")
-        if node is None:
-            raise self.error(f"the empty-weight CG of aircraft {self.aircraft!r} has no x")
-        node.text = repr(x / factor)
-
 
 def read_systems(parameter: str, files: Any) -> list[ET.Element]:
-    """The ``<system>`` elements of JSBSim XML files.
-
-    Raises
-    ------
-    ParameterError
-        for what is no list of paths, a file whose root is not a ``<system>`` or that includes
-        another, and two systems of one name
-    FileError
-        for a file that cannot be read
-    """
+    """The ``<system>`` elements of JSBSim XML files, each with a name of its own."""
     if not isinstance(files, (list, tuple)):
-        refuse(parameter, files, f"{parameter} must be a list of XML files, not {files!r}")
+        must_be(parameter, files, "a list of XML files")
     found: list[ET.Element] = []
     for file in files:
         path = as_path(parameter, file)
@@ -222,11 +200,8 @@ def read_systems(parameter: str, files: Any) -> list[ET.Element]:
         if root.tag != "system":
             refuse(parameter, str(path), f"{path} has a <{root.tag}>, not a <system> of JSBSim")
         if (other := root.get("file")) is not None:
-            refuse(
-                parameter,
-                str(path),
-                f"{path} includes {other!r}; name the file that has the system itself",
-            )
+            why = f"{path} includes {other!r}; name the file that has the system itself"
+            refuse(parameter, str(path), why)
         name = root.get("name")
         if name is not None and any(name == x.get("name") for x in found):
             refuse(parameter, str(path), f"{path} has a second system with the name {name!r}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .._core.checks import number, one_of, positive, refuse
+from .._core.checks import must_be, number, one_of, positive, refuse
 
 # names and units of JSBSim's <planet>; NIMA TR8350.2, third edition, in ft. These are the planet
 # that JSBSim has for models without one
@@ -38,24 +38,14 @@ GRAVITY: Mapping[str, int] = {"point mass": 0, "J2": 1}
 
 
 def planet_xml(planet: Any) -> str:
-    """A planet, a name of `PLANETS` or what differs from WGS-84, as JSBSim reads it.
-
-    Raises
-    ------
-    ParameterError
-        for an unknown name, or a value that is not possible
-    """
+    """A planet, a name of `PLANETS` or what differs from WGS-84, as JSBSim reads it."""
     if isinstance(planet, str):
         given: Mapping[Any, Any] = PLANETS[one_of("planet", planet, PLANETS)]
     elif isinstance(planet, Mapping):
         given = planet
     else:
-        refuse(
-            "planet",
-            planet,
-            f"planet must be one of {', '.join(map(repr, PLANETS))} or a dict of what differs "
-            f"from WGS-84, not {planet!r}",
-        )
+        known = ", ".join(map(repr, PLANETS))
+        must_be("planet", planet, f"one of {known} or a dict of what differs from WGS-84")
     values = dict(_WGS84)
     for name, value in given.items():
         one_of("planet key", name, _WGS84)
@@ -63,12 +53,9 @@ def planet_xml(planet: Any) -> str:
             f"planet[{name!r}]", value
         )
     if values["semiminor_axis"] > values["semimajor_axis"]:
-        refuse(
-            "planet",
-            planet,
-            "the semiminor axis of a planet must not exceed its semimajor axis, "
-            f"{values['semimajor_axis']:.10g} ft, not {values['semiminor_axis']:.10g} ft",
-        )
+        why = "the semiminor axis of a planet must not exceed its semimajor axis, "
+        why += f"{values['semimajor_axis']:.10g} ft, not {values['semiminor_axis']:.10g} ft"
+        refuse("planet", planet, why)
     elements = (
         f"<{name}" + (f' unit="{_UNITS[name]}"' if _UNITS[name] else "") + f">{value!r}</{name}>"
         for name, value in values.items()

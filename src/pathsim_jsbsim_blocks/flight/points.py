@@ -43,18 +43,14 @@ def aircraft_points(airframe: Airframe) -> dict[str, list[Point]]:
     for kind, template in _PROPERTIES.items():
         axes = "XYZ" if "inches" in template else "xyz"
         before, _, after = template.format(axes[0]).partition("*")
-        indices = (
-            sorted(
-                n[len(before) : len(n) - len(after)]
-                for n in airframe.property_names(before)
-                if n.startswith(before) and n.endswith(after)
+        indices = [""]
+        if "*" in template:
+            names = [n for n in airframe.property_names(before) if n.startswith(before)]
+            indices = sorted(
+                n[len(before) : -len(after) or None] for n in names if n.endswith(after)
             )
-            if "*" in template
-            else [""]
-        )
         for index in indices:
-            x, y, z = (
-                airframe.reader(template.format(axis).replace("*", index))() for axis in axes
-            )
+            axis_names = (template.format(axis).replace("*", index) for axis in axes)
+            x, y, z = (airframe.reader(name)() for name in axis_names)
             points.setdefault(kind, []).append((x, y, z))
     return points

@@ -34,18 +34,10 @@ def check_ports(
     short: Mapping[str, tuple[str, ...]] = {},
     taken: Mapping[str, str] = {},
 ) -> None:
-    """Refuse what cannot be the ports of a block.
+    """Refuse what cannot be the ports of a block: also a property twice, and a changed list.
 
-    ``ports`` are the names that the block has after its fixed ones: a list that has changed since
-    is refused. ``short`` are names that stand for properties, ``taken`` the ports that write
-    properties already, by the property.
-
-    Raises
-    ------
-    PropertyError
-        for a property that is unknown or cannot be used so
-    ParameterError
-        for a property at two ports, of which one would have no effect, and for changed ports
+    ``ports`` are the names that the block has after its fixed ones, ``short`` names that stand for
+    properties, ``taken`` the ports that write properties already, by the property.
     """
     names = listed(parameter, names)
     seen: dict[str, str] = {}
@@ -54,26 +46,15 @@ def check_ports(
             if parameter == "input_properties" and (why := why_no_input(property_)):
                 raise airframe.property_error(name, f"{name!r} cannot be an input: {why}")
             if property_ in taken:
-                refuse(
-                    parameter,
-                    names,
-                    f"{parameter} lists {name!r}, which port {taken[property_]!r} writes already",
-                )
-            if property_ in seen:
-                other = seen[property_]
-                refuse(
-                    parameter,
-                    names,
-                    f"{parameter} lists {name!r} twice"
-                    + (f", first as {other!r}" if other != name else ""),
-                )
+                why = f"{parameter} lists {name!r}, which port {taken[property_]!r} writes already"
+                refuse(parameter, names, why)
+            if other := seen.get(property_):
+                first = f", first as {other!r}" if other != name else ""
+                refuse(parameter, names, f"{parameter} lists {name!r} twice{first}")
             seen[property_] = name
     if names != list(ports):
-        refuse(
-            parameter,
-            names,
-            f"{parameter} cannot change, they are the block's ports: build another block",
-        )
+        why = f"{parameter} cannot change, they are the block's ports: build another block"
+        refuse(parameter, names, why)
 
 
 def _properties(name: str, short: Mapping[str, tuple[str, ...]], airframe: Airframe) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import jsbsim
 
-from .._core.checks import did_you_mean, nearest, refuse
+from .._core.checks import did_you_mean, must_be, nearest
 from ..errors import PropertyError
 from .writable import Check, value_check, why_not
 
@@ -82,15 +82,13 @@ class PropertyTree:
         Index 0 is omitted: ``propulsion/tank/contents-lbs`` is that of tank 0.
         """
         if not isinstance(text, str):
-            refuse("text", text, f"text must be text, not {text!r}")
+            must_be("text", text, "text")
         return [n for n in self._catalogue() if text.lower() in n.lower()]
 
     def _catalogue(self) -> list[str]:
         if self._names is None:
-            self._names = sorted(
-                {line.partition(" (")[0] for line in self.fdm.get_property_catalog()} - {""}
-                | self._created
-            )
+            known = {line.partition(" (")[0] for line in self.fdm.get_property_catalog()}
+            self._names = sorted(known - {""} | self._created)
         return self._names
 
     def reader(self, name: str) -> Callable[[], float]:

@@ -8,27 +8,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from .._core.aircraft_ports import ALMOST_NORTH, DEG
+from .._core.aircraft_ports import ALMOST_NORTH, DEG, OUTPUTS
 from ..tracks.track import POSITION, Track
 from . import block
 from .block import FlightBlock
 
 # label: property and factor; one that a model lacks is left out
 _SIGNALS = {
-    **dict(
-        zip(
-            POSITION.values(),
-            [
-                ("position/lat-geod-deg", 1.0),
-                ("position/long-gc-deg", 1.0),
-                ("position/h-sl-ft", 1.0),
-                ("attitude/theta-deg", 1.0),
-                ("attitude/phi-deg", 1.0),
-                ("attitude/psi-deg", 1.0),
-            ],
-            strict=True,
-        )
-    ),
+    **{label: (str(OUTPUTS[port][0]), 1.0) for port, label in POSITION.items()},
     "height above ground [ft]": ("position/h-agl-ft", 1.0),
     "rate of climb [ft/s]": ("velocities/h-dot-fps", 1.0),
     "calibrated airspeed [kt]": ("velocities/vc-kts", 1.0),
@@ -124,13 +111,7 @@ class Recording:
 
 @contextlib.contextmanager
 def recorded_flights() -> Iterator[list[Recording]]:
-    """Context in which all aircraft blocks that are built record their flights.
-
-    Yields
-    ------
-    list[Recording]
-        one for each block, in the order in which they are built
-    """
+    """Context in which aircraft blocks that are built record their flights, in this order."""
     recordings: list[Recording] = []
 
     def record(flown: FlightBlock) -> None:
@@ -148,9 +129,6 @@ def tracks(recordings: list[Recording]) -> list[Track]:
     """Tracks of all aircraft that have flown; those of one model are numbered."""
     flown = [r for r in recordings if r.flown]
     models = [r.block.airframe.aircraft for r in flown]
-    return [
-        recording.track(
-            f"{model} {models[: i + 1].count(model)}" if models.count(model) > 1 else model
-        )
-        for i, (recording, model) in enumerate(zip(flown, models, strict=True))
-    ]
+    numbered = [f"{model} {models[: i + 1].count(model)}" for i, model in enumerate(models)]
+    names = [n if models.count(m) > 1 else m for m, n in zip(models, numbered, strict=True)]
+    return [recording.track(name) for recording, name in zip(flown, names, strict=True)]

@@ -70,22 +70,12 @@ _PASSES, _SPINS = 6, 2
 
 
 class Rewind:
-    """What an airframe was after loading, and when its first flight started.
-
-    Parameters
-    ----------
-    airframe : Airframe
-        loaded, neither initialised nor trimmed
-
-    Attributes
-    ----------
-    trimmed : TrimState or None
-        the state that `restore` puts back, where it does
-    """
+    """What an airframe was after loading, not yet initialised, and at the start of its flight."""
 
     def __init__(self, airframe: Airframe):
         self._airframe, self._version = airframe, airframe.version()
         self._overridden = list(filter(airframe.has, _OVERRIDES))
+        # the state that `restore` puts back, where it does
         self.trimmed: TrimState | None = None
         nodes = airframe.nodes()
         read = [n for n in nodes if nodes[n].get_attribute(jsbsim.Attribute.READ)]

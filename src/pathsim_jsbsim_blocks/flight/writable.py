@@ -87,12 +87,10 @@ def value_check(name: str, aircraft: str, engines: int) -> Check | None:
 
     def check_engine(label: str, value: float) -> None:
         if value not in range(-1, engines):
+            known = f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none"
+            why = f"{label} cannot be {value:g}: aircraft {aircraft!r} has {known}; engines_off of "
             raise PropertyError(
-                f"{label} cannot be {value:g}: aircraft {aircraft!r} has "
-                + (f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none")
-                + "; engines_off of the trim condition stops engines",
-                aircraft=aircraft,
-                name=name,
+                f"{why}the trim condition stops engines", aircraft=aircraft, name=name
             )
 
     return check_engine if name == _RUN_ENGINES else None

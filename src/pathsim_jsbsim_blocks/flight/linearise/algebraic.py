@@ -62,11 +62,8 @@ def algebraic_model(
     places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
     for c in shown:
         if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):
-            refuse(
-                "outputs",
-                c.name,
-                f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'",
-            )
+            why = f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'"
+            refuse("outputs", c.name, why)
     x0 += [airframe.fdm[c.properties[0]] for c in places]
 
     rates = [rate for _, _, rate, _ in _STATES]
@@ -141,13 +138,9 @@ class _Differences:
         self._factors = np.array([channel.factor for _, channel in shown])
         # a heading of 0 is next to 360
         self._circles = np.array([full_circle(channel) or np.inf for _, channel in shown])
-        self._states = [
-            (airframe.writer(initial), airframe.fdm[present], step)
-            for initial, present, _, step in _STATES
-        ]
-        self._inputs = [
-            [(airframe.writer(name), airframe.fdm[name]) for name in c.properties] for c in moved
-        ]
+        write, now = airframe.writer, airframe.fdm
+        self._states = [(write(ic), now[present], step) for ic, present, _, step in _STATES]
+        self._inputs = [[(write(name), now[name]) for name in c.properties] for c in moved]
         self._still = np.zeros(len(shown))
         self._still = self._at()
 

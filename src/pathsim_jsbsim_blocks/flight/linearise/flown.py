@@ -132,9 +132,8 @@ class _Responses:
         for name, height, rms in zip(self._names, flights.heights, size, strict=True):
             if np.all(rms < nothing):
                 why = f"it does not respond to {name!r} within +-{height:g}; leave that out of the "
-                raise no_model(
-                    self._plane, "no response", why + "inputs, or choose a larger amplitude", name
-                )
+                why += "inputs, or choose a larger amplitude"
+                raise no_model(self._plane, "no response", why, name)
         # even over odd parts, shape (signals, inputs)
         even = _rms(self._even[:, : flights.pulsed])
         self._kinked = (even / np.maximum(size, nothing)).T
@@ -356,12 +355,9 @@ def _is_for(port: Channel, signal: Channel) -> bool:
 
 
 def _reason(airframe: Airframe, port: Channel) -> str:
-    """Why the response to a turbine's throttle is not linear; "" where the reason is not known.
-
-    With a piston engine it may be the thrust (pa28) or the aircraft's motion (Camel).
-    """
-    spools = any(airframe.has(f"propulsion/engine[{i}]/n2") for i in range(airframe.engines))
-    if _is_throttle(port) and spools:
+    """Why the response to a turbine's throttle is not linear; "" where the reason is not known."""
+    # with a piston engine it may be the thrust (pa28) or the aircraft's motion (Camel)
+    if _is_throttle(port) and airframe.of_engines("n2"):
         return " (a turbine's spools accelerate at constant rates)"
     return ""
 
@@ -373,12 +369,9 @@ def _heights(
     names = [port.name for port in ports]
     for name in given:
         if name not in names:
-            refuse(
-                "amplitude",
-                name,
-                f"amplitude: there is no input {name!r}" + did_you_mean(nearest(str(name), names)),
-            )
-    piston = any(airframe.has(f"propulsion/engine[{i}]/map-inhg") for i in range(airframe.engines))
+            close = did_you_mean(nearest(str(name), names))
+            refuse("amplitude", name, f"amplitude: there is no input {name!r}{close}")
+    piston = airframe.of_engines("map-inhg")
     heights = []
     for port in ports:
         if port.name in given:
@@ -388,12 +381,9 @@ def _heights(
         elif port.unit in _AMPLITUDES:
             heights.append(_AMPLITUDES[port.unit])
         else:
-            refuse(
-                "amplitude",
-                port.name,
-                f"how far to move {port.name!r} cannot be told from its name: give "
-                f"amplitude={{{port.name!r}: ...}}, in its unit and small",
-            )
+            why = f"how far to move {port.name!r} cannot be told from its name: give "
+            why += f"amplitude={{{port.name!r}: ...}}, in its unit and small"
+            refuse("amplitude", port.name, why)
     return heights
 
 
@@ -430,9 +420,8 @@ def _named(
             C[row] = channel.factor * found.C[i] / x_units
             D[row] = channel.factor * found.D[i]
             fit[row], kink[row] = error[i], kinks[i]
-    x0 = [
-        as_shown(s, start[i]) if i >= 0 else 0.0 for s, i in zip(states, found.signals, strict=True)
-    ]
+    starts = zip(states, found.signals, strict=True)
+    x0 = [as_shown(state, start[i]) if i >= 0 else 0.0 for state, i in starts]
     A, B = x_units[:, None] * found.A / x_units, x_units[:, None] * found.B
     return subject.model(
         "flown",

@@ -26,15 +26,12 @@ class Flyable(Protocol):
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         """Inputs and outputs as properties."""
-        ...
 
     def trimmed_inputs(self) -> list[float]:
         """Values at the trim of the inputs in `channels`, the block's first."""
-        ...
 
     def advance(self, index: int, u: list[float]) -> list[float]:
         """Fly one period to instant ``index``; returns the outputs there."""
-        ...
 
 
 def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> LinearisationError:
@@ -46,21 +43,13 @@ def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> Linearisa
 
 
 class Linearised:
-    """An aircraft block at its trim, with the inputs to move and the outputs to show.
-
-    Raises
-    ------
-    ParameterError
-        for an unknown input or output, naming the nearest
-    LinearisationError
-        for an input asked for by name that the aircraft lacks: the throttle of a glider
-    """
+    """An aircraft block at its trim, with the inputs to move and the outputs to show."""
 
     def __init__(self, plane: Flyable, inputs: Sequence[str] | None, outputs: Sequence[str] | None):
         ports, channels = plane.channels()
         wanted = find("inputs", [c.name for c in ports], inputs)
         for port in (ports[i] for i in wanted if inputs is not None):
-            if not port.properties:
+            if not port.properties:  # the throttle of a glider
                 raise no_model(plane, "no response", f"it has no {port.name}", port.name)
         self.plane = plane
         # numbers of the inputs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
-from ..._core.checks import flag, number, refuse
+from ..._core.checks import flag, must_be, number
 from ...errors import TrimError
 from ..airframe import Airframe
 from .condition import TrimCondition, check_condition
@@ -80,11 +80,7 @@ def trim(
         name in place of an `Airframe`
     """
     if not isinstance(airframe, Airframe):
-        refuse(
-            "airframe",
-            airframe,
-            f"airframe must be an Airframe, as in trim(Airframe('c172p'), ...), not {airframe!r}",
-        )
+        must_be("airframe", airframe, "an Airframe, as in trim(Airframe('c172p'), ...)")
     check_condition(condition)
     flag("hint", hint)
     flag("warm", warm)

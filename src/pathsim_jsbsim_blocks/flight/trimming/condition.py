@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..._core.checks import known_keywords, mapping, number, one_of, refuse, whole
+from ..._core.checks import known_keywords, mapping, must_be, number, one_of, refuse, whole
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
@@ -183,19 +183,17 @@ class TrimCondition:
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             bounds = _BOUNDS.get(f.name)
-            if bounds is None or value is f.default is None:
+            unused = value is f.default is None or (f.name == "speed" and self.mach is not None)
+            if bounds is None or unused:
                 continue
             if f.name == "altitude" and self.mode == "none":
                 bounds = {**bounds, "high": _HIGHEST}
-            if f.name == "speed" and self.mach is not None:
-                continue
             if f.name == "speed" and self.mode not in ("ground", "none"):
                 bounds = {**bounds, "above": 0.0}
             self._put(f.name, number(f.name, value, **bounds))
         low, high = self.alpha_min, self.alpha_max
         if low is not None and high is not None and low >= high:
-            why = f"alpha_min must be below alpha_max, not {low:g} and {high:g} deg"
-            refuse("alpha_min", low, why)
+            self._refuse("alpha_min", f"must be below alpha_max={high!r} deg")
         self._put("payload", _weights("payload", self.payload))
         self._put("fuel", _weights("fuel", self.fuel))
         self._put("setup", FixedMapping(mapping("setup", self.setup)))
@@ -215,11 +213,9 @@ class TrimCondition:
     def _check_mode(self) -> None:
         """Check what goes with some modes only."""
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
-            why = f"a bank of {self.bank:g} deg needs mode='turn', not {self.mode!r}"
-            refuse("bank", self.bank, why)
+            self._refuse("bank", f"needs mode='turn', not {self.mode!r}")
         if self.load_factor != 1.0 and self.mode != "pull-up":
-            why = f"a load factor of {self.load_factor:g} g needs mode='pull-up', not {self.mode!r}"
-            refuse("load_factor", self.load_factor, why)
+            self._refuse("load_factor", f"needs mode='pull-up', not {self.mode!r}")
         if self.beta != 0.0 and self.mode not in ("full", "longitudinal", "glide"):
             self._refuse("beta", f"needs mode 'full', 'longitudinal' or 'glide', not {self.mode!r}")
 
@@ -278,13 +274,12 @@ class TrimCondition:
 def check_condition(condition: Any) -> None:
     """Refuse what is no `TrimCondition`."""
     if not isinstance(condition, TrimCondition):
-        refuse("condition", condition, f"condition must be a TrimCondition, not {condition!r}")
+        must_be("condition", condition, "a TrimCondition")
 
 
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
     if isinstance(value, str) or not np.iterable(value):
-        why = f"{parameter} must be 'all' or a list of engines from 0, not {value!r}"
-        refuse(parameter, value, why)
+        must_be(parameter, value, "'all' or a list of engines from 0")
     return tuple(sorted({whole(parameter, i, low=0) for i in value}))
 
 
@@ -295,8 +290,7 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
     if isinstance(value, (list, tuple)):
         value = dict(enumerate(value))
     if not isinstance(value, Mapping):
-        why = f"{parameter} must be a list or a dict of weights in lb, not {value!r}"
-        refuse(parameter, value, why)
+        must_be(parameter, value, "a list or a dict of weights in lb")
     return FixedMapping(
         {
             whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)

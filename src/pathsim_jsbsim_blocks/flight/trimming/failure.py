@@ -53,10 +53,10 @@ def failure(
     why = why or limits.get(reason, f"the {reason} ran to the end of its range")
     if limit is not None:
         why += f", {limit + 0.0:.4g}"
+    left = ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
     return TrimError(
-        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} "
-        + ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
-        + " (ft/s2, rad/s2)",
+        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} {left} "
+        "(ft/s2, rad/s2)",
         aircraft=airframe.aircraft,
         condition=condition,
         reason=reason,

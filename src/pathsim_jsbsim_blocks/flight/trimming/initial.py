@@ -38,23 +38,13 @@ _OVERWRITTEN = {
 def properties(
     airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
 ) -> dict[str, float]:
-    """The properties of a condition, those of ``setup`` after them.
-
-    Raises
-    ------
-    ParameterError
-        for properties that would have no effect, because the trim overwrites them
-    """
+    """The properties of a condition, then those of ``setup``; refuses what the trim overwrites."""
     last = mapping("setup", setup)
     for name in {**condition.setup, **last}:
         for pattern, parameter in _OVERWRITTEN.items():
             if condition.mode != "none" and re.fullmatch(pattern, airframe.canonical(name)):
-                refuse(
-                    "setup",
-                    name,
-                    f"setup[{name!r}] would be overwritten by the trim: set {parameter} of the "
-                    'condition, or start without a trim (mode="none")',
-                )
+                why = f"setup[{name!r}] would be overwritten by the trim: set {parameter} of the "
+                refuse("setup", name, f'{why}condition, or start without a trim (mode="none")')
     first = {**_loading(condition), **condition.setup}
     return {**{n: v for n, v in first.items() if n not in last}, **last}
 
@@ -85,12 +75,9 @@ def engines_off(
     engines = set(range(airframe.engines))
     stopped = engines if condition.engines_off == "all" else set(condition.engines_off)
     if not stopped <= engines:
-        refuse(
-            "engines_off",
-            condition.engines_off,
-            f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
-            + (f"the engines 0 to {len(engines) - 1}" if engines else "no engine"),
-        )
+        why = f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
+        why += f"the engines 0 to {len(engines) - 1}" if engines else "no engine"
+        refuse("engines_off", condition.engines_off, why)
     for name, value in written.items():
         engine = ENGINE_RUNS.match(name)
         if engine and value == 0.0:
@@ -172,13 +159,7 @@ def here(
     setup: Mapping[str, float] | None,
     changes: Mapping[str, Any],
 ) -> TrimCondition:
-    """The present flight of an airframe that began at a condition, as a condition with changes.
-
-    Raises
-    ------
-    ParameterError
-        for a change that no condition has
-    """
+    """The present flight of an airframe that began at a condition, as a condition with changes."""
     known = [field.name for field in dataclasses.fields(TrimCondition)]
     for name in changes:
         one_of("change", name, known)

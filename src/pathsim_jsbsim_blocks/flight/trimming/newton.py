@@ -144,20 +144,11 @@ class Search:
 
     One evaluation writes a state and controls, and reads the accelerations of JSBSim without a step
     in time. Propellers turn at the speed at which they settle: JSBSim holds the aircraft and blows
-    its airspeed at it.
+    its airspeed at it. The search leaves the airframe in the state found.
 
-    Parameters
-    ----------
-    airframe : Airframe
-        initialised at the condition; the search leaves it in the state found
-    condition : TrimCondition
-        not of mode "ground" or "none"
-    effort : Effort
-        what the searches of one trim have taken
-    in_time : bool
-        whether each reading ends with a step of no length: only in steps of time have turboprops
-        power, and only there do actuators move at their own rates (those of the f16's rudder start
-        anew in each step). It takes longer
+    With ``in_time`` each reading ends with a step of no length, which takes longer: only in steps
+    of time have turboprops power, and only there do actuators move at their own rates (those of the
+    f16's rudder start anew in each step). ``effort`` is what the searches of one trim have taken.
     """
 
     def __init__(
@@ -195,15 +186,10 @@ class Search:
             "throttle": condition.throttle or 0.0,
             **dict.fromkeys(("pitch_trim", "aileron", "rudder"), 0.0),
             "elevator": fdm["fcs/elevator-cmd-norm"],
-            **{
-                name: math.radians(angle)
-                for name, angle in (
-                    ("beta", condition.beta),
-                    ("gamma", condition.gamma),
-                    ("phi", condition.bank),
-                    ("psi", condition.heading),
-                )
-            },
+            "beta": math.radians(condition.beta),
+            "gamma": math.radians(condition.gamma),
+            "phi": math.radians(condition.bank),
+            "psi": math.radians(condition.heading),
         }
         speeds, pitches, governors = map(
             airframe.of_engines, ("propeller-rpm", "blade-angle", "constant-speed-mode")
@@ -252,10 +238,7 @@ class Search:
         return {name: ranges[name] for name in names}
 
     def find(self, seed: Seed | None = None) -> Found:
-        """Search from a seed, and without success from one first guess after the other.
-
-        With a seed the result is the same, to the precision of the search.
-        """
+        """Search from a seed, and without success from one first guess after the other."""
         time = self._fdm.get_sim_time()
         x, slopes = self._from(seed) if seed and seed.near else (None, None)
         if x is None:
@@ -269,15 +252,10 @@ class Search:
         self._forget()
         self._fdm.set_sim_time(time)
         free = dict(zip(self._ranges, x.tolist(), strict=True))
-        return Found(
-            converged=converged,
-            free=free,
-            binding="" if converged else self._binding(x, r),
-            residuals=residuals,
-            seed=Seed(free, slopes, has_memory, self.in_time)
-            if converged and slopes is not None
-            else None,
-        )
+        if not converged:
+            return Found(False, free, self._binding(x, r), residuals, None)
+        seed = None if slopes is None else Seed(free, slopes, has_memory, self.in_time)
+        return Found(True, free, "", residuals, seed)
 
     def hold(self, found: Found) -> None:
         """Put the aircraft into the state that a search has found, engines and systems settled."""
@@ -356,25 +334,17 @@ class Search:
             for name, quantity in self._ranges.items()
         }
 
-    def _at_limit(self, x: np.ndarray) -> list[bool]:
-        return [
-            not low < value < high
-            for value, low, high in zip(x.tolist(), *self._limits.tolist(), strict=True)
-        ]
+    def _at_limit(self, x: np.ndarray) -> np.ndarray:
+        return (x <= self._limits[0]) | (x >= self._limits[1])
 
     def _binding(self, x: np.ndarray, r: np.ndarray) -> str:
         """The quantity at the end of its range that holds the search back; empty if none is."""
         more = {"alpha": r[self._used.index("wdot")] > 0.0}
         if self._condition.thrust is None:
             more["throttle"] = r[0] < 0.0
-        names = [
-            name
-            for name, at, end in zip(
-                self._ranges, self._at_limit(x), x >= self._limits[1], strict=True
-            )
-            # a search that has got stuck where the other end would help
-            if at and more.get(name, end) == end
-        ]
+        ends = zip(self._ranges, self._at_limit(x), x >= self._limits[1], strict=True)
+        # not where a search has got stuck and the other end would help
+        names = [name for name, at, end in ends if at and more.get(name, end) == end]
         return min(names, key=_CAUSES.index, default="")
 
     def _size(self, r: np.ndarray) -> float:
@@ -399,7 +369,7 @@ class Search:
                     break
             full = self._step(x, r, slopes)
             left = r + slopes @ full
-            most = _MAX_LEFT_AT_LIMIT if any(self._at_limit(x + full)) else _MAX_LEFT
+            most = _MAX_LEFT_AT_LIMIT if self._at_limit(x + full).any() else _MAX_LEFT
             if self._norm(left) > most * norm:
                 if fresh:
                     break
@@ -532,9 +502,8 @@ class Search:
         fdm = self._fdm
         tolerance = min(max(1e-10 * size, 1e-10), 1e-8)
         for axis in ("north", "east", "down"):
-            fdm[f"atmosphere/wind-{axis}-fps"] = (
-                fdm[f"atmosphere/total-wind-{axis}-fps"] - fdm[f"velocities/v-{axis}-fps"]
-            )
+            still = fdm[f"atmosphere/total-wind-{axis}-fps"]
+            fdm[f"atmosphere/wind-{axis}-fps"] = still - fdm[f"velocities/v-{axis}-fps"]
         fdm["forces/hold-down"] = 1.0
         fdm.set_trim_status(True)
         try:
@@ -549,10 +518,8 @@ class Search:
                     fdm.run()
                 self._effort.steps += _ROW
                 now = [read() for read in self._propellers]
-                if all(
-                    abs(a - b) <= tolerance * max(abs(a), 1.0)
-                    for a, b in zip(now, before, strict=True)
-                ):
+                pairs = zip(now, before, strict=True)
+                if all(abs(a - b) <= tolerance * max(abs(a), 1.0) for a, b in pairs):
                     break
                 if self._leaps and pitch == [read() for read in self._pitches]:
                     self._spin_at_fixed_pitch()
@@ -591,10 +558,8 @@ def _bounded(
     limits = list(zip(low.tolist(), high.tolist(), strict=True))
     for _ in range(4 * len(x)):
         fixed = np.where(held, x, 0.0)
-        y = _solution(
-            np.where(held[:, None] | held, unit, square),
-            np.where(held, fixed, aim - square @ fixed),
-        )
+        aims = np.where(held, fixed, aim - square @ fixed)
+        y = _solution(np.where(held[:, None] | held, unit, square), aims)
         # as far as the first limit
         ways = [
             1.0 if least <= to <= most else ((least if to < least else most) - at) / (to - at)
@@ -642,10 +607,7 @@ def _to_body(phi: float, theta: float, psi: float) -> np.ndarray:
     cf, sf = math.cos(phi), math.sin(phi)
     ct, st = math.cos(theta), math.sin(theta)
     cp, sp = math.cos(psi), math.sin(psi)
-    return np.array(
-        [
-            [ct * cp, ct * sp, -st],
-            [sf * st * cp - cf * sp, sf * st * sp + cf * cp, sf * ct],
-            [cf * st * cp + sf * sp, cf * st * sp - sf * cp, cf * ct],
-        ]
-    )
+    x = ct * cp, ct * sp, -st
+    y = sf * st * cp - cf * sp, sf * st * sp + cf * cp, sf * ct
+    z = cf * st * cp + sf * sp, cf * st * sp - sf * cp, cf * ct
+    return np.array([x, y, z])

@@ -17,18 +17,10 @@ if TYPE_CHECKING:
 
 
 class Drift(NamedTuple):
-    """How far an aircraft is from its trim after a flight with controls fixed.
+    """How far an aircraft is from its trim after a flight of ``duration`` s with controls fixed.
 
-    Attributes
-    ----------
-    duration : float
-        s of flight
-    height : float
-        ft above the trimmed path
-    speed : float
-        kt calibrated above the trimmed speed
-    bank : float
-        deg to the right of the trimmed bank
+    ``height`` is in ft above the trimmed path, ``speed`` in kt calibrated above the trimmed one,
+    ``bank`` in deg to the right of the trimmed one.
     """
 
     duration: float
@@ -265,10 +257,6 @@ def read_state(
 
 def not_finite(found: TrimState) -> list[str]:
     """Names of the fields of a state that are not finite."""
-    fields = vars(found)
-    return [
-        name
-        for name in _NUMBERS
-        for value in [fields[name]]
-        if not all(map(math.isfinite, value if isinstance(value, tuple) else (value,)))
-    ]
+    fields = [(name, getattr(found, name)) for name in _NUMBERS]
+    rows = [(name, x if isinstance(x, tuple) else (x,)) for name, x in fields]
+    return [name for name, values in rows if not all(map(math.isfinite, values))]

@@ -37,19 +37,12 @@ _ROUNDING = 1e-12
 
 
 class Trimmer:
-    """Trims an airframe, and keeps what its next trim depends on.
-
-    Attributes
-    ----------
-    spent : bool
-        whether a search has left the executive unusable as a starting point
-    effort : Effort
-        of the last trim's Newton searches
-    """
+    """Trims an airframe, and keeps what its next trim depends on."""
 
     def __init__(self, airframe: Airframe):
         # the table of trimmers must keep no airframe alive
         self.airframe: Airframe = weakref.proxy(airframe)
+        # of the last trim's Newton searches
         self.effort = Effort()
         self.forget()
 
@@ -62,7 +55,7 @@ class Trimmer:
 
     def forget(self) -> None:
         """The executive is as after loading."""
-        # whether a search has run on the executive
+        # whether a search has run on the executive, and has left it unusable as a start
         self._used = self.spent = False
         # where the last Newton search found its trim
         self._seed: Seed | None = None
@@ -90,11 +83,9 @@ class Trimmer:
         airframe.lower_ground()
         written = properties(airframe, condition, setup)
         # without a search nothing needs the condition's own speed and attitude
-        initial = (
-            {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
-            if condition.mode == "none"
-            else {}
-        )
+        initial = {}
+        if condition.mode == "none":
+            initial = {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
         airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
         airframe.stopped = engines_off(airframe, condition, written)
         # spent is cleared on success: a search that ends early leaves the executive unusable
@@ -171,11 +162,7 @@ class Trimmer:
         return reached
 
     def search(
-        self,
-        condition: TrimCondition,
-        seed: Seed | None,
-        warm: bool,
-        in_time: bool = False,
+        self, condition: TrimCondition, seed: Seed | None, warm: bool, in_time: bool = False
     ) -> tuple[TrimState, Seed | None]:
         """The trim that the Newton search finds, and the seed of the next one."""
         turboprops = bool(self.airframe.of_engines("itt-c"))
