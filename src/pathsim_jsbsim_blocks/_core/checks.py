@@ -202,7 +202,6 @@ def flag(parameter: str, value: Any) -> bool:
 
 
 def as_path(parameter: str, value: Any) -> Path:
-    """``value`` as a path."""
     try:
         path = Path(value)
         if "\0" in str(path):  # no system has such a file
@@ -241,7 +240,6 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
 
 
 def property_list(parameter: str, names: Any) -> list[str]:
-    """``names`` as a list of texts."""
     if isinstance(names, str) or not isinstance(names, Sequence):
         must_be(parameter, names, "a list of property names")
     for i, name in enumerate(names):

@@ -99,13 +99,9 @@ class Parametric(NamedPorts):
 
     def configure(self) -> None:
         """Check the parameters and put them into effect."""
-        self.checked = SimpleNamespace(  # type: ignore[misc]
-            **{
-                name: field.check(name, self.__dict__[name])
-                for name, field in self._fields.items()
-                if field.check
-            }
-        )
+        checks = {name: field.check for name, field in self._fields.items() if field.check}
+        values = {name: check(name, self.__dict__[name]) for name, check in checks.items()}
+        self.checked = SimpleNamespace(**values)  # type: ignore[misc]
         self.build()
         self.configured = True
 
@@ -115,22 +111,12 @@ class Parametric(NamedPorts):
 
 
 def _constructor(cls: type[Parametric]) -> Callable[..., None]:
-    kind, types = inspect.Parameter, inspect.get_annotations(cls)
-    signature = inspect.Signature(
-        [
-            kind("self", kind.POSITIONAL_OR_KEYWORD),
-            *(
-                kind(
-                    name,
-                    kind.POSITIONAL_OR_KEYWORD,
-                    default=field.default,
-                    annotation=types.get(name, kind.empty),
-                )
-                for name, field in cls._fields.items()
-            ),
-        ],
-        return_annotation=None,
-    )
+    types = inspect.get_annotations(cls)
+    made = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+    for name, field in cls._fields.items():
+        annotation = types.get(name, inspect.Parameter.empty)
+        made.append(made[0].replace(name=name, default=field.default, annotation=annotation))
+    signature = inspect.Signature(made, return_annotation=None)
 
     def __init__(self: Parametric, *arguments: Any, **keywords: Any) -> None:
         given = signature.bind(self, *arguments, **keywords)

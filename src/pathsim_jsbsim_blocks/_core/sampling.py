@@ -127,12 +127,10 @@ class SampleClock(ClockEvent):
 
     @property
     def next(self) -> Instant:
-        """The instant that the block waits for."""
         return Instant(*self.instant)
 
     @property
     def index(self) -> int:
-        """Index of the instant that the block waits for."""
         return self.instant[0]
 
     def begin_at(self, t: float, index: int) -> None:
@@ -141,7 +139,6 @@ class SampleClock(ClockEvent):
         self.go_to(index)
 
     def go_to(self, index: int) -> None:
-        """Wait for sample ``index``."""
         time = self.start + index * self.period
         slack = self._slack(time)
         latest = self.start + max(index - 1, 0) * self.period
@@ -319,7 +316,6 @@ class SampledBlock(Block):
             clock.sampled = k if t <= due_until and k in clock.results else self._latest(t)
 
     def start_step(self, t: float) -> None:
-        """Start a step of any kind at ``t``."""
         clock = self.clock
         k, _, due_from, _, _, _ = clock.instant
         if t < due_from:

@@ -15,11 +15,7 @@ if TYPE_CHECKING:
     from .linear import linear_model
 else:
     # loaded at first use: without PathSim a worker that trims starts in a fifth of the time
-    _WITH_PATHSIM = {
-        "Aircraft": "aircraft",
-        "JSBSimFDM": "fdm",
-        "linear_model": "linear",
-    }
+    _WITH_PATHSIM = {"Aircraft": "aircraft", "JSBSimFDM": "fdm", "linear_model": "linear"}
 
     def __getattr__(name: str) -> Any:
         if name in _WITH_PATHSIM:

@@ -134,7 +134,6 @@ class FlightBlock(NamedPorts, SampledPlant):
     _warned_of_reset = False
 
     def begin(self) -> None:
-        """Make the block itself, once its parameters are stored."""
         NamedPorts.__init__(self, self.T)
         self.record_inputs = flag("record_inputs", self.record_inputs)
         if self.flightgear is None:
@@ -147,7 +146,6 @@ class FlightBlock(NamedPorts, SampledPlant):
             self.outputs = NamedRegister.of(self.output_port_labels or (), self.output_properties)
 
     def configure(self) -> None:
-        """Put the parameters into effect: load, initialise and trim the aircraft."""
         self.take_off()
 
     def _put(self, values: dict[str, Any]) -> None:
@@ -536,7 +534,6 @@ class FlightBlock(NamedPorts, SampledPlant):
         return y
 
     def _time(self, index: int) -> float:
-        """Time of an instant in s."""
         return self.clock.start + index * self.clock.period
 
     def _check_fuel(self, index: int) -> None:

@@ -150,7 +150,6 @@ class FleetRow:
 
     @property
     def verdict(self) -> str:
-        """Summary in a few words."""
         if self.engines is None:
             return "does not load"
         if isinstance(self.error, TrimError):

@@ -111,7 +111,6 @@ class ModelFile:
             )
 
     def error(self, message: str, close: Sequence[str] = ()) -> AircraftError:
-        """An error of this model."""
         return AircraftError(message, aircraft=self.aircraft, nearest=close)
 
     def parsed(self, path: Path | None = None) -> ET.Element:

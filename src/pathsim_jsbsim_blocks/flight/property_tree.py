@@ -46,7 +46,6 @@ class PropertyTree:
 
     @property
     def engines(self) -> int:
-        """Number of the model's engines."""
         return self.fdm.get_propulsion().get_num_engines()
 
     def property_error(self, name: str, message: str, close: Sequence[str] = ()) -> PropertyError:

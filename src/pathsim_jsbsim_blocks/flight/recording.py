@@ -67,7 +67,6 @@ class Recording:
         self._begin()
 
     def _begin(self) -> None:
-        """Start again with a fresh aircraft."""
         airframe = self.block.airframe
         self._labels = [label for label, (name, _) in _SIGNALS.items() if airframe.has(name)]
         self._readers = [airframe.reader(_SIGNALS[label][0]) for label in self._labels]

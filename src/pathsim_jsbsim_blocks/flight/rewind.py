@@ -80,12 +80,9 @@ class Rewind:
         nodes = airframe.nodes()
         read = [n for n in nodes if nodes[n].get_attribute(jsbsim.Attribute.READ)]
         self._state = [nodes[name] for name in read if not _REPORTS.search(name)]
-        written = [
-            nodes[name]
-            for name in read
-            if nodes[name].get_attribute(jsbsim.Attribute.WRITE)
-            and not (name.startswith("ic/") or name in _ACTIONS or why_not(name, airframe.has))
-        ]
+        kept = [n for n in read if not n.startswith("ic/") and n not in _ACTIONS]
+        nodes = {name: nodes[name] for name in kept if not why_not(name, airframe.has)}
+        written = [x for x in nodes.values() if x.get_attribute(jsbsim.Attribute.WRITE)]
         self._loaded = [(node, node.get_double_value()) for node in written]
         self._seed = airframe.fdm[_SEED]
         # JSBSim derives each from the others, so that these come in an order

@@ -365,7 +365,6 @@ def _reason(airframe: Airframe, port: Channel) -> str:
 def _heights(
     airframe: Airframe, ports: Sequence[Channel], given: Mapping[str, float]
 ) -> list[float]:
-    """Height of the pulse on each input."""
     names = [port.name for port in ports]
     for name in given:
         if name not in names:
@@ -403,7 +402,6 @@ def _named(
     kinks: np.ndarray,
     error: np.ndarray,
 ) -> LinearModel:
-    """The model in the units of states and ports, with their names."""
     hidden = [j for j, i in enumerate(found.signals) if i < 0]
     states = [
         Channel(f"x{hidden.index(j) + 1}", ()) if i < 0 else flights.channels[i]

@@ -24,14 +24,9 @@ class Flyable(Protocol):
     inputs: Any
     outputs: Any
 
-    def channels(self) -> tuple[list[Channel], list[Channel]]:
-        """Inputs and outputs as properties."""
-
-    def trimmed_inputs(self) -> list[float]:
-        """Values at the trim of the inputs in `channels`, the block's first."""
-
-    def advance(self, index: int, u: list[float]) -> list[float]:
-        """Fly one period to instant ``index``; returns the outputs there."""
+    def channels(self) -> tuple[list[Channel], list[Channel]]: ...
+    def trimmed_inputs(self) -> list[float]: ...
+    def advance(self, index: int, u: list[float]) -> list[float]: ...
 
 
 def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> LinearisationError:

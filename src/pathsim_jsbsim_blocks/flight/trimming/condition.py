@@ -291,9 +291,6 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
         value = dict(enumerate(value))
     if not isinstance(value, Mapping):
         must_be(parameter, value, "a list or a dict of weights in lb")
-    return FixedMapping(
-        {
-            whole(f"{parameter} index", i, low=0): number(f"{parameter}[{i}]", w, low=0.0)
-            for i, w in value.items()
-        }
-    )
+    indices = [whole(f"{parameter} index", i, low=0) for i in value]
+    weights = [number(f"{parameter}[{i}]", w, low=0.0) for i, w in value.items()]
+    return FixedMapping(dict(zip(indices, weights, strict=True)))

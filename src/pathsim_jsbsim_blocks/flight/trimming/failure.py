@@ -41,11 +41,12 @@ def failure(
     if residuals is None:
         residuals = {name: fdm[STATE[name]] for name in LIMITS}
     alpha_min, alpha_max = alpha_range(airframe)
+    thrust = "the throttle ran to the end of its range"
+    if len(airframe.stopped) == airframe.engines:
+        thrust = f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
+        thrust += "(mode='glide' frees the path angle)"
     limits = {
-        "thrust": "the throttle ran to the end of its range"
-        if len(airframe.stopped) < airframe.engines
-        else f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
-        "(mode='glide' frees the path angle)",
+        "thrust": thrust,
         "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
         "no convergence": "no control ran out, but the search did not converge",

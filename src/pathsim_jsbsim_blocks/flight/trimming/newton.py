@@ -328,7 +328,6 @@ class Search:
             self._without_pitch_trim()
 
     def _without_pitch_trim(self) -> None:
-        """Move the elevator instead of the pitch trim."""
         self._ranges = {
             "elevator" if name == "pitch_trim" else name: quantity
             for name, quantity in self._ranges.items()

@@ -67,7 +67,6 @@ UNITS = {
 
 
 def _read(name: str) -> Any:
-    """A field of the state, and the property that it is read from."""
     return dataclasses.field(metadata={"property": name})
 
 

@@ -54,7 +54,6 @@ def what_moves(airframe: Airframe, condition: TrimCondition) -> str:
 
 
 def _largest_accelerations(airframe: Airframe) -> dict[str, float]:
-    """Largest accelerations in a short flight."""
     # relative to the air: in a turn with wind the ground velocity turns in body axes
     names = "velocities/v-aero-fps", *(STATE[name] for name in ("pdot", "qdot", "rdot"))
     readers = [airframe.reader(name) for name in names]

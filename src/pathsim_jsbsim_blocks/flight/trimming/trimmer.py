@@ -61,14 +61,12 @@ class Trimmer:
         self._seed: Seed | None = None
 
     def renew(self) -> None:
-        """Start afresh, on a new executive."""
         self.airframe.renew()
         self.forget()
 
     def trim(
         self, condition: TrimCondition, setup: Mapping[str, float] | None, warm: bool = False
     ) -> TrimState:
-        """Initialise the airframe and trim it; errors as of `pathsim_jsbsim_blocks.flight.trim`."""
         self.effort = Effort()
         return self._trim(condition, setup, warm)
 
@@ -106,7 +104,6 @@ class Trimmer:
         return self._trim(condition, setup, warm=False)
 
     def _search(self, condition: TrimCondition, seed: Seed | None, warm: bool) -> TrimState:
-        """Trim the initialised airframe."""
         airframe = self.airframe
         if condition.mode != "none":
             refuse_hopeless(airframe, condition)
