@@ -222,6 +222,35 @@ def test_the_highest_airspeed_is_not_exceeded():
     assert np.max(record["vc"]) > 340.0
 
 
+@pytest.mark.parametrize("v_mode", [0.0, 2.0])
+def test_throttle_is_taken_above_the_highest_airspeed(v_mode):
+    # in gusts an airspeed loop stayed 15 kt above it, and a throttle that is given remained
+    autopilot = Autopilot("A320", T=T)
+    signals = {"h": 7700.0, "alpha": 2.0, "theta": 2.0, "v_mode": v_mode, "thr_ref": 0.3}
+    state = autopilot.initial_state()
+    for k in range(300):
+        signals["vc"] = 340.0 if k < 60 else 1.04 * 350.0  # VMO
+        u = [signals.get(name, 0.0) for name in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        if k == 59:
+            before = command[3]
+    assert command[3] - before < -0.9
+
+
+def test_throttle_is_added_where_the_ground_forbids_the_descent():
+    plane = Aircraft(
+        "F80C", altitude=600.0, speed=200.0, T=T, substeps=2, output_properties=["h_agl"]
+    )
+    ports = {
+        "v_mode": step(2.0),
+        "thr_ref": step(-0.8),
+        "h_ref": step(5000.0),
+        "h_agl": lambda t: float(plane.outputs["h_agl"]),
+    }
+    record = fly(plane, 90.0, ports, T=T, gains="F80C")
+    assert np.min(record["h"]) > 60.0
+
+
 def test_no_descent_below_100_ft_above_the_ground():
     plane = Aircraft(
         "c172p", altitude=1000.0, speed=90.0, T=T, substeps=2, output_properties=["h_agl"]

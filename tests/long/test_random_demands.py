@@ -7,11 +7,16 @@ from how_many import bounded
 
 pytestmark = pytest.mark.long
 
+# too fast before throttle was taken above the highest airspeed
+TOO_FAST = (169, 234, 262, 385, 394, 534, 561, 672, 840)
+
 
 def test_random_demands(monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parents[2] / "docs")
     import demands
 
-    flown = [demands.fly(case) for case in range(bounded(28, 1000))]
+    cases = dict.fromkeys([*range(bounded(56, 1000)), *TOO_FAST])
+    flown = [demands.fly(case) for case in cases]
     kept = [missed in ("", "no trim") for _, missed, _ in flown]
-    assert sum(kept) >= 0.9 * len(kept), [row for row in flown if row[1]]
+    # eight of the first thousand are not kept
+    assert sum(kept) >= 0.98 * len(kept), [row for row in flown if row[1]]

@@ -12,6 +12,7 @@ from .controller import Authority, Hold, authority_limits, fill, reference_kind
 from .gains import Gains
 from .loops import (
     HeadingLoop,
+    Limits,
     Reference,
     ReferenceLoop,
     ReferenceState,
@@ -22,7 +23,7 @@ from .loops import (
     attitude_loop,
 )
 from .protection import true_airspeed
-from .signals import limit, select
+from .signals import limit, select, smaller
 
 
 class LeverState(NamedTuple):
@@ -250,7 +251,15 @@ class Autopilot(Hold):
         speed = speed._replace(found=select(by_elevator, held.found, speed.found))
         pitched = pitched._replace(found=select(by_throttle, held.found, pitched.found))
         throttle, speed, lever = self._lever(
-            state, select(speed_off, False, on_pitch), throttle, speed, hdot, thr_sat, thr_ref
+            state,
+            select(speed_off, False, on_pitch),
+            throttle,
+            speed,
+            hdot,
+            thr_sat,
+            thr_ref,
+            limits,
+            rate,
         )
 
         share = protection.share_of_climb(vc, vc_cmd)
@@ -282,16 +291,21 @@ class Autopilot(Hold):
         hdot: Any,
         sat: Any,
         reference: Reference,
+        limits: Limits,
+        climb: Any,
     ) -> tuple[Any, Any, LeverState]:
         """Throttle, given while the elevator holds the airspeed, and the next states.
 
-        Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
+        Less than was given where the highest airspeed takes it, and more near the lowest one where
+        the descent that holds the airspeed is forbidden. Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
         goes as the rate of climb does.
         """
         found, spare, rate = state.lever
         found = select(state.pitched.law.engaged, found, state.speed.law.u + spare)
         target, increment = reference
         lever = (found if target is None else target) + increment
+        if limits.boost is not None:
+            lever += select(climb < limits.climb_min, limits.boost, smaller(limits.boost, 0.0))
         share = limit(hdot / select(rate == 0.0, 1.0, rate), 0.0, 1.0)
         spare = select(given, lever - sat - found, spare * share)
         rate = select(given | (share < 1.0), hdot, rate)

@@ -34,7 +34,7 @@ class Limits(NamedTuple):
     theta_min: float | None = None
     climb_max: float | None = None  # ft/s
     climb_min: float | None = None
-    boost: float | None = None  # throttle to add
+    boost: float | None = None  # throttle to add, or to take where negative
 
 
 UNLIMITED = Limits()
@@ -415,12 +415,14 @@ class SpeedLoop:
         ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
         boost would leave it no error to correct; at the aircraft's limit it stays.
         """
-        rest = sat if boost is None else sat - limit(sat, 0.0, boost)
+        rest = sat
+        if boost is not None:
+            rest -= limit(sat, smaller(boost, 0.0), larger(boost, 0.0))
         u, reference, state = self.loop.sample(
             state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot
         )
         if boost is not None:
-            raised = smaller(u + select(off, 0.0, boost), self.pid.high)
+            raised = limit(u + select(off, 0.0, boost), self.pid.low, self.pid.high)
             taken = state.law.integral + select(sat == 0.0, self.pid.unwind * (raised - u), 0.0)
             state = state._replace(law=state.law._replace(integral=taken, u=raised))
             u = raised

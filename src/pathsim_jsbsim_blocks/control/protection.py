@@ -112,7 +112,7 @@ class Protection:
     # of the lowest airspeed
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve, a descent may regain the one demanded
     DESCENT_FORCED_BELOW = 0.96
-    BOOST_FULL_AT = 0.04  # so far below the one demanded
+    BOOST_FULL_AT = 0.04  # so far below the one demanded, or above the highest, where it is taken
     AHEAD = 2.0  # s, of the airspeed, by the rate of the energy
 
     def __init__(self, T: float, alpha_max: float | None, envelope: EnvelopeLimits | None):
@@ -181,6 +181,7 @@ class Protection:
         state = state._replace(available=available, measured=measured)
         # the bank gives way before height is spent on airspeed
         slowest = larger(self._slowest(state, 0.0), 1.0)
+        fastest = true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = larger(measured + spare, -self.descent_max)
@@ -188,9 +189,10 @@ class Protection:
         if vc_cmd is not None:
             wanted = larger(true_airspeed(vc_cmd, h), 1.0)
             most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
-        overspeed = v - true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h)
+            beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
+            boost -= limit(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
         # level flight at idle is enough to slow down
-        least = select(moving, smaller(measured + stiffness * overspeed, 0.0), -math.inf)
+        least = select(moving, smaller(measured + stiffness * (v - fastest), 0.0), -math.inf)
         ground = self.DECAY * (self.CLEARANCE - h_agl)
         least = larger(least, select(h_agl > 0.0, ground, -math.inf))
         most = select(moving, larger(most, least), math.inf)
