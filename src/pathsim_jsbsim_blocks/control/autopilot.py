@@ -297,8 +297,8 @@ class Autopilot(Hold):
         """Throttle, given while the elevator holds the airspeed, and the next states.
 
         Less than was given where the highest airspeed takes it, and more near the lowest one where
-        the descent that holds the airspeed is forbidden. Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
-        goes as the rate of climb does.
+        the descent that holds the airspeed is forbidden. Afterwards the loop goes on from the
+        throttle before. What was given beyond that climbs, and goes as the rate of climb does.
         """
         found, spare, rate = state.lever
         found = select(state.pitched.law.engaged, found, state.speed.law.u + spare)
