@@ -250,16 +250,9 @@ class Autopilot(Hold):
         by_elevator, by_throttle = state.pitched.law.engaged, state.speed.law.engaged
         speed = speed._replace(found=select(by_elevator, held.found, speed.found))
         pitched = pitched._replace(found=select(by_throttle, held.found, pitched.found))
+        thr_ref = self._allowed(thr_ref, limits, rate)
         throttle, speed, lever = self._lever(
-            state,
-            select(speed_off, False, on_pitch),
-            throttle,
-            speed,
-            hdot,
-            thr_sat,
-            thr_ref,
-            limits,
-            rate,
+            state, select(speed_off, False, on_pitch), throttle, speed, hdot, thr_sat, thr_ref
         )
 
         share = protection.share_of_climb(vc, vc_cmd)
@@ -282,6 +275,16 @@ class Autopilot(Hold):
         outputs.append(select(climb.captured, 1.0, 0.0))
         return outputs, AutopilotState(after, turned, speed, yaw, climb, pitched, lever)
 
+    @staticmethod
+    def _allowed(given: Reference, limits: Limits, rate: Any) -> Reference:
+        """A throttle that is given, less above the highest airspeed; more near the lowest one where
+        the rate of climb that holds the airspeed is forbidden.
+        """
+        if limits.boost is None:
+            return given
+        boost = select(rate < limits.climb_min, limits.boost, smaller(limits.boost, 0.0))
+        return given._replace(increment=given.increment + boost)
+
     def _lever(
         self,
         state: Any,
@@ -291,21 +294,16 @@ class Autopilot(Hold):
         hdot: Any,
         sat: Any,
         reference: Reference,
-        limits: Limits,
-        climb: Any,
     ) -> tuple[Any, Any, LeverState]:
         """Throttle, given while the elevator holds the airspeed, and the next states.
 
-        Less than was given where the highest airspeed takes it, and more near the lowest one where
-        the descent that holds the airspeed is forbidden. Afterwards the loop goes on from the
-        throttle before. What was given beyond that climbs, and goes as the rate of climb does.
+        Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
+        goes as the rate of climb does.
         """
         found, spare, rate = state.lever
         found = select(state.pitched.law.engaged, found, state.speed.law.u + spare)
         target, increment = reference
         lever = (found if target is None else target) + increment
-        if limits.boost is not None:
-            lever += select(climb < limits.climb_min, limits.boost, smaller(limits.boost, 0.0))
         share = limit(hdot / select(rate == 0.0, 1.0, rate), 0.0, 1.0)
         spare = select(given, lever - sat - found, spare * share)
         rate = select(given | (share < 1.0), hdot, rate)
