@@ -199,6 +199,21 @@ def test_without_a_gain_on_the_heading_a_localizer_is_not_captured():
     assert outputs[2] == pytest.approx(30.0)
 
 
+@pytest.mark.parametrize("heading", [270.0, 300.0, 190.0])
+def test_a_localizer_is_not_captured_outbound(heading):
+    # from 8 nmi, on the course line: outbound, and crossing it at 150 and 100 deg
+    hold = LocalizerHold("c172p", course=90.0)
+    state = hold.initial_state()
+    away = math.radians(heading - 90.0)
+    for k in range(240):
+        across, along = 130.0 * k * T * math.sin(away), 130.0 * k * T * math.cos(away)
+        u = [heading, 0.0, 0.0, across, 48_600.0 - along, 0.0, 0.0, 75.0]
+        outputs, state = hold.law(u, state)
+    aileron, _, _, captured = outputs
+    assert captured == float(heading == 190.0)
+    assert (aileron == 0.0) != captured
+
+
 def test_a_localizer_is_captured_in_a_crosswind():
     plane = Aircraft(
         "c172p",
@@ -306,6 +321,59 @@ def test_a_go_around_climbs_away_from_any_height(name, height):
     assert above[since].min() > begun - 2.5 * max(sinking, 0.0) - 2.0
     assert vc[since].min() > airspeed - 9.0
     assert abs(plane.outputs["phi"]) < 3.0
+
+
+@pytest.mark.long
+def test_a_go_around_deep_in_the_roll_out_keeps_the_tail_off_the_ground():
+    # the nose is raised only at the airspeed of the touchdown: a contact would end the flight
+    diagram = calm("c172p")
+    approached(diagram, lambda outputs: outputs["phase"] == 2.0)
+    airspeed = diagram.aircraft.outputs["vc"]
+    approached(diagram, lambda outputs: diagram.aircraft.outputs["vc"] < 25.0)
+    diagram.go_around.value = 1.0
+    approached(diagram, lambda outputs: not diagram.aircraft.outputs["gear/wow"])
+    assert diagram.aircraft.outputs["vc"] > airspeed - 5.0
+    fly(diagram.sim, 30.0)
+    assert diagram.aircraft.outputs["h_agl"] > 150.0
+    _, (across, _) = diagram.ground.read()
+    assert np.max(np.abs(across)) < 30.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["c172p", "737"])
+def test_a_go_around_turns_its_airspeed_into_height(name):
+    diagram = calm(name)
+    approached(diagram, lambda outputs: diagram.aircraft.outputs["h_agl"] < 150.0)
+    airspeed = diagram.aircraft.outputs["vc"]
+    diagram.go_around.value = 1.0
+    fly(diagram.sim, 90.0)
+    _, (_, vc) = diagram.rates.read()
+    # the 737 was at 232 KCAS with flaps and gear down
+    assert np.max(vc[-6000:]) < 1.2 * airspeed
+    assert diagram.aircraft.outputs["hdot"] > diagram.flare.climb
+
+
+def test_another_approach_after_a_go_around():
+    # the law alone: below 6 ft the flare begins
+    flare = FlareHold("c172p")
+    state, phases = flare.initial_state(), []
+    for height, around, off in ((80, 1, 0), (90, 0, 0), (200, 0, 1), (200, 0, 0), (5, 0, 0)):
+        given = {"h_agl": height + 4.0, "hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
+        given |= {"go_around": float(around), "off": float(off), "elevator": 0.01 * height}
+        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
+        phases.append(y[flare.output_port_labels["phase"]])
+        if phases[-1] == 0.0:
+            assert y[flare.output_port_labels["elevator"]] == 0.01 * height
+    assert phases == [3.0, 3.0, 0.0, 0.0, 1.0]
+
+
+def test_it_goes_around_where_the_course_is_not_that_of_the_runway():
+    # forgotten, or in radians: it would steer off the runway
+    flare = FlareHold("c172p", course=math.radians(90.0))
+    given = {"h_agl": 60.0, "hdot": -6.0, "psi": 90.0, "vc": 65.0, "loc_dist": 9e3}
+    u = [given.get(name, 0.0) for name in flare.input_port_labels]
+    outputs, _ = flare.law(u, flare.initial_state())
+    assert outputs[flare.output_port_labels["phase"]] == 3.0
 
 
 @pytest.mark.long

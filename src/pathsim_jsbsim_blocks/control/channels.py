@@ -203,16 +203,15 @@ class Lateral:
         sat: float,
         vt: float = 0.0,
     ):
-        self.heading: HeadingLoop = loops["heading"]
+        self.loops = loops
         self.roll: ReferenceLoop = loops["roll"]
         self.state = state
         self.psi, self.phi, self.p, self.off, self.sat, self.vt = psi, phi, p, off, sat, vt
 
     def for_heading(self, reference: Reference, idle: bool) -> float:
         """Bank for a heading; while ``idle`` the loop waits to begin."""
-        wanted, heading = self.heading.sample(
-            self.state.heading, self.psi, reference, self.phi, self.vt
-        )
+        loop: HeadingLoop = self.loops["heading"]
+        wanted, heading = loop.sample(self.state.heading, self.psi, reference, self.phi, self.vt)
         self.state = self.state._replace(heading=select(idle, HeadingLoop.START, heading))
         return wanted
 

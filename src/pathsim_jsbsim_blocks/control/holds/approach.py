@@ -22,6 +22,7 @@ __all__ = ["GlideslopeHold", "LocalizerHold"]
 
 SLOWEST = 30.0  # ft/s, for angles from speeds
 _DEGREES = math.degrees(1.0)
+_AWAY = 135.0  # deg off the course, from which an aircraft flies away from the station
 _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 _ON_GLIDE_PATH = 0.35  # deg above it: half of full scale on an ILS indicator
 
@@ -72,8 +73,8 @@ class LocalizerHold(Hold):
     chi, which follow from the receiver's outputs, and the roll loop of ``RollHold`` inside, sampled
     at T. Until the capture it holds the heading found at engagement. It captures where the law
     above would no longer turn further towards the course line, or would close on it at less than
-    5 deg. Wind is corrected for: the drift
-    angle is measured.
+    5 deg; not while it heads away from the station, more than 135 deg off the course. Wind is
+    corrected for: the drift angle is measured.
 
     Parameters
     ----------
@@ -142,6 +143,7 @@ class LocalizerHold(Hold):
         closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
         ahead = wrap(chi - c.course)
         met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
+        met = met & (abs(wrap(psi - c.course)) < _AWAY)
         captured = select(off, False, state.captured | (known & met))
 
         measured = select(captured, chi, psi)

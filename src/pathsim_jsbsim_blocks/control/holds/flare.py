@@ -33,6 +33,8 @@ _GUST = 0.2  # s, time constant of vertical gusts; the pitch angle follows no fa
 _RAMP = 15.0  # deg/s, of the pitch reference
 _PULL = 8.0  # ft/s2, of the rate of climb demanded
 _TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
+_FASTER = 1.1  # of that airspeed, beyond which it climbs faster
+_ACROSS = 45.0  # deg, of the heading off the course
 _TRACKING = 0.4  # rad/s, natural frequency of the distance from the centre line in the flare
 _DECRAB = 3.0  # s before the touchdown
 _YAW = 3.0  # deg/s, of the heading reference
@@ -99,15 +101,18 @@ class FlareHold(Hold):
     along the centre line and brakes.
 
     A go-around, at any height and on the ground too, levels the wings, applies full throttle and
-    climbs at ``climb``, or less where that costs airspeed. It begins by itself where, below the
-    height ``decide``, the aircraft is more than ``across_max`` beside the centre line, where the
-    flare would begin at more than ``sink_max``, where it is longer than ``float_max``, and where
-    it climbs by 10 ft.
+    climbs at ``climb``: less where that costs airspeed, more where the airspeed is 10 % higher than
+    at the beginning. On the ground the nose is raised at the airspeed of the touchdown.
+
+    It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
+    beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
+    more than ``sink_max``, where it is longer than ``float_max``, and where it climbs by 10 ft.
 
     Parameters
     ----------
     gains : str or dict
-        as in ``AltitudeHold`` and ``HeadingHold``
+        as in ``AltitudeHold`` and ``RollHold``: name of a table, or {"altitude": ..., "pitch": ...,
+        "roll": ...}
     course : float
         true course of the runway, deg
     gear_height : float
@@ -156,6 +161,9 @@ class FlareHold(Hold):
     alpha
         angle of attack in deg; without a wire (0) vertical gusts are not countered, and there is no
         protection from the stall
+    off
+        0 engaged; otherwise the approach's commands pass through, and a landing or go-around is
+        over: the next approach begins
 
     Outputs
     -------
@@ -194,7 +202,7 @@ class FlareHold(Hold):
     commands = {"elevator": "", "aileron": "", "rudder": "", "throttle": ""}
     input_port_labels = numbered(
         "h_agl hdot theta q psi phi p r vc loc_ft loc_dist elevator aileron rudder throttle wow "
-        "go_around alpha"
+        "go_around alpha off"
     )
     output_port_labels = numbered(
         "elevator aileron rudder throttle brakes steering phase theta_cmd phi_cmd hdot_cmd"
@@ -204,33 +212,37 @@ class FlareHold(Hold):
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
-        altitude, pitch, envelope = self.gains_of("altitude", "pitch", "envelope")
+        names = "altitude", "pitch", "roll", "envelope"
+        altitude, pitch, roll, envelope = self.gains_of(*names)
         self.loops = {
             "altitude": AltitudeLoop(T, altitude, None, _STEEPEST, None),
             "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
-            **self.lateral_loops(),
+            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
             "envelope": self.protection_within(envelope),
         }
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha = u
+        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u
         beam, _, _ = state.beam.next(ft, dist, self.clock.period, 0.5)
         state, height = state._replace(beam=beam), h - self.checked.gear_height
         flew = state.phase != APPROACH
-        state = self._phase(state, height, hdot, wow != 0.0, go_around != 0.0)
+        across = abs(wrap(psi - self.checked.course)) > _ACROSS
+        state = self._phase(state, height, hdot, across, wow != 0.0, go_around != 0.0, off != 0.0)
         state = self._in_air(state, hdot, theta, alpha if form[1] else None, vc)
         state = self._begun(state, flew, hdot, theta, psi, given)
+        slow = (state.phase == GO_AROUND) & (wow != 0.0) & (state.v < state.kept)
+        rolls = (state.phase == ROLL_OUT) | slow
 
         vertical = Vertical(
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
         )
         vertical.guard(0.0, True)
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
-        wanted, state = self._pitch(state, height, hdot, vertical.pitch, wow != 0.0)
+        wanted, state = self._pitch(state, height, hdot, wow != 0.0, rolls)
         elevator, theta_cmd, after = vertical.fly(wanted)
         lateral = Lateral(self.loops, state.lateral, psi, phi, p, False, 0.0)
         aileron, phi_cmd, turned = lateral.fly(self._bank(state))
-        rudder, steering, state = self._yaw(state, height, hdot, psi, r, given[2])
+        rudder, steering, state = self._yaw(state, height, hdot, psi, r, given[2], rolls)
         throttle, brakes = self._power(state, wow != 0.0)
 
         approach = state.phase == APPROACH
@@ -246,18 +258,21 @@ class FlareHold(Hold):
         """Lowest rate of climb of the flare at a height, ft/s."""
         return smaller(-height / self.checked.tau, 0.0) - self.checked.sink
 
-    def _phase(self, state: Any, height: Any, hdot: Any, down: Any, go_around: Any) -> Any:
+    def _phase(
+        self, state: Any, height: Any, hdot: Any, across: Any, down: Any, go_around: Any, off: Any
+    ) -> Any:
         """The state in the phase that begins or goes on."""
         c, before = self.checked, state.phase
         low = (hdot <= self._steepest(height)) | (height <= c.sink * c.tau)
         phase = select((before == APPROACH) & low, FLARE, before)
         phase = select((phase == FLARE) & down, ROLL_OUT, phase)
         floated = state.floated + select(before == FLARE, self.clock.period * state.beam.along, 0.0)
-        astray = (height < c.decide) & (abs(state.beam.ft) > c.across_max)
+        astray = (height < c.decide) & ((abs(state.beam.ft) > c.across_max) | across)
         astray |= (before == APPROACH) & low & (hdot < -c.sink_max)
         least = select(before == FLARE, smaller(state.least, height), height)
         astray |= (floated > c.float_max) | (height > least + _BALLOON)
         phase = select(go_around | ((phase < ROLL_OUT) & astray), GO_AROUND, phase)
+        phase, floated = select(off, APPROACH, phase), select(off, 0.0, floated)
         return state._replace(phase=phase, floated=floated, least=least)
 
     def _in_air(self, state: Any, hdot: Any, theta: Any, alpha: Any, vc: Any) -> Any:
@@ -276,7 +291,7 @@ class FlareHold(Hold):
         goes = state.phase == GO_AROUND
         # the same lift takes an angle of attack inverse to the square of the airspeed
         lost = select(goes, 0.0, -2.0 * _DEGREES / _LIFT_SLOPE * gained / v)
-        kept = select(goes, state.kept, v)
+        kept = select(state.phase >= ROLL_OUT, state.kept, v)
         return state._replace(
             v=v,
             acceleration=acceleration,
@@ -303,16 +318,18 @@ class FlareHold(Hold):
         )
         return select(flew, state, anew)
 
-    def _pitch(self, state: Any, height: Any, hdot: Any, pitch: Any, down: Any) -> tuple[Any, Any]:
+    def _pitch(self, state: Any, height: Any, hdot: Any, down: Any, rolls: Any) -> tuple[Any, Any]:
         """Pitch angle of the phase, and the next state."""
         c, T, v = self.checked, self.clock.period, state.v
         goes = state.phase == GO_AROUND
         # the rate of climb at which the airspeed comes back to what it was
         spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
+        fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.kept
         steepest = self._steepest(height)
         # a sink that ended early is not asked for again
         flared = limit(hdot, steepest, -c.sink)
-        target = select(goes, limit(spare, 0.3 * c.climb, c.climb), flared)
+        climb = limit(spare, 0.3 * c.climb, larger(fast, c.climb))
+        target = select(goes, climb, flared)
         step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
         error = hdot_cmd - hdot
@@ -330,7 +347,6 @@ class FlareHold(Hold):
         lowest = select(goes, limits.low, smaller(state.lowest, c.theta_max))
         wanted = limit(asked, lowest, highest)
         gained = _BANDWIDTH * T * (_DEGREES / v * error + wanted - asked)
-        rolls = state.phase == ROLL_OUT
         lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))
         theta = select(rolls, lowered, wanted)
         state = state._replace(
@@ -350,17 +366,17 @@ class FlareHold(Hold):
         return select(state.phase == FLARE, bank, 0.0)
 
     def _yaw(
-        self, state: Any, height: Any, hdot: Any, psi: Any, r: Any, rudder: Any
+        self, state: Any, height: Any, hdot: Any, psi: Any, r: Any, rudder: Any, rolls: Any
     ) -> tuple[Any, Any, Any]:
         """Rudder, steering of the nose wheel, and the next state."""
         c, step = self.checked, _YAW * self.clock.period
-        rolls, goes = state.phase == ROLL_OUT, state.phase == GO_AROUND
+        flies = select(rolls, False, state.phase == GO_AROUND)
         aside = limit(_DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
         target = c.course - select(rolls, aside, 0.0)
         near = rolls | (height < _DECRAB * larger(-hdot, c.sink))
         turn = select(near, limit(wrap(target - state.psi), -step, step), 0.0)
-        psi_cmd = select(goes, psi, wrap(state.psi + turn))
-        error = select(goes, 0.0, c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r))
+        psi_cmd = select(flies, psi, wrap(state.psi + turn))
+        error = select(flies, 0.0, c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r))
         most = _RUDDER * self.clock.period
         moved = state.rudder + limit(rudder + error - state.rudder, -most, most)
         moved = limit(moved, -1.0, 1.0)
