@@ -44,12 +44,8 @@ def trust_options(sub: argparse.ArgumentParser) -> None:
 
 
 def trust_toolbox_option(sub: argparse.ArgumentParser) -> None:
-    repeatable(
-        sub,
-        "--trust-toolbox",
-        "PACKAGE[:IMPORT]",
-        "import this toolbox if the model asks for it, even if it is not one of PathSim's",
-    )
+    text = "import this toolbox if the model asks for it, even if it is not one of PathSim's"
+    repeatable(sub, "--trust-toolbox", "PACKAGE[:IMPORT]", text)
 
 
 def root_option(sub: argparse.ArgumentParser) -> None:
@@ -96,6 +92,12 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
     # each option of a condition has the name of its field
     fields = {field.name for field in dataclasses.fields(TrimCondition)}
     return TrimCondition(**{name: value for name, value in vars(args).items() if name in fields})
+
+
+def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[str, Any]]:
+    """Properties to write before the trim, and the options with which a model is loaded."""
+    model = {"root": args.root, "create": values_of("create", args.create)}
+    return values_of("set", args.set), model
 
 
 def values_of(option: str, items: Iterable[str]) -> dict[str, float]:

@@ -40,13 +40,8 @@ def view_model(args: argparse.Namespace) -> None:
     from ..pathview import view
 
     def opened(trust: bool) -> None:
-        view(
-            args.target,
-            args.port,
-            browser=not args.no_browser,
-            trust=trust,
-            trust_toolboxes=args.trust_toolbox,
-        )
+        options = {"trust": trust, "trust_toolboxes": args.trust_toolbox}
+        view(args.target, args.port, browser=not args.no_browser, **options)
 
     asking(opened, args.trust)
 
@@ -131,3 +126,6 @@ def convert(args: argparse.Namespace) -> None:
 
     script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
     print(f"script saved: {script}")
+
+
+COMMANDS = (add_view, add_export, add_convert)

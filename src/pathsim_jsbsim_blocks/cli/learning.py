@@ -14,9 +14,8 @@ from .arguments import Commands, add_command, switch
 
 
 def add_course(commands: Commands) -> None:
-    sub = add_command(
-        commands, "course", course, "copy the chapters of the course, and open them in JupyterLab"
-    )
+    text = "copy the chapters of the course, and open them in JupyterLab"
+    sub = add_command(commands, "course", course, text)
     text = "where to copy them (default %(default)s); a file that is there stays as it is"
     sub.add_argument("folder", nargs="?", type=Path, default=Path("jsbsim-course"), help=text)
     switch(sub, "--no-open", "only copy")
@@ -120,3 +119,6 @@ def _use(name: str, block: Any) -> list[str]:
     inputs = [f"Connection(other, block[{port!r}])" for port in block.input_port_labels or ()]
     outputs = [f"Connection(block[{port!r}], other)" for port in block.output_port_labels or ()]
     return ["In a diagram", f"block = {name}()", *inputs, *outputs]
+
+
+COMMANDS = (add_course, add_help)

@@ -21,8 +21,8 @@ from .arguments import (
     file_option,
     property_options,
     root_option,
+    setup_and_model,
     switch,
-    values_of,
 )
 from .saving import check_file, saving_figures
 
@@ -35,9 +35,8 @@ if TYPE_CHECKING:
 
 
 def add_aircraft(commands: Commands) -> None:
-    sub = add_command(
-        commands, "aircraft", list_aircraft, "the aircraft models, and which of them load"
-    )
+    text = "the aircraft models, and which of them load"
+    sub = add_command(commands, "aircraft", list_aircraft, text)
     sub.add_argument("name", nargs="?", help="one model only")
     root_option(sub)
     text = "draw the points that the model names: CG, wheels, tanks, ..."
@@ -95,13 +94,8 @@ def _draw_points(name: str | None, root: str | None, path: Path) -> None:
 
 
 def add_properties(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "properties",
-        list_properties,
-        "the properties of an aircraft: name, access, value as initialised, after the "
-        "trim or in flight",
-    )
+    text = "the properties of an aircraft: name, access, value as initialised, after the "
+    sub = add_command(commands, "properties", list_properties, text + "trim or in flight")
     sub.add_argument("aircraft")
     sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
     switch(sub, "--trim", "values after the trim; implied by any option of the condition")
@@ -133,13 +127,12 @@ def _in_state(args: argparse.Namespace) -> Airframe:
     from ..flight.trimming.condition import TrimCondition
 
     after = 0.0 if args.after is None else number("after", args.after, low=0.0)
-    setup, create = values_of("set", args.set), values_of("create", args.create)
-    condition = condition_of(args)
+    condition, setup, model = condition_of(args), *setup_and_model(args)
     if not (args.trim or setup or args.after is not None or condition != TrimCondition()):
-        airframe = Airframe(args.aircraft, root=args.root, create=create)
+        airframe = Airframe(args.aircraft, **model)
         airframe.run_ic()
         return airframe
-    plane = Aircraft(args.aircraft, condition=condition, setup=setup, root=args.root, create=create)
+    plane = Aircraft(args.aircraft, condition=condition, setup=setup, **model)
     if after:
         fly(Simulation([plane], dt=plane.T, log=False), after)
     return plane.airframe
@@ -156,12 +149,8 @@ def _warnings_last() -> Iterator[None]:
 
 
 def add_systems(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "systems",
-        list_systems,
-        "an aircraft's own control system: channels, components, inputs and outputs",
-    )
+    text = "an aircraft's own control system: channels, components, inputs and outputs"
+    sub = add_command(commands, "systems", list_systems, text)
     sub.add_argument("aircraft")
     file_option(sub, "--save", metavar="FILE.svg", text="draw it as a block diagram")
     root_option(sub)
@@ -221,19 +210,13 @@ def print_trim(args: argparse.Namespace) -> None:
     from ..flight.airframe import Airframe
     from ..flight.trimming import trim
 
-    setup, create = values_of("set", args.set), values_of("create", args.create)
-    condition = condition_of(args)
-    airframe = Airframe(args.aircraft, root=args.root, create=create)
-    print(trim(airframe, condition, setup, fly=args.steady))
+    condition, setup, model = condition_of(args), *setup_and_model(args)
+    print(trim(Airframe(args.aircraft, **model), condition, setup, fly=args.steady))
 
 
 def add_modes(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "modes",
-        print_modes,
-        "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C",
-    )
+    text = "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C"
+    sub = add_command(commands, "modes", print_modes, text)
     sub.add_argument("aircraft")
     text = "flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)"
     sub.add_argument("--method", default="flown", help=text)
@@ -257,15 +240,8 @@ def _print_modes(args: argparse.Namespace) -> None:
     from ..flight.linear import linear_model
     from ..linear import flying_qualities
 
-    condition = condition_of(args)
-    model = linear_model(
-        args.aircraft,
-        condition,
-        args.method,
-        setup=values_of("set", args.set),
-        root=args.root,
-        create=values_of("create", args.create),
-    )
+    condition, setup, options = condition_of(args), *setup_and_model(args)
+    model = linear_model(args.aircraft, condition, args.method, setup=setup, **options)
     qualities = flying_qualities(model, args.category, args.aircraft_class)
     print(f"{args.aircraft}: {condition}")
     print(
@@ -293,12 +269,8 @@ def _print_modes(args: argparse.Namespace) -> None:
 
 
 def add_gains(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "gains",
-        print_gains,
-        "design gains of the autopilot for an aircraft, and report how good they are",
-    )
+    text = "design gains of the autopilot for an aircraft, and report how good they are"
+    sub = add_command(commands, "gains", print_gains, text)
     sub.add_argument("aircraft")
     for option, unit in (("altitude", "ft"), ("speed", "KCAS")):
         text = f"{unit}, one or several (default: docs/evidence/fleet.md)"
@@ -357,9 +329,9 @@ def _design(args: argparse.Namespace) -> int:
         condition, needed = flight.condition, flight.create
     else:
         _, needed, condition = prepared(args.aircraft, args.root)
-    create = {**needed, **values_of("create", args.create)}
-    setup = {**condition.setup, **values_of("set", args.set)}
-    given = {"setup": setup, "gear": args.gear, "flaps": args.flaps}
+    setup, model = setup_and_model(args)
+    model["create"] = {**needed, **model["create"]}
+    given = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
     given = {name: value for name, value in given.items() if value is not None}
     condition = dataclasses.replace(condition, **given)
     altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
@@ -375,7 +347,6 @@ def _design(args: argparse.Namespace) -> int:
             print(f"{found}\n", flush=True)
 
     try:
-        model = {"root": args.root, "create": create}
         found = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
     except (DesignError, TrimError):  # at no condition: reported already
         return 1
@@ -384,3 +355,6 @@ def _design(args: argparse.Namespace) -> int:
         print(f"gains saved: {args.save}")
     _write_xml(args, found.schedule)
     return 0
+
+
+COMMANDS = (add_aircraft, add_properties, add_systems, add_trim, add_modes, add_gains)

@@ -89,12 +89,8 @@ def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **opti
 
 
 def add_chart(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "chart",
-        chart,
-        "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n",
-    )
+    text = "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n"
+    sub = add_command(commands, "chart", chart, text)
     sub.add_argument("aircraft")
     for name, unit in (("altitude", "ft"), ("weight", "lb"), ("flaps", "0 to 1")):
         help_text = f"{unit}, one or several"
@@ -157,9 +153,8 @@ def _save_table(table: Any, path: Path) -> None:
 
 
 def add_check(commands: Commands) -> None:
-    sub = add_command(
-        commands, "check", check, "fly NASA's check cases and compare with NASA's simulators"
-    )
+    text = "fly NASA's check cases and compare with NASA's simulators"
+    sub = add_command(commands, "check", check, text)
     text = "1 to 12, 13.1 to 13.4, 15, 16 (default all)"
     sub.add_argument("case", nargs="*", type=float, help=text)
     text = "steps per second (default 100, and 200 from 11 on)"
@@ -190,12 +185,8 @@ def check(args: argparse.Namespace) -> int:
 
 
 def add_daveml(commands: Commands) -> None:
-    sub = add_command(
-        commands,
-        "daveml",
-        print_daveml,
-        "the variables of a DAVE-ML model, and whether it passes its own check data",
-    )
+    text = "the variables of a DAVE-ML model, and whether it passes its own check data"
+    sub = add_command(commands, "daveml", print_daveml, text)
     sub.add_argument("file", metavar="FILE", help="the model, or the name of one of the package")
 
 
@@ -226,3 +217,6 @@ def print_daveml(args: argparse.Namespace) -> int:
     else:
         print(f"{len(checks) - len(failed)} of {len(checks)} values in {shots} check shots pass")
     return int(bool(failed))
+
+
+COMMANDS = (add_study, add_chart, add_check, add_daveml)

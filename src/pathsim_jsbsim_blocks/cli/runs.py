@@ -38,9 +38,8 @@ def list_names(args: argparse.Namespace) -> None:
 
 
 def add_run(commands: Commands) -> None:
-    sub = add_command(
-        commands, "run", run, "run a diagram or a study: print its results and show its figures"
-    )
+    text = "run a diagram or a study: print its results and show its figures"
+    sub = add_command(commands, "run", run, text)
     text = "a diagram or a study of the catalogue, or the path of a script or a model (.pvm)"
     sub.add_argument("name", help=text)
     text = "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
@@ -283,3 +282,6 @@ def _variables_at(error: BaseException) -> list[Any]:
         for frame, _ in traceback.walk_tb(error.__traceback__)
         for x in list(frame.f_locals.values())
     ]
+
+
+COMMANDS = (add_list, add_run)

@@ -25,21 +25,14 @@ def save(
         if signals is not None:
             last.callback(signals, scopes)
         if figure is not None:
-            _save_open_figures()
+            import matplotlib.pyplot as plt
+
+            from ..plots import show, time_histories
+
+            for n in plt.get_fignums():  # left open, as ``sim.plot()`` does
+                show(plt.figure(n), "")
             if until:
-                from ..plots import show, time_histories
-
                 show(time_histories(*scopes, title=until), "")
-
-
-def _save_open_figures() -> None:
-    """Save the figures that a script left open, as ``sim.plot()`` does."""
-    import matplotlib.pyplot as plt
-
-    from ..plots import show
-
-    for n in plt.get_fignums():
-        show(plt.figure(n), "")
 
 
 def check_file(option: str, path: Path | None, *endings: str) -> None:

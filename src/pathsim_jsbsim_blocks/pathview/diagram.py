@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pathsim import Connection
+from pathsim.blocks import Block
+
+from .._core.pathsim_internals import port_number
 from .toolboxes import Toolbox
 
 NOTE = "docstring"  # the id of the note that holds the script's docstring
@@ -20,6 +24,15 @@ class Wire(NamedTuple):
     output: int
     target: int
     input: int
+
+
+def ends(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:
+    """The wires of a connection: block and output, block and input."""
+    source = connection.source
+    for target in connection.targets:
+        for out, into in zip(source.ports, target.ports, strict=True):
+            numbers = port_number(source.block.outputs, out), port_number(target.block.inputs, into)
+            yield source.block, numbers[0], target.block, numbers[1]
 
 
 @dataclass
@@ -79,3 +92,8 @@ class Diagram:
     code_values: dict[str, str] = field(default_factory=dict)  # of the code's names, as texts
     places: dict[int, int] = field(default_factory=dict)  # lines of the script by those of context
     parts: dict[str, Part] = field(default_factory=dict)  # by their variables
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The blocks and events by their variables."""
+        return {name: part.value for name, part in self.parts.items()}

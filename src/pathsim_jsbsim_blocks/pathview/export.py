@@ -23,7 +23,6 @@ from .reader import ByValue, read_diagram
 from .rehearsal import SETTINGS, Difference, Job, Parting, blocks_of, structure
 from .settings import setting_values
 from .shape import Json, shortened
-from .toolboxes import required_toolboxes
 
 _CHECKED = 60.0  # s of processing
 _DRAWS = "draws from a global random generator, whose state differs; give it its own"
@@ -131,9 +130,9 @@ class _Export:
         }
         self.frozen.begin()  # the global generators are compared, too
         content, diagram = self._equal(existing, settings, run)
-        parts = {name: part.value for name, part in diagram.parts.items()}
+        blocks = list(blocks_of(diagram.values).values())
         self.frozen.begin()
-        outcome = self.rehearsal.fly(script.simulation, run, list(blocks_of(parts).values()), check)
+        outcome = self.rehearsal.fly(script.simulation, run, blocks, check)
         if isinstance(outcome, Parting):
             self._refuse_parting(outcome, diagram)
         return content, outcome
@@ -168,16 +167,13 @@ class _Export:
     def _job(
         self, content: Json, diagram: Diagram, settings: dict[str, str], run: dict[str, Any]
     ) -> Job:
-        script = self.script
-        parts = {name: part.value for name, part in diagram.parts.items()}
+        script, parts = self.script, diagram.values
         given = {k: v for k, v in diagram.settings.items() if k != "solver" and v}
         return Job(
             text=pvm.text(content),
             path=str(script.path),
             # the script has imported them already
-            toolboxes=[
-                f"{t.package}:{t.import_path}" for t in required_toolboxes(content, script.path)
-            ],
+            toolboxes=[f"{t.package}:{t.import_path}" for t in diagram.toolboxes],
             process=self.rehearsal.surroundings,
             now=self.frozen.now,
             parts={name: attributes(part) for name, part in parts.items()},
@@ -208,23 +204,18 @@ class _Export:
     def _refuse_own_simulation(self) -> None:
         script, simulation = self.script, self.script.simulation
         if type(simulation) is not Simulation:
-            script.refuse(
-                f"the simulation is a {type(simulation).__name__}; "
-                "PathView has PathSim's Simulation only",
-                script.built_at(simulation),
-            )
+            what = f"the simulation is a {type(simulation).__name__}"
+            place = script.built_at(simulation)
+            script.refuse(f"{what}; PathView has PathSim's Simulation only", place)
         for name, value in vars(simulation).items():
             if callable(value) and hasattr(Simulation, name):
-                script.refuse(
-                    f"{name} of the simulation is replaced; PathView has PathSim's own",
-                    script.storing(name),
-                )
+                reason = f"{name} of the simulation is replaced; PathView has PathSim's own"
+                script.refuse(reason, script.storing(name))
         for name in script.changed_libraries():
-            script.refuse(
+            reason = (
                 f"{name} is changed, and PathView has its own: a class or function of a library "
-                "cannot be replaced",
-                script.storing(name.rpartition(".")[2]),
             )
+            script.refuse(reason + "cannot be replaced", script.storing(name.rpartition(".")[2]))
 
     def _refuse_failed(self) -> None:
         """Name the first statement that PathView cannot execute: the rest follows from it."""
@@ -243,35 +234,31 @@ class _Export:
         if difference.error:
             owner = name if part is None else f"parameter {name!r} of {what}"
             reason = f"PathView cannot evaluate {owner} before the blocks exist: {difference.error}"
-            place = script.built_at(part)
-        elif " in state " in here:
+            script.refuse(reason, script.built_at(part))
+        if " in state " in here:
             reason, place = f"{what} {_DRAWS}", place or script.built_at(part)
         elif name in diagram.code_values:
-            reason = (
-                f"{what} is changed by a statement that the model does not have: it is {values}; "
+            missing = "is changed by a statement that the model does not have"
+            advice = (
                 "give it its value where it is made, or change it by a call on a line of its own"
             )
+            reason = f"{what} {missing}: it is {values}; {advice}"
         elif part is None:
             reason = f"{what} changes before the run: {values}; PathView cannot represent that"
             wires = [n for n, v in script.namespace.items() if isinstance(v, Connection)]
             place = script.last_mention(name, *wires)
         else:
-            reason = (
-                f"{what} is changed after it is built: {name} is {values}; "
-                "PathView cannot represent that"
-            )
+            reason = f"{what} is changed after it is built: {name} is {values}"
+            reason += "; PathView cannot represent that"
             place = script.last_mention(*self._names(part)) or script.built_at(part)
-        script.refuse(reason, place or (script.run_call if not difference.error else None))
+        script.refuse(reason, place or script.run_call)
 
     def _refuse_parting(self, parting: Parting, diagram: Diagram) -> NoReturn:
         self._refuse_failed()
         script = self.script
         if not parting.variable:
-            script.refuse(
-                f"at t = {parting.time!r} s the script {parting.here}, and the model "
-                f"{parting.there}",
-                script.run_call,
-            )
+            reason = f"the script {parting.here}, and the model {parting.there}"
+            script.refuse(f"at t = {parting.time!r} s {reason}", script.run_call)
         part = diagram.parts[parting.variable].value
         place = script.last_mention(*self._names(part))
         if script.states:
@@ -283,11 +270,10 @@ class _Export:
             why = f"it {_DRAWS}"
         else:
             why = "it depends on something that the model does not have"
-        script.refuse(
-            f"{script.called(part)} flies otherwise in the model: port {parting.port} at "
-            f"t = {parting.time!r} s is {parting.here}, and {parting.there} in the model; {why}",
-            place or script.built_at(part),
-        )
+        at = f"port {parting.port} at t = {parting.time!r} s"
+        values = f"{parting.here}, and {parting.there} in the model"
+        reason = f"{script.called(part)} flies otherwise in the model: {at} is {values}; {why}"
+        script.refuse(reason, place or script.built_at(part))
 
     def _names(self, part: Any) -> set[str]:
         """The script's names for a part, and those of collections that hold it."""

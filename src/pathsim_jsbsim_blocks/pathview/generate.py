@@ -109,15 +109,10 @@ def _argument(value: Any) -> Any:
     if not isinstance(value, str) or not value.strip():
         return value
     value = value.strip()
+    inside = f"({value}\n)"
     try:
         with compiling():
-            call = ast.parse(f"f(x={value}, y=0)", mode="eval").body
+            alone, within = (ast.dump(ast.parse(f"f(x={v}, y=0)")) for v in (inside, value))
     except (SyntaxError, ValueError):
-        call = None
-    if (
-        isinstance(call, ast.Call)
-        and not call.args
-        and [k.arg for k in call.keywords] == ["x", "y"]
-    ):
-        return value
-    return f"({value}\n)"
+        return inside
+    return value if alone == within else inside

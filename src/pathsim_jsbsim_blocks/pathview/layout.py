@@ -350,7 +350,7 @@ def _place_turned(
     centres: dict[int, tuple[int, int]],
 ) -> None:
     """Put the blocks on a way back below the others, from right to left."""
-    from_x = x[next(w.source for w in graph.wires if w.target == chain[0])]
+    from_x = x.get(next(w.source for w in graph.wires if w.target == chain[0]), 0)
     to_x = min((x[i] for i in _goals(graph, chain) & centres.keys()), default=from_x)
     needed = sum(sizes[i][0] + _GAP for i in chain)
     if from_x - to_x < needed:

@@ -67,64 +67,52 @@ def memories(value: Any) -> Iterator[int]:
             yield from memories(inner)
 
 
-class Functions:
-    """The functions in a script, found by their code objects."""
+def definition(function: types.FunctionType, tree: ast.AST) -> Any:
+    """A function's definition in its script; None if it is not there, or if it is ambiguous."""
+    code, found = function.__code__, []
+    for node in ast.walk(tree):
+        if isinstance(node, _FUNCTIONS) and getattr(node, "name", "<lambda>") == code.co_name:
+            first = min(n.lineno for n in (node, *getattr(node, "decorator_list", ())))
+            found += [node] if first == code.co_firstlineno else []
+    return found[0] if len({ast.dump(n) for n in found}) == 1 else None
 
-    def __init__(self, tree: ast.AST, filename: str):
-        self.filename = filename
-        self._nodes: list[Any] = [n for n in ast.walk(tree) if isinstance(n, _FUNCTIONS)]
 
-    def node(self, function: types.FunctionType) -> Any:
-        """Its definition; None if it is not in the script, or if it is ambiguous."""
-        code = function.__code__
-        found = [
-            n
-            for n in self._nodes
-            if code.co_filename == self.filename
-            and min([n.lineno, *(d.lineno for d in getattr(n, "decorator_list", ()))])
-            == code.co_firstlineno
-            and getattr(n, "name", "<lambda>") == code.co_name
-        ]
-        return found[0] if len({ast.dump(n) for n in found}) == 1 else None
+def top_level(
+    function: types.FunctionType,
+    node: Any,
+    part_name: Callable[[Any], str | None],
+    value_of: Callable[[str, Any], ast.expr],
+) -> ast.FunctionDef | ast.Lambda:
+    """A function of the script as one of the top level; `Unwritable` if it cannot be one.
 
-    def written(
-        self,
-        function: types.FunctionType,
-        source: Any,
-        part_name: Callable[[Any], str | None],
-        value_of: Callable[[str, Any], ast.expr],
-    ) -> ast.FunctionDef | ast.Lambda:
-        """A function of the script as one of the top level; `Unwritable` if it cannot be one.
-
-        Values of variables around it become default values of further parameters. ``source`` is the
-        argument that it was (a lambda is its own definition); ``part_name`` gives the name of a
-        part of the diagram, ``value_of`` an expression for the value of a variable.
-        """
-        node = source if isinstance(source, ast.Lambda) else self.node(function)
-        if node is None:
-            raise Unwritable(f"function {function.__name__!r} is not in the script")
-        if any(isinstance(n, ast.Nonlocal) for n in ast.walk(node)):
-            raise Unwritable(f"{function.__name__!r} changes a variable of the function around it")
-        new = copy.deepcopy(node)
-        given = function.__kwdefaults__ or {}
-        for i, argument in enumerate(node.args.kwonlyargs):
-            if argument.arg in given:
-                new.args.kw_defaults[i] = value_of(argument.arg, given[argument.arg])
-        defaults = function.__defaults__ or ()
-        names = [a.arg for a in (*node.args.posonlyargs, *node.args.args)][-len(defaults) :]
-        new.args.defaults = [value_of(*pair) for pair in zip(names, defaults, strict=False)]
-        renamed = {}
-        cells = function.__closure__ or ()
-        for name, cell in zip(function.__code__.co_freevars, cells, strict=True):
-            part = part_name(cell.cell_contents)
-            if part is not None:
-                renamed[name] = part
-            else:
-                new.args.kwonlyargs.append(ast.arg(name))
-                new.args.kw_defaults.append(value_of(name, cell.cell_contents))
-        body = new.body if isinstance(new.body, list) else [new.body]
-        local = bound(body) | {a.arg for a in arguments(new)}
-        for part_of_body in body:
-            for reference in references(part_of_body, frozenset(local - renamed.keys())):
-                reference.id = renamed.get(reference.id, reference.id)
-        return new
+    Values of variables around it become default values of further parameters. ``node`` is its
+    definition; ``part_name`` gives the name of a part of the diagram, ``value_of`` an
+    expression for the value of a variable.
+    """
+    if node is None:
+        raise Unwritable(f"function {function.__name__!r} is not in the script")
+    if any(isinstance(n, ast.Nonlocal) for n in ast.walk(node)):
+        raise Unwritable(f"{function.__name__!r} changes a variable of the function around it")
+    new = copy.deepcopy(node)
+    given = function.__kwdefaults__ or {}
+    for i, argument in enumerate(node.args.kwonlyargs):
+        if argument.arg in given:
+            new.args.kw_defaults[i] = value_of(argument.arg, given[argument.arg])
+    defaults = function.__defaults__ or ()
+    names = [a.arg for a in (*node.args.posonlyargs, *node.args.args)][-len(defaults) :]
+    new.args.defaults = [value_of(*pair) for pair in zip(names, defaults, strict=False)]
+    renamed = {}
+    cells = function.__closure__ or ()
+    for name, cell in zip(function.__code__.co_freevars, cells, strict=True):
+        part = part_name(cell.cell_contents)
+        if part is not None:
+            renamed[name] = part
+        else:
+            new.args.kwonlyargs.append(ast.arg(name))
+            new.args.kw_defaults.append(value_of(name, cell.cell_contents))
+    body = new.body if isinstance(new.body, list) else [new.body]
+    local = bound(body) | {a.arg for a in arguments(new)}
+    for part_of_body in body:
+        for reference in references(part_of_body, frozenset(local - renamed.keys())):
+            reference.id = renamed.get(reference.id, reference.id)
+    return new

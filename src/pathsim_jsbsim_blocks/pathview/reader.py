@@ -18,12 +18,12 @@ from typing import Any, NoReturn
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
-from .._core.pathsim_internals import own_events, port_names, port_number
+from .._core.pathsim_internals import own_events, port_names
 from ..scripts.first_run import FirstRun, named_arguments
 from ..scripts.names import used
 from .code import Code
-from .diagram import Diagram, Event, Graph, Node, Part, Wire
-from .literals import Functions, Unwritable, literal, memories
+from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
+from .literals import Unwritable, definition, literal, memories, top_level
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .variables import plain, prefix_inside
@@ -31,6 +31,7 @@ from .variables import plain, prefix_inside
 # variables of PathView's own script
 _OWN = "np plt blocks connections events sim json gc sys traceback base64"
 _TAKEN = {*_OWN.split(), *dir(builtins)}
+_BY_NAME = "PathView knows blocks by class name only"
 _GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
@@ -53,7 +54,6 @@ class _Reader:
         self.values: dict[int, str] = {}  # of functions' variables: what can change, by id
         self.memories: dict[int, Any] = {}
         self.literals: list[tuple[Part, str, Any]] = []  # parameters written with their values
-        self.functions = Functions(script.tree, str(script.path))
         self.registry = core_registry()
         self.parts: dict[int, Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
@@ -61,11 +61,8 @@ class _Reader:
     def diagram(self) -> Diagram:
         sim = self.script.simulation
         if sim.time:
-            self.refuse(
-                f"the simulation is at t = {sim.time:g} when its first run begins; "
-                "PathView starts at 0",
-                self.script.run_call,
-            )
+            where = f"the simulation is at t = {sim.time:g} when its first run begins"
+            self.refuse(f"{where}; PathView starts at 0", self.script.run_call)
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
         for part in self.parts.values():
             self._settle(part)
@@ -125,22 +122,16 @@ class _Reader:
         return Graph(nodes, wires, [self._event(e, parent) for e in events])
 
     def _wires(self, connection: Connection, index: dict[int, int]) -> Iterator[Wire]:
-        source, kind = connection.source, type(connection)
+        kind = type(connection)
         if kind is not Connection:
             reason = f"a connection is a {kind.__name__}; PathView has PathSim's Connection only"
-            self._refuse(source.block, reason)
-        for target in connection.targets:
-            for end in (source, target):
-                if id(end.block) not in index:
-                    reason = f"{self._called(end.block)} is wired but not in the list of blocks"
-                    self._refuse(end.block, reason)
-            for out, into in zip(source.ports, target.ports, strict=True):
-                yield Wire(
-                    index[id(source.block)],
-                    port_number(source.block.outputs, out),
-                    index[id(target.block)],
-                    port_number(target.block.inputs, into),
-                )
+            self._refuse(connection.source.block, reason)
+        for source, out, target, into in ends(connection):
+            for block in (source, target):
+                if id(block) not in index:
+                    reason = f"{self._called(block)} is wired but not in the list of blocks"
+                    self._refuse(block, reason)
+            yield Wire(index[id(source)], out, index[id(target)], into)
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: Part | None) -> Node:
         kind = _built_in(type(block))
@@ -182,29 +173,25 @@ class _Reader:
             parameters = list(kind.info()["parameters"]) if toolbox else None
         if parameters is None:
             hint = ""
-            if _steps_jsbsim(block):
-                hint = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
-            elif not kind.__module__.startswith("pathsim."):
+            if not kind.__module__.startswith("pathsim."):
                 hint = "; its class must be exported by an installed package"
+            elif re.search(r"\bjsbsim\b", self.script.source):
+                hint = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
             self._refuse(block, unknown_block(name, self.registry) + hint)
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:
-            self._refuse(
-                block,
-                f"two blocks of the same class name {name!r} from different packages; "
-                "PathView knows blocks by class name only",
-            )
+            reason = f"two blocks of the same class name {name!r} from different packages"
+            self._refuse(block, f"{reason}; {_BY_NAME}")
         return parameters
 
     def _event(self, event: Any, parent: Part | None) -> Event:
         name = type(event).__name__
         entry = self.registry["events"].get(name)
-        part = self._add(
-            Part(Event("", f"pathsim.events.{name}", {}), event, type(event), parent=parent)
-        )
+        target = Event("", f"pathsim.events.{name}", {})
+        part = self._add(Part(target, event, type(event), parent=parent))
         if entry is None or not type(event).__module__.startswith("pathsim."):
             self._refuse(event, f"PathView does not know the event {name!r}")
         self._construction(part, entry["params"])
-        return part.target  # type: ignore[return-value]
+        return target
 
     def _add(self, part: Part) -> Part:
         if id(part.value) in self.parts:
@@ -247,6 +234,9 @@ class _Reader:
         """Whether a value is a function of the script."""
         return inspect.isfunction(value) and value.__code__.co_filename == str(self.script.path)
 
+    def _definition(self, function: Any) -> Any:
+        return definition(function, self.script.tree) if self._is_own(function) else None
+
     def _settle(self, part: Part) -> None:
         """Give every parameter an expression that the model's code can evaluate."""
         for name in part.known:
@@ -278,9 +268,8 @@ class _Reader:
                 if any(memories(value)):
                     self.literals.append((part, name, value))
                 return _without_places(ast.parse(literal(value), mode="eval").body)
-            function = _without_places(
-                self.functions.written(value, node, self._stand_in, self._value)
-            )
+            source = node if isinstance(node, ast.Lambda) else self._definition(value)
+            function = _without_places(top_level(value, source, self._stand_in, self._value))
         except Unwritable as unwritable:
             reason = f"{what}: {unwritable}; write it at the top level, under a name"
             self._refuse(part.value, reason, where)
@@ -340,9 +329,8 @@ class _Reader:
             if isinstance(part.value, Interface):
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
-                wish = (
-                    variables[0] if variables else self._original_name(part)
-                ) or part.kind.__name__
+                wish = variables[0] if variables else self._original_name(part)
+                wish = wish or part.kind.__name__
                 for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
                     wish = wish.removeprefix(start) or wish
                 for name in _display_names(wish, part.kind.__name__, other):
@@ -395,16 +383,11 @@ class _Reader:
         owners = {name: toolbox for name, (_, toolbox) in self.types.items()}
         toolboxes = sorted({t for t in owners.values() if t}, key=lambda t: t.package)
         for order in itertools.permutations(toolboxes):
-            wins: dict[str, Toolbox | None] = dict.fromkeys(owners)
-            for toolbox in order:
-                wins.update(dict.fromkeys(toolbox.blocks().keys() & owners.keys(), toolbox))
-            if wins == owners:
+            found = {name: toolbox for toolbox in order for name in toolbox.blocks()}
+            if all(found.get(name) == toolbox for name, toolbox in owners.items()):
                 return list(order)
-        self.refuse(
-            "blocks of the same class name in "
-            f"{' and '.join(t.package for t in toolboxes)} hide each other; "
-            "PathView knows blocks by class name only"
-        )
+        names = " and ".join(t.package for t in toolboxes)
+        self.refuse(f"blocks of the same class name in {names} hide each other; {_BY_NAME}")
 
 
 # Blocks of which PathView keeps as many outputs as inputs
@@ -413,16 +396,6 @@ _SYNCHRONOUS = (
     "Pow Polynomial Rescale Alias LogicNot SampleHold FirstOrderHold DiscreteIntegrator "
     "DiscreteDerivative"
 )
-
-
-def _steps_jsbsim(block: Block) -> bool:
-    """Whether a block's function uses an object of JSBSim."""
-    function = getattr(block, "func", None)
-    if not inspect.isfunction(function):
-        return False
-    seen = inspect.getclosurevars(function)
-    values = (*seen.globals.values(), *seen.nonlocals.values())
-    return any(type(value).__module__ in ("jsbsim", "_jsbsim") for value in values)
 
 
 def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
@@ -466,23 +439,20 @@ def _built_in(kind: type[Block]) -> type[Block]:
 
 
 def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
-    """The parameters of a class's constructor, with self."""
-    constructor: Any = next(vars(c)["__init__"] for c in kind.__mro__ if "__init__" in vars(c))
-    return inspect.signature(constructor).parameters
+    return inspect.signature(kind).parameters
 
 
 def _plain_arguments(
     call: ast.expr, parameters: Mapping[str, inspect.Parameter]
 ) -> dict[str, ast.expr] | None:
     """The arguments of a call in which each corresponds to one parameter; None of others."""
-    named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    names = [n for n, p in parameters.items() if p.kind in named][1:]
-    if (
-        not isinstance(call, ast.Call)
-        or any(isinstance(a, ast.Starred) for a in call.args)
-        or any(k.arg is None for k in call.keywords)
-        or len(call.args) > len(names)
-    ):
+    if not isinstance(call, ast.Call):
+        return None
+    names = [
+        n for n, p in parameters.items() if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+    ]
+    starred = [a for a in call.args if isinstance(a, ast.Starred)]
+    if starred or len(call.args) > len(names) or any(k.arg is None for k in call.keywords):
         return None
     return named_arguments(call, names)
 

@@ -25,7 +25,8 @@ import numpy as np
 from pathsim import Simulation, Subsystem
 from pathsim.blocks import Block
 
-from .._core.pathsim_internals import each_sample, own_events, port_names, port_number
+from .._core.pathsim_internals import each_sample, own_events, port_names
+from .diagram import ends
 from .frozen import Frozen
 from .generate import to_python
 from .plain import MODEL, attributes, text_of
@@ -98,24 +99,18 @@ def structure(simulation: Simulation, parts: Mapping[str, Any]) -> dict[str, str
 
     def inside(system: Any, events: Iterable[Any]) -> str:
         wires = [
-            f"{names.get(id(c.source.block))}[{port_number(c.source.block.outputs, out)}]-"
-            f"{names.get(id(target.block))}[{port_number(target.block.inputs, into)}]"
-            for c in system.connections
-            if c
-            for target in c.targets
-            for out, into in zip(c.source.ports, target.ports, strict=True)
+            f"{names.get(id(source))}[{out}]-{names.get(id(target))}[{into}]"
+            for connection in filter(None, system.connections)
+            for source, out, target, into in ends(connection)
         ]
         members = [str(names.get(id(part))) for part in (*system.blocks, *events)]
         return ", ".join(sorted(wires) + sorted(members))
 
     solver = ("dt", "dt_min", "dt_max", "Solver", "tolerance_fpi", "iterations_max")
+    inner = {name: part for name, part in parts.items() if isinstance(part, Subsystem)}
     return {
         "connections": inside(simulation, simulation.events),
-        **{
-            f"connections of {name}": inside(part, own_events(part))
-            for name, part in parts.items()
-            if isinstance(part, Subsystem)
-        },
+        **{f"connections of {name}": inside(s, own_events(s)) for name, s in inner.items()},
         **{name: text_of(getattr(simulation, name)) for name in solver},
         "on": str(bool(simulation)),
         "engine": str(attributes(simulation.engine)),

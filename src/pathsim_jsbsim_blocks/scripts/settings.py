@@ -21,18 +21,8 @@ from ..errors import ParameterError
 from .names import assignments, bound, own, references
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
-_LITERAL = (
-    ast.Expression,
-    ast.Constant,
-    ast.UnaryOp,
-    ast.BinOp,
-    ast.operator,
-    ast.unaryop,
-    ast.List,
-    ast.Tuple,
-    ast.Dict,
-    ast.expr_context,
-)
+_NUMBER = (ast.Expression, ast.Constant, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop)
+_LITERAL = (*_NUMBER, ast.List, ast.Tuple, ast.Dict, ast.expr_context)
 
 
 class SettingError(ParameterError):
@@ -75,8 +65,11 @@ class Settings:
 
     def __init__(self, script: str, tree: ast.Module, values: Mapping[str, Any]):
         self._script, self._tree, self._values = script, tree, dict(values)
-        self.assigned = _calls_by_name(own(tree.body))
-        self._anywhere = _calls_by_name(ast.walk(tree))
+        top, everywhere = _assigned(own(tree.body)), _assigned(ast.walk(tree))
+        self.assigned = {name for name, _ in top}
+        self._made: dict[str, list[ast.Call]] = {name: [] for name, _ in everywhere}
+        for name, made in everywhere:
+            self._made[name] += [made] if isinstance(made, ast.Call) else []
         self._waiting = set(values)
         self._parameters: dict[str, list[str]] = {}  # by block
         for name in values:
@@ -86,19 +79,9 @@ class Settings:
             if block:
                 self._parameters.setdefault(block, []).append(parameter)
         # names of variables by the expressions that they are assigned
-        self.constants = {
-            value: target.id
-            for node in own(tree.body)
-            for target, value in assignments(node)
-            if target.id in values
-        }
+        self.constants = {value: name for name, value in top if name in values}
         # names of blocks by the calls that make them
-        self.calls = {
-            value: target.id
-            for node in ast.walk(tree)
-            for target, value in assignments(node)
-            if target.id in self._parameters and isinstance(value, ast.Call)
-        }
+        self.calls = {made: name for name in self._parameters for made in self._made[name]}
         # calls with a seed that follows from the values
         self.seeding = {c for c, block in self.calls.items() if "seed" in self._parameters[block]}
         following = _following(self.constants.values(), tree)
@@ -122,10 +105,10 @@ class Settings:
         return self._no_parameter(variable, parameter) if parameter else self._no_constant(variable)
 
     def _no_parameter(self, variable: str, parameter: str) -> str:
-        if not self._anywhere.get(variable):
-            blocks = [n for n, calls in self._anywhere.items() if calls]
+        if not self._made.get(variable):
+            blocks = [name for name, calls in self._made.items() if calls]
             reason = f"{self._script} assigns no block to {variable!r}"
-            if variable in self._anywhere:
+            if variable in self._made:
                 reason = f"{variable!r} is not the result of one call in {self._script}"
             return reason + _nearest_of(variable, blocks)
         for root, names in _changes(self._tree):
@@ -137,7 +120,7 @@ class Settings:
         if variable not in self.assigned:
             blocks = [
                 f"{block}.{variable}"
-                for block, calls in self._anywhere.items()
+                for block, calls in self._made.items()
                 if any(keyword.arg == variable for call in calls for keyword in call.keywords)
             ]
             reason = f"{self._script} assigns no {variable!r} at its top level"
@@ -262,15 +245,9 @@ def _named(signature: inspect.Signature) -> dict[str, inspect.Parameter]:
     }
 
 
-def _calls_by_name(nodes: Iterable[ast.AST]) -> dict[str, list[ast.Call]]:
-    """Variables that are assigned, with the calls whose results they are."""
-    found: dict[str, list[ast.Call]] = {}
-    for node in nodes:
-        for target, value in assignments(node):
-            calls = found.setdefault(target.id, [])
-            if isinstance(value, ast.Call):
-                calls.append(value)
-    return found
+def _assigned(nodes: Iterable[ast.AST]) -> list[tuple[str, ast.expr]]:
+    """Variables, and what is assigned to them."""
+    return [(target.id, value) for node in nodes for target, value in assignments(node)]
 
 
 def _following(names: Iterable[str], tree: ast.AST) -> set[str]:
