@@ -48,12 +48,9 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         refuse("name", name, f"{name!r} is not a Python script (.py)")
     if name in names:
         return diagram_folder() / f"{name}.py"
-    refuse(
-        "name",
-        name,
-        f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
-        + did_you_mean(nearest(name, [*map(str, script.parent.glob("*.py")), *names, *also])),
-    )
+    close = nearest(name, [*map(str, script.parent.glob("*.py")), *names, *also])
+    why = f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
+    refuse("name", name, why + did_you_mean(close))
 
 
 def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> ModuleType:

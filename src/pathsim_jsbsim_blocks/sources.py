@@ -42,12 +42,8 @@ class _EdgeSource(Parametric):
         self._times = self._edge_times()
         for time, after in pairwise(self._times):
             if not time < after < math.inf:
-                refuse(
-                    "start",
-                    self._times,
-                    f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s cannot "
-                    "be told apart",
-                )
+                edges = f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s"
+                refuse("start", self._times, f"{edges} cannot be told apart")
         if not self.passed:
             self.edges.times_evt = self._times
 
@@ -153,12 +149,9 @@ class MultistepSource(_StepsSource):
     def _pulses(self) -> list[tuple[float, float]]:
         c = self.checked
         if len(c.widths) != len(c.signs) or not c.widths:
-            refuse(
-                "signs",
-                self.signs,
-                f"widths and signs must have the same length, at least 1, not {len(c.widths)} and "
-                f"{len(c.signs)}",
-            )
+            lengths = f"{len(c.widths)} and {len(c.signs)}"
+            why = f"widths and signs must have the same length, at least 1, not {lengths}"
+            refuse("signs", self.signs, why)
         pulses = zip(c.widths, c.signs, strict=True)
         return [(c.step * width, c.amplitude * sign) for width, sign in pulses]
 

@@ -85,11 +85,8 @@ def _at_other_pressure(mach: Any, ratio: Any) -> Any:
 def _speed(parameter: str, value: Any, air: Air) -> Any:
     """``value`` as a finite float, or as a float array that fits the air's shape."""
     if not isinstance(air, Air):
-        refuse(
-            "air",
-            air,
-            f"air must be that of isa(altitude) or Air(pressure, temperature), not {air!r}",
-        )
+        why = f"air must be that of isa(altitude) or Air(pressure, temperature), not {air!r}"
+        refuse("air", air, why)
     if type(value) is float and isfinite(value):
         return value
     return finite(**{parameter: value, **air._asdict()})[0]

@@ -128,20 +128,14 @@ def positive_finite(**values: Any) -> list[Any]:
 
 def _refuse_altitude(altitude: Any) -> None:
     (h,) = finite(altitude=altitude)
-    refuse(
-        "altitude",
-        altitude,
-        f"altitude must be above the Earth's centre at {-EARTH_RADIUS:.0f} m, not {_lowest(h):g} m",
-    )
+    centre = f"the Earth's centre at {-EARTH_RADIUS:.0f} m"
+    refuse("altitude", altitude, f"altitude must be above {centre}, not {_lowest(h):g} m")
 
 
 def _refuse_deviation(temp_deviation: Any, temperature: float) -> None:
     finite(temp_deviation=temp_deviation)
-    refuse(
-        "temp_deviation",
-        temp_deviation,
-        f"temp_deviation must leave a positive temperature, not {temperature:g} K",
-    )
+    why = f"temp_deviation must leave a positive temperature, not {temperature:g} K"
+    refuse("temp_deviation", temp_deviation, why)
 
 
 def geopotential_altitude(geometric: Any) -> Any:
@@ -172,11 +166,8 @@ def geometric_altitude(geopotential: Any) -> Any:
     """
     (h,) = finite(altitude=geopotential)
     if not _lowest(-h) > -EARTH_RADIUS:
-        refuse(
-            "altitude",
-            geopotential,
-            f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-_lowest(-h):g} m",
-        )
+        why = f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-_lowest(-h):g} m"
+        refuse("altitude", geopotential, why)
     return EARTH_RADIUS * h / (EARTH_RADIUS - h)
 
 

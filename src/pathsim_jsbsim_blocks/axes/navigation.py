@@ -196,12 +196,8 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
     first, last = (place_unchecked(*point(name, p)) for name, p in (("start", start), ("end", end)))
     circle = circle_through(first, last)
     if circle is None:
-        refuse(
-            "end",
-            end,
-            f"there is no single great circle from {tuple(start)} to {tuple(end)}: they coincide "
-            "or lie opposite each other",
-        )
+        why = f"there is no single great circle from {tuple(start)} to {tuple(end)}: "
+        refuse("end", end, why + "they coincide or lie opposite each other")
     return circle
 
 
@@ -250,11 +246,8 @@ def point(parameter: str, value: Any) -> tuple[float, float]:
         for what is not two numbers, and a latitude beyond 90 deg
     """
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        refuse(
-            parameter,
-            value,
-            f"{parameter} must be a latitude and a longitude in deg, not {value!r}",
-        )
+        why = f"{parameter} must be a latitude and a longitude in deg, not {value!r}"
+        refuse(parameter, value, why)
     lat, lon = value
     return (
         number(f"{parameter}: latitude", lat, low=-90.0, high=90.0),
@@ -271,11 +264,8 @@ def _dot(a: Any, b: Any) -> float:
 
 
 def _cross(a: Vector, b: Vector) -> Vector:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    (x, y, z), (u, v, w) = a, b
+    return y * w - z * v, z * u - x * w, x * v - y * u
 
 
 def _scaled(a: Vector, factor: float) -> Vector:

@@ -148,11 +148,8 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     least = 200 if _known(case) in _F16 else 10
     rate = max(least, 100) if rate is None else rate
     if whole("rate", rate, low=least) % 2:
-        refuse(
-            "rate",
-            rate,
-            f"rate must be even, for the reference has a point each 0.5 s, not {rate!r}",
-        )
+        why = f"rate must be even, for the reference has a point each 0.5 s, not {rate!r}"
+        refuse("rate", rate, why)
     T = 1 / rate
     name = f"check_case_{_file_name(case)}"
     diagram = load_diagram(name, {"vehicle.T": T, "vehicle.integrators": integrators, "sim.dt": T})
@@ -192,17 +189,8 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
         if quantity.limit is not None:
             from_05 = float(abs(_distance(case, name, scopes, single)).max())
             passes = passes and from_05 <= quantity.limit
-        found.append(
-            Deviation(
-                name,
-                quantity.unit,
-                float(worst),
-                float(band),
-                from_05,
-                quantity.limit,
-                bool(passes),
-            )
-        )
+        numbers = float(worst), float(band), from_05, quantity.limit
+        found.append(Deviation(name, quantity.unit, *numbers, bool(passes)))
     return found
 
 
@@ -241,30 +229,13 @@ def comparison_table(case: float, deviations: Sequence[Deviation]) -> str:
     rows = [
         ("", "", "from the", "band of", "from", "", ""),
         ("quantity", "unit", "median", "NASA's", "sim. 05", "limit", ""),
-        *(
-            (
-                d.quantity,
-                d.unit,
-                _short(d.worst),
-                _short(d.band),
-                _short(d.from_05),
-                _short(d.limit_05),
-                "pass" if d.passes else "FAIL",
-            )
-            for d in deviations
-        ),
     ]
-    return "\n".join(
-        [
-            f"check case {case:g}: {CASES[case]}",
-            *(
-                (
-                    f"  {name:<15}{unit:<6}" + "".join(f"{x:>10}" for x in numbers) + f"  {verdict}"
-                ).rstrip()
-                for name, unit, *numbers, verdict in rows
-            ),
-        ]
-    )
+    for d in deviations:
+        numbers = map(_short, (d.worst, d.band, d.from_05, d.limit_05))
+        rows.append((d.quantity, d.unit, *numbers, "pass" if d.passes else "FAIL"))
+    line = "  {:<15}{:<6}{:>10}{:>10}{:>10}{:>10}  {}"
+    lines = [f"check case {case:g}: {CASES[case]}", *(line.format(*row).rstrip() for row in rows)]
+    return "\n".join(lines)
 
 
 def comparison_figure(case: float, *scopes: Scope) -> Figure:
@@ -286,12 +257,12 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
 
     reference, single = _reference(_known(case)), _simulator_05(case)
     time = reference["time_s"]
-    shown = {
-        name: quantity
-        for name, quantity in _quantities(case).items()
-        if _band(case, quantity, reference).max()
-        > _ROUNDING * max(1, abs(reference[quantity.column]).max())
-    }
+    shown = {}
+    for name, quantity in _quantities(case).items():
+        rounding = _ROUNDING * max(1, abs(reference[quantity.column]).max())
+        if _band(case, quantity, reference).max() > rounding:
+            shown[name] = quantity
+    of_band = "NASA's " + ("three simulators" if case in _F16 else "simulators but the worst")
     rows = math.ceil(len(shown) / 2)
     figure, axes = subplots(
         rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)
@@ -299,33 +270,14 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     with exact_curves():
         for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
             band = _band(case, quantity, reference)
-            ax.fill_between(
-                time,
-                -band,
-                band,
-                color="tab:gray",
-                alpha=0.3,
-                label="NASA's three simulators"
-                if case in _F16
-                else "NASA's simulators but the worst",
-            )
-            ax.plot(
-                time,
-                _distance(case, name, scopes, reference),
-                label="this diagram",
-            )
+            ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
+            ax.plot(time, _distance(case, name, scopes, reference), label="this diagram")
             if quantity.limit is not None:
-                # on a circle both may jump, not their difference
                 at = np.searchsorted(time, single["time_s"])
-                apart = _on_circle(
-                    quantity, single[quantity.column] - reference[quantity.column][at]
-                )
-                ax.plot(
-                    single["time_s"],
-                    apart * _scale(case, quantity, single),
-                    "k:",
-                    label="simulator 05",
-                )
+                apart = single[quantity.column] - reference[quantity.column][at]
+                # on a circle both may jump, not their difference
+                apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
+                ax.plot(single["time_s"], apart, "k:", label="simulator 05")
             for edge in (-band.max(), band.max()):
                 ax.axhline(edge, color="tab:gray", linestyle="--", linewidth=0.8)
             ax.set_ylabel(f"{name}\n[{quantity.unit}]")
@@ -346,11 +298,8 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
 def _known(case: Any) -> float:
     found = number("case", case)
     if found not in CASES:
-        refuse(
-            "case",
-            case,
-            f"case must be one of {', '.join(f'{x:g}' for x in CASES)}, not {case!r}",
-        )
+        known = ", ".join(f"{x:g}" for x in CASES)
+        refuse("case", case, f"case must be one of {known}, not {case!r}")
     return found
 
 
@@ -382,11 +331,8 @@ def _distance(case: float, name: str, scopes: Sequence[Scope], expected: np.ndar
     at = np.minimum(np.searchsorted(recorded, time - 1e-6), len(recorded) - 1)
     missing = time[abs(recorded[at] - time) > 1e-6]
     if missing.size:
-        refuse(
-            "scope",
-            scope,
-            f"the recording has no sample at t = {missing[0]:g} s, which the reference has",
-        )
+        why = f"the recording has no sample at t = {missing[0]:g} s, which the reference has"
+        refuse("scope", scope, why)
     quantity = _QUANTITIES[name]
     apart = _on_circle(quantity, values[at] * quantity.per_signal - expected[quantity.column])
     return apart * _scale(case, quantity, expected)

@@ -12,6 +12,8 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from .._core.scopes import name_and_unit
 from .._core.units import FOOT, conversion
 from ..errors import ParameterError
@@ -62,15 +64,15 @@ def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
 
 def _lines(identity: str, track: Track) -> Iterator[tuple[float, str]]:
     names, columns = _columns(track)
-    place = zip(
-        *(x.tolist() for x in (track.lon, track.lat, track.h * FOOT)),
-        *(x.tolist() for x in (track.phi, track.theta, track.psi)),
-        strict=True,
+    place = np.column_stack(
+        [track.lon, track.lat, track.h * FOOT, track.phi, track.theta, track.psi]
     )
     first = f",Type=Air+FixedWing,Name={_escaped(track.aircraft)},CallSign={_escaped(track.name)}"
     written: dict[str, str] = {}
     rows = zip(*columns, strict=True) if columns else itertools.repeat(())
-    for time, (lon, lat, alt, *angles), row in zip(track.time.tolist(), place, rows, strict=False):
+    for time, (lon, lat, alt, *angles), row in zip(
+        track.time.tolist(), place.tolist(), rows, strict=False
+    ):
         values = {name: f"{x:.6g}" for name, x in zip(names, row, strict=True) if math.isfinite(x)}
         changed = "".join(f",{n}={x}" for n, x in values.items() if written.get(n) != x)
         turned = "|".join(f"{x:.4f}" for x in angles)
@@ -83,16 +85,14 @@ def _columns(track: Track) -> tuple[list[str], list[list[float]]]:
     found = {}
     for text, column in track.signals.items():
         name, unit = name_and_unit(text)
-        if name in _PROPERTIES:
-            known, wanted = _PROPERTIES[name]
-            if unit == wanted:
-                factor, offset = 1.0, 0.0
-            else:
-                try:
-                    factor, offset = conversion(unit, wanted)
-                except ParameterError:
-                    continue  # another quantity under the same name
-            found[known] = (factor * column + offset).tolist()
+        if name not in _PROPERTIES:
+            continue
+        known, wanted = _PROPERTIES[name]
+        try:
+            factor, offset = (1.0, 0.0) if unit == wanted else conversion(unit, wanted)
+        except ParameterError:
+            continue  # another quantity under the same name
+        found[known] = (factor * column + offset).tolist()
     return list(found), list(found.values())
 
 

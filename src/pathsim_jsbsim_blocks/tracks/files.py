@@ -52,12 +52,8 @@ def track_file(parameter: str, path: Any) -> Path:
     path = writable(parameter, path)
     ending = path.suffix.lower()
     if ending not in _FORMATS:
-        refuse(
-            parameter,
-            str(path),
-            f"{parameter} must end in one of {', '.join(_FORMATS)}, not {path.name!r}"
-            + did_you_mean(nearest(ending, _FORMATS, 1)),
-        )
+        why = f"{parameter} must end in one of {', '.join(_FORMATS)}, not {path.name!r}"
+        refuse(parameter, str(path), why + did_you_mean(nearest(ending, _FORMATS, 1)))
     for package in _FORMATS[ending][1]:
         required(package, "tracks")
     return path
@@ -96,11 +92,8 @@ def save_tracks(
     tracks = list(tracks) if isinstance(tracks, Iterable) else [tracks]
     for track in tracks:
         if not isinstance(track, Track):
-            refuse(
-                "tracks",
-                track,
-                f"tracks must be one Track or a list of them, not {reprlib.repr(track)}",
-            )
+            why = f"tracks must be one Track or a list of them, not {reprlib.repr(track)}"
+            refuse("tracks", track, why)
     names = [track.name for track in tracks]
     if not tracks or len(set(names)) != len(names):
         refuse("tracks", names, f"tracks must be one or more, of different names, not {names}")
@@ -113,11 +106,8 @@ def save_tracks(
     except OSError as error:
         raise FileError("write", path, error) from None
     except OverflowError:
-        refuse(
-            "start",
-            start,
-            f"the dates of the flight, which starts at {start}, end after the year 9999",
-        )
+        why = f"the dates of the flight, which starts at {start}, end after the year 9999"
+        refuse("start", start, why)
 
 
 def _utc(start: Any) -> datetime.datetime:
@@ -127,11 +117,8 @@ def _utc(start: Any) -> datetime.datetime:
             return date.replace(tzinfo=datetime.timezone.utc)
         return date.astimezone(datetime.timezone.utc)
     except (AttributeError, TypeError, ValueError, OverflowError):
-        refuse(
-            "start",
-            start,
-            f"start must be a datetime between the years 1 and 9999 in UTC, not {start!r}",
-        )
+        why = f"start must be a datetime between the years 1 and 9999 in UTC, not {start!r}"
+        refuse("start", start, why)
 
 
 def _versions() -> str:

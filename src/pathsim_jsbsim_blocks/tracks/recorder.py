@@ -102,27 +102,19 @@ class FlightRecorder(NamedPorts, Scope):
 
     @signals.setter
     def signals(self, signals: Sequence[str]) -> None:
-        if isinstance(signals, str) or not (
-            isinstance(signals, Sequence) and all(isinstance(s, str) for s in signals)
-        ):
+        listed = isinstance(signals, Sequence) and not isinstance(signals, str)
+        if not listed or not all(isinstance(s, str) for s in signals):
             refuse("signals", signals, f"signals must be a list of labels, not {signals!r}")
         ports = [*POSITION, *(name_and_unit(writable_text("signals", x))[0] for x in signals)]
         twice = [port for i, port in enumerate(ports) if port in ports[:i]]
         if twice:
-            refuse(
-                "signals",
-                signals,
-                f"signals has {twice[0]!r} twice, or it is a port of every recorder: "
-                + ", ".join(POSITION),
-            )
+            why = f"signals has {twice[0]!r} twice, or it is a port of every recorder: "
+            refuse("signals", signals, why + ", ".join(POSITION))
         if hasattr(self, "_signals"):
             if list(signals) == list(self._signals):
                 return
-            refuse(
-                "signals",
-                signals,
-                "signals cannot change, they are the block's ports: build another block",
-            )
+            why = "signals cannot change, they are the block's ports: build another block"
+            refuse("signals", signals, why)
         self._signals = signals
         self.labels = [*POSITION.values(), *signals]
         self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
@@ -158,9 +150,7 @@ class FlightRecorder(NamedPorts, Scope):
         return self.to_track().to_frame()
 
     def save(
-        self,
-        path: str | os.PathLike[str] = "flight.csv",
-        start: datetime.datetime | None = None,
+        self, path: str | os.PathLike[str] = "flight.csv", start: datetime.datetime | None = None
     ) -> None:
         """Write the recording to a file; parameters and errors are those of `save_tracks`.
 

@@ -34,17 +34,13 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
     origin = shown[0].lat[0], shown[0].lon[0], shown[0].h[0] * FOOT
     data = {"aircraft": [_aircraft(track, origin) for track in shown]}
     title = ", ".join(track.name for track in tracks)
-    head = [
-        (
-            "aircraft" if track.aircraft == track.name else track.name,
-            ", ".join([track.aircraft, *(f"{k} {v}" for k, v in track.about.items())]),
-        )
-        for track in tracks
-    ]
-    thin = [len(t.time) < len(whole.time) for t, whole in zip(shown, tracks, strict=True)]
-    head.append(("t = 0", f"{start:%Y-%m-%d %H:%M:%S %Z}"))
-    head.append(("made by", about))
-    if any(thin):
+    head = []
+    for track in tracks:
+        flown = [track.aircraft, *(f"{k} {v}" for k, v in track.about.items())]
+        name = "aircraft" if track.aircraft == track.name else track.name
+        head.append((name, ", ".join(flown)))
+    head += [("t = 0", f"{start:%Y-%m-%d %H:%M:%S %Z}"), ("made by", about)]
+    if any(len(track.time) > _MOST for track in tracks):
         head.append(("samples", f"thinned out to {_MOST:,} for each aircraft"))
     page = _PAGE.read_text(encoding="utf-8")
     for place, text in {
@@ -69,22 +65,10 @@ def _aircraft(track: Track, origin: tuple[float, float, float]) -> dict[str, Any
             column = np.unwrap(column, period=360)
         if name not in ("latitude", "longitude"):
             signals.append({"name": name, "unit": unit, "values": _packed(column)})
-    return {
-        "name": track.name,
-        "time": _packed(track.time),
-        **{
-            key: _packed(column)
-            for key, column in {
-                "east": east,
-                "north": north,
-                "up": up,
-                "theta": track.theta,
-                "phi": track.phi,
-                "psi": track.psi,
-            }.items()
-        },
-        "signals": signals,
-    }
+    columns = {name: getattr(track, name) for name in ("time", "theta", "phi", "psi")}
+    columns |= {"east": east, "north": north, "up": up}
+    packed = {name: _packed(column) for name, column in columns.items()}
+    return {"name": track.name, **packed, "signals": signals}
 
 
 def _packed(column: Any) -> str:

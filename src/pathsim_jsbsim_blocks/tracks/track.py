@@ -46,12 +46,8 @@ def writable_text(parameter: str, text: Any) -> str:
     if not isinstance(text, str):
         refuse(parameter, text, f"{parameter} must be text, not {text!r}")
     if found := _UNWRITABLE.search(text):
-        refuse(
-            parameter,
-            text,
-            f"{parameter} has the character {found[0]!r}, which files of tracks cannot hold, in "
-            f"{text!r}",
-        )
+        why = f"the character {found[0]!r}, which files of tracks cannot hold, in {text!r}"
+        refuse(parameter, text, f"{parameter} has {why}")
     return text
 
 
@@ -114,19 +110,14 @@ class Track:
         columns = finite(**given)
         for name, column in zip(given, columns, strict=True):
             object.__setattr__(self, name, np.atleast_1d(column))
-        rest = {
-            label: _signal(label, column)
-            for label, column in mapping("signals", self.signals).items()
-        }
+        signals = mapping("signals", self.signals)
+        rest = {label: _signal(label, column) for label, column in signals.items()}
         object.__setattr__(self, "signals", rest)
         for name, column in {**{n: getattr(self, n) for n in given}, **rest}.items():
             if column.shape != self.time.shape or column.ndim != 1 or not column.size:
-                refuse(
-                    name,
-                    column.shape,
-                    f"{name} has the shape {column.shape}, time has {self.time.shape}; all columns "
-                    "must have the same number of samples, at least 1",
-                )
+                why = f"{name} has the shape {column.shape}, time has {self.time.shape}"
+                same = "all columns must have the same number of samples, at least 1"
+                refuse(name, column.shape, f"{why}; {same}")
         if np.any(np.diff(self.time) <= 0):
             refuse("time", self.time, "time must increase")
         if np.max(np.abs(self.lat)) > 90:
