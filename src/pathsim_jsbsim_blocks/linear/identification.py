@@ -10,6 +10,7 @@ several poles at the origin are not separable by numbers.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm, logm, qr, schur
@@ -150,13 +151,13 @@ class _Pulses:
 
     def states(self, A: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """States at sample instants, for B = 1: shape (instants, n, n)."""
-        step, into = held(A, self.T)
+        step, held = _held(A, self.T)
         x = np.zeros((len(instants), *A.shape))
         state, now = np.zeros_like(A), 0
         powers: dict[int, np.ndarray] = {}
         for i, instant in enumerate(instants):
             while now < min(instant, self.width):
-                state, now = step @ state + into, now + 1
+                state, now = step @ state + held, now + 1
             if ahead := instant - now:
                 if ahead not in powers:
                     powers[ahead] = np.linalg.matrix_power(step, ahead)
@@ -246,12 +247,12 @@ def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return R[:kept, :kept], C @ Z[:, :kept]
 
 
-def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
+def respond(found: Any, u: np.ndarray, T: float) -> np.ndarray:
     """Responses at the sample instants to each input alone, held over each period.
 
     Parameters
     ----------
-    found : Realisation
+    found : Realisation or LinearModel
     u : array, shape (n, m)
     T : float
         sample period in s
@@ -260,11 +261,11 @@ def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
     -------
     array, shape (m, n + 1, p)
     """
-    step, into = held(found.A, T)
-    into = into @ found.B
+    step, held = _held(found.A, T)
+    into = held @ found.B
     late = np.zeros_like(u)
-    for j, periods in enumerate(found.latency):
-        late[periods:, j] = u[: len(u) - periods, j]
+    for j, periods in enumerate(map(int, found.latency)):
+        late[periods:, j] = u[: max(len(u) - periods, 0), j]
     x = np.zeros((len(u) + 1, *found.B.shape))
     for k, now in enumerate(late):
         x[k + 1] = step @ x[k] + into * now
@@ -273,7 +274,7 @@ def respond(found: Realisation, u: np.ndarray, T: float) -> np.ndarray:
     return y.transpose(2, 0, 1)
 
 
-def held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
+def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
     """Transition over one period, and the effect of a constant input over it."""
     n = len(A)
     both = expm(np.block([[A, np.eye(n)], [np.zeros((n, 2 * n))]]) * T)

@@ -15,7 +15,7 @@ from .._core.checks import as_path, did_you_mean, mapping, nearest, positive, re
 from .._core.extras import required
 from .._core.files import write_whole
 from ..errors import FileError
-from .identification import held
+from .identification import respond
 from .modes import Mode, natural_modes
 
 if TYPE_CHECKING:
@@ -206,16 +206,7 @@ class LinearModel:
             wanted = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
             wanted += f" ({', '.join(self.inputs)}) of finite numbers"
             refuse("u", given, f"u must have {wanted}, not {reprlib.repr(given)}{shape}")
-        du = np.zeros_like(u)
-        for j, late in enumerate(self.latency.astype(int)):
-            du[late:, j] = (u[:, j] - self.u0[j])[: max(len(u) - late, 0)]
-        step, into = held(self.A, self.dt)
-        x = np.zeros((len(u) + 1, len(self.A)))
-        for k, now in enumerate(du @ self.B.T):
-            x[k + 1] = step @ x[k] + into @ now
-        y = self.y0 + x @ self.C.T
-        y[1:] += du @ self.D.T
-        return y
+        return self.y0 + respond(self, u - self.u0, self.dt).sum(axis=0)
 
     def frequency_response(self, omega: Any) -> np.ndarray:
         """Frequency response, with the latency and the hold as a delay of `delay` s.

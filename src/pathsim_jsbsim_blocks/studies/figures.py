@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core.checks import did_you_mean, nearest, refuse
+from .._core.docstrings import filler
 from ..plots import subplots
 
 if TYPE_CHECKING:
@@ -22,6 +23,18 @@ _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence"
 
 # columns of text
 _WORDS = {"aircraft", "case", "reason"}
+
+_fill = filler(
+    title="""
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
+    """
+)
 
 
 def _trimmed(table: Any, chart: str, study: str, columns: str) -> pd.DataFrame:
@@ -48,6 +61,7 @@ def _of(table: pd.DataFrame, title: str) -> str:
     return f"{aircraft}: {title}" if aircraft else title[0].upper() + title[1:]
 
 
+@_fill
 def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Angle of attack and elevator deflection in trim against airspeed, in three panels.
 
@@ -57,13 +71,7 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
         of `aoa_vs_cas`, `aoa_vs_cas_loading` or `trim_sweep`; one line for each altitude and, where
         the table has them, weight case and CG shift (shown in inches of the empty-weight CG).
         The legend gives weight and CG of the first point of each line
-    title : str
-        headline
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
+    %(title)s
     """
     study = "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed"
     needed = "speed_kcas alpha_deg elevator_rad elevator_norm weight_lb cg_x_in"
@@ -171,6 +179,7 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
     return figure
 
 
+@_fill
 def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Thrust and angle of attack against the thrust angle, with the minimum marked.
 
@@ -181,13 +190,7 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ----------
     table : DataFrame
         of `thrust_vectoring`; one panel for each case
-    title : str
-        headline
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
+    %(title)s
     """
     needed = "case thrust_angle_deg thrust_lb alpha_deg"
     trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", needed)
@@ -216,6 +219,7 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
     return figure
 
 
+@_fill
 def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Throttle and pitch trim of a steady climb against altitude, in two panels.
 
@@ -223,13 +227,7 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ----------
     table : DataFrame
         of `climb_schedule`, or of `trim_sweep` over altitude
-    title : str
-        headline
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
+    %(title)s
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -250,6 +248,7 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
     return figure
 
 
+@_fill
 def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
     """Frequency and damping ratio of the oscillations, and the real poles, against airspeed.
 
@@ -257,13 +256,7 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
     ----------
     table : DataFrame
         of `modes_over_speed`; one column of panels for each aircraft
-    title : str
-        headline
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
+    %(title)s
     """
     from .modes import MODES, column
 

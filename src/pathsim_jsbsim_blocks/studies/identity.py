@@ -25,16 +25,10 @@ _LONGEST = 40
 def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
     """A text for each part of a study, and for the versions of what computes it.
 
-    Parameters
-    ----------
-    parts : mapping
-        everything that the rows depend on, as plain data, by the name that the user knows it by
+    ``parts`` has everything that the rows depend on, as plain data, by the user's names.
     """
-    versions = {
-        "jsbsim": version("jsbsim"),
-        "pathsim": version("pathsim"),
-        "pathsim-jsbsim-blocks": __version__,
-    }
+    versions = {name: version(name) for name in ("jsbsim", "pathsim")}
+    versions["pathsim-jsbsim-blocks"] = __version__
     return versions | {name: _text(value) for name, value in parts.items()}
 
 
@@ -47,13 +41,11 @@ def differences(kept: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     """The parts that differ, in words; nothing where the keys are those of unlike studies."""
     if set(kept) != set(wanted):
         return ""
-    return ", ".join(
-        name
-        if "sha256" in kept[name] + wanted[name]
-        else f"{name} (kept {kept[name]}, now {wanted[name]})"
-        for name in wanted
-        if kept[name] != wanted[name]
-    )
+    found = []
+    for name, now in wanted.items():
+        values = "" if "sha256" in kept[name] + now else f" (kept {kept[name]}, now {now})"
+        found += [name + values] if kept[name] != now else []
+    return ", ".join(found)
 
 
 def code(function: Any) -> str:
@@ -123,6 +115,17 @@ def _checksum(text: str) -> str:
     return f"sha256 {hashlib.sha256(text.encode()).hexdigest()}"
 
 
+# what makes a value, by its type; co_exceptiontable is there from Python 3.11 on
+_INSIDE: dict[type, tuple[str, ...]] = {
+    types.CodeType: ("co_code", "co_names", "co_consts", "co_exceptiontable"),
+    functools.partial: ("func", "args", "keywords"),
+    types.MethodType: ("__func__", "__self__"),
+    staticmethod: ("__func__",),
+    classmethod: ("__func__",),
+    property: ("fget", "fset"),
+}
+
+
 class _Walk:
     """Texts of values: the same in any process for functions that do the same."""
 
@@ -141,23 +144,14 @@ class _Walk:
         return f"{type(value).__name__}({', '.join(self._parts(value))})"
 
     def _parts(self, value: Any) -> Iterator[str]:
-        if isinstance(value, types.CodeType):
-            yield from map(self.form, (value.co_code, value.co_names, value.co_consts))
-            yield repr(getattr(value, "co_exceptiontable", b""))  # from Python 3.11 on
+        if names := next((n for kind, n in _INSIDE.items() if isinstance(value, kind)), ()):
+            yield from (self.form(getattr(value, name, None)) for name in names)
         elif isinstance(value, (list, tuple)):
             yield from map(self.form, value)
         elif isinstance(value, (set, frozenset)):
             yield from sorted(map(self.form, value))
         elif isinstance(value, Mapping):
             yield from (f"{self.form(k)}: {self.form(x)}" for k, x in value.items())
-        elif isinstance(value, functools.partial):
-            yield from map(self.form, (value.func, value.args, value.keywords))
-        elif isinstance(value, types.MethodType):
-            yield from map(self.form, (value.__func__, value.__self__))
-        elif isinstance(value, (staticmethod, classmethod)):
-            yield self.form(value.__func__)
-        elif isinstance(value, property):
-            yield from map(self.form, (value.fget, value.fset))
         elif isinstance(value, types.ModuleType):
             yield value.__name__
             yield repr(_modules([value.__name__], sys.path))
