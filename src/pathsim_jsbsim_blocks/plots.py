@@ -19,7 +19,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from ._core.checks import did_you_mean, nearest, one_of, refuse, writable
+from ._core.checks import did_you_mean, mapping, nearest, one_of, refuse, writable
 from ._core.files import replacing
 from ._core.scopes import name_and_unit, recording, signal_label
 from .errors import FileError
@@ -83,7 +83,7 @@ class _Exact(Figure):
         super().draw(renderer)
 
 
-def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
+def subplots(*args: Any, title: str = "", **options: Any) -> tuple[Figure, Any]:
     """``plt.subplots`` with the labels of the y axes aligned, and each figure drawn only once.
 
     In a notebook a cell draws each figure that pyplot holds, and once more a figure that is its
@@ -93,6 +93,8 @@ def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
     ----------
     *args, **options
         as in ``plt.subplots``
+    title : str
+        headline of the figure
 
     Returns
     -------
@@ -103,6 +105,8 @@ def subplots(*args: Any, **options: Any) -> tuple[Figure, Any]:
 
     figure, axes = plt.subplots(*args, FigureClass=_Exact, **options)
     figure.align_ylabels()
+    if title:
+        figure.suptitle(title)
     if _inline():
         plt.close(figure)
     return figure, axes
@@ -150,25 +154,20 @@ def time_histories(
     """
     if not scopes:
         refuse("scopes", scopes, "there is no scope to draw")
-    references = {} if references is None else references
-    if not isinstance(references, Mapping):
-        wrong = f"references must be a dict from labels to numbers or functions, not {references!r}"
-        refuse("references", references, wrong)
+    references = mapping("references", references)
     panels: list[tuple[str, list]] = []
     for scope in scopes:
         time, data = recording(scope)
-        first = True
         for i, y in enumerate(data):
             label, unit = _label(scope, i)
-            if first or panels[-1][0] != unit:
+            if i == 0 or panels[-1][0] != unit:
                 panels.append((unit, []))
             panels[-1][1].append((time, _unwound(y) if unit == "deg" else y, label))
-            first = False
     names = [label for _, signals in panels for _, _, label in signals]
     wanted = {names[_index(names, label)]: y for label, y in references.items()}
-    height = 1.2 + 1.7 * len(panels)
+    size, n = (8, 1.2 + 1.7 * len(panels)), len(panels)
     figure, axes = subplots(
-        len(panels), 1, sharex=True, squeeze=False, layout="constrained", figsize=(8, height)
+        n, 1, sharex=True, squeeze=False, layout="constrained", figsize=size, title=title
     )
     for ax, (unit, signals) in zip(axes[:, 0], panels, strict=True):
         # dashes keep coinciding curves apart
@@ -187,8 +186,6 @@ def time_histories(
             ax.legend(handles=curves, loc="best", fontsize="small")
         ax.grid(alpha=0.4)
     axes[-1, 0].set_xlabel("time [s]")
-    if title:
-        figure.suptitle(title)
     return figure
 
 
@@ -240,7 +237,9 @@ def aircraft_points(
     -------
     matplotlib.figure.Figure
     """
-    figure, (side, top) = subplots(2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2))
+    figure, (side, top) = subplots(
+        2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2), title=title
+    )
     for (kind, found), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
         x, y, z = np.transpose(found)
         side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
@@ -252,8 +251,6 @@ def aircraft_points(
         ax.margins(0.08)
         ax.grid(alpha=0.4)
     figure.legend(loc="outside right upper", fontsize="small")
-    if title:
-        figure.suptitle(title)
     return figure
 
 
@@ -280,22 +277,18 @@ def ground_track(
 
     time, latitude, longitude = map(np.asarray, (time, latitude, longitude))
     points = np.column_stack([longitude, latitude])
-    track = LineCollection(
-        list(np.stack([points[:-1], points[1:]], axis=1)), array=time[:-1], linewidths=2.5
-    )
+    pieces = list(np.stack([points[:-1], points[1:]], axis=1))
+    track = LineCollection(pieces, array=time[:-1], linewidths=2.5)
     # a straight track must not become a sliver: keep the picture at least a third as high as wide
     shrink = math.cos(math.radians(latitude[0]))  # of a degree of longitude
     size = max(np.ptp(longitude) * shrink, np.ptp(latitude), 1e-8)
-    half = [
-        0.55 * max(np.ptp(values), size / 3 / scale)
-        for values, scale in ((longitude, shrink), (latitude, 1.0))
-    ]
+    sides = ((longitude, shrink), (latitude, 1.0))
+    half = [0.55 * max(np.ptp(values), size / 3 / scale) for values, scale in sides]
     # as high as the track asks for, and room for labels and colour bar
     height = 5.3 * min(half[1] / (half[0] * shrink), 1.0)
     figure, ax = subplots(figsize=(6.5, height + 1.8), layout="constrained")
-    for values, extent, limit in zip(
-        (longitude, latitude), half, (ax.set_xlim, ax.set_ylim), strict=True
-    ):
+    limits = ax.set_xlim, ax.set_ylim
+    for values, extent, limit in zip((longitude, latitude), half, limits, strict=True):
         centre = (values.min() + values.max()) / 2
         limit(centre - extent, centre + extent)
     ax.set(aspect=1 / shrink, title=title, xlabel="longitude [deg]", ylabel="latitude [deg]")
@@ -339,9 +332,8 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
     signals = [_label(first, i) for i in range(len(recording(first)[1]))]
     along = signals[_index([name for name, _ in signals], label)]
     panels = [shown for shown in signals if shown != along]
-    figure, axes = subplots(
-        1, len(panels), squeeze=False, layout="constrained", figsize=(1 + 3.5 * len(panels), 3.8)
-    )
+    size, n = (1 + 3.5 * len(panels), 3.8), len(panels)
+    figure, axes = subplots(1, n, squeeze=False, layout="constrained", figsize=size, title=title)
     for ax, (name, unit) in zip(axes[0], panels, strict=True):
         for (flight, scope), dashes in zip(flights.items(), itertools.cycle(_DASHES), strict=False):
             x, y = signal(scope, along[0])[1], signal(scope, name)[1]
@@ -349,8 +341,6 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
         ax.set(xlabel=axis_label(*along), ylabel=axis_label(name, unit))
         ax.grid(alpha=0.4)
     axes[0, 0].legend(loc="best", fontsize="small")
-    if title:
-        figure.suptitle(title)
     return figure
 
 
@@ -431,9 +421,8 @@ def saving_to(path: str | Path) -> Iterator[None]:
 
     path = writable("save", path)
     path = path if path.suffix else path.with_suffix(".png")
-    one_of(
-        "the ending of save", path.suffix[1:].lower(), FigureCanvasBase.get_supported_filetypes()
-    )
+    known = FigureCanvasBase.get_supported_filetypes()
+    one_of("the ending of save", path.suffix[1:].lower(), known)
     targets = _numbered(path)
     _save_to.append(targets)
     try:

@@ -29,15 +29,7 @@ _NEAR = 0.1
 
 
 class Place(NamedTuple):
-    """A point of the surface: its position from the Earth's centre, and north and east there.
-
-    Parameters
-    ----------
-    position : (float, float, float)
-        ECEF coordinates, ft
-    north, east : (float, float, float)
-        unit vectors in ECEF axes
-    """
+    """A point of the surface: ECEF coordinates in ft, and unit vectors north and east there."""
 
     position: Vector
     north: Vector
@@ -47,14 +39,9 @@ class Place(NamedTuple):
 class Track(NamedTuple):
     """Where a point is, seen from a great circle.
 
-    Parameters
-    ----------
-    across : float
-        distance from the circle in ft, positive to the right of it
-    to_go : float
-        distance along it to its end in ft; negative beyond
-    course : float
-        course of the circle abeam the point, deg in [0, 360)
+    ``across`` is the distance from the circle in ft, positive to the right of it, ``to_go`` that
+    along it to its end in ft, negative beyond, ``course`` that of the circle abeam the point, deg
+    in [0, 360).
     """
 
     across: float
@@ -63,20 +50,13 @@ class Track(NamedTuple):
 
 
 class GreatCircle(NamedTuple):
-    """The great circle from one point through another; `great_circle` makes it.
+    """The great circle from one point through another; `great_circle` makes it."""
 
-    Parameters
-    ----------
-    left, end, forward : (float, float, float)
-        unit vectors in ECEF axes: normal to the circle, to its end, along it there
-    length : float
-        distance between the points, ft
-    """
-
+    # unit vectors in ECEF axes: normal to the circle, to its end, along it there
     left: Vector
     end: Vector
     forward: Vector
-    length: float
+    length: float  # between the points, ft
 
     def track(self, here: Place) -> Track:
         """Cross-track error, distance to the end and course; both distances within 0.03 %."""
@@ -88,27 +68,13 @@ class GreatCircle(NamedTuple):
 
 
 class Arc(NamedTuple):
-    """An arc of a circle about a point; its track is one of `GreatCircle`.
-
-    Parameters
-    ----------
-    centre : Place
-        middle of the circle
-    radius : float
-        ft, some tens of nautical miles at most
-    end : float
-        bearing from the centre to the end, deg
-    extent : float
-        angle of the arc, deg in (0, 360)
-    side : float
-        1 turns right, -1 left
-    """
+    """An arc of a circle about a point; its track is one of `GreatCircle`."""
 
     centre: Place
-    radius: float
-    end: float
-    extent: float
-    side: float
+    radius: float  # ft, some tens of nautical miles at most
+    end: float  # bearing from the centre to the end, deg
+    extent: float  # angle of the arc, deg in (0, 360)
+    side: float  # 1 turns right, -1 left
 
     def track(self, here: Place) -> Track:
         """Distance from the arc, distance along it to the end, and course."""

@@ -226,7 +226,7 @@ def _scale(case: float, quantity: _Quantity, table: np.ndarray) -> Any:
 
 def comparison_table(case: float, deviations: Sequence[Deviation]) -> str:
     """The deviations of a check case as text, one line for each quantity."""
-    rows = [
+    rows: list[tuple[str, ...]] = [
         ("", "", "from the", "band of", "from", "", ""),
         ("quantity", "unit", "median", "NASA's", "sim. 05", "limit", ""),
     ]

@@ -46,14 +46,12 @@ def pole_map(*models: LinearModel, title: str = "") -> Figure:
         for what is no linear model
     """
     found = [_checked(model).modes() for model in models]
-    figure, axes = _pole_axes(np.array([mode.pole for modes in found for mode in modes]))
+    figure, axes = _pole_axes(np.array([mode.pole for modes in found for mode in modes]), title)
     for ax, size in axes:
         for i, modes in enumerate(found):
             points = np.array([mode.pole for mode in modes])
             ax.plot(points.real, points.imag, "x", color=f"C{i % 10}", clip_on=True)
         _name_modes(ax, found[0] if found else [], size)
-    if title:
-        figure.suptitle(title)
     return figure
 
 
@@ -64,9 +62,9 @@ def _checked(model: LinearModel) -> LinearModel:
     return model
 
 
-def _pole_axes(poles: np.ndarray) -> tuple[Figure, list[tuple[Axes, float]]]:
+def _pole_axes(poles: np.ndarray, title: str) -> tuple[Figure, list[tuple[Axes, float]]]:
     """Panels of all poles and of the slow ones, with lines of damping, and their sizes in 1/s."""
-    figure, axes = subplots(1, 2, figsize=(11, 5), layout="constrained")
+    figure, axes = subplots(1, 2, figsize=(11, 5), layout="constrained", title=title)
     sizes = np.abs(poles)
     fast = max(float(sizes.max(initial=0.0)), 1e-3)
     slow = float(sizes[sizes < 0.1 * fast].max(initial=0.0)) or 0.1 * fast
@@ -185,13 +183,11 @@ def root_locus(
     found = [_checked(model).modes() for model in models]
     points = [(m.pole, value) for modes, value in zip(found, swept, strict=True) for m in modes]
     poles, colours = np.array([pole for pole, _ in points]), [value for _, value in points]
-    figure, axes = _pole_axes(poles)
+    figure, axes = _pole_axes(poles, title)
     for ax, size in axes:
         drawn = ax.scatter(poles.real, poles.imag, c=colours, s=18, cmap="viridis")
         _name_modes(ax, found[0], size)
     figure.colorbar(drawn, ax=[ax for ax, _ in axes], label=label)
-    if title:
-        figure.suptitle(title)
     return figure
 
 

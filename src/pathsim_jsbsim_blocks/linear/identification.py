@@ -46,27 +46,15 @@ _INDEPENDENT = 0.05
 
 @dataclass(frozen=True)
 class Realisation:
-    """A continuous model with inputs held over each sample, in the signals' units.
+    """A continuous model with inputs held over each sample, in the signals' units."""
 
-    Attributes
-    ----------
-    A, B, C, D : numpy.ndarray
-        shapes (n, n), (n, m), (p, n), (p, m); C has a row for each signal
-    signals : list[int]
-        signal that is the state of that number; -1 for a state without a signal
-    latency : list[int]
-        periods by which each input acts late
-    error : numpy.ndarray
-        shape (p, m): rms error over the signal's largest rms response to any input
-    """
-
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
-    signals: list[int]
-    latency: list[int]
-    error: np.ndarray
+    A: np.ndarray  # shape (n, n)
+    B: np.ndarray  # shape (n, m)
+    C: np.ndarray  # shape (p, n): a row for each signal
+    D: np.ndarray  # shape (p, m)
+    signals: list[int]  # signal that is the state of that number; -1 for a state without one
+    latency: list[int]  # periods by which each input acts late
+    error: np.ndarray  # shape (p, m): rms over the signal's largest rms response to any input
 
 
 def realise(
@@ -282,11 +270,7 @@ def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _append_integral(
-    A: np.ndarray,
-    B: np.ndarray,
-    rows: dict[int, np.ndarray],
-    signal: int,
-    flown: _Pulses,
+    A: np.ndarray, B: np.ndarray, rows: dict[int, np.ndarray], signal: int, flown: _Pulses
 ) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
     """The model with a signal as one more state, an integral of those before it."""
     n, m = B.shape
