@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._core.checks import did_you_mean, nearest, refuse
-from .._core.docstrings import filler
 from ..plots import subplots
+from .modes import MODES, POLES, column
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,59 +25,77 @@ _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence"
 # columns of text
 _WORDS = {"aircraft", "case", "reason"}
 
-_fill = filler(
-    title="""
-    title : str
-        headline
+_PAGE = """\
+{text}
 
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
+Parameters
+----------
+table : DataFrame
+    of {study}
+title : str
+    headline
+
+Raises
+------
+ParameterError
+    if the table lacks a column, or no point of it trims
+"""
+
+
+def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[..., Figure]]:
+    """A decorator of what draws a table and its trimmed rows, and returns figure and headline.
+
+    The table of ``study`` is checked to have ``columns``, with blanks between them.
     """
-)
+
+    def complete(draw: Callable[..., Any]) -> Callable[..., Figure]:
+        def chart(table: pd.DataFrame, title: str = "") -> Figure:
+            figure, headline = draw(table, _trimmed(table, draw.__name__, study, columns.split()))
+            figure.suptitle(title or _named(table, headline))
+            return figure
+
+        chart.__name__ = chart.__qualname__ = draw.__name__
+        if draw.__doc__:  # absent under python -OO
+            chart.__doc__ = _PAGE.format(text=cleandoc(draw.__doc__), study=study)
+        return chart
+
+    return complete
 
 
-def _trimmed(table: Any, chart: str, study: str, columns: str) -> pd.DataFrame:
+def _named(table: pd.DataFrame, headline: str) -> str:
+    """The headline with the aircraft in front, where the table knows it."""
+    aircraft = table.attrs.get("aircraft")
+    return f"{aircraft}: {headline}" if aircraft else headline[0].upper() + headline[1:]
+
+
+def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
     known = [str(name) for name in getattr(table, "columns", ())]
     if not known:
         refuse("table", table, f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}")
-    for name in ("trimmed", *columns.split()):
+    for name in ("trimmed", *columns):
         if name not in known:
             why = f"{chart} draws a table of {study}; this one has no column {name!r}"
             refuse("table", known, why + did_you_mean(nearest(name, known)))
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
         refuse("table", known, f"{chart} has nothing to draw: no point of the table trims")
-    for name in columns.split():
+    for name in columns:
         if name not in _WORDS and rows[name].infer_objects().dtype.kind not in "biuf":
             refuse("table", name, f"{chart} needs numbers in the column {name!r}")
     return rows
 
 
-def _of(table: pd.DataFrame, title: str) -> str:
-    """The title with the aircraft in front, where the table knows it."""
-    aircraft = table.attrs.get("aircraft")
-    return f"{aircraft}: {title}" if aircraft else title[0].upper() + title[1:]
-
-
-@_fill
-def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
+@_chart(
+    "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed",
+    "requested_altitude_ft speed_kcas alpha_deg elevator_rad elevator_norm weight_lb cg_x_in",
+)
+def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Angle of attack and elevator deflection in trim against airspeed, in three panels.
 
-    Parameters
-    ----------
-    table : DataFrame
-        of `aoa_vs_cas`, `aoa_vs_cas_loading` or `trim_sweep`; one line for each altitude and, where
-        the table has them, weight case and CG shift (shown in inches of the empty-weight CG).
-        The legend gives weight and CG of the first point of each line
-    %(title)s
+    One line for each altitude and, where the table has them, weight case and CG shift (shown in
+    inches of the empty-weight CG). The legend gives weight and CG of the first point of each line.
     """
-    study = "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed"
-    needed = "speed_kcas alpha_deg elevator_rad elevator_norm weight_lb cg_x_in"
-    needed = f"requested_altitude_ft {needed}"
-    trimmed = _trimmed(table, "alpha_elevator_chart", study, needed)
     lines = list(_lines(trimmed))
     figure, axes = subplots(
         3, 1, sharex=True, figsize=(8, 8 + 0.2 * len(lines)), layout="constrained"
@@ -92,9 +111,7 @@ def alpha_elevator_chart(table: pd.DataFrame, title: str = "") -> Figure:
         ax.grid(alpha=0.4)
     marks = axes[0].get_legend_handles_labels()
     figure.legend(*marks, loc="outside lower center", fontsize="small")
-    headline = "trim: angle of attack, and elevator (trailing edge down positive)"
-    figure.suptitle(title or _of(table, headline))
-    return figure
+    return figure, "trim: angle of attack, and elevator (trailing edge down positive)"
 
 
 def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFrame]]:
@@ -128,28 +145,17 @@ def _cg_travel(rows: pd.DataFrame) -> str:
     return f"empty CG {abs(inches):.1f} in {'aft' if shift > 0 else 'forward'}"
 
 
-def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
+@_chart(
+    "trim_envelope or a trim_sweep over speed and gamma",
+    "reason thrust_lb throttle_norm alpha_deg requested_speed_kcas requested_gamma_deg",
+)
+def envelope_map(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Throttle, thrust and angle of attack over airspeed and flight path angle, in three panels.
 
     Points without trim carry the mark of their reason, so that the map shows what bounds it.
-
-    Parameters
-    ----------
-    table : DataFrame
-        of `trim_envelope`, or of `trim_sweep` over speed and gamma
-    title : str
-        headline; default is the number of points that trim
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
     """
     from matplotlib.ticker import MaxNLocator
 
-    study = "trim_envelope or a trim_sweep over speed and gamma"
-    needed = "reason thrust_lb throttle_norm alpha_deg requested_speed_kcas requested_gamma_deg"
-    trimmed = _trimmed(table, "envelope_map", study, needed)
     figure, axes = subplots(3, 1, sharex=True, figsize=(8, 10.5), layout="constrained")
     for ax, values, label in (
         (axes[0], trimmed.throttle_norm, "throttle command [-]"),
@@ -173,27 +179,16 @@ def envelope_map(table: pd.DataFrame, title: str = "") -> Figure:
     if not table.trimmed.all():
         marks = axes[0].get_legend_handles_labels()
         figure.legend(*marks, loc="outside lower center", ncols=3, fontsize="small")
-    figure.suptitle(
-        title or _of(table, f"trim envelope, {len(trimmed)} of {len(table)} points trim")
-    )
-    return figure
+    return figure, f"trim envelope, {len(trimmed)} of {len(table)} points trim"
 
 
-@_fill
-def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
+@_chart("thrust_vectoring", "case thrust_angle_deg thrust_lb alpha_deg")
+def thrust_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Thrust and angle of attack against the thrust angle, with the minimum marked.
 
-    The curve is flat there and has kinks from the trim's tolerance, so the angle is known to about
-    half a degree.
-
-    Parameters
-    ----------
-    table : DataFrame
-        of `thrust_vectoring`; one panel for each case
-    %(title)s
+    One panel for each case. The curve is flat there and has kinks from the trim's tolerance, so the
+    angle is known to about half a degree.
     """
-    needed = "case thrust_angle_deg thrust_lb alpha_deg"
-    trimmed = _trimmed(table, "thrust_chart", "thrust_vectoring", needed)
     cases = list(trimmed.groupby("case", sort=False))
     figure, axes = subplots(
         len(cases), 1, squeeze=False, figsize=(8, 3.6 * len(cases)), layout="constrained"
@@ -215,26 +210,17 @@ def thrust_chart(table: pd.DataFrame, title: str = "") -> Figure:
         alpha = ax.twinx()
         alpha.plot(rows.thrust_angle_deg, rows.alpha_deg, "--", color="C2")
         alpha.set_ylabel("angle of attack [deg]", color="C2")
-    figure.suptitle(title or _of(table, "thrust in trim against the angle of the engines"))
-    return figure
+    return figure, "thrust in trim against the angle of the engines"
 
 
-@_fill
-def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
-    """Throttle and pitch trim of a steady climb against altitude, in two panels.
-
-    Parameters
-    ----------
-    table : DataFrame
-        of `climb_schedule`, or of `trim_sweep` over altitude
-    %(title)s
-    """
+@_chart(
+    "climb_schedule or a trim_sweep over altitude",
+    "requested_altitude_ft requested_speed_kcas requested_gamma_deg throttle_norm pitch_trim_norm",
+)
+def climb_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
+    """Throttle and pitch trim of a steady climb against altitude, in two panels."""
     from matplotlib.ticker import MaxNLocator
 
-    study = "climb_schedule or a trim_sweep over altitude"
-    needed = "requested_altitude_ft throttle_norm pitch_trim_norm"
-    needed += " requested_speed_kcas requested_gamma_deg"
-    trimmed = _trimmed(table, "climb_chart", study, needed)
     figure, axes = subplots(1, 2, figsize=(8, 3.8), layout="constrained")
     for ax, name in zip(axes, ("throttle", "pitch trim"), strict=True):
         values = trimmed[f"{name.replace(' ', '_')}_norm"]
@@ -244,25 +230,15 @@ def climb_chart(table: pd.DataFrame, title: str = "") -> Figure:
         ax.grid(alpha=0.4)
     first = table.iloc[0]
     climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
-    figure.suptitle(title or _of(table, f"steady climb at {climb}"))
-    return figure
+    return figure, f"steady climb at {climb}"
 
 
-@_fill
-def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
+@_chart("modes_over_speed", f"aircraft requested_speed_kcas {' '.join(POLES)}")
+def modes_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Frequency and damping ratio of the oscillations, and the real poles, against airspeed.
 
-    Parameters
-    ----------
-    table : DataFrame
-        of `modes_over_speed`; one column of panels for each aircraft
-    %(title)s
+    One column of panels for each aircraft.
     """
-    from .modes import MODES, column
-
-    poles = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
-    needed = " ".join(["aircraft", "requested_speed_kcas", *poles])
-    trimmed = _trimmed(table, "modes_chart", "modes_over_speed", needed)
     flown = list(trimmed.groupby("aircraft", sort=False))
     figure, axes = subplots(
         3, len(flown), squeeze=False, sharex="col", figsize=(max(4.2 * len(flown), 6), 9),
@@ -290,8 +266,7 @@ def modes_chart(table: pd.DataFrame, title: str = "") -> Figure:
             if ax.lines:
                 ax.legend(fontsize="small")
     altitude = table.requested_altitude_ft.iloc[0]
-    figure.suptitle(title or f"Modes in level flight at {altitude:.0f} ft")
-    return figure
+    return figure, f"modes in level flight at {altitude:.0f} ft"
 
 
 def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
@@ -345,7 +320,7 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
     field = found[found.quantity.isin(["take-off distance", "landing distance"])]
     runs = [f"{row.quantity} {row.value:.0f} ft" for row in field.itertuples()]
-    figure.suptitle(title or _of(table, f"performance; {'; '.join([*runs, checked])}"))
+    figure.suptitle(title or _named(table, f"performance; {'; '.join([*runs, checked])}"))
     return figure
 
 

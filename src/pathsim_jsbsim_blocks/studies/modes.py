@@ -27,6 +27,15 @@ _SWEEPS = {"c172p": range(60, 121, 5), "737": range(190, 341, 10)}
 MODES = ("short period", "short period 2", "phugoid", "Dutch roll", "roll", "spiral")
 
 
+def column(mode: str) -> str:
+    """Name of a mode in columns."""
+    return mode.lower().replace(" ", "_")
+
+
+# columns of the poles
+POLES = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
+
+
 def modes_over_speed(
     *,
     aircraft: str | None = None,
@@ -98,16 +107,10 @@ def modes_over_speed(
         resume=resume,
         progress=progress,
     )
-    poles = [f"{column(mode)}_{part}" for mode in MODES for part in ("real", "imag")]
     # poles that no row has are columns of numbers too
-    empty = {"warning": "", **dict.fromkeys(poles, np.nan)}
+    empty = {"warning": "", **dict.fromkeys(POLES, np.nan)}
     found = [{**p, **empty, **row} for p, row in zip(points, rows, strict=True)]
-    return pd.DataFrame(found, columns=[*points[0], "trimmed", "reason", "warning", *poles])
-
-
-def column(mode: str) -> str:
-    """Name of a mode in columns."""
-    return mode.lower().replace(" ", "_")
+    return pd.DataFrame(found, columns=[*points[0], "trimmed", "reason", "warning", *POLES])
 
 
 def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
