@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from inspect import cleandoc
 from textwrap import indent
-from typing import Any
+from typing import Any, ClassVar
 
 import pathsim_flight.utils as flight
 
@@ -74,7 +74,7 @@ FlightError
 class _Conversion(AirDataBlock):
     """Base of the blocks named SOURCEtoTARGET: ports, function and page follow from the name."""
 
-    _convert: Callable[..., float]
+    _convert: ClassVar[Callable[..., float]]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         source, target = sides = cls.__name__.lower().split("to")

@@ -11,6 +11,7 @@ import pathsim_flight.atmosphere as flight
 
 from .._core.callers import warn_user
 from .._core.checks import finite, one_of, refuse
+from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
@@ -32,35 +33,22 @@ from .atmosphere import (
 OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
 
-class AirDataBlock(NamedFunction):
+class AirDataBlock(Parametric, NamedFunction):
     """Algebraic block with an ``altitude`` port and a rule for altitudes out of range.
 
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
     """
 
-    def __init__(self, altitude_kind: str = "geometric", out_of_range: str = "extrapolate"):
+    altitude_kind: str = parameter("geometric", one_of, choices=ALTITUDE_KINDS)
+    out_of_range: str = parameter("extrapolate", one_of, choices=OUT_OF_RANGE)
+
+    def begin(self) -> None:
         NamedFunction.__init__(self, self._outputs)
-        self.altitude_kind = altitude_kind
-        self.out_of_range = out_of_range
         self._warned = False
 
-    @property
-    def altitude_kind(self) -> str:
-        return self._altitude_kind
-
-    @altitude_kind.setter
-    def altitude_kind(self, kind: str) -> None:
-        self._altitude_kind = one_of("altitude_kind", kind, ALTITUDE_KINDS)
-        self._geometric = kind == "geometric"
-        self._low, self._high = LIMITS[kind]
-
-    @property
-    def out_of_range(self) -> str:
-        return self._out_of_range
-
-    @out_of_range.setter
-    def out_of_range(self, rule: str) -> None:
-        self._out_of_range = one_of("out_of_range", rule, OUT_OF_RANGE)
+    def build(self) -> None:
+        self._geometric = self.altitude_kind == "geometric"
+        self._low, self._high = LIMITS[self.altitude_kind]
 
     def reset(self) -> None:
         super().reset()
@@ -73,12 +61,9 @@ class AirDataBlock(NamedFunction):
         try:  # Python floats, without the operator between: twice as fast
             self.outputs.update_from_array(self._outputs(*self.inputs.to_array().tolist()))
         except ParameterError as error:
+            message = f"{type(self).__name__} at t = {t} s: {error}"
             raise FlightError(
-                f"{type(self).__name__} at t = {t} s: {error}",
-                aircraft="",
-                time=t,
-                name=error.parameter,
-                value=error.value,
+                message, aircraft="", time=t, name=error.parameter, value=error.value
             ) from error
 
     def _outputs(self, *inputs: float) -> Any:
@@ -186,9 +171,7 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
         return self.atmosphere_bands[bisect_right(above, geopot_altitude)]
 
     def _eval(self, altitude: float, temp_deviation: float = 0.0) -> tuple[float, ...]:
-        if not self._low <= altitude <= self._high:
-            altitude = self._beyond(altitude)
-        pressure, temperature = pressure_temperature(altitude, temp_deviation, self._geometric)
+        pressure, temperature = self._isa(altitude, temp_deviation)
         rt = R * temperature
         return pressure, pressure / rt, temperature, sqrt(GAMMA * rt)
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import datetime
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pathsim.blocks import Scope
 from pathsim.utils.register import Register
 
-from .._core.checks import number, positive, refuse
+from .._core.checks import number, optional, refuse
+from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedPorts
 from .._core.scopes import name_and_unit, recording
 from .files import save_tracks
@@ -20,7 +21,20 @@ if TYPE_CHECKING:
     import pandas
 
 
-class FlightRecorder(NamedPorts, Scope):
+def _labels(parameter: str, signals: Any) -> list[str]:
+    """Labels of signals whose ports have names of their own."""
+    listed = isinstance(signals, Sequence) and not isinstance(signals, str)
+    if not listed or not all(isinstance(s, str) for s in signals):
+        refuse(parameter, signals, f"{parameter} must be a list of labels, not {signals!r}")
+    ports = [*POSITION, *(name_and_unit(writable_text(parameter, x))[0] for x in signals)]
+    twice = [port for i, port in enumerate(ports) if port in ports[:i]]
+    if twice:
+        why = f"{parameter} has {twice[0]!r} twice, or it is a port of every recorder: "
+        refuse(parameter, signals, why + ", ".join(POSITION))
+    return list(signals)
+
+
+class FlightRecorder(Parametric, Scope):
     """Records an aircraft's track and time history, and writes them for other programs.
 
     It is a scope: what plots and saves scopes takes it too. `to_frame` is its recording as a pandas
@@ -71,53 +85,24 @@ class FlightRecorder(NamedPorts, Scope):
     # inputs that must be connected
     places = tuple(POSITION)
 
-    def __init__(
-        self,
-        aircraft: str = "aircraft",
-        name: str = "",
-        signals: Sequence[str] = (),
-        sampling_period: float | None = None,
-        t_wait: float = 0.0,
-    ) -> None:
-        if sampling_period is not None:
-            sampling_period = positive("sampling_period", sampling_period)
-        super().__init__(sampling_period, t_wait)
-        self.aircraft = writable_text("aircraft", aircraft)
-        self.name = writable_text("name", name)
-        self.signals = signals
+    aircraft: str = parameter("aircraft", writable_text)
+    name: str = parameter("", writable_text)
+    signals: Sequence[str] = parameter((), _labels)
+    sampling_period: float | None = parameter(None, optional, above=0.0)
+    t_wait: float = parameter(0.0, number, low=0.0)
 
-    @property
-    def t_wait(self) -> float:
-        """Time before which nothing is recorded, s."""
-        return self._t_wait
+    def begin(self) -> None:
+        period = optional("sampling_period", self.sampling_period, above=0.0)
+        NamedPorts.__init__(self, period, number("t_wait", self.t_wait, low=0.0))
 
-    @t_wait.setter
-    def t_wait(self, t_wait: float) -> None:
-        self._t_wait = number("t_wait", t_wait, low=0.0)
-
-    @property
-    def signals(self) -> Sequence[str]:
-        """Labels of the signals after the six of the track."""
-        return self._signals
-
-    @signals.setter
-    def signals(self, signals: Sequence[str]) -> None:
-        listed = isinstance(signals, Sequence) and not isinstance(signals, str)
-        if not listed or not all(isinstance(s, str) for s in signals):
-            refuse("signals", signals, f"signals must be a list of labels, not {signals!r}")
-        ports = [*POSITION, *(name_and_unit(writable_text("signals", x))[0] for x in signals)]
-        twice = [port for i, port in enumerate(ports) if port in ports[:i]]
-        if twice:
-            why = f"signals has {twice[0]!r} twice, or it is a port of every recorder: "
-            refuse("signals", signals, why + ", ".join(POSITION))
-        if hasattr(self, "_signals"):
-            if list(signals) == list(self._signals):
-                return
+    def build(self) -> None:
+        if self.configured and self.labels[len(POSITION) :] != self.checked.signals:
             why = "signals cannot change, they are the block's ports: build another block"
-            refuse("signals", signals, why)
-        self._signals = signals
-        self.labels = [*POSITION.values(), *signals]
-        self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
+            refuse("signals", self.signals, why)
+        if not self.configured:
+            self.labels = [*POSITION.values(), *self.checked.signals]
+            ports = [*POSITION, *(name_and_unit(x)[0] for x in self.checked.signals)]
+            self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
 
     def to_track(self) -> Track:
         """The recording as a `Track`.
