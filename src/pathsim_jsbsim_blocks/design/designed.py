@@ -150,7 +150,7 @@ def design_gains(
         JSBSim steps per sample period
     check : bool
         fly the steps in pitch and roll on the nonlinear aircraft too, and shape the loops once more
-        where the pitch angle overshoots too far there
+        where the pitch angle or the bank overshoots too far there
     near : list of AircraftGains, optional
         gains at conditions around this one: of gains that are as good, those are found that differ
         from them by no more than a factor of 1.5
@@ -223,20 +223,32 @@ def design_gains(
     setup = {**condition.setup, **(options.get("setup") or {})}
     limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
 
-    def shaped(pitching: Loop) -> DesignedGains:
-        loops = _loops(model, condition.altitude, trim, limits, Neighbours(near), pitching)
+    def shaped(*attitudes: Loop) -> DesignedGains:
+        loops = _loops(model, condition.altitude, trim, limits, Neighbours(near), *attitudes)
         found = DesignedGains(**loops, envelope=limits, aircraft=aircraft, condition=condition)
         return _flown(fresh, found) if check else found
 
     with _refused(aircraft, condition):
-        designed = shaped(PITCH)
-        excess = designed.report[0].flown_overshoot / PITCH.required.overshoot
-        if not excess > 1.0:
+        designed = shaped(PITCH, ROLL)
+        excess = _overshoots(designed)
+        if not max(excess) > 1.0:
             return designed
         # a kink at the trim: tighten the overshoot limit of the linear model by the excess
-        less = replace(PITCH.required, overshoot=0.9 * PITCH.required.overshoot / excess)
-        again = shaped(replace(PITCH, required=less))
-    return min(designed, again, key=lambda found: found.report[0].flown_overshoot)
+        again = shaped(*map(_tightened, (PITCH, ROLL), excess))
+    return min(designed, again, key=lambda found: max(_overshoots(found)))
+
+
+def _overshoots(designed: DesignedGains) -> list[float]:
+    """Overshoots of pitch and roll in flight, in what they may be."""
+    flown = zip((PITCH, ROLL), designed.report, strict=False)
+    return [row.flown_overshoot / loop.required.overshoot for loop, row in flown]
+
+
+def _tightened(loop: Loop, excess: float) -> Loop:
+    if not excess > 1.0:
+        return loop
+    less = 0.9 * loop.required.overshoot / excess
+    return replace(loop, required=replace(loop.required, overshoot=less))
 
 
 @contextlib.contextmanager
@@ -288,6 +300,7 @@ def _loops(
     limits: EnvelopeLimits,
     near: Neighbours,
     pitching: Loop,
+    rolling: Loop,
 ) -> dict[str, Any]:
     """Gains of all loops, shaped one after the other, and the report."""
     vt = float(model.x0[model.states.index("vt")])
@@ -298,7 +311,7 @@ def _loops(
     travel = low - trim.elevator, high - trim.elevator
     pitch, pitched = design_attitude(plant, pitching, ramp, travel, near)
     plant = closed(plant, PITCH, pitch, "theta_cmd")
-    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, trim, vt, near)
+    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, rolling, trim, vt, near)
     heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
     speed, quick, climb, climbing = _speed_and_altitude(plant, trim, vt, limits, ramp, near)
     report = [pitched, rolled, coordinated, steered, quick, climbing]
@@ -314,7 +327,7 @@ def _loops(
 
 
 def _roll_and_yaw(
-    plant: Plant, trim: TrimState, vt: float, near: Neighbours
+    plant: Plant, loop: Loop, trim: TrimState, vt: float, near: Neighbours
 ) -> tuple[AttitudeGains, LoopReport, YawGains, LoopReport | None, Plant]:
     """Gains of ailerons and of the rudder, shaped for the turn, and the plant with both closed."""
     slip = math.sin(math.radians(trim.alpha))  # per roll
@@ -324,7 +337,7 @@ def _roll_and_yaw(
     rudder = 1.0 - abs(trim.rudder)
 
     def rolled(yaw: YawGains) -> tuple[AttitudeGains, LoopReport]:
-        return design_attitude(damped(plant, yaw), ROLL, ramp, travel, near)
+        return design_attitude(damped(plant, yaw), loop, ramp, travel, near)
 
     damper = design_yaw(plant, rudder)
     rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
@@ -364,7 +377,7 @@ def _speed_and_altitude(
         # the airspeed with the attitude held, the altitude, and both with the other held
         first = shaped(plant, stops, feed)
         held = shaped(with_altitude(plant, first[2]), stops, feed)
-        for by, report in zip(("throttle", "pitch angle"), held[1::2], strict=True):
+        for by, report in (("throttle", held[1]), ("pitch angle", held[3])):
             if not math.isfinite(report.settling):
                 raise Unstable(report.loop, f"no gains of the {by} settle a step in {report.loop}")
         return held
@@ -377,16 +390,16 @@ def _speed_and_altitude(
     if _excess(held) > 1.0 and req.LEAST_RISE <= rise < req.RISE:
         with contextlib.suppress(Unstable):
             more = hold(RELAXED_STOP_WEIGHT, design_feed(plant, room, rise)[0])
-            if not any(step.relaxed for step in more[1::2]):
+            if not (more[1].relaxed or more[3].relaxed):
                 held = min(held, more, key=_excess)
     speed, quick, altitude, climbing = held
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing
 
 
-def _late(held: Held) -> list[float]:
+def _late(held: Held) -> tuple[float, float]:
     """Errors at the end of the steps in airspeed and altitude, in what they may be."""
-    return [step.late / late for step, late in zip(held[1::2], MAX_FINAL_ERROR, strict=True)]
+    return held[1].late / MAX_FINAL_ERROR[0], held[3].late / MAX_FINAL_ERROR[1]
 
 
 def _excess(held: Held) -> float:

@@ -282,7 +282,7 @@ def design_heading(
     )
 
 
-SPEED = Loop("speed", "throttle", "vc", "hdot", 1.0, STEP_REQUIREMENTS["speed"])
+SPEED = Loop("speed", "throttle", "vc", "hdot", STEP_REQUIREMENTS["speed"])
 
 _SPEED_SHARES = np.geomspace(0.15, 1.0, 6)
 # where turbulence is light, as at high altitude

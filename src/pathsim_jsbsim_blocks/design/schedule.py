@@ -81,7 +81,7 @@ def _plain(row: LoopReport) -> dict[str, Any]:
 
 def _sorted(name: str, values: Any, **bounds: Any) -> list[float]:
     """Checked numbers without repetition, in ascending order."""
-    if np.ndim(values) != 1:
+    if np.asarray(values, dtype=object).ndim != 1:
         refuse(name, values, f"{name} must be a list of numbers, not {values!r}")
     found = sorted({number(name, value, **bounds) for value in values})
     if not found:

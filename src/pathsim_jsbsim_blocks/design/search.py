@@ -158,8 +158,8 @@ class Loop:
     input: str
     output: str
     rate: str
-    sign: float  # -1 where a positive command lowers the output
     required: StepRequirement
+    sign: float = 1.0  # -1 where a positive command lowers the output
 
     def law(self, Kp: Any, Ki: Any, Kr: Any) -> Law:
         """The law's feedback: proportional, integral, and of the rate."""
@@ -167,8 +167,8 @@ class Loop:
         return Law({self.output: (s * Kp, s * Ki), self.rate: (s * Kr,)})
 
 
-PITCH = Loop("pitch", "elevator", "theta", "q", -1.0, STEP_REQUIREMENTS["pitch"])
-ROLL = Loop("roll", "aileron", "phi", "p", 1.0, STEP_REQUIREMENTS["roll"])
+PITCH = Loop("pitch", "elevator", "theta", "q", STEP_REQUIREMENTS["pitch"], -1.0)
+ROLL = Loop("roll", "aileron", "phi", "p", STEP_REQUIREMENTS["roll"])
 
 # rad/s, deg, Ki / (Kp crossover), b
 _CROSSOVERS = np.geomspace(0.25, 6.0, 16)
