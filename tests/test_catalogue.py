@@ -146,6 +146,7 @@ def test_a_script_behind_a_link_imports_what_lies_beside_it(tmp_path, capsys):
     assert capsys.readouterr().out == "flown\n"
 
 
+@pytest.mark.long
 def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
     script = tmp_path / "mine.py"
     script.write_text("print('\u03b1')\n", encoding="utf-8")

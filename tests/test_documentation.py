@@ -34,14 +34,16 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
     plt.close("all")
 
 
-# test_workers has sweeps, a cluster and a batch in each run of the tests
+# test_workers has sweeps in each run of the tests, a cluster among the long ones
 BATCHES = ("studies", "own-study", "monte-carlo", "performance")
+# tests/control and tests/design fly the same in each run
+FLOWN = ("approach", "designed-gains", "navigation")
 
 
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(p, id=p.name, marks=pytest.mark.long if p.stem in BATCHES else ())
+        pytest.param(p, id=p.name, marks=pytest.mark.long if p.stem in BATCHES + FLOWN else ())
         for p in PAGES
         if blocks(p, "python")
     ],
@@ -75,7 +77,7 @@ def commands():
 
 
 # test_published and tests/design compute these in each run of the tests
-LONG = ("trim_envelope", "thrust_vectoring", "gains c172p", " chart ")
+LONG = ("aoa_vs_cas", "trim_envelope", "thrust_vectoring", "gains c172p", " chart ")
 CHECK = "pathsim-jsbsim check"  # flies all 18 cases
 COMMANDS = [
     pytest.param(

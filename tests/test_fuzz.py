@@ -6,11 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 FUZZ = Path(__file__).with_name("fuzz_public_names.py")
 
 
+@pytest.mark.long
 def test_random_arguments_end_in_our_own_errors_and_leave_nothing_behind(tmp_path):
     work, temporary, storage = (tmp_path / name for name in ("work", "tmp", "hypothesis"))
     work.mkdir()

@@ -89,6 +89,7 @@ def count(errors):
     return [errors.count(text) for text in SAID]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 @pytest.mark.parametrize("start", first([[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]]))
 def test_each_warning_is_seen_once(start):
@@ -147,6 +148,7 @@ def test_who_listens_elsewhere_still_does(code):
     assert WARNING not in errors
 
 
+@pytest.mark.long
 def test_filters_still_count():
     assert WARNING not in "".join(python("-W", "ignore", "-c", BUILD + "simulate()", code=0))
     _, errors = python("-W", "error", "-c", BUILD + "simulate()")

@@ -445,6 +445,7 @@ print(threading.active_count())
 """
 
 
+@pytest.mark.long
 def test_its_bar_starts_no_thread_that_an_interrupt_could_block():
     done = subprocess.run([sys.executable, "-c", BAR], capture_output=True, text=True, check=True)
     assert done.stdout == "1\n"

@@ -131,6 +131,7 @@ def test_neighbours_are_a_list_of_gains(near):
         design_schedule("A320", TrimCondition(), [5000.0], [281.0], near=[GAINS["737"]])
 
 
+@pytest.mark.long
 def test_designed_gains_are_replaced_by_their_names(found):
     slow = replace(found.designs[0].speed, band=12.0)
     assert replace(found.designs[0], speed=slow).gains.speed.band == 12.0

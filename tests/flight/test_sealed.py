@@ -146,6 +146,7 @@ for name in aircraft_names():
 """
 
 
+@pytest.mark.long
 def test_all_models_open_no_socket_write_no_file_and_print_nothing(outside):
     before = fingerprint(INSTALLED), sorted(os.listdir("/"))
     report, printed, left = outside(FLY_ALL)

@@ -410,6 +410,7 @@ for condition in eval(sys.argv[2]):
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("aircraft", "conditions", "said"),
     first(

@@ -159,6 +159,7 @@ def test_what_jsbsim_throws_in_flight_is_a_flight_error():
         flying(plane, target, 2.0).run(0.1)
 
 
+@pytest.mark.long
 def test_no_property_of_a_sample_ends_the_process():
     # tests/long has all properties of all models
     sample = "propulsion/(set-running|engine/inj)|simulation/(do_|gravity|integrator)"

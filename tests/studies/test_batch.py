@@ -205,6 +205,7 @@ def test_a_diagram_by_name_is_flown_with_other_parameters():
     assert flown.time_s.to_numpy() == pytest.approx([6.0, 6.0])
 
 
+@pytest.mark.long
 def test_in_other_processes_too():
     table = quiet("pitch_hold", {"hold.theta_ref": [2, 4]}, measure=level, duration=3.0, jobs=2)
     assert table.reference.tolist() == [2, 4]

@@ -121,6 +121,7 @@ except FileError as error:
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
 def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
     path = tmp_path / "thirds.jsonl"

@@ -97,6 +97,7 @@ def test_without_workers_the_folder_of_the_process_is_left_alone(tmp_path, monke
     assert [row["folder"] for row in rows] == [str(tmp_path), str(tmp_path / "inner")]
 
 
+@pytest.mark.long
 def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed(tmp_path):
     path = tmp_path / "squares.jsonl"
     with pytest.warns(RuntimeWarning) as said:
@@ -321,6 +322,7 @@ def dask_client():
         yield client
 
 
+@pytest.mark.long
 def test_a_dask_cluster_gives_the_same_table(dask_client):
     import joblib
 
