@@ -83,38 +83,28 @@ class Check:
 
         PathView's converter looks the ends of a wire up in one table of them all.
         """
-        below: dict[str, str] = {}
+        known: dict[str, str] = {}
         for node in graph["nodes"]:
             if node.get("graph"):
-                below.update(self._ids(node["graph"]))
-        own: dict[str, str] = {}
+                known.update(self._ids(node["graph"]))
         for node in graph["nodes"]:
-            for known in (own, below):
-                if node["id"] in known:
-                    self._refuse(
-                        f"blocks {known[node['id']]!r} and {node['name']!r} have the same "
-                        f"id {node['id']!r}: a wire to it could mean either"
-                    )
-            own[node["id"]] = node["name"]
-        return {**below, **own}
+            if node["id"] in known:
+                what = f"blocks {known[node['id']]!r} and {node['name']!r} have the same id"
+                self._refuse(f"{what} {node['id']!r}: a wire to it could mean either")
+            known[node["id"]] = node["name"]
+        return known
 
     def _graph(self, graph: Json, parent: Json | None) -> None:
         if parent is None and graph["events"]:
-            self._refuse(
-                f"event {graph['events'][0]['name']!r} is in the graph; those of the top "
-                "level belong beside it, into 'events'"
-            )
+            what = f"event {graph['events'][0]['name']!r} is in the graph"
+            self._refuse(f"{what}; those of the top level belong beside it, into 'events'")
         interfaces = [n["name"] for n in graph["nodes"] if n["type"] == "Interface"]
         if parent is None and interfaces:
-            self._refuse(
-                f"block {interfaces[0]!r} is an Interface outside a subsystem; PathView "
-                "leaves it and its wires out"
-            )
+            what = f"block {interfaces[0]!r} is an Interface outside a subsystem"
+            self._refuse(f"{what}; PathView leaves it and its wires out")
         if len(interfaces) > 1 and parent is not None:
-            self._refuse(
-                f"subsystem {parent['name']!r} has {len(interfaces)} interfaces, "
-                f"{' and '.join(map(repr, interfaces))}; it can have one"
-            )
+            what = f"subsystem {parent['name']!r} has {len(interfaces)} interfaces"
+            self._refuse(f"{what}, {' and '.join(map(repr, interfaces))}; it can have one")
         for node in graph["nodes"]:
             self._node(node)
         for event in graph["events"]:
@@ -125,10 +115,8 @@ class Check:
             self._end(graph, parent, connection, "target", "input")
             end = connection["targetNodeId"], connection["targetPortIndex"]
             if end in ends:
-                self._refuse(
-                    f"connection {connection['id']!r}: input {end[1]} of its target has "
-                    "another wire already"
-                )
+                what = f"connection {connection['id']!r}: input {end[1]} of its target"
+                self._refuse(f"{what} has another wire already")
             ends.add(end)
 
     def _node(self, node: Json) -> None:
