@@ -40,7 +40,6 @@ def save_checkpoint(
 
     Parameters
     ----------
-    simulation : pathsim.Simulation
     path : str or Path
         with or without an ending
     recordings : bool
@@ -80,7 +79,6 @@ def load_checkpoint(simulation: Simulation, path: str | os.PathLike[str]) -> Non
 
     Parameters
     ----------
-    simulation : pathsim.Simulation
     path : str or Path
         with or without an ending
 

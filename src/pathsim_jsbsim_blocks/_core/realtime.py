@@ -19,22 +19,15 @@ _TICKS = 30
 
 @dataclass
 class Pace:
-    """How well runs have kept up with the clock.
+    """How well runs have kept up with the clock."""
 
-    Attributes
-    ----------
-    simulated, real : float
-        duration in the diagrams and on the clock, s
-    ticks, late : int
-        how often the two were compared, and how often the diagram was behind by more than a step
-    worst : float
-        the most that it was behind, s
-    """
-
+    # s in the diagrams and on the clock
     simulated: float = 0.0
     real: float = 0.0
+    # how often the two were compared, and how often the diagram was behind by more than a step
     ticks: int = 0
     late: int = 0
+    # the most that it was behind, s
     worst: float = 0.0
 
     def __str__(self) -> str:

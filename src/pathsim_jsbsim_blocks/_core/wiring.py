@@ -40,27 +40,24 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
     for connection in connections:
-        source = connection.source.block
-        outputs = _numbers(connection.source.ports, source.outputs)
-        starts |= {(id(source), i) for i in outputs}
-        if not (connection and source):
-            continue  # switched off: another wire may take its place
-        for reference in connection.targets:
-            target = reference.block
-            for i, j in zip(outputs, _numbers(reference.ports, target.inputs), strict=True):
-                for block in (source, target):
-                    if id(block) not in known:
-                        known.add(id(block))
-                        wire = f"{_port(source, i, source.outputs)} to "
-                        wire += _port(target, j, target.inputs)
-                        yield (
-                            f"{name_of(block)} is wired ({wire}), but it is not among the blocks "
-                            "of the simulation: it does nothing"
-                        )
-                other, k = ends.setdefault((id(target), j), (source, i))
-                if (other, k) != (source, i):
-                    # by name and by number; the same words twice PathSim refuses
-                    yield f"{_conflict(other, k, source, i, target, j)}. One of them has no effect"
+        for source, i, target, _, j in _wires(connection):
+            starts.add((id(source), i))
+            if not (connection and source):
+                continue  # switched off: another wire may take its place
+            for block in (source, target):
+                if id(block) not in known:
+                    known.add(id(block))
+                    wire = (
+                        f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
+                    )
+                    yield (
+                        f"{name_of(block)} is wired ({wire}), but it is not among the blocks of "
+                        "the simulation: it does nothing"
+                    )
+            other, k = ends.setdefault((id(target), j), (source, i))
+            if (other, k) != (source, i):
+                # by name and by number; the same words twice PathSim refuses
+                yield f"{_conflict(other, k, source, i, target, j)}. One of them has no effect"
     for block in blocks:
         for i in _numbers(getattr(block, "places", ()), block.inputs):
             if (id(block), i) not in ends:
@@ -70,6 +67,15 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
             if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
                 yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
+
+
+def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int | str, int]]:
+    """Source and output, target and input, as it is written and by number, of each wire."""
+    source = connection.source.block
+    outputs = _numbers(connection.source.ports, source.outputs)
+    for target, ports in ((end.block, end.ports) for end in connection.targets):
+        for i, port, j in zip(outputs, ports, _numbers(ports, target.inputs), strict=True):
+            yield source, i, target, port, j
 
 
 def _conflict(one: Block, i: int, other: Block, k: int, target: Block, j: int) -> str:
@@ -83,16 +89,11 @@ def _check_wires(connections: Sequence[Connection]) -> None:
     """Refuse two wires into one port."""
     ends: dict[tuple[int, int | str], tuple[Block, int]] = {}
     for connection in connections:
-        source = connection.source.block
-        outputs = _numbers(connection.source.ports, source.outputs)
-        for reference in connection.targets:
-            target = reference.block
-            numbers = _numbers(reference.ports, target.inputs)
-            for i, port, j in zip(outputs, reference.ports, numbers, strict=True):
-                if (id(target), port) in ends:
-                    message = _conflict(*ends[id(target), port], source, i, target, j)
-                    refuse("connections", connection, message)
-                ends[id(target), port] = source, i
+        for source, i, target, port, j in _wires(connection):
+            if (id(target), port) in ends:
+                message = _conflict(*ends[id(target), port], source, i, target, j)
+                refuse("connections", connection, message)
+            ends[id(target), port] = source, i
 
 
 def _check_ends(_: Connection, *ends: Any, **named: Any) -> None:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import inspect
 import time
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import inf, isfinite, nan
 from threading import get_ident
 from typing import Any, NoReturn
+from unittest.mock import patch
 
 import jsbsim
 import numpy as np
@@ -37,7 +37,7 @@ from .airframe import Airframe
 from .channels import Channel
 from .console import capture_console, log
 from .contact import GroundContact
-from .flightgear import next_address, sending_nowhere
+from .flightgear import next_address, sending_to
 from .linearise.algebraic import algebraic_model
 from .linearise.flown import flown_model
 from .linearise.flyable import no_model
@@ -85,16 +85,6 @@ Read = Callable[[], list[float]]
 
 # called with each block that has taken off: when it is built, and again after a reset
 at_take_off: list[Callable[[FlightBlock], None]] = []
-
-
-@contextlib.contextmanager
-def _unobserved() -> Iterator[None]:
-    """Context in which blocks take off without the calls of `at_take_off`."""
-    observers, at_take_off[:] = at_take_off[:], []
-    try:
-        yield
-    finally:
-        at_take_off[:] = observers
 
 
 class FlightBlock(NamedPorts, SampledPlant):
@@ -337,7 +327,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         block = self._class()
         parameters = {name: getattr(self, name) for name in inspect.signature(block).parameters}
         sealed = {"allow_network": False, "allow_files": False, "flightgear": None}
-        with _unobserved(), sending_nowhere():
+        with patch(f"{__name__}.at_take_off", []), sending_to(None):
             return block(**{**parameters, **sealed})
 
     def _connect(self) -> tuple[Write, Read]:

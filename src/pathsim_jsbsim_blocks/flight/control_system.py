@@ -34,20 +34,7 @@ class ControlChannel(NamedTuple):
 
 
 def control_system(aircraft: str, root: str | None = None) -> list[ControlChannel]:
-    """The channels of an aircraft's control system, in the order in which they run.
-
-    Parameters
-    ----------
-    aircraft : str
-        name of the model
-    root : str, optional
-        JSBSim root directory; default is the one shipped with jsbsim
-
-    Raises
-    ------
-    AircraftError
-        for an unknown aircraft, or files that are missing or malformed
-    """
+    """The channels of an aircraft's control system, in the order in which they run."""
     file = ModelFile(aircraft, root)
     model = file.parsed()
     return [

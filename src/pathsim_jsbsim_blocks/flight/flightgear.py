@@ -40,23 +40,16 @@ def directive(host: str, port: int) -> str:
 
 
 @contextlib.contextmanager
-def sending_to(first: str) -> Iterator[None]:
-    """Context in which aircraft blocks that are built send to FlightGear.
+def sending_to(first: str | None) -> Iterator[None]:
+    """Context in which aircraft blocks that are built send to FlightGear; with None they do not.
 
     The first one sends to this address, each further one to the next port.
     """
-    host, port = address("flightgear", first)
-    _addresses.append(f"{host}:{n}" for n in itertools.count(port))
-    try:
-        yield
-    finally:
-        _addresses.pop()
-
-
-@contextlib.contextmanager
-def sending_nowhere() -> Iterator[None]:
-    """Context in which aircraft blocks that are built do not send to FlightGear."""
-    _addresses.append(itertools.repeat(None))
+    addresses: Iterator[str | None] = itertools.repeat(None)
+    if first is not None:
+        host, port = address("flightgear", first)
+        addresses = (f"{host}:{n}" for n in itertools.count(port))
+    _addresses.append(addresses)
     try:
         yield
     finally:

@@ -26,16 +26,8 @@ _PROPERTIES = {
 def aircraft_points(airframe: Airframe) -> dict[str, list[Point]]:
     """Points that a model names: CG, aerodynamic reference point, wheels, tanks, point masses.
 
-    Parameters
-    ----------
-    airframe : Airframe
-        an initialised aircraft (`Airframe.run_ic`)
-
-    Returns
-    -------
-    dict
-        from the kind of point to a list of (x, y, z) in inches, structural axes: x aft, y right,
-        z up. Wheels and contact points are those of the unloaded gear
+    The airframe is initialised (`Airframe.run_ic`). From the kind of point to a list of (x, y, z)
+    in inches, structural axes: x aft, y right, z up; wheels are those of the unloaded gear.
     """
     points: dict[str, list[Point]] = {}
     with contextlib.suppress(AircraftError):

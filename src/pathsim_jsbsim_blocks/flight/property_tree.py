@@ -20,15 +20,7 @@ _INTERNAL = re.compile(
 
 
 class PropertyTree:
-    """Properties of one aircraft by name.
-
-    Attributes
-    ----------
-    aircraft : str
-        the model's name
-    fdm : jsbsim.FGFDMExec
-        the executive whose properties these are
-    """
+    """Properties of one aircraft by name."""
 
     aircraft: str
     fdm: jsbsim.FGFDMExec

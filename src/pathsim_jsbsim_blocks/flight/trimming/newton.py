@@ -110,8 +110,6 @@ class Seed(NamedTuple):
     # whether the flight control system takes more than one reading to settle
     has_memory: bool
     in_time: bool
-    # whether the last search found its trim; otherwise the next one starts from its own guesses
-    near: bool = True
 
 
 class Found(NamedTuple):
@@ -240,9 +238,9 @@ class Search:
     def find(self, seed: Seed | None = None) -> Found:
         """Search from a seed, and without success from one first guess after the other."""
         time = self._fdm.get_sim_time()
-        x, slopes = self._from(seed) if seed and seed.near else (None, None)
+        x, slopes = self._from(seed) if seed else (None, None)
         if x is None:
-            x, slopes = self._from_guesses(seed)
+            x, slopes = self._from_guesses()
         has_memory, self._has_memory = self._has_memory, True
         # the last state written need not be the best
         r = self._settled(x)
@@ -275,34 +273,26 @@ class Search:
 
     def _from(self, seed: Seed) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Where the search from a seed ends; None if it does not find a trim to full precision."""
-        if not self._takes(seed):
-            return None, None
-        x = np.array(list(seed.free.values())).clip(*self._limits)
-        x, r, slopes = self._descend(x, seed.slopes)
-        if self._size(r) <= _POLISHED:
-            return x, slopes
-        self._ranges = self._free()
-        self._has_memory = True
-        self._effort.steps = self._start
-        return None, None
-
-    def _takes(self, seed: Seed) -> bool:
-        """Adopt what a seed knows of the model; False if it is from a search of another kind."""
         if "elevator" in seed.free:
             self._without_pitch_trim()
-        if list(seed.free) != list(self._ranges) or len(seed.slopes) != len(self._used):
-            self._ranges = self._free()
-            return False
-        self._has_memory = seed.has_memory
-        return True
+        # otherwise it is from a search of another kind
+        if list(seed.free) == list(self._ranges) and len(seed.slopes) == len(self._used):
+            self._has_memory = seed.has_memory
+            x = np.array(list(seed.free.values())).clip(*self._limits)
+            x, r, slopes = self._descend(x, seed.slopes)
+            if self._size(r) <= _POLISHED:
+                return x, slopes
+            self._has_memory = True
+            self._effort.steps = self._start
+        self._ranges = self._free()
+        return None, None
 
-    def _from_guesses(self, seed: Seed | None) -> tuple[np.ndarray, np.ndarray | None]:
+    def _from_guesses(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Where the best of the searches from the first guesses ends."""
         best: tuple[float, np.ndarray, np.ndarray | None] | None = None
         low, high = self._limits
         start = np.clip([r.start for r in self._ranges.values()], low, high)
-        if not (seed and self._takes(seed)):
-            self._try_out(start)
+        self._try_out(start)
         for alpha in _ALPHAS:
             x = start.copy()
             x[list(self._ranges).index("alpha")] = math.radians(alpha)

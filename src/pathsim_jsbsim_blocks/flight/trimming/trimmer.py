@@ -151,7 +151,6 @@ class Trimmer:
         try:
             reached, self._seed = self.search(condition, seed, warm)
         except TrimError:
-            self._seed = seed and seed._replace(near=False)
             for name, value in before.items():
                 airframe.fdm[name] = value
             raise
