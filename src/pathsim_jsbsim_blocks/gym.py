@@ -6,6 +6,7 @@ Importing this module registers ``pathsim-jsbsim/PitchHold-v0``,
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -191,12 +192,9 @@ class DiagramEnv(gymnasium.Env):
         self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "restored")]
         for block in self._flown:
             block.restored = self._given["restart"] == "restored"
-        self._place = [
-            port_reader(block.outputs, port_names(block.outputs)[name])
-            for block in self._flown[:1]
-            for name in POSITION
-            if name in port_names(block.outputs)
-        ]
+        outputs = self._flown[0].outputs if self._flown else self._source.outputs
+        known = port_names(outputs)
+        self._place = [port_reader(outputs, known[name]) for name in POSITION if name in known]
         self._random = random_blocks(sim)
 
     def _space(self, ports: Sequence[_Port]) -> gymnasium.spaces.Box:
@@ -500,17 +498,17 @@ def _limits(ports: Sequence[_Port]) -> tuple[np.ndarray, np.ndarray]:
     return np.array([p.low for p in ports]), np.array([p.high for p in ports])
 
 
-def _pitch_hold(**options: Any) -> DiagramEnv:
-    """The elevator is to follow the pitch angle that `PitchHold` commands."""
-    usual: dict[str, Any] = {
-        "action": {"aircraft.elevator": (-0.3, 0.3)},
-        "observation": dict.fromkeys(("aircraft.theta", "aircraft.q", "hold.theta_cmd"), (-30, 30)),
-        "reward": lambda v: -abs(v["aircraft.theta"] - v["hold.theta_cmd"]),
-        "vary": {"hold.theta_ref": (0.0, 4.0)},
-        "wired": "replace",
-        "crash": -1000.0,
-    }
-    return make_env("pitch_hold", **{**usual, **options})
+# the elevator is to follow the pitch angle that `PitchHold` commands
+_pitch_hold = functools.partial(
+    make_env,
+    "pitch_hold",
+    action={"aircraft.elevator": (-0.3, 0.3)},
+    observation=dict.fromkeys(("aircraft.theta", "aircraft.q", "hold.theta_cmd"), (-30, 30)),
+    reward=lambda v: -abs(v["aircraft.theta"] - v["hold.theta_cmd"]),
+    vary={"hold.theta_ref": (0.0, 4.0)},
+    wired="replace",
+    crash=-1000.0,
+)
 
 
 def _heading(**options: Any) -> DiagramEnv:
@@ -538,27 +536,27 @@ def _off_the_approach(v: Mapping[str, float]) -> float:
     return -(across + below + abs(v["aircraft.vc"] - 150) / 20)
 
 
-def _approach(**options: Any) -> DiagramEnv:
-    """Fly a 737 along localizer and glide path to the decision height, at 150 KCAS."""
-    commands = [f"aircraft.{port}" for port in ("aileron", "elevator", "throttle")]
-    angles = [f"aircraft.{port}" for port in ("theta", "phi", "p", "q", "r")]
-    ranges = {"aircraft.vc": (0, 400), "course.chi": (0, 360), "course.across": (-50_000, 50_000)}
-    path = {"glide.gs_ft": (-10_000, 10_000), "glide.dist": (-20_000, 200_000)}
-    usual: dict[str, Any] = {
-        "action": dict.fromkeys(commands, (-0.5, 0.5)),
-        "observation": {**dict.fromkeys(angles, (-90, 90)), **ranges, **path},
-        "reward": _off_the_approach,
-        "step": 0.5,
-        "duration": 330.0,
-        "wired": "replace",
-        "crash": -10_000.0,
-    }
-    return make_env("approach_737", **{**usual, **options})
+# fly a 737 along localizer and glide path to the decision height, at 150 KCAS
+_approach = functools.partial(
+    make_env,
+    "approach_737",
+    action={f"aircraft.{port}": (-0.5, 0.5) for port in ("aileron", "elevator", "throttle")},
+    observation={
+        **{f"aircraft.{port}": (-90, 90) for port in ("theta", "phi", "p", "q", "r")},
+        **{"aircraft.vc": (0, 400), "course.chi": (0, 360), "course.across": (-50_000, 50_000)},
+        **{"glide.gs_ft": (-10_000, 10_000), "glide.dist": (-20_000, 200_000)},
+    },
+    reward=_off_the_approach,
+    step=0.5,
+    duration=330.0,
+    wired="replace",
+    crash=-10_000.0,
+)
 
 
 for _id, _task in (
-    ("PitchHold", _pitch_hold),
-    ("HeadingInTurbulence", _heading),
-    ("Approach", _approach),
+    ("PitchHold", "_pitch_hold"),
+    ("HeadingInTurbulence", "_heading"),
+    ("Approach", "_approach"),
 ):
-    gymnasium.register(f"pathsim-jsbsim/{_id}-v0", f"{__name__}:{_task.__name__}")
+    gymnasium.register(f"pathsim-jsbsim/{_id}-v0", f"{__name__}:{_task}")

@@ -35,15 +35,19 @@ class TunableLaw(Parametric, SampledLaw):
         super().start_step(t)
         if not self._wires_seen:
             self._wires_seen = True
-            ports = port_names(self.inputs)
-            missing = [name for name in self.needed() if ports[name] not in self.inputs.wired]
-            if missing:
-                where = f"where no wire comes in: {', '.join(missing)}"
-                warn_user(f"{type(self).__name__} measures 0 {where}")
+            self._warn_of_missing_wires()
 
     def needed(self) -> tuple[str, ...]:
         """Inputs that must be connected, given the others that are."""
         return self.measured
+
+    def _warn_of_missing_wires(self) -> None:
+        ports = port_names(self.inputs)
+        missing = [name for name in self.needed() if ports[name] not in self.inputs.wired]
+        if missing:
+            warn_user(
+                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
+            )
 
     def reset(self) -> None:
         period = self.clock.period

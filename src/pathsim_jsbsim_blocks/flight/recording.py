@@ -51,7 +51,11 @@ class Recording:
         self._rows = array("d")
         self._readers: list[Callable[[], float]] = []
         self._labels: list[str] = []
-        fly = flown.advance
+        fly, take_off = flown.advance, flown.take_off
+
+        def take_off_and_begin() -> None:
+            take_off()
+            self._begin()
 
         def advance(index: int, u: list[float]) -> list[float]:
             y = fly(index, u)
@@ -59,10 +63,10 @@ class Recording:
             return y
 
         flown.advance = advance  # type: ignore[method-assign]
-        self.begin()
+        flown.take_off = take_off_and_begin  # type: ignore[method-assign]
+        self._begin()
 
-    def begin(self) -> None:
-        """Start again with a fresh aircraft."""
+    def _begin(self) -> None:
         airframe = self.block.airframe
         self._labels = [label for label, (name, _) in _SIGNALS.items() if airframe.has(name)]
         self._readers = [airframe.reader(_SIGNALS[label][0]) for label in self._labels]
@@ -110,10 +114,8 @@ def recorded_flights() -> Iterator[list[Recording]]:
     recordings: list[Recording] = []
 
     def record(flown: FlightBlock) -> None:
-        for recording in recordings:
-            if recording.block is flown:
-                return recording.begin()
-        recordings.append(Recording(flown))
+        if all(r.block is not flown for r in recordings):
+            recordings.append(Recording(flown))
 
     block.at_take_off.append(record)
     try:

@@ -32,6 +32,9 @@ _STATES = (
 # perturbation of an input, in its unit
 _COMMAND = 1e-3
 
+# for what is no angle
+_NO_CIRCLE = 1e99
+
 # runs without integration until accelerations that depend on others (alphadot) have settled
 _RUNS = 6
 
@@ -74,9 +77,7 @@ def algebraic_model(
         for c in (*RIGID, *shown)
     ]
     with airframe.engines_stopped():
-        differ = _Differences(airframe, subject.inputs, read)
-        by_state = differ.states()
-        by_input, even = differ.inputs()
+        by_state, by_input, even = _differences(airframe, subject.inputs, read)
     n, k = len(_STATES), len(rates)
     # from JSBSim's states to those of the model
     change = by_state[k : k + n]
@@ -124,50 +125,25 @@ def _deg_per_ft(airframe: Airframe, position: str) -> float:
     return math.degrees(FOOT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
 
 
-class _Differences:
-    """Central differences of what an aircraft shows, by its states and its inputs."""
+def _differences(
+    airframe: Airframe,
+    moved: Sequence[Channel],
+    shown: Sequence[tuple[Callable[[], float], Channel]],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Central differences by the states and by the inputs, and the even parts of the latter."""
+    fdm, write = airframe.fdm, airframe.writer
+    states = [(write(initial), fdm[present], step) for initial, present, _, step in _STATES]
+    inputs = [[(write(name), fdm[name]) for name in c.properties] for c in moved]
+    factors = np.array([channel.factor for _, channel in shown])
+    # a heading of 0 is next to 360
+    circles = np.array([full_circle(channel) or _NO_CIRCLE for _, channel in shown])
 
-    def __init__(
-        self,
-        airframe: Airframe,
-        moved: Sequence[Channel],
-        shown: Sequence[tuple[Callable[[], float], Channel]],
-    ):
-        self._fdm = airframe.fdm
-        self._readers = [read for read, _ in shown]
-        self._factors = np.array([channel.factor for _, channel in shown])
-        # a heading of 0 is next to 360
-        self._circles = np.array([full_circle(channel) or np.inf for _, channel in shown])
-        write, now = airframe.writer, airframe.fdm
-        self._states = [(write(ic), now[present], step) for ic, present, _, step in _STATES]
-        self._inputs = [[(write(name), now[name]) for name in c.properties] for c in moved]
-        self._still = np.zeros(len(shown))
-        self._still = self._at()
-
-    def states(self) -> np.ndarray:
-        columns = []
-        for j, (_, _, step) in enumerate(self._states):
-            up, down = self._at(state=j, by=step), self._at(state=j, by=-step)
-            columns.append((up - down) / (2 * step))
-        return np.array(columns).T
-
-    def inputs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The differences, and their even parts."""
-        odd, even = [], []
-        for j in range(len(self._inputs)):
-            up, down = self._at(port=j, by=_COMMAND), self._at(port=j, by=-_COMMAND)
-            odd.append((up - down) / (2 * _COMMAND))
-            even.append((up + down - 2 * self._still) / (2 * _COMMAND))
-        shape = len(odd), len(self._readers)
-        return np.reshape(odd, shape).T, np.reshape(even, shape).T
-
-    def _at(self, state: int = -1, port: int = -1, by: float = 0.0) -> np.ndarray:
-        for j, (write, value, _) in enumerate(self._states):
-            write(value + by * (j == state))
-        for j, commands in enumerate(self._inputs):
-            for write, value in commands:
-                write(value + by * (j == port))
-        fdm = self._fdm
+    def at(state: int = -1, port: int = -1, by: float = 0.0) -> np.ndarray:
+        for j, (put, value, _) in enumerate(states):
+            put(value + by * (j == state))
+        for j, commands in enumerate(inputs):
+            for put, value in commands:
+                put(value + by * (j == port))
         fdm.set_trim_status(True)
         fdm.run_ic()
         fdm.get_propulsion().get_steady_state()
@@ -176,7 +152,17 @@ class _Differences:
             fdm.run()
         fdm.resume_integration()
         fdm.set_trim_status(False)
-        moved = self._factors * [read() for read in self._readers] - self._still
-        around = np.isfinite(self._circles)
-        moved[around] -= self._circles[around] * np.round(moved[around] / self._circles[around])
-        return self._still + moved
+        return factors * [read() for read, _ in shown]
+
+    still = at()
+
+    def both(step: float, **which: int) -> tuple[np.ndarray, np.ndarray]:
+        """The difference over a step to both sides, and its even part."""
+        up, down = (at(by=by, **which) - still for by in (step, -step))
+        up, down = (x - circles * np.round(x / circles) for x in (up, down))
+        return (up - down) / (2 * step), (up + down) / (2 * step)
+
+    by_state = [both(step, state=j)[0] for j, (_, _, step) in enumerate(states)]
+    by_input = [both(_COMMAND, port=j) for j in range(len(inputs))]
+    odd, even = np.reshape(by_input, (len(inputs), 2, len(shown))).transpose(1, 2, 0)
+    return np.array(by_state).T, odd, even
