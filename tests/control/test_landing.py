@@ -13,7 +13,7 @@ import pytest
 from flights import T
 from how_many import first
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from pathsim.blocks import Constant, Scope, Source
 from pymap3d import geodetic2aer, geodetic2ned
 from test_navigation import NMI, flown
 
@@ -351,6 +351,35 @@ def test_a_go_around_turns_its_airspeed_into_height(name):
     # the 737 was at 232 KCAS with flaps and gear down
     assert np.max(vc[-6000:]) < 1.2 * airspeed
     assert diagram.aircraft.outputs["hdot"] > diagram.flare.climb
+
+
+def test_a_go_around_keeps_its_heading_with_an_engine_at_idle():
+    # from 200 ft; with the wings level the heading was 24 deg off after 60 s
+    more = {"aircraft.input_properties": ["brakes", "steering", "throttle[0]"]}
+    diagram, stopped = calm("737", **more), Constant(0.0)
+    diagram.sim.add_block(stopped)
+    diagram.sim.add_connection(Connection(stopped, diagram.aircraft["throttle[0]"]))
+    approached(diagram, lambda outputs: diagram.aircraft.outputs["h_agl"] < 200.0)
+    diagram.go_around.value, stopped.value = 1.0, -2.0
+    fly(diagram.sim, 30.0)
+    assert abs(diagram.aircraft.outputs["psi"] - 90.0) < 4.0
+    assert diagram.aircraft.outputs["h_agl"] > 250.0
+
+
+@pytest.mark.parametrize("hold", [LocalizerHold, GlideslopeHold])
+def test_a_receiver_tuned_to_another_station_captures_nothing(hold):
+    # 3 nmi from one on the ground ahead, then 500 ft below and beside the beams of a nearer one
+    block = hold("c172p")
+    ports = block.input_port_labels
+    block.inputs.wired = set(ports.values())
+    state, captured = block.initial_state(), []
+    for k in range(480):
+        dist = 18_000.0 - k + (8000.0 if k < 240 else 0.0)
+        given = {"loc_ft": 2500.0, "loc_dist": dist, "gs_ft": -500.0, "gs_deg": -1.5}
+        given |= {"gs_dist": dist, "h": 500.0, "vc": 75.0, "theta": 2.0, "alpha": 2.0}
+        outputs, state = block.law([given.get(name, 0.0) for name in ports], state)
+        captured.append(outputs[block.output_port_labels["captured"]])
+    assert not any(captured)
 
 
 def test_another_approach_after_a_go_around():

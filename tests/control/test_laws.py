@@ -643,6 +643,8 @@ class Flare:
         if self.phase == 1:
             pull = 0.4 * (0.4 * now["loc_ft"] + 1.4 * self.aside)
             bank = clip(-math.degrees(pull / G), -c["bank_max"], c["bank_max"])
+        elif goes:
+            bank = clip(degrees(self.psi - now["psi"]), -c["bank_max"], c["bank_max"])
         if not engaging:
             self.reference += clip(self.theta - self.reference, -15.0 * T, 15.0 * T)
             most = ATTITUDE["ramp"] * T
@@ -654,9 +656,7 @@ class Flare:
         if rolls:
             aim -= clip(math.degrees(0.25 * now["loc_ft"] / v), -5.0, 5.0)
         flies = goes and not rolls
-        if flies:
-            self.psi = now["psi"]
-        elif rolls or height < 3.0 * max(-now["hdot"], c["sink"]):
+        if rolls or height < 3.0 * max(-now["hdot"], c["sink"]):
             self.psi += clip(degrees(aim - self.psi), -3.0 * T, 3.0 * T)
         error = 0.0 if flies else c["align"] * (degrees(now["psi"] - self.psi) + 0.5 * now["r"])
         moved = clip(now["rudder"] + error, self.rudder - T, self.rudder + T)

@@ -21,6 +21,7 @@ from .course import SEPARATION, SMOOTHING
 __all__ = ["GlideslopeHold", "LocalizerHold"]
 
 SLOWEST = 30.0  # ft/s, for angles from speeds
+_FASTEST = 5000.0  # ft/s; beyond, a receiver was tuned to another station
 _DEGREES = math.degrees(1.0)
 _AWAY = 135.0  # deg off the course, from which an aircraft flies away from the station
 _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
@@ -38,15 +39,16 @@ class BeamState(NamedTuple):
 
     def next(
         self, ft: float, dist: float, T: float, smoothing: float
-    ) -> tuple[BeamState, float, float]:
-        """The state at a sample; speeds across and along the course as they are measured, ft/s."""
+    ) -> tuple[BeamState, float, float, bool]:
+        """The state at a sample; speeds across and along the course as measured, ft/s, if known."""
         across, along = (ft - self.ft) / T, (self.dist - dist) / T
         share = select(self.along == 0.0, 1.0, -math.expm1(-T / smoothing))
+        known = self.known & (abs(along) < _FASTEST)
         moves = [
-            select(self.known, smooth + share * (now - smooth), 0.0)
+            select(known, smooth + share * (now - smooth), 0.0)
             for smooth, now in ((self.aside, across), (self.along, along))
         ]
-        return BeamState(True, ft, dist, *moves), across, along
+        return BeamState(True, ft, dist, *moves), across, along, known
 
 
 class LocalizerState(NamedTuple):
@@ -131,8 +133,8 @@ class LocalizerHold(Hold):
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         psi, phi, p, ft, dist, off, ail_sat, _ = u
         off, c = off != 0.0, self.checked
-        beam, across, along = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
-        speed, known = larger(beam.along, SLOWEST), state.beam.known
+        beam, across, along, known = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
+        speed = larger(beam.along, SLOWEST)
         drift = wrap(c.course + _DEGREES * atan(across / larger(along, SLOWEST)) - psi)
         share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / SMOOTHING))
         drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
@@ -277,7 +279,9 @@ class GlideslopeHold(Hold):
         else:
             away = distance(place_unchecked(lat, lon), self._threshold)
         rate = 0.0 if before is None else (before - away) / self.clock.period
-        if before is not None:
+        if abs(rate) > _FASTEST:
+            speed = None
+        elif before is not None:
             speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
         dist = -away if captured and rate < 0.0 else away
         if not received:

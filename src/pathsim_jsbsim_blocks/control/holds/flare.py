@@ -34,6 +34,7 @@ _RAMP = 15.0  # deg/s, of the pitch reference
 _PULL = 8.0  # ft/s2, of the rate of climb demanded
 _TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
 _FASTER = 1.1  # of that airspeed, beyond which it climbs faster
+_KEEP = 1.0  # deg of bank per deg of heading, in a go-around
 _ACROSS = 45.0  # deg, of the heading off the course
 _TRACKING = 0.4  # rad/s, natural frequency of the distance from the centre line in the flare
 _DECRAB = 3.0  # s before the touchdown
@@ -100,9 +101,10 @@ class FlareHold(Hold):
     never lower than at the beginning. With the wheels on the ground it lowers the nose, steers
     along the centre line and brakes.
 
-    A go-around, at any height and on the ground too, levels the wings, applies full throttle and
-    climbs at ``climb``: less where that costs airspeed, more where the airspeed is 10 % higher than
-    at the beginning. On the ground the nose is raised at the airspeed of the touchdown.
+    A go-around, at any height and on the ground too, applies full throttle, keeps the heading with
+    a bank of at most ``bank_max``, and climbs at ``climb``: less where that costs airspeed, more
+    where the airspeed is 10 % higher than at the beginning. On the ground the nose is raised at the
+    airspeed of the touchdown.
 
     It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
     beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
@@ -122,7 +124,7 @@ class FlareHold(Hold):
     tau : float
         time constant of the flare, s
     bank_max : float
-        largest bank in the flare, deg
+        largest bank in the flare and in a go-around, deg
     align : float
         rudder per heading error in the flare and on the ground, 1/deg; 0 lands with the crab angle
     climb : float
@@ -223,7 +225,7 @@ class FlareHold(Hold):
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u
-        beam, _, _ = state.beam.next(ft, dist, self.clock.period, 0.5)
+        beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
         state, height = state._replace(beam=beam), h - self.checked.gear_height
         flew = state.phase != APPROACH
         across = abs(wrap(psi - self.checked.course)) > _ACROSS
@@ -241,7 +243,7 @@ class FlareHold(Hold):
         wanted, state = self._pitch(state, height, hdot, wow != 0.0, rolls)
         elevator, theta_cmd, after = vertical.fly(wanted)
         lateral = Lateral(self.loops, state.lateral, psi, phi, p, False, 0.0)
-        aileron, phi_cmd, turned = lateral.fly(self._bank(state))
+        aileron, phi_cmd, turned = lateral.fly(self._bank(state, psi))
         rudder, steering, state = self._yaw(state, height, hdot, psi, r, given[2], rolls)
         throttle, brakes = self._power(state, wow != 0.0)
 
@@ -358,12 +360,14 @@ class FlareHold(Hold):
         )
         return theta, state
 
-    def _bank(self, state: Any) -> Any:
-        """Bank in deg that returns to the centre line in the flare; level otherwise."""
+    def _bank(self, state: Any, psi: Any) -> Any:
+        """Bank in deg: to the centre line in the flare, for the heading in a go-around."""
         most = self.checked.bank_max
         pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
         bank = limit(-_DEGREES / GRAVITY * pull, -most, most)
-        return select(state.phase == FLARE, bank, 0.0)
+        kept = limit(_KEEP * wrap(state.psi - psi), -most, most)
+        kept = select(state.phase == GO_AROUND, kept, 0.0)
+        return select(state.phase == FLARE, bank, kept)
 
     def _yaw(
         self, state: Any, height: Any, hdot: Any, psi: Any, r: Any, rudder: Any, rolls: Any
@@ -375,7 +379,7 @@ class FlareHold(Hold):
         target = c.course - select(rolls, aside, 0.0)
         near = rolls | (height < _DECRAB * larger(-hdot, c.sink))
         turn = select(near, limit(wrap(target - state.psi), -step, step), 0.0)
-        psi_cmd = select(flies, psi, wrap(state.psi + turn))
+        psi_cmd = wrap(state.psi + turn)
         error = select(flies, 0.0, c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r))
         most = _RUDDER * self.clock.period
         moved = state.rudder + limit(rudder + error - state.rudder, -most, most)
