@@ -183,7 +183,7 @@ TUNED_AT = {
 
 # older tables that are made again only by name: with little throttle left the new ones fly worse,
 # and the landings of the c172p were flown with its own
-KEPT = ("J3Cub", "c172p", "c310", "dr1", "pa28")
+KEPT = ("J3Cub", "c172p", "c172r", "c310", "dr1", "pa28")
 
 # a step of the airspeed is one down where level flight at its end would need more throttle than
 # this, and more than before

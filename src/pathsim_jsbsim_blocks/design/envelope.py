@@ -31,16 +31,8 @@ def envelope(
     The lift over the angle of attack is computed by JSBSim with the controls of the trim; climb
     and descent are trims at full throttle and at idle.
 
-    Parameters
-    ----------
-    fresh : callable
-        makes an airframe
-    condition : TrimCondition
-        of level flight
-    trimmed : TrimState
-        what was found there
-    speed : float
-        KCAS
+    ``fresh`` makes an airframe, ``trimmed`` was found at the ``condition`` of level flight, whose
+    airspeed is ``speed`` in KCAS.
     """
     airframe = fresh()
     state = trim(airframe, condition, hint=False)
@@ -60,7 +52,7 @@ def envelope(
             climb = found / share
             break
     descent = _rate(fresh, condition, 0.0)
-    slowest = _trimmable(fresh, condition, slowest, speed)
+    slowest = _slowest(fresh, condition, slowest, speed)
     return EnvelopeLimits(
         alpha_max=limit,
         vc_min=slowest,
@@ -88,26 +80,29 @@ def _lift(airframe: Airframe, start: float) -> tuple[np.ndarray, np.ndarray]:
     return alpha, lift
 
 
-def _trimmable(
+def _trimmed(fresh: Callable[[], Airframe], condition: TrimCondition) -> Airframe | None:
+    """An airframe trimmed there, or None."""
+    try:
+        airframe = fresh()
+        trim(airframe, condition, hint=False)
+    except (TrimError, AircraftError):
+        return None
+    return airframe
+
+
+def _slowest(
     fresh: Callable[[], Airframe], condition: TrimCondition, low: float, high: float
 ) -> float:
     """The lowest of some airspeeds in KCAS at which level flight trims: elevator, thrust."""
     for share in _SLOWEST:
         speed = low + share * (high - low)
-        try:
-            trim(fresh(), replace(condition, speed=speed, mach=None), hint=False)
-        except (TrimError, AircraftError):
-            continue
-        return speed
+        if _trimmed(fresh, replace(condition, speed=speed, mach=None)) is not None:
+            return speed
     return high
 
 
 def _rate(fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float) -> float | None:
     """Rate of climb in ft/s at a throttle and the same airspeed, or None without a trim."""
-    try:
-        airframe = fresh()
-        trim(airframe, replace(condition, throttle=throttle, solver="newton"), hint=False)
-    except (TrimError, AircraftError):
-        return None
+    found = _trimmed(fresh, replace(condition, throttle=throttle, solver="newton"))
     # not from the path angle, which is relative to the ground and depends on the wind
-    return airframe.fdm["velocities/h-dot-fps"]
+    return None if found is None else found.fdm["velocities/h-dot-fps"]
