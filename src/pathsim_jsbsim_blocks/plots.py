@@ -142,10 +142,6 @@ def time_histories(
         from the label of a signal, with or without its unit, to what it should be, in the same
         unit: a number, or a function of the times (array) in s. Drawn dotted, in its panel
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ParameterError
@@ -232,10 +228,6 @@ def aircraft_points(
         structural axes (x aft, y right, z up)
     title : str
         headline of the figure
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     figure, (side, top) = subplots(
         2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2), title=title
@@ -267,10 +259,6 @@ def ground_track(
         deg; drawn with equal distances north and east
     title : str
         headline of the figure
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import MaxNLocator
@@ -317,10 +305,6 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
     title : str
         headline of the figure
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ParameterError
@@ -355,10 +339,6 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: s
         axis labels with units
     title : str
         headline of the figure
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     figure, ax = subplots(figsize=(6, 5), layout="constrained")
     ax.plot(x, y, linewidth=1.3)

@@ -204,13 +204,7 @@ def motion(before: Place, now: Place) -> tuple[float, float]:
 
 
 def point(parameter: str, value: Any) -> tuple[float, float]:
-    """Latitude and longitude, checked.
-
-    Raises
-    ------
-    ParameterError
-        for what is not two numbers, and a latitude beyond 90 deg
-    """
+    """Latitude and longitude, checked."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         why = f"{parameter} must be a latitude and a longitude in deg, not {value!r}"
         refuse(parameter, value, why)

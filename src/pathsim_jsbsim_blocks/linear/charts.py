@@ -36,10 +36,6 @@ def pole_map(*models: LinearModel, title: str = "") -> Figure:
     title : str
         headline
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ParameterError
@@ -120,10 +116,6 @@ def step_response(
     title : str
         headline
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ParameterError
@@ -167,10 +159,6 @@ def root_locus(
     title : str
         headline
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     ParameterError
@@ -201,10 +189,6 @@ def bode(model: LinearModel, output: str, input: str, title: str = "") -> Figure
         names
     title : str
         headline; default is what it shows
-
-    Returns
-    -------
-    matplotlib.figure.Figure
 
     Raises
     ------

@@ -62,30 +62,15 @@ def realise(
     T: float,
     width: int,
     *,
-    rigid: list[int],
-    engines: list[int],
-    integrals: list[int],
-    abrupt: list[int],
+    rigid: list[int],  # used as states, as far as they are independent; they show the latency
+    engines: list[int],  # used as states too
+    integrals: list[int],  # of others and those before them in the list; nothing depends on them
+    abrupt: list[int],  # may jump with an input; they do not decide on the order
 ) -> Realisation:
     """Identify a linear model from the responses to one pulse on each input.
 
-    Parameters
-    ----------
-    g : array, shape (m, n, p)
-        responses of p signals to a pulse of height 1 on each of m inputs, at n samples; the pulse
-        acts over the first ``width`` periods
-    T : float
-        sample period in s
-    width : int
-        samples of the pulse
-    rigid : list of int
-        signals to use as states, as far as they are independent; they show the latency
-    engines : list of int
-        further signals to use as states
-    integrals : list of int
-        signals on which nothing depends, which integrate others and those before them in the list
-    abrupt : list of int
-        signals that may jump with an input; they do not decide on the order
+    ``g`` of shape (m, n, p) has the responses of p signals to a pulse of height 1 on each of m
+    inputs, at n samples that are T s apart; the pulse acts over the first ``width`` periods.
     """
     scale = np.sqrt((g**2).mean(axis=1)).max(axis=0)
     scale[scale == 0.0] = 1.0
@@ -236,18 +221,9 @@ def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def respond(found: Any, u: np.ndarray, T: float) -> np.ndarray:
-    """Responses at the sample instants to each input alone, held over each period.
+    """Responses of a realisation or model to each input alone, held over each period of T s.
 
-    Parameters
-    ----------
-    found : Realisation or LinearModel
-    u : array, shape (n, m)
-    T : float
-        sample period in s
-
-    Returns
-    -------
-    array, shape (m, n + 1, p)
+    ``u`` has the shape (n, m), the responses at the sample instants (m, n + 1, p).
     """
     step, held = _held(found.A, T)
     into = held @ found.B

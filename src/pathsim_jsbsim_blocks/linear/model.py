@@ -347,13 +347,7 @@ def _to_lists(array: np.ndarray) -> Any:
 
 
 def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:
-    """Numbers of the names wanted; all for None.
-
-    Raises
-    ------
-    ParameterError
-        for something that is not a list of known names, each once
-    """
+    """Numbers of the names wanted, known ones, each once; all for None."""
     if wanted is None:
         return list(range(len(known)))
     if isinstance(wanted, str) or not isinstance(wanted, Sequence):

@@ -98,19 +98,6 @@ def natural_modes(A: np.ndarray, states: Sequence[str]) -> list[Mode]:
     right and the left eigenvector: it does not depend on units. States that only integrate others
     (heading, position) are taken out before; several poles at 0 have no eigenvectors to share.
 
-    Parameters
-    ----------
-    A : array, shape (n, n)
-        1/s
-    states : list of str
-        names of the n states
-
-    Returns
-    -------
-    list of Mode
-
-    References
-    ----------
     Perez-Arriaga, Verghese, Schweppe, "Selective Modal Analysis with Applications to Electric
     Power Systems", IEEE Transactions on Power Apparatus and Systems PAS-101, 1982.
     """

@@ -283,13 +283,7 @@ def extremes(airframe: Airframe) -> list[float | None]:
 
 
 def loading(airframe: Airframe, weight: float) -> dict[str, Any]:
-    """Fuel, then payload, that make up a gross weight in lb: fields of a `TrimCondition`.
-
-    Raises
-    ------
-    ParameterError
-        for a weight that the model cannot have, with those that it can
-    """
+    """Fuel, then payload, that make up a gross weight in lb: fields of a `TrimCondition`."""
     empty, full, payload = _masses(airframe)
     tanks, carried = sum(full), sum(payload)
     low, high = empty + _LEAST_FUEL * tanks, empty + tanks

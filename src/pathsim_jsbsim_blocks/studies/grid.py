@@ -40,13 +40,7 @@ def column(name: str) -> str:
 
 
 def expand(name: str, grid: Any) -> list[dict[str, Any]]:
-    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it is.
-
-    Raises
-    ------
-    ParameterError
-        for an empty grid or axis, and for values that are not plain data
-    """
+    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it is."""
     if hasattr(grid, "columns") and hasattr(grid, "to_dict"):
         grid = grid.to_dict("records")
     if isinstance(grid, Mapping):
@@ -83,13 +77,7 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
 
 
 def plain(name: str, value: Any) -> Any:
-    """``value`` as plain Python data, which a file or another process returns unchanged.
-
-    Raises
-    ------
-    ParameterError
-        for NaN and infinities, and for objects that are not numbers, text, lists or dicts
-    """
+    """``value`` as plain Python data, which a file or another process returns unchanged."""
     if hasattr(value, "tolist"):  # numpy
         value = value.tolist()
     if value is None or isinstance(value, (bool, str)):
@@ -121,13 +109,7 @@ def cell(value: Any) -> Any:
 
 
 def trim_condition(i: int, point: dict[str, Any]) -> TrimCondition:
-    """The condition of a point; columns with a slash are JSBSim properties.
-
-    Raises
-    ------
-    ParameterError
-        for unknown columns and values that are not possible; the message names the point
-    """
+    """The condition of a point; columns with a slash are JSBSim properties."""
     fields = {key: value for key, value in point.items() if "/" not in key}
     for key in fields:
         if key not in _COLUMNS:

@@ -26,21 +26,9 @@ class Journal:
     """Finished parts, one JSON line each; the first line says which study they belong to.
 
     Every line carries a checksum. A line that a kill cut off is dropped. Floats are written so that
-    they are read back bit for bit. The file is locked while it is open.
-
-    Parameters
-    ----------
-    path : str or Path
-        the file; created if it does not exist
-    title : str
-        the study in words
-    key : mapping
-        everything that the results depend on: a text for each part, as of `study_key`
-
-    Attributes
-    ----------
-    finished : dict[int, list]
-        rows of each finished part
+    they are read back bit for bit. The file is locked while it is open. ``title`` is the study in
+    words, ``key`` everything that the results depend on (`study_key`), ``finished`` the rows of
+    each finished part.
 
     Raises
     ------

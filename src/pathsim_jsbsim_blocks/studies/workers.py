@@ -35,40 +35,18 @@ _DIED = object()
 
 
 def run_parts(
-    work: Work,
-    parts: list[Part],
+    work: Work,  # must not raise for a point that merely fails
+    parts: list[Part],  # the points that one worker computes in their order
     *,
-    died: Row,
-    describe: Callable[[Any], str],
-    title: str,
-    job: Callable[[], Mapping[str, Any]],
-    jobs: int,
-    resume: str | Path | None,
-    progress: bool,
+    died: Row,  # of a point that kills its worker
+    describe: Callable[[Any], str],  # a point in words, for messages
+    title: str,  # the study in words
+    job: Callable[[], Mapping[str, Any]],  # all that rows depend on, as plain data by name
+    jobs: int,  # worker processes, -1 for all cores; not used on a cluster
+    resume: str | Path | None,  # file that keeps finished parts
+    progress: bool,  # show a bar on stderr
 ) -> list[Row]:
-    """Rows of all points, in the order of the points.
-
-    Parameters
-    ----------
-    work : callable
-        computes the rows of one part; it must not raise for a point that merely fails
-    parts : list of lists
-        the points of each part, which one worker computes in their order
-    died : dict
-        the row of a point that kills its worker
-    describe : callable
-        a point in words, for messages
-    title : str
-        the study in words
-    job : callable
-        everything that the results depend on, as plain data by name; kept rows must have the same
-    jobs : int
-        worker processes; -1 for all cores. Not used on a cluster
-    resume : Path, optional
-        file that keeps finished parts
-    progress : bool
-        show a progress bar on stderr
-    """
+    """Rows of all points, in the order of the points."""
     from tqdm import tqdm
 
     flag("progress", progress)
@@ -113,10 +91,8 @@ def _one_interrupt() -> Iterator[None]:
         raise KeyboardInterrupt
 
     usual = signal.getsignal(signal.SIGINT)
-    if (
-        usual is not signal.default_int_handler
-        or threading.current_thread() is not threading.main_thread()
-    ):
+    in_main = threading.current_thread() is threading.main_thread()
+    if usual is not signal.default_int_handler or not in_main:
         yield
         return
     signal.signal(signal.SIGINT, interrupt)
@@ -149,11 +125,9 @@ def _run(
             else:
                 keep(index, result)
     if suspects:
-        warn_user(
-            "a worker process died while these points were under way: "
-            + "; ".join(_span(parts[i], describe) for i in suspects)
-            + ". They are computed again, one part at a time"
-        )
+        points = "; ".join(_span(parts[i], describe) for i in suspects)
+        died_at = f"a worker process died while these points were under way: {points}"
+        warn_user(f"{died_at}. They are computed again, one part at a time")
     for index in suspects:
         keep(index, _alone(work, parts[index], died, describe))
 

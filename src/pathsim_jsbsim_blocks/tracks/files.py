@@ -39,16 +39,7 @@ _START = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
 
 
 def track_file(parameter: str, path: Any) -> Path:
-    """``path`` if tracks can be written there.
-
-    Raises
-    ------
-    ParameterError
-        for an ending that names no format, naming the nearest, and for a file that cannot be
-        written
-    MissingExtraError
-        if the format needs a package that is not installed
-    """
+    """``path`` if tracks can be written there."""
     path = writable(parameter, path)
     ending = path.suffix.lower()
     if ending not in _FORMATS:

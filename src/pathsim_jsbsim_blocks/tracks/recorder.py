@@ -96,13 +96,15 @@ class FlightRecorder(Parametric, Scope):
         NamedPorts.__init__(self, period, number("t_wait", self.t_wait, low=0.0))
 
     def build(self) -> None:
-        if self.configured and self.labels[len(POSITION) :] != self.checked.signals:
-            why = "signals cannot change, they are the block's ports: build another block"
-            refuse("signals", self.signals, why)
+        signals = self.checked.signals
         if not self.configured:
-            self.labels = [*POSITION.values(), *self.checked.signals]
-            ports = [*POSITION, *(name_and_unit(x)[0] for x in self.checked.signals)]
+            self._recorded = signals
+            self.labels = [*POSITION.values(), *signals]
+            ports = [*POSITION, *(name_and_unit(x)[0] for x in signals)]
             self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
+        elif signals != self._recorded:
+            why = "signals cannot change, they are the block's ports: build another block"
+            refuse("signals", signals, why)
 
     def to_track(self) -> Track:
         """The recording as a `Track`.
