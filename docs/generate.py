@@ -198,7 +198,7 @@ def drawn_in_pathview():
 def blocks_page():
     """A line for each block, from its docstring, and the file that has the docstring."""
     rows = ["| block | |\n|---|---|\n"]
-    for name in package.__all__:
+    for name in sorted(package.__all__):
         block = getattr(package, name)
         if isinstance(block, type) and issubclass(block, Block):
             file = Path(inspect.getfile(block)).relative_to(DOCS.parent).as_posix()
