@@ -6,6 +6,7 @@ Throttle and rudder have one loop each, `SpeedLoop` and `YawLoop`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .loops import (
@@ -39,50 +40,33 @@ class ClimbState(NamedTuple):
     cut: float = 0.0  # ft/s, of the rate of climb asked for
 
 
+@dataclass
 class Vertical:
-    """Elevator for a pitch angle, or for a rate of climb or altitude, within the protection.
-
-    Parameters
-    ----------
-    loops : dict
-        loops by their names in a gain table
-    protection : bool
-        whether there is an angle of attack to protect
-    state : VerticalState
-        that before the sample
-    theta, q, h, hdot, vc, alpha : float
-        measured
-    off, sat
-        as of `ReferenceLoop`, for the elevator
-    """
+    """Elevator for a pitch angle, or for a rate of climb or altitude, within the protection."""
 
     START = VerticalState()
 
-    def __init__(
-        self,
-        loops: Mapping[str, Any],
-        protection: bool,
-        state: VerticalState,
-        theta: float,
-        q: float,
-        h: float,
-        hdot: float,
-        vc: float,
-        alpha: float,
-        off: bool,
-        sat: float,
-    ):
-        self.altitude: AltitudeLoop = loops["altitude"]
-        self.pitch: ReferenceLoop = loops["pitch"]
+    loops: Mapping[str, Any]  # by their names in a gain table
+    protected: bool  # there is an angle of attack to protect
+    state: VerticalState  # before the sample
+    theta: float
+    q: float
+    h: float
+    hdot: float
+    vc: float
+    alpha: float
+    off: bool  # as of `ReferenceLoop`, for the elevator
+    sat: float
+
+    def __post_init__(self) -> None:
+        self.altitude: AltitudeLoop = self.loops["altitude"]
+        self.pitch: ReferenceLoop = self.loops["pitch"]
         self.protection: Protection | Unprotected = UNPROTECTED
-        envelope: Protection | None = loops["envelope"]
-        if protection and envelope:
+        envelope: Protection | None = self.loops["envelope"]
+        if self.protected and envelope:
             self.protection = envelope
         if envelope and envelope.flies_envelope:
-            self.altitude.descend(envelope.descent_max, true_airspeed(vc, h))
-        self.state = state
-        self.theta, self.q, self.h, self.hdot = theta, q, h, hdot
-        self.vc, self.alpha, self.off, self.sat = vc, alpha, off, sat
+            self.altitude.descend(envelope.descent_max, true_airspeed(self.vc, self.h))
 
     def guard(self, vc: float, *signals: Any) -> None:
         """Let the protection find its limits."""
@@ -173,40 +157,26 @@ class LateralState(NamedTuple):
     roll: ReferenceState = ReferenceLoop.START
 
 
+@dataclass
 class Lateral:
-    """Ailerons for a roll angle, or for a heading.
-
-    Parameters
-    ----------
-    loops : dict
-        loops by their names in a gain table
-    state : LateralState
-        that before the sample
-    psi, phi, p : float
-        measured
-    off, sat
-        as of `ReferenceLoop`, for the ailerons
-    vt : float
-        true airspeed in ft/s, 0 where it is not known
-    """
+    """Ailerons for a roll angle, or for a heading."""
 
     START = LateralState()
 
-    def __init__(
-        self,
-        loops: Mapping[str, Any],
-        state: LateralState,
-        psi: float,
-        phi: float,
-        p: float,
-        off: bool,
-        sat: float,
-        vt: float = 0.0,
-    ):
-        self.loops = loops
-        self.roll: ReferenceLoop = loops["roll"]
-        self.state = state
-        self.psi, self.phi, self.p, self.off, self.sat, self.vt = psi, phi, p, off, sat, vt
+    loops: Mapping[str, Any]  # by their names in a gain table
+    state: LateralState  # before the sample
+    psi: float
+    phi: float
+    p: float
+    off: bool  # as of `ReferenceLoop`, for the ailerons
+    sat: float
+    vt: float = 0.0  # true airspeed in ft/s, 0 where it is not known
+
+    @property
+    def roll(self) -> ReferenceLoop:
+        """The loop of the roll angle."""
+        loop: ReferenceLoop = self.loops["roll"]
+        return loop
 
     def for_heading(self, reference: Reference, idle: bool) -> float:
         """Bank for a heading; while ``idle`` the loop waits to begin."""

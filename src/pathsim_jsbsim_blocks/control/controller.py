@@ -51,6 +51,17 @@ fill = filler(
     authority : float or pair
         largest elevator increment, of full travel
     """,
+    level="""
+    h, hdot
+        altitude in ft, rate of climb in ft/s
+    theta, q
+        pitch angle in deg, pitch rate in deg/s
+    """,
+    capture="""
+    h_ref : float, optional
+        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
+        altitude at engagement
+    """,
     elev_off="""
     off
         0 engaged; otherwise the elevator is frozen

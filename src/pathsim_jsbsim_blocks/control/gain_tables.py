@@ -176,24 +176,10 @@ def write_gains(
     about: Mapping[str, Any],
     reports: Sequence[Any],
 ) -> None:
-    """Write a gain table, with 6 significant digits.
+    """Write a gain table with 6 significant digits, to a path that ends in .json.
 
-    Parameters
-    ----------
-    path : str or Path
-        ends in .json
-    schedule : GainSchedule
-    about : dict
-        further keys, which are not read
-    reports : list
-        a report of each point, for JSON; not read either
-
-    Raises
-    ------
-    ParameterError
-        for another ending
-    FileError
-        if the file cannot be written; an existing one is left unchanged
+    ``about`` are further keys of the document and ``reports`` one of each point, for readers. Where
+    it cannot be written (`FileError`) an existing file is left unchanged.
     """
     file = ending("path", as_path("path", path), ".json")
     document = document_of(schedule)

@@ -30,19 +30,9 @@ class _Gains:
             object.__setattr__(self, field.name, value)
 
 
-_POSITIVE = (
-    "ramp",
-    "band",
-    "hdot_max",
-    "tau",
-    "alpha_max",
-    "vc_min",
-    "descent_max",
-    "vmo",
-    "mmo",
-    "lift_max",
-)
-_NOT_NEGATIVE = ("b", "Tf", "climb_max")
+_POSITIVE = {"ramp", "band", "hdot_max", "tau"}
+_POSITIVE |= {"alpha_max", "vc_min", "descent_max", "vmo", "mmo", "lift_max"}
+_NOT_NEGATIVE = {"b", "Tf", "climb_max"}
 
 
 @known_keywords

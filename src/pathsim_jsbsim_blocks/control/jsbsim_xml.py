@@ -131,19 +131,7 @@ def _property_of(port: str) -> str:
 
 
 class _System:
-    """The ``<system>`` of a block.
-
-    Parameters
-    ----------
-    block : DescribedLaw
-        the block
-    name : str
-        the node of its properties under ``ap/pathsim``
-    engines : int
-        how many throttles there are
-    unwired : collection of str
-        inputs that count as not wired
-    """
+    """The ``<system>`` of a block, with the parameters of `system`."""
 
     def __init__(self, block: Any, name: str, engines: int, unwired: Collection[str]):
         self.block, self.base, self.engines = block, f"{ROOT}/{name}", engines

@@ -53,26 +53,15 @@ class ReferenceLoop:
 
     At engagement the reference starts at the measured value and the output at its present value,
     so neither jumps. Then the reference moves to where it is wanted.
-
-    Parameters
-    ----------
-    pid : PID
-        law from the reference and the measured value to the output
-    ramp : float
-        largest rate of the reference, unit per s
-    sign : float
-        -1 where a positive actuator command lowers the measured value
-    carry : bool
-        whether other gains, at any sample, leave the output where it is
     """
 
     START = ReferenceState()
 
     def __init__(self, pid: PID, ramp: float, sign: float = 1.0, carry: bool = False):
         self.pid = pid
-        self.ramp = ramp
-        self.sign = sign
-        self.carry = carry
+        self.ramp = ramp  # largest rate of the reference, unit per s
+        self.sign = sign  # -1 where a positive actuator command lowers the measured value
+        self.carry = carry  # other gains, at any sample, leave the output where it is
 
     def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
         self.pid.retune(Kp, Ki, Kr=Kr, b=b)
@@ -96,35 +85,15 @@ class ReferenceLoop:
         state: ReferenceState,
         y: float,
         rate: float,
-        wanted: float,
-        keeps: bool,
-        sat: float,
-        off: bool,
+        wanted: float,  # where the reference is to move
+        keeps: bool,  # the value found at engagement is kept, because the reference is there
+        sat: float,  # actuator increment of the last period less what was applied
+        off: bool,  # hold the output
         feed: float = 0.0,
-        highest: float | None = None,
-        fastest: float | None = None,
+        highest: float | None = None,  # the reference gives way to this limit at once
+        fastest: float | None = None,  # rate of the reference beside the ramp, unit per s
     ) -> tuple[float, float, ReferenceState]:
-        """Actuator increment, reference and next state.
-
-        Parameters
-        ----------
-        y, rate : float
-            measured value and its rate
-        wanted : float
-            where the reference is to move
-        keeps : bool
-            the value found at engagement is kept, because the reference is there
-        sat : float
-            actuator increment of the last period less what was applied
-        off : bool
-            hold the output
-        feed : float
-            feed-forward
-        highest : float, optional
-            limit of the reference, which gives way to it at once
-        fastest : float, optional
-            largest rate of the reference beside the ramp, unit per s
-        """
+        """Actuator increment, reference and next state, from a measured value and its rate."""
         found, before, law = state
         engaged = select(off, False, law.engaged)
         reference, step, push = before, self.ramp * self.pid.T, 0.0
@@ -165,12 +134,7 @@ class HeadingState(NamedTuple):
 
 
 class HeadingLoop:
-    """Bank reference from the heading error, turning through the smaller angle.
-
-    .. math::
-        \\phi_\\mathrm{cmd} = \\phi_0 + K_p \\, e + K_i \\int e \\, dt, \\quad
-        e = \\mathrm{wrap}(\\psi_\\mathrm{ref} - \\psi), \\quad
-        |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
+    """Bank reference from the heading error, as in `HeadingHold`.
 
     Integration starts once the proportional part alone demands less than the largest bank. With
     the true airspeed V, the bank of straight flight follows what the turn does not explain, with a
@@ -237,15 +201,7 @@ class AltitudeState(NamedTuple):
 
 
 class AltitudeLoop:
-    """Pitch reference from the altitude error over the rate of climb.
-
-    .. math::
-        \\dot h_\\mathrm{cmd} = K_h (h_\\mathrm{ref} - h), \\quad
-        |\\dot h_\\mathrm{cmd}| \\le \\dot h_\\mathrm{max} \\\\
-        \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
-        + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt, \\quad
-        \\theta_\\mathrm{min} \\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
-    """
+    """Pitch reference from the altitude error over the rate of climb, as in `AltitudeHold`."""
 
     START = AltitudeState()
 
@@ -362,15 +318,7 @@ class _AirspeedPID(PID):
 
 
 class SpeedLoop:
-    """Throttle from airspeed, with the rate of climb fed forward.
-
-    .. math::
-        \\delta_t = K_p (b V_\\mathrm{cmd} - V') + K_i \\int (V_\\mathrm{cmd} - V') \\, dt
-        - K_d \\dot V' + K_c \\dot h
-
-    V' is the airspeed within the gains' band about the reference. Beyond, each knot of error
-    counts as 0.2 kt, so that gusts do not move the throttle from stop to stop.
-    """
+    """Throttle from airspeed, with the rate of climb fed forward, as in `AirspeedHold`."""
 
     START = ReferenceLoop.START
 
@@ -430,14 +378,11 @@ class SpeedLoop:
 
 
 class SpeedOnPitchLoop:
-    """Rate of climb from airspeed: height is exchanged for speed at the throttle as it is.
+    """Rate of climb from true airspeed, as in `SpeedOnPitchHold`.
 
-    .. math::
-        \\dot h_\\mathrm{cmd} = \\dot h_0 - \\frac{V}{g} \\left[2 \\zeta \\omega e
-        + \\omega^2 \\int e \\, dt\\right], \\quad e = V_\\mathrm{cmd} - V
-
-    with true airspeeds. At constant energy dV/dt = -g/V dh/dt, so that omega and zeta are those of
-    the airspeed for any aircraft whose rate of climb follows its demand faster.
+    Height is exchanged for speed at the throttle as it is. At constant energy dV/dt = -g/V dh/dt,
+    so that omega and zeta are those of the airspeed for any aircraft whose rate of climb follows
+    its demand faster.
     """
 
     START = ReferenceLoop.START
@@ -483,12 +428,7 @@ class YawState(NamedTuple):
 
 
 class YawLoop:
-    """Rudder from washed-out yaw rate, so steady turns are not opposed, sideslip and roll.
-
-    .. math::
-        \\delta_r = K \\, \\frac{\\tau s}{1 + \\tau s} \\, r
-        - K_p \\beta - K_i \\int \\beta \\, dt
-        + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
+    """Rudder from washed-out yaw rate, sideslip and roll, as in `YawDamper`.
 
     At engagement the output continues from its present value; while off it decays with tau.
     """

@@ -71,15 +71,7 @@ class Protection:
     fifth above the ground. The excess P is that at full throttle: the table's, until the throttle
     is at its stop; from then on what is measured.
 
-    Parameters
-    ----------
-    T : float
-        sample period in s
-    alpha_max : float
-        deg
-    envelope : EnvelopeLimits, optional
-        rates of climb at full throttle and at idle, and the highest airspeed; None for the angle of
-        attack alone
+    Without an ``envelope`` only the angle of attack is limited.
     """
 
     START = ProtectionState()

@@ -132,21 +132,10 @@ Law = Callable[[Sequence[float], tuple[Any, ...]], tuple[list[float], tuple[Any,
 
 
 def compiled(describe: Callable[[list[Any], Any], tuple[Any, Any]], inputs: int, start: Any) -> Law:
-    """A law as a plain function of its inputs and its state, which is `flat`.
+    """A law as a plain function of its inputs and its state, which is `flat`, for floats.
 
-    Parameters
-    ----------
-    describe : callable
-        outputs and next state from a list of inputs and a state
-    inputs : int
-        number of inputs; further ones are not read
-    start : tuple
-        any state, for its form
-
-    Returns
-    -------
-    callable
-        the same for floats: a list of outputs, and the next state, flat
+    ``describe`` gives outputs and next state from a list of inputs and a state; ``inputs`` is the
+    number of inputs, and further ones are not read; ``start`` is any state, for its form.
     """
     u = [Signal(f"u{i}") for i in range(inputs)]
     x = [Signal(f"x{i}") for i in range(len(flat(start)))]

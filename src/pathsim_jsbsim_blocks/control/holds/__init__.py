@@ -5,6 +5,7 @@ Their outputs are increments on the trimmed commands, as ``Aircraft`` takes them
 
 from typing import TYPE_CHECKING
 
+# the package and PathView export the names in the ``__all__`` of each module
 from . import approach, course, flare, lateral, longitudinal
 from .approach import *
 from .course import *

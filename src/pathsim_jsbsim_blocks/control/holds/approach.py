@@ -17,7 +17,6 @@ from ..receivers import above_path
 from ..signals import atan, flat, larger, limit, select, wrap
 from .course import SEPARATION, SMOOTHING
 
-# the package and PathView export these names
 __all__ = ["GlideslopeHold", "LocalizerHold"]
 
 SLOWEST = 30.0  # ft/s, for angles from speeds

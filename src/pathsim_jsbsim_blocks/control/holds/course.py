@@ -31,7 +31,6 @@ from ..gains import Gains
 from ..loops import Reference
 from ..signals import flat, limit, select, wrap
 
-# the package and PathView export these names
 __all__ = ["CourseHold"]
 
 SMOOTHING = 2.0  # s, time constant of drift angle and ground speed

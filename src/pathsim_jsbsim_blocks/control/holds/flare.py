@@ -17,7 +17,6 @@ from ..pid import PID
 from ..signals import larger, limit, select, smaller, wrap
 from .approach import SLOWEST, BeamState
 
-# the package and PathView export these names
 __all__ = ["FlareHold"]
 
 _DEGREES = math.degrees(1.0)

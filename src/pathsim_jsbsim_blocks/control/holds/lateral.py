@@ -12,7 +12,6 @@ from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import ReferenceLoop, YawLoop, attitude_loop
 
-# the package and PathView export these names
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
 

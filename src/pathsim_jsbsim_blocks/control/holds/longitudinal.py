@@ -21,7 +21,6 @@ from ..loops import (
 from ..protection import true_airspeed
 from ..signals import select
 
-# the package and PathView export these names
 __all__ = [
     "AirspeedHold",
     "AltitudeHold",
@@ -134,10 +133,7 @@ class AltitudeHold(Hold):
 
     Inputs
     ------
-    h, hdot
-        altitude in ft, rate of climb in ft/s
-    theta, q
-        pitch angle in deg, pitch rate in deg/s
+    %(level)s
     h_ref
         ft, added to the parameter
     %(elev_off)s
@@ -213,9 +209,7 @@ class VerticalSpeedHold(Hold):
         as in ``AltitudeHold``
     hdot_ref : float, optional
         rate of climb to hold, ft/s; default: the value at engagement
-    h_ref : float, optional
-        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
-        altitude at engagement
+    %(capture)s
     %(climb)s
     %(T)s
     %(reference)s
@@ -223,10 +217,7 @@ class VerticalSpeedHold(Hold):
 
     Inputs
     ------
-    h, hdot
-        altitude in ft, rate of climb in ft/s
-    theta, q
-        pitch angle in deg, pitch rate in deg/s
+    %(level)s
     hdot_ref, h_ref
         added to the parameters, ft/s and ft
     %(elev_off)s
@@ -296,9 +287,7 @@ class SpeedOnPitchHold(Hold):
         as in ``AltitudeHold``, with those of ``AirspeedHold`` as "speed", whose ramp is used
     vc_ref : float, optional
         airspeed to hold, KCAS; default: the value at engagement
-    h_ref : float, optional
-        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
-        altitude at engagement
+    %(capture)s
     %(climb)s
     %(T)s
     %(reference)s
@@ -308,10 +297,7 @@ class SpeedOnPitchHold(Hold):
     ------
     vc
         calibrated airspeed in kt
-    h, hdot
-        altitude in ft, rate of climb in ft/s
-    theta, q
-        pitch angle in deg, pitch rate in deg/s
+    %(level)s
     vc_ref, h_ref
         added to the parameters, kt and ft
     %(elev_off)s
