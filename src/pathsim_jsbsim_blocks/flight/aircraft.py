@@ -161,16 +161,14 @@ class Aircraft(FlightBlock, Parametric):
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.airframe.engines))
         inputs = [Channel(port, (name,), 1.0, "norm") for port, name in SURFACES.items()]
-        return [*inputs, Channel("throttle", throttles, 1.0, "norm")], [
-            Channel(port, (), 1.0, "norm")
-            if name is None
-            else Channel(port, (name,), factor, {DEG: "deg/s"}.get(factor) or unit_of(name))
-            for port, (name, factor) in OUTPUTS.items()
-        ] + [
-            Channel(port, names, 1.0, unit_of(names[0]))
-            for port in self.further(self.outputs)
-            for names in [behind(port, SHORT_OUTPUTS)]
-        ]
+        outputs = []
+        for port, (name, factor) in OUTPUTS.items():
+            unit = "norm" if name is None else {DEG: "deg/s"}.get(factor) or unit_of(name)
+            outputs.append(Channel(port, () if name is None else (name,), factor, unit))
+        for port in self.further(self.outputs):
+            names = behind(port, SHORT_OUTPUTS)
+            outputs.append(Channel(port, names, 1.0, unit_of(names[0])))
+        return [*inputs, Channel("throttle", throttles, 1.0, "norm")], outputs
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
         return super()._no_port(
@@ -205,9 +203,10 @@ class Aircraft(FlightBlock, Parametric):
 
     def _writer(self, excess: list[float]) -> Write:
         state, writer, canonical = self.trim, self.airframe.writer, self.airframe.canonical
+        # JSBSim limits the sum of command and pitch trim
+        least, most = max(-1.0, -1.0 - state.pitch_trim), min(1.0, 1.0 - state.pitch_trim)
         surfaces = [  # writer, trimmed command, lowest and highest command
-            # JSBSim limits the sum of command and pitch trim
-            (writer(SURFACES["elevator"]), state.elevator, *_range(state.pitch_trim)),
+            (writer(SURFACES["elevator"]), state.elevator, least, most),
             (writer(SURFACES["aileron"]), state.aileron, -1.0, 1.0),
             (writer(SURFACES["rudder"]), state.rudder, -1.0, 1.0),
         ]
@@ -315,8 +314,3 @@ class _Further:
             self._start = [read() for read in self._readers]
         for put, start in zip(self._writers, self._start, strict=True):
             put(min(max(start + increment, self._low), self._high))
-
-
-def _range(trim: float) -> tuple[float, float]:
-    """Range of a command in [-1, 1] whose sum with a trim setting is in [-1, 1] too."""
-    return max(-1.0, -1.0 - trim), min(1.0, 1.0 - trim)

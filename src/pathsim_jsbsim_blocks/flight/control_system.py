@@ -38,7 +38,7 @@ def control_system(aircraft: str, root: str | None = None) -> list[ControlChanne
     file = ModelFile(aircraft, root)
     model = file.parsed()
     return [
-        ControlChannel(tag, channel.get("name", ""), tuple(map(_component, _parts(channel))))
+        ControlChannel(tag, channel.get("name", ""), _components(channel))
         for tag in _SECTIONS
         for element in model.findall(tag)
         for section in [_section(file, element, root)]
@@ -61,8 +61,8 @@ def _section(file: ModelFile, element: ET.Element, root: str | None) -> ET.Eleme
     raise file.error(f"aircraft {file.aircraft!r} has no file {name!r} of its control system")
 
 
-def _parts(channel: ET.Element) -> list[ET.Element]:
-    return [part for part in channel if part.tag not in _PARTS]
+def _components(channel: ET.Element) -> tuple[Component, ...]:
+    return tuple(_component(part) for part in channel if part.tag not in _PARTS)
 
 
 def _component(part: ET.Element) -> Component:
