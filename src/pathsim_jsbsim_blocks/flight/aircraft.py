@@ -216,15 +216,14 @@ class Aircraft(FlightBlock, Parametric):
         ]
         # of single engines; port 0 is the elevator
         own = {canonical(names[0]): port for port, names in added}
+        commands = [f"fcs/throttle-cmd-norm[{i}]" for i in range(len(state.throttle))]
         throttles = [
             (writer(name), throttle, own.get(canonical(name), 0))
-            for i, throttle in enumerate(state.throttle)
-            for name in [f"fcs/throttle-cmd-norm[{i}]"]
+            for name, throttle in zip(commands, state.throttle, strict=True)
         ]
         single = {port for _, _, port in throttles}
-        further = [
-            _Further(port, names, self.airframe) for port, names in added if port not in single
-        ]
+        rest = [(port, names) for port, names in added if port not in single]
+        further = [_Further(port, names, self.airframe) for port, names in rest]
         gusts = [writer(name) for name in _WIND.values()]
         north = east = down = 0.0
         # excess of each engine
