@@ -40,7 +40,7 @@ class Law:
     tau: float = 0.0
 
     def of(self, y: Mapping[str, np.ndarray], T: float) -> np.ndarray:
-        """The sum over outputs with responses ``y`` at `OMEGA`; of the input's own, the loop L."""
+        """What is fed back of responses ``y`` at `OMEGA`; of those to the law's own input, L."""
         parts: list[Any] = [1.0, integral(OMEGA, T)]
         if self.tau:
             z = np.exp(1j * OMEGA * T)
