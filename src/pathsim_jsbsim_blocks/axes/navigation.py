@@ -50,13 +50,16 @@ class Track(NamedTuple):
 
 
 class GreatCircle(NamedTuple):
-    """The great circle from one point through another; `great_circle` makes it."""
+    """The great circle from one point through another; `great_circle` makes it.
 
-    # unit vectors in ECEF axes: normal to the circle, to its end, along it there
+    ``left``, ``end`` and ``forward`` are unit vectors in ECEF axes: normal to the circle, to its
+    end, along it there. ``length`` is the distance between the points in ft.
+    """
+
     left: Vector
     end: Vector
     forward: Vector
-    length: float  # between the points, ft
+    length: float
 
     def track(self, here: Place) -> Track:
         """Cross-track error, distance to the end and course; both distances within 0.03 %."""
