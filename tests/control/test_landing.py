@@ -166,6 +166,20 @@ def test_the_glide_slope_hold_follows_a_receiver():
     assert np.max(np.abs(above[-600:])) < 5.0
 
 
+def test_a_wire_from_a_receiver_that_is_missing_is_named():
+    # without gs_ft the height above the path would be 0: captured at once
+    plane, receiver = Aircraft("c172p", altitude=600.0, speed=75.0), Glideslope(station=(0.1, 0.0))
+    hold, own = GlideslopeHold("c172p"), ("h", "hdot", "theta", "q")
+    wires = [
+        Connection(plane["lat", "lon", "h"], receiver["lat", "lon", "h"]),
+        Connection(receiver["dist"], hold["gs_dist"]),
+        Connection(plane[own], hold[own]),
+        Connection(hold["elevator"], plane["elevator"]),
+    ]
+    with pytest.warns(RuntimeWarning, match="where no wire comes in: gs_deg, gs_ft$"):
+        fly(Simulation([plane, receiver, hold], wires, dt=T, log=False), 0.1)
+
+
 def approached(diagram, until=lambda outputs: outputs["phase"] >= 1.0):
     """Fly a diagram's approach until something about its flare."""
     while not until(diagram.flare.outputs):
@@ -394,6 +408,21 @@ def test_another_approach_after_a_go_around():
         if phases[-1] == 0.0:
             assert y[flare.output_port_labels["elevator"]] == 0.01 * height
     assert phases == [3.0, 3.0, 0.0, 0.0, 1.0]
+
+
+def test_in_the_roll_out_a_gust_is_no_stall():
+    # at 13 KCAS an angle of attack of 60 deg is a breeze; the elevator went to its stop
+    flare = FlareHold("c172p")
+    state = flare.initial_state()
+    for k in range(360):
+        given = {"h_agl": 4.0, "vc": 40.0 - 0.075 * k, "loc_dist": 9e3 - k, "theta": -1.0}
+        given |= {"wow": 1.0, "alpha": 2.0 if k < 340 else 60.0}
+        u = [given.get(name, 0.0) for name in flare.input_port_labels]
+        y, state = flare.law(u, state)
+    outputs = dict(zip(flare.output_port_labels, y, strict=True))
+    assert outputs["phase"] == 2.0
+    assert outputs["theta_cmd"] == pytest.approx(-1.0)
+    assert abs(outputs["elevator"]) < 0.1
 
 
 def test_it_goes_around_where_the_course_is_not_that_of_the_runway():

@@ -298,8 +298,11 @@ class GlideslopeHold(Hold):
         )
 
     def needed(self) -> tuple[str, ...]:
-        received = self._received in self.inputs.wired
-        return tuple(x for x in self.measured if not (received and x in ("lat", "lon")))
+        # a wire from a receiver asks for the others, and replaces the position
+        seen = {name: self.input_port_labels[name] for name in ("gs_deg", "gs_ft", "gs_dist")}
+        if self.inputs.wired.isdisjoint(seen.values()):
+            return self.measured
+        return (*(x for x in self.measured if x not in ("lat", "lon")), *seen)
 
     def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
         h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u

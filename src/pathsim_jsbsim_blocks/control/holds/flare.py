@@ -43,6 +43,7 @@ _RUDDER = 1.0  # 1/s, of the rudder
 _IDLE = 0.2  # 1/s, of the throttle
 _BALLOON = 10.0  # ft, climb in the flare that begins a go-around
 _CLEAR = 30.0  # ft, height above which no tail strikes
+_FREE = 90.0  # deg, no limit of the pitch reference
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
@@ -161,7 +162,7 @@ class FlareHold(Hold):
         not 0 begins a go-around
     alpha
         angle of attack in deg; without a wire (0) vertical gusts are not countered, and there is no
-        protection from the stall
+        protection from the stall, which ends on the wheels
     off
         0 engaged; otherwise the approach's commands pass through, and a landing or go-around is
         over: the next approach begins
@@ -238,6 +239,10 @@ class FlareHold(Hold):
             self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
         )
         vertical.guard(0.0, True)
+        if (most := vertical.limits.theta_max) is not None:
+            # on the wheels an angle of attack shows no stall
+            free = select(rolls & (wow != 0.0), _FREE, most)
+            vertical.limits = vertical.limits._replace(theta_max=free)
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
         wanted, state = self._pitch(state, height, hdot, wow != 0.0, rolls)
         elevator, theta_cmd, after = vertical.fly(wanted)
