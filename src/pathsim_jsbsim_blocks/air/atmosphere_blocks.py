@@ -171,7 +171,9 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
         return self.atmosphere_bands[bisect_right(above, geopot_altitude)]
 
     def _eval(self, altitude: float, temp_deviation: float = 0.0) -> tuple[float, ...]:
-        pressure, temperature = self._isa(altitude, temp_deviation)
+        if not self._low <= altitude <= self._high:
+            altitude = self._beyond(altitude)
+        pressure, temperature = pressure_temperature(altitude, temp_deviation, self._geometric)
         rt = R * temperature
         return pressure, pressure / rt, temperature, sqrt(GAMMA * rt)
 
