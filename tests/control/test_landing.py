@@ -396,6 +396,14 @@ def test_a_receiver_tuned_to_another_station_captures_nothing(hold):
     assert not any(captured)
 
 
+def test_without_wheels_to_feel_a_landing_warns():
+    # it would neither steer nor brake
+    flare = FlareHold("c172p")
+    flare.inputs.wired = {i for name, i in flare.input_port_labels.items() if name != "wow"}
+    with pytest.warns(RuntimeWarning, match="where no wire comes in: wow$"):
+        flare.start_step(0.0)
+
+
 def test_another_approach_after_a_go_around():
     # the law alone: below 6 ft the flare begins
     flare = FlareHold("c172p")
@@ -408,6 +416,34 @@ def test_another_approach_after_a_go_around():
         if phases[-1] == 0.0:
             assert y[flare.output_port_labels["elevator"]] == 0.01 * height
     assert phases == [3.0, 3.0, 0.0, 0.0, 1.0]
+
+
+@pytest.mark.long
+def test_the_approach_after_a_go_around_lands():
+    # on a runway 16,000 ft further on; the holds wait while the go-around climbs
+    diagram, again = calm("c172p"), Constant(0.0)
+    flare, plane = diagram.flare, diagram.aircraft
+    holds = [diagram.vertical, diagram.lateral, diagram.airspeed]
+    diagram.sim.add_block(again)
+    diagram.sim.add_connection(Connection(again, flare["off"]))
+    diagram.sim.add_connection(Connection(flare["phase"], *(hold["off"] for hold in holds)))
+    approached(diagram, lambda outputs: plane.outputs["h_agl"] < 80.0)
+    diagram.go_around.value = 1.0
+    approached(diagram, lambda outputs: plane.outputs["h_agl"] > 300.0)
+    diagram.go_around.value, again.value = 0.0, 1.0
+    further = 16_000.0 / (365_221.0 * 1.0018 * math.cos(math.radians(47.0)))
+    diagram.glideslope.station = (47.0, 11.0 + further)
+    diagram.localizer.station = (47.0, 11.0321 + further)
+    fly(diagram.sim, 0.1)
+    again.value = 0.0
+    approached(diagram, lambda outputs: outputs["phase"] > 0.0)
+    approached(diagram, lambda outputs: outputs["phase"] != 1.0)
+    assert flare.outputs["phase"] == 2.0
+    assert plane.outputs["hdot"] > -6.0
+    assert abs(diagram.glideslope.outputs["dist"]) < 1000.0
+    assert abs(diagram.localizer.outputs["ft"]) < 30.0
+    _, (_, vc) = diagram.rates.read()
+    assert np.min(vc) > 65.0
 
 
 def test_in_the_roll_out_a_gust_is_no_stall():

@@ -200,7 +200,10 @@ class FlareHold(Hold):
     alpha_max: float | None = parameter(None, optional)
     theta_max: float = parameter(10.0, number)
 
-    measured = ("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc", "loc_ft", "loc_dist")
+    measured = (
+        *("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc"),
+        *("loc_ft", "loc_dist", "wow"),
+    )
     commands = {"elevator": "", "aileron": "", "rudder": "", "throttle": ""}
     input_port_labels = numbered(
         "h_agl hdot theta q psi phi p r vc loc_ft loc_dist elevator aileron rudder throttle wow "
