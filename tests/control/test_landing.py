@@ -398,10 +398,16 @@ def test_a_receiver_tuned_to_another_station_captures_nothing(hold):
 
 def test_without_wheels_to_feel_a_landing_warns():
     # it would neither steer nor brake
-    flare = FlareHold("c172p")
-    flare.inputs.wired = {i for name, i in flare.input_port_labels.items() if name != "wow"}
+    plane, flare, zero = Aircraft("c172p", output_properties=["h_agl"]), FlareHold(), Constant(0.0)
+    own = ("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc")
+    driven = ("elevator", "aileron", "rudder", "throttle")
+    wires = [
+        Connection(plane[own], flare[own]),
+        Connection(zero, flare["loc_ft"], flare["loc_dist"]),
+        Connection(flare[driven], plane[driven]),
+    ]
     with pytest.warns(RuntimeWarning, match="where no wire comes in: wow$"):
-        flare.start_step(0.0)
+        fly(Simulation([plane, flare, zero], wires, dt=T, log=False), 0.1)
 
 
 def test_another_approach_after_a_go_around():
