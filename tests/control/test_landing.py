@@ -367,6 +367,7 @@ def test_a_go_around_turns_its_airspeed_into_height(name):
     assert diagram.aircraft.outputs["hdot"] > diagram.flare.climb
 
 
+@pytest.mark.long
 def test_a_go_around_keeps_its_heading_with_an_engine_at_idle():
     # from 200 ft; with the wings level the heading was 24 deg off after 60 s
     more = {"aircraft.input_properties": ["brakes", "steering", "throttle[0]"]}
