@@ -458,3 +458,15 @@ def test_flight_exceptions_supersonic_mach_to_cas(altitude, there, right):
     assert pathsim_flight.MachtoCAS()._eval(1.2, altitude) == pytest.approx(there, abs=0.05)
     assert flight("MachtoCAS")(1.2, altitude) == pytest.approx(right, abs=5e-3)
     assert mach_to_cas(1.2, isa(altitude)) == flight("MachtoCAS")(1.2, altitude)
+
+
+def test_subclass_of_a_block_has_any_name():
+    class Indicator(pathsim_jsbsim_blocks.CAStoTAS):
+        """My own."""
+
+    block = Indicator(out_of_range="clamp")
+    assert Indicator.__doc__ == "My own."
+    assert [*block.input_port_labels] == ["cas", "altitude", "temp_deviation"]
+    block.inputs[0], block.inputs[1] = 100.0, 3000.0
+    block.update(0.0)
+    assert block.outputs[0] == cas_to_tas(100.0, isa(3000.0))

@@ -80,6 +80,7 @@ def test_arguments_of_functions_that_build(tmp_path):
     ("name", "said"),
     [
         ("GAN", r"lag.py assigns no 'GAN' at its top level; did you mean 'GAIN'"),
+        ("ZZZ", r"assigns no 'ZZZ' at its top level; there is GAIN, START, RATE"),
         ("dt", r"lag.py assigns no 'dt' at its top level; did you mean 'sim.dt'"),
         ("lga.initial_value", r"assigns no block to 'lga'; did you mean 'lag'"),
         ("lag.initial", r"Integrator has no parameter 'initial'; did you mean 'initial_value'"),

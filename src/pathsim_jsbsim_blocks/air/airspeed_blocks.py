@@ -77,6 +77,12 @@ class _Conversion(AirDataBlock):
     _convert: ClassVar[Callable[..., float]]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
+        if _Conversion in cls.__bases__:  # a user's subclass of one of them has any name
+            cls._complete()
+        super().__init_subclass__(**keywords)
+
+    @classmethod
+    def _complete(cls) -> None:
         source, target = sides = cls.__name__.lower().split("to")
         # the temperature enters only in TAS
         inputs = [source, "altitude", *(["temp_deviation"] if "tas" in sides else [])]
@@ -94,7 +100,6 @@ class _Conversion(AirDataBlock):
             )
             # indented, as other docstrings are
             cls.__doc__ = indent(page, "    ").lstrip()
-        super().__init_subclass__(**keywords)
 
     def _eval(self, speed: float, altitude: float, temp_deviation: float = 0.0) -> float:
         return self._convert(speed, self._isa(altitude, temp_deviation))

@@ -66,7 +66,7 @@ class Settings:
     def __init__(self, script: str, tree: ast.Module, values: Mapping[str, Any]):
         self._script, self._tree, self._values = script, tree, dict(values)
         top, everywhere = _assigned(own(tree.body)), _assigned(ast.walk(tree))
-        self.assigned = {name for name, _ in top}
+        self.assigned = dict.fromkeys(name for name, _ in top)
         self._made: dict[str, list[ast.Call]] = {name: [] for name, _ in everywhere}
         for name, made in everywhere:
             self._made[name] += [made] if isinstance(made, ast.Call) else []
