@@ -237,6 +237,14 @@ def test_throttle_is_taken_above_the_highest_airspeed(v_mode):
     assert command[3] - before < -0.9
 
 
+def test_an_altitude_without_air_has_limits_too():
+    autopilot = Autopilot("A320", T=T)
+    signals = {"h": 1e9, "alpha": 2.0, "vc": 200.0}
+    u = [signals.get(name, 0.0) for name in autopilot.input_port_labels]
+    command, _ = autopilot.law(u, autopilot.initial_state())
+    assert np.isfinite(command).all()
+
+
 def test_throttle_is_added_where_the_ground_forbids_the_descent():
     plane = Aircraft(
         "F80C", altitude=600.0, speed=200.0, T=T, substeps=2, output_properties=["h_agl"]

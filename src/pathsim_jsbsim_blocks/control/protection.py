@@ -173,7 +173,7 @@ class Protection:
         state = state._replace(available=available, measured=measured)
         # the bank gives way before height is spent on airspeed
         slowest = larger(self._slowest(state, 0.0), 1.0)
-        fastest = true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h)
+        fastest = larger(true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h), 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = larger(measured + spare, -self.descent_max)
