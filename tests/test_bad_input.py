@@ -261,6 +261,7 @@ MALFORMED = [
 ]
 
 
+@pytest.mark.long
 def test_malformed_names_leave_the_process_alive():
     # all in one process of its own, through every way that a name can take
     code = """

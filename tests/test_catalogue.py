@@ -252,6 +252,7 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp
     assert len(err) == 1 or (err[0].startswith("Traceback") and "runs.py" not in "".join(err))
 
 
+@pytest.mark.long
 def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
     script, signals = tmp_path / "mine.py", tmp_path / "a.csv"
     script.write_text(STOPPED.format(stop="import time; print(t, flush=True); time.sleep(60)"))

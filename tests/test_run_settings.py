@@ -241,6 +241,7 @@ def test_what_logs_its_progress_has_no_bar(tmp_path, monkeypatch):
     assert "/40.0 s in" not in shown.getvalue()
 
 
+@pytest.mark.long
 def test_the_command_changes_no_result(tmp_path, capsys):
     """The bar's loop is PathSim's own: the same numbers as under ``python script.py``."""
     text = USERS.format(run="sim.run(3.3); print(repr(scope.read()[1].sum()), sim.time)")

@@ -245,6 +245,7 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
     assert editor.run() == "Simulation completed successfully"
 
 
+@pytest.mark.long
 def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(
     browser, fresh_editor, model
 ):

@@ -89,6 +89,7 @@ except ParameterError as error:
 """
 
 
+@pytest.mark.long
 def test_a_second_process_is_refused_and_the_first_goes_on(tmp_path):
     path = tmp_path / "thirds.jsonl"
     journal = Journal(path, "thirds", study_key({"study": "thirds"}))

@@ -140,6 +140,7 @@ def test_thrust_vectoring(tables):
         assert rows.thrust_lb.iloc[0] / rows.thrust_lb.min() == pytest.approx(1.0025, abs=3e-4)
 
 
+@pytest.mark.long
 def test_trim_envelope(tables):
     table = tables("trim_envelope")
     reference = pd.read_csv(DATA / "09_trim_envelope.csv")
