@@ -2,9 +2,9 @@
 
     python docs/demands.py [CASES]
 
-Default is 1,000 cases, over the gain tables of the fleet in turn. Weight, flaps, altitude and
-airspeed are drawn anew for each; half of them fly in moderate turbulence, and one engine of a fifth
-of those with several fails. References lead beyond every limit, and modes change.
+Default is 1,000 cases, over the gain tables of the fleet in turn. Weight, centre of gravity, flaps,
+altitude and airspeed are drawn anew for each; half of them fly in moderate turbulence, and one
+engine of a fifth of those with several fails. References lead beyond every limit, and modes change.
 """
 
 import sys
@@ -19,11 +19,12 @@ from pathsim_jsbsim_blocks import Aircraft, Autopilot
 from pathsim_jsbsim_blocks.control.gain_tables import read_gains
 from pathsim_jsbsim_blocks.control.protection import fastest_airspeed
 from pathsim_jsbsim_blocks.errors import BlocksError, FlightError, TrimError
-from pathsim_jsbsim_blocks.flight import aircraft_names
+from pathsim_jsbsim_blocks.flight import aircraft_names, empty_weight_cg
 
 CASES, T, SECONDS, CHANGES = 1000, 1 / 60, 100.0, 6
-# of the tanks; ft above the table's lowest point; of the airspeed of the table's nominal point
-FUEL, HEIGHT, SPEED = (0.1, 1.0), (0.0, 4000.0), (0.9, 1.15)
+# of the tanks; of the chord, the empty weight's; ft above the table's lowest point; of the airspeed
+# of its nominal point
+FUEL, CG, HEIGHT, SPEED = (0.1, 1.0), (-0.03, 0.03), (0.0, 4000.0), (0.9, 1.15)
 # deg; ft beyond the present altitude; deg of bank; of the airspeed; ft/s; of full travel
 PITCH, CLIMB, BANK = (-25.0, 30.0), (-8000.0, 8000.0), (-75.0, 75.0)
 VC, RATE, LEVER = (0.3, 2.0), (-80.0, 80.0), (-1.0, 1.0)
@@ -48,13 +49,16 @@ def started(name, rng, seed, tries=5):
     nominal = schedule.points[schedule.nominal]
     turbulent = bool(rng.random() < 0.5)
     rough = {**TURBULENCE, "atmosphere/randomseed": float(seed)} if turbulent else {}
-    tanks = fuel(Aircraft(name, condition=flight.condition, create=flight.create), 1.0)
+    plane = Aircraft(name, condition=flight.condition, create=flight.create)
+    tanks, chord = fuel(plane, 1.0), 12.0 * plane.fdm["metrics/cbarw-ft"]
+    cg = empty_weight_cg(name)[0] + np.random.default_rng([seed, 1]).uniform(*CG) * chord
     for failed in range(tries):
         share = rng.uniform(*FUEL)
         condition = replace(
             flight.condition,
             altitude=schedule.points[0].altitude + 1500.0 + rng.uniform(*HEIGHT),
             speed=nominal.speed * rng.uniform(*SPEED),
+            empty_cg_x=cg,
             fuel={tank: share * full for tank, full in tanks.items()},
             flaps=0.3 if rng.random() < 0.2 else None,
         )
