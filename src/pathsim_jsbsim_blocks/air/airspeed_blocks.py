@@ -90,7 +90,7 @@ class _Conversion(AirDataBlock):
         cls.output_port_labels = {target: 0}
         cls._convert = staticmethod(getattr(airspeed, f"{source}_to_{target}"))
         if cls.__doc__:  # absent under python -OO
-            formulas = r", \qquad ".join(filter(None, map(_FORMULAS.get, sides)))
+            formulas = r", \quad ".join(filter(None, map(_FORMULAS.get, sides)))
             page = _PAGE.format(
                 text=cleandoc(cls.__doc__),
                 formulas=formulas,
