@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ._core.checks import as_path, did_you_mean, mapping, nearest, refuse
+from ._core.checks import as_path, did_you_mean, mapping, must_be, nearest, refuse
 
 
 def diagram_folder() -> Path:
@@ -38,7 +38,7 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
         if there is neither; the message names the nearest
     """
     if not isinstance(also, Iterable) or not all(isinstance(n, str) for n in also):
-        refuse("also", also, f"also must be names, not {also!r}")
+        must_be("also", also, "names")
     also = list(also)
     script = as_path("name", name)
     if script.suffix == ".py" and script.is_file():

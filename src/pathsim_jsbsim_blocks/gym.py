@@ -257,7 +257,7 @@ class DiagramEnv(gymnasium.Env):
         except (TypeError, ValueError):
             u = np.array(np.nan)
         if u.shape != box.shape or not np.isfinite(u).all():
-            refuse("action", action, f"action must be {len(self._actions)} numbers, not {action!r}")
+            must_be("action", action, f"{len(self._actions)} numbers")
         u = _within(box, u)
         if self._given["normalise"]:
             low, high = _limits(self._actions)

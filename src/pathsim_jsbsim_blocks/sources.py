@@ -13,14 +13,14 @@ from typing import Any, ClassVar
 
 from pathsim.events import ScheduleList
 
-from ._core.checks import number, numbers, positive, refuse
+from ._core.checks import must_be, number, numbers, positive, refuse
 from ._core.parameters import Parametric, parameter
 
 
 def polarity_of(name: str, value: Any) -> float:
     """1 or -1."""
     if number(name, value) not in (1.0, -1.0):
-        refuse(name, value, f"{name} must be 1 or -1, not {value!r}")
+        must_be(name, value, "1 or -1")
     return float(value)
 
 

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import finite, refuse
+from .._core.checks import finite, must_be, refuse
 from .atmosphere import A0, P0, Air, positive_finite, pressure_altitude
 
 RAYLEIGH = 1.2**3.5 * (6 / 7) ** 2.5  # of qc/p + 1 = RAYLEIGH x (1 - 1/(7 x))^-2.5, x = M^2
@@ -85,8 +85,7 @@ def _at_other_pressure(mach: Any, ratio: Any) -> Any:
 def _speed(parameter: str, value: Any, air: Air) -> Any:
     """``value`` as a finite float, or as a float array that fits the air's shape."""
     if not isinstance(air, Air):
-        why = f"air must be that of isa(altitude) or Air(pressure, temperature), not {air!r}"
-        refuse("air", air, why)
+        must_be("air", air, "that of isa(altitude) or Air(pressure, temperature)")
     if type(value) is float and isfinite(value):
         return value
     return finite(**{parameter: value, **air._asdict()})[0]

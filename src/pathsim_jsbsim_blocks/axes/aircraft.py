@@ -28,7 +28,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .._core.checks import arrays, refuse
+from .._core.checks import arrays, must_be
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
@@ -138,8 +138,7 @@ def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Valu
 def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     parts = list(reference) if np.iterable(reference) else []
     if len(parts) != 3:
-        why = f"reference must be the three coordinates x, y, z, not {reference!r}"
-        refuse("reference", reference, why)
+        must_be("reference", reference, "the three coordinates x, y, z")
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .._core.checks import number, refuse
+from .._core.checks import must_be, number, refuse
 from .earth import SEMI_MAJOR_AXIS, SEMI_MINOR_AXIS
 
 Vector = tuple[float, float, float]
@@ -209,8 +209,7 @@ def motion(before: Place, now: Place) -> tuple[float, float]:
 def point(parameter: str, value: Any) -> tuple[float, float]:
     """Latitude and longitude, checked."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        why = f"{parameter} must be a latitude and a longitude in deg, not {value!r}"
-        refuse(parameter, value, why)
+        must_be(parameter, value, "a latitude and a longitude in deg")
     lat, lon = value
     return (
         number(f"{parameter}: latitude", lat, low=-90.0, high=90.0),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import number, refuse, whole
+from .._core.checks import must_be, number, refuse, whole
 from .._core.running import fly
 from .._core.units import KNOT
 from ..catalogue import load_diagram
@@ -148,8 +148,7 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     least = 200 if _known(case) in _F16 else 10
     rate = max(least, 100) if rate is None else rate
     if whole("rate", rate, low=least) % 2:
-        why = f"rate must be even, for the reference has a point each 0.5 s, not {rate!r}"
-        refuse("rate", rate, why)
+        must_be("rate", rate, "even, for the reference has a point each 0.5 s")
     T = 1 / rate
     name = f"check_case_{_file_name(case)}"
     diagram = load_diagram(name, {"vehicle.T": T, "vehicle.integrators": integrators, "sim.dt": T})
@@ -299,7 +298,7 @@ def _known(case: Any) -> float:
     found = number("case", case)
     if found not in CASES:
         known = ", ".join(f"{x:g}" for x in CASES)
-        refuse("case", case, f"case must be one of {known}, not {case!r}")
+        must_be("case", case, f"one of {known}")
     return found
 
 

@@ -7,7 +7,7 @@ from collections.abc import Hashable
 from typing import Any
 
 from .._core.callers import warn_user
-from .._core.checks import number, one_of, refuse
+from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
 from .._core.pathsim_internals import port_names
 from .described import DescribedLaw, as_described
@@ -112,11 +112,7 @@ def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
     """Lower and upper limit of an actuator increment, from one number or from both."""
     if isinstance(value, (list, tuple)):
         if len(value) != 2:
-            refuse(
-                parameter,
-                value,
-                f"{parameter} must be one number or a lower and an upper limit, not {value!r}",
-            )
+            must_be(parameter, value, "one number or a lower and an upper limit")
         return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
     most = number(parameter, value, low=0.0)
     return -most, most

@@ -15,7 +15,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, SHORT_INPUTS, SHORT_OUTPUTS, SURFACES
-from .._core.checks import one_of, refuse, whole
+from .._core.checks import must_be, one_of, whole
 from .gains import GainSchedule
 from .signals import (
     Operations,
@@ -405,14 +405,10 @@ def system(block: Any, name: str | None, engines: int, unwired: Sequence[str]) -
     if name is None:
         name = re.sub(r"(?<=[a-z])(?=[A-Z])", "-", kind).lower()
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name):
-        refuse(
-            "name",
-            name,
-            f"name must be made of small letters, digits and single dashes, not {name!r}",
-        )
+        must_be("name", name, "made of small letters, digits and single dashes")
     engines = whole("engines", engines, low=1)
     if not isinstance(unwired, (list, tuple)):
-        refuse("unwired", unwired, f"unwired must be a list of input ports, not {unwired!r}")
+        must_be("unwired", unwired, "a list of input ports")
     for port in unwired:
         one_of("unwired", port, tuple(block.input_port_labels))
     return _System(block, name, engines, unwired).text()

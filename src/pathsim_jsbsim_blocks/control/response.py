@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._core.checks import finite, number, positive, refuse
+from .._core.checks import finite, must_be, number, positive, refuse
 
 # of the step: a response whose step is smaller has none
 _NO_STEP = 1e-9
@@ -165,9 +165,7 @@ def _signals(time: Any, y: Any, reference: Any) -> tuple[np.ndarray, np.ndarray,
 
 def _shares(rise: Any) -> tuple[float, float]:
     if not isinstance(rise, (list, tuple)) or len(rise) != 2:
-        refuse(
-            "rise", rise, f"rise must be two shares of the step, such as (0.1, 0.9), not {rise!r}"
-        )
+        must_be("rise", rise, "two shares of the step, such as (0.1, 0.9)")
     low, high = (number("rise", x, low=0.0, high=1.0) for x in rise)
     if not low < high:
         refuse("rise", rise, f"the first share of rise must be below the second, not {rise!r}")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from .._core.checks import as_path, did_you_mean, mapping, nearest, refuse
+from .._core.checks import as_path, did_you_mean, mapping, must_be, nearest, refuse
 from .._core.files import write_whole
 from ..errors import DaveMLError, FileError
 from .mathml import BOOLEAN, LOGIC, OPERATORS, Expression
@@ -121,8 +121,7 @@ def write_aircraft(
         for a name that JSBSim would not accept
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        why = f"name must be letters, digits, _, . and -, the first a letter or _, not {name!r}"
-        refuse("name", name, why)
+        must_be("name", name, "letters, digits, _, . and -, the first a letter or _")
     air, mass, thrust = DaveModel(aero), DaveModel(inertia), ""
     engine = None if propulsion is None else DaveModel(propulsion)
     given = _given(properties, [air, *filter(None, [engine])])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import number, refuse
+from .._core.checks import must_be, number, refuse
 from ..control.gain_tables import write_gains
 from ..control.gains import DesignPoint, GainSchedule
 from ..errors import DesignError, TrimError
@@ -82,7 +82,7 @@ def _plain(row: LoopReport) -> dict[str, Any]:
 def _sorted(name: str, values: Any, **bounds: Any) -> list[float]:
     """Checked numbers without repetition, in ascending order."""
     if np.asarray(values, dtype=object).ndim != 1:
-        refuse(name, values, f"{name} must be a list of numbers, not {values!r}")
+        must_be(name, values, "a list of numbers")
     found = sorted({number(name, value, **bounds) for value in values})
     if not found:
         refuse(name, values, f"{name} is empty")
@@ -134,7 +134,7 @@ def design_schedule(
     check_condition(condition)
     check_near(near, DesignedGains)
     if progress is not None and not callable(progress):
-        refuse("progress", progress, f"progress must be callable, not {progress!r}")
+        must_be("progress", progress, "callable")
     if condition.mach is not None:
         refuse(
             "mach",

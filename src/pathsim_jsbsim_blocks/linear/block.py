@@ -7,7 +7,7 @@ from typing import Any
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
-from .._core.checks import refuse
+from .._core.checks import must_be
 from .._core.pathsim_internals import NamedRegister
 from .._core.ports import NamedPorts
 from .model import LinearModel
@@ -48,7 +48,7 @@ class LinearModelBlock(NamedPorts, StateSpace):
 
     def __init__(self, model: LinearModel) -> None:
         if not isinstance(model, LinearModel):
-            refuse("model", model, f"model must be a LinearModel, not {model!r}")
+            must_be("model", model, "a LinearModel")
         super().__init__(*model.with_lags(model.latency * model.dt))
         self.model = model
         self.inputs = NamedRegister.of(model.inputs)

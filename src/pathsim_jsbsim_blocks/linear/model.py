@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import as_path, did_you_mean, mapping, nearest, positive, refuse
+from .._core.checks import as_path, did_you_mean, mapping, must_be, nearest, positive, refuse
 from .._core.extras import required
 from .._core.files import write_whole
 from ..errors import FileError
@@ -229,8 +229,7 @@ class LinearModel:
         try:
             states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
         except (IndexError, np.linalg.LinAlgError):
-            why = f"omega must be a list of frequencies at which no pole lies, not {omega!r}"
-            refuse("omega", omega, why)
+            must_be("omega", omega, "a list of frequencies at which no pole lies")
         return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -246,7 +245,7 @@ class LinearModel:
         """
         m, given = len(self.inputs), np.asarray(tau, dtype=float)
         if given.shape not in ((), (m,)) or not np.all((given >= 0.0) & np.isfinite(given)):
-            refuse("tau", tau, f"tau must be one time from 0 s on, or {m} of them, not {tau!r}")
+            must_be("tau", tau, f"one time from 0 s on, or {m} of them")
         tau = np.broadcast_to(given, m)
         lagging = np.flatnonzero(tau)
         n, k = len(self.states), len(lagging)
@@ -351,7 +350,7 @@ def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> 
     if wanted is None:
         return list(range(len(known)))
     if isinstance(wanted, str) or not isinstance(wanted, Sequence):
-        refuse(parameter, wanted, f"{parameter} must be a list of names, not {wanted!r}")
+        must_be(parameter, wanted, "a list of names")
     for i, name in enumerate(wanted):
         if name not in known:
             close = did_you_mean(nearest(str(name), known)) or f" among {', '.join(known)}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._core.checks import one_of, refuse
+from .._core.checks import must_be, one_of
 from .._core.units import GRAVITY
 from .model import LinearModel
 
@@ -102,7 +102,7 @@ def flying_qualities(
     3.2.2.1, 3.3.1.1, 3.3.1.2 and 3.3.1.3.
     """
     if not isinstance(model, LinearModel):
-        refuse("model", model, f"model must be that of linear_model('c172p', ...), not {model!r}")
+        must_be("model", model, "that of linear_model('c172p', ...)")
     one_of("category", category, CATEGORIES)
     one_of("aircraft_class", aircraft_class, CLASSES)
     modes = model.modes()

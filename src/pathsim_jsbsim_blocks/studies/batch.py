@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, positive, refuse, whole
+from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, whole
 from .._core.extras import required
 from ..catalogue import find_diagram
 from .grid import cell, expand, plain
@@ -178,8 +178,7 @@ def _check_script(
     from ..scripts.settings import SettingError
 
     if not callable(measure):
-        why = f"measure must be a function of the script's module, not {measure!r}"
-        refuse("measure", measure, why)
+        must_be("measure", measure, "a function of the script's module")
     _check_sent("measure", measure)
     if duration is not None:
         positive("duration", duration)
@@ -215,11 +214,11 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     """Refuse what a worker cannot run; return whether ``build`` takes the seed."""
     if not callable(build):
-        refuse("build", build, f"build must be a function, not {build!r}")
+        must_be("build", build, "a function")
     try:
         parameters = inspect.signature(build).parameters
     except ValueError:  # many built-in functions
-        refuse("build", build, f"build must be a function with known parameters, not {build!r}")
+        must_be("build", build, "a function with known parameters")
     free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     takes_seed = free or "seed" in parameters
     for i, row in enumerate(rows):

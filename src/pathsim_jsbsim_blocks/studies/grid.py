@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, number, refuse
+from .._core.checks import did_you_mean, must_be, nearest, number, refuse
 from ..errors import ParameterError
 from ..flight.trimming.condition import TrimCondition
 from ..flight.trimming.state import UNITS
@@ -48,8 +48,7 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
         values_of = itertools.product(*axes.values()) if axes else ()
         rows = [dict(zip(axes, values, strict=True)) for values in values_of]
     elif isinstance(grid, (str, bytes)) or not np.iterable(grid):
-        why = f"{name} must be a dict of axes, a table or a list of dicts, not {grid!r}"
-        refuse(name, grid, why)
+        must_be(name, grid, "a dict of axes, a table or a list of dicts")
     else:
         rows = list(grid)
         for row in rows:
@@ -90,7 +89,7 @@ def plain(name: str, value: Any) -> Any:
         return {key: plain(f"{name}[{key!r}]", item) for key, item in value.items()}
     if isinstance(value, Sequence):
         return [plain(f"{name}[{i}]", item) for i, item in enumerate(value)]
-    refuse(name, value, f"{name} must be a number, text, a list or a dict, not {value!r}")
+    must_be(name, value, "a number, text, a list or a dict")
 
 
 class _List(list):

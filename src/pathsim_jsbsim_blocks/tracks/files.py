@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, refuse, writable
+from .._core.checks import did_you_mean, must_be, nearest, refuse, writable
 from .._core.extras import required
 from .._core.files import replacing
 from ..errors import FileError
@@ -108,8 +108,7 @@ def _utc(start: Any) -> datetime.datetime:
             return date.replace(tzinfo=datetime.timezone.utc)
         return date.astimezone(datetime.timezone.utc)
     except (AttributeError, TypeError, ValueError, OverflowError):
-        why = f"start must be a datetime between the years 1 and 9999 in UTC, not {start!r}"
-        refuse("start", start, why)
+        must_be("start", start, "a datetime between the years 1 and 9999 in UTC")
 
 
 def _versions() -> str:

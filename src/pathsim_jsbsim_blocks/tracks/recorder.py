@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pathsim.blocks import Scope
 from pathsim.utils.register import Register
 
-from .._core.checks import number, optional, refuse
+from .._core.checks import must_be, number, optional, refuse
 from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedPorts
 from .._core.scopes import name_and_unit, recording
@@ -25,7 +25,7 @@ def _labels(parameter: str, signals: Any) -> list[str]:
     """Labels of signals whose ports have names of their own."""
     listed = isinstance(signals, Sequence) and not isinstance(signals, str)
     if not listed or not all(isinstance(s, str) for s in signals):
-        refuse(parameter, signals, f"{parameter} must be a list of labels, not {signals!r}")
+        must_be(parameter, signals, "a list of labels")
     ports = [*POSITION, *(name_and_unit(writable_text(parameter, x))[0] for x in signals)]
     twice = [port for i, port in enumerate(ports) if port in ports[:i]]
     if twice:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import finite, flag, mapping, refuse
+from .._core.checks import finite, flag, mapping, must_be, refuse
 from .._core.extras import required
 from .._core.units import FOOT
 
@@ -44,7 +44,7 @@ def instant(start: datetime.datetime, seconds: float) -> str:
 def writable_text(parameter: str, text: Any) -> str:
     """``text`` if every format of a track can hold it."""
     if not isinstance(text, str):
-        refuse(parameter, text, f"{parameter} must be text, not {text!r}")
+        must_be(parameter, text, "text")
     if found := _UNWRITABLE.search(text):
         why = f"the character {found[0]!r}, which files of tracks cannot hold, in {text!r}"
         refuse(parameter, text, f"{parameter} has {why}")
@@ -205,4 +205,4 @@ def _signal(label: Any, values: Any) -> np.ndarray:
     try:
         return np.asarray(values).astype(float, casting="same_kind")
     except (TypeError, ValueError):
-        refuse(label, values, f"{label} must be an array of real numbers, not {values!r}")
+        must_be(label, values, "an array of real numbers")

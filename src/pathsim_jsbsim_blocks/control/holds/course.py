@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.checks import number, one_of, optional, positive, refuse, whole
+from ..._core.checks import must_be, number, one_of, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY
@@ -307,11 +307,7 @@ class _Route:
         if hasattr(points, "tolist"):
             points = points.tolist()
         if not isinstance(points, (list, tuple)) or (waypoints is not None and not points):
-            refuse(
-                "waypoints",
-                waypoints,
-                f"waypoints must be a list of (latitude, longitude) in deg, not {waypoints!r}",
-            )
+            must_be("waypoints", waypoints, "a list of (latitude, longitude) in deg")
         try:
             self.waypoints = [place_unchecked(*point("waypoints", p)) for p in points]
             circles = [great_circle(a, b) for a, b in pairwise(points)]
