@@ -503,6 +503,11 @@ REFUSED = {
         8,
         "does not know the block 'Comparator'",
     ),
+    "core block that PathView lacks, in a script with JSBSim": (
+        script("import jsbsim\na = Comparator()"),
+        9,
+        "does not know the block 'Comparator'(?!.*runs ahead)",
+    ),
     "state": (
         script("a = Integrator()", after="a.engine.set(3.0)"),
         10,

@@ -218,3 +218,9 @@ def test_a_script_is_loaded_as_it_would_run(tmp_path):
 def test_settings_are_a_mapping():
     with pytest.raises(ParameterError, match="settings must be a dict"):
         load_diagram("pitch_hold", [("DURATION", 1.0)])
+
+
+def test_a_value_that_an_element_of_a_list_gets_too_is_refused(tmp_path):
+    text = "ALL = [0]\nONE = ALL[0] = 1\nprint(ONE)\n"
+    with pytest.raises(ParameterError, match=r"line 2 of lag\.py gives ALL the same value"):
+        built(tmp_path, {"ONE": 2.0}, text)

@@ -260,6 +260,7 @@ class Airframe(PropertyTree):
             self.fdm[_GROUND] = elevation
 
     def lower_ground(self) -> None:
+        """Restore the ground elevation from before `raise_ground`."""
         if self._ground_before is not None:
             self.fdm[_GROUND], self._ground_before = self._ground_before, None
 

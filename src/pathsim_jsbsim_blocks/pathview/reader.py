@@ -175,7 +175,7 @@ class _Reader:
             hint = ""
             if not kind.__module__.startswith("pathsim."):
                 hint = "; its class must be exported by an installed package"
-            elif re.search(r"\bjsbsim\b", self.script.source):
+            elif hasattr(block, "func") and re.search(r"\bjsbsim\b", self.script.source):
                 hint = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
             self._refuse(block, unknown_block(name, self.registry) + hint)
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:

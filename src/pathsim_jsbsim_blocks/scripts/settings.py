@@ -132,7 +132,8 @@ class Settings:
                 return f"a function of {self._script} changes it (line {node.lineno})"
         for node in own(self._tree.body):
             if isinstance(node, ast.Assign) and len(node.targets) > 1:
-                others = bound(node.targets)
+                names_in = (n for t in node.targets for n in ast.walk(t))
+                others = {n.id for n in names_in if isinstance(n, ast.Name)}
                 if variable in others:
                     names = ", ".join(sorted(others - {variable}))
                     return f"line {node.lineno} of {self._script} gives {names} the same value"
