@@ -10,7 +10,7 @@ import pytest
 from corruptions import PARTS, resumed_from_corruptions, run, thirds
 
 from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks.errors import FileError
+from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError
 from pathsim_jsbsim_blocks.studies.identity import study_key
 from pathsim_jsbsim_blocks.studies.journal import Journal
 
@@ -110,7 +110,7 @@ FULL = """
 import resource, sys
 sys.path.insert(0, sys.argv[2])
 from corruptions import run
-from pathsim_jsbsim_blocks.errors import FileError
+from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError
 import signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 # the system then refuses to write beyond this size, in the middle of a line
@@ -157,3 +157,10 @@ def test_a_full_disk_is_named(tmp_path):
 def test_a_path_with_nul_is_refused():
     with pytest.raises(ParameterError, match="resume must be a path"):
         Journal("a\0", "title", {})
+
+
+def test_without_the_extra_no_file_is_made(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "filelock", None)
+    with pytest.raises(MissingExtraError, match="studies"):
+        run(resume=tmp_path / "thirds.jsonl")
+    assert not list(tmp_path.iterdir())

@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -43,6 +43,7 @@ class Journal:
         self.path = as_path("resume", path)
         header = {"format": _FORMAT, "version": _VERSION, "study": title, "key": dict(key)}
         self.finished: dict[int, list] = {}
+        lock = required("filelock", "studies").lock_descriptor
         if os.path.exists(self.path) and not os.path.isfile(self.path):
             self._refuse(f"cannot write {str(path)!r}: it is not a file")
         try:
@@ -51,7 +52,7 @@ class Journal:
         except OSError as error:
             self._refuse(f"cannot write {str(path)!r}: {error.strerror}")
         try:
-            self._lock()
+            self._lock(lock)
             self._file.seek(0)
             self._read(self._file.read(), header)
         except BaseException as error:
@@ -60,10 +61,9 @@ class Journal:
                 raise FileError("read", path, error) from None
             raise
 
-    def _lock(self) -> None:
+    def _lock(self, lock: Callable[..., bool]) -> None:
         free = True
         with contextlib.suppress(OSError):  # a file system without locks
-            lock = required("filelock", "studies").lock_descriptor
             free = lock(self._file.fileno(), blocking=False)
         if not free:
             why = "is in use: another process runs this study. Wait for it or name another file"
