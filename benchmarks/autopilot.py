@@ -3,8 +3,7 @@
     python benchmarks/autopilot.py
 
 Then the cost of a step under `fly`: of a c172p with `PitchHold` against a hand-written JSBSim loop
-with the same control law, and of the diagram autopilot_mission against `sim.run`; and of
-JSBSim alone with the laws as XML.
+with the same control law, and of the diagram autopilot_mission against `sim.run`.
 
 One process flies the same c172p in turn under both: altitude hold over rate of climb and pitch
 angle, heading hold over roll angle, autothrottle, yaw damper, 120 Hz, one Scope. The core blocks
@@ -14,9 +13,7 @@ have neither set-point weights nor switches nor bumpless transfer. Both climb 10
 """
 
 import math
-import tempfile
 import time
-from pathlib import Path
 
 from pathsim import Connection, Simulation
 from pathsim.blocks import (
@@ -199,22 +196,6 @@ def time_hand_written_loop():
     return (time.perf_counter() - start) / count, theta()
 
 
-def time_in_jsbsim(block, folder):
-    """Seconds per step of JSBSim alone, flying a block's law as XML; None flies none."""
-    systems = []
-    if block is not None:
-        systems = [str(Path(folder, "law.xml"))]
-        Path(systems[0]).write_text(block.to_jsbsim_xml("law"), encoding="utf-8")
-    fdm = Aircraft("c172p", altitude=5000.0, speed=90.0, heading=90.0, systems=systems).fdm
-    if block is not None:
-        fdm["ap/pathsim/law/engaged"] = 1.0
-    run, count = fdm.run, round(SECONDS / T)
-    start = time.perf_counter()
-    for _ in range(count):
-        run()
-    return (time.perf_counter() - start) / count
-
-
 def time_mission(run):
     """Seconds per step of the diagram autopilot_mission."""
     sim = load_diagram("autopilot_mission").sim
@@ -225,8 +206,6 @@ def time_mission(run):
 
 def rows():
     ours, core, held, hand, flown, ran = [], [], [], [], [], []
-    pitch, whole, most = [], [], []
-    folder = tempfile.mkdtemp()
     for _ in range(REPETITIONS):
         ours.append(time_flight(one_block))
         core.append(time_flight(core_blocks))
@@ -236,15 +215,9 @@ def rows():
         hand.append(loop)
         flown.append(time_mission(fly))
         ran.append(time_mission(Simulation.run))
-        most.append(1.1 * time_in_jsbsim(None, folder) + 2e-6)
-        pitch.append(time_in_jsbsim(PitchHold("c172p", theta_ref=3.0), folder))
-        whole.append(time_in_jsbsim(Autopilot("c172p-designed"), folder))
     peer = f"{len(core_blocks()[0].blocks) - 2} core blocks"
     row("Autopilot: a step on autopilot", peer, ours, core, "us", 0.25, "pathsim")
     row("Aircraft + PitchHold: a step, fly", "hand-written loop", held, hand, "us", 4.0, "jsbsim")
-    alone = "1.1 of the aircraft alone and 2 us"
-    row("PitchHold in JSBSim's XML: a step", alone, pitch, most, "us", 1.0, "jsbsim")
-    row("Autopilot in JSBSim's XML: a step", alone, whole, most, "us", None, "jsbsim")
     row("autopilot mission of the 737: a step, fly", "sim.run", flown, ran, "us", None, "pathsim")
 
 

@@ -1,7 +1,4 @@
-"""FlightGear itself, without a window: its property tree is read back.
-
-It receives a flight, and it flies an aircraft of JSBSim with a law as XML.
-"""
+"""FlightGear itself, without a window: it receives a flight, and its property tree is read back."""
 
 import contextlib
 import os
@@ -10,13 +7,10 @@ import signal
 import socket
 import subprocess
 import time
-from pathlib import Path
 
-import jsbsim
 import numpy as np
 import pytest
 
-from pathsim_jsbsim_blocks import PitchHold
 from pathsim_jsbsim_blocks.cli import main
 
 SCRIPT = """
@@ -47,29 +41,27 @@ def free_port(kind):
         return taken.getsockname()[1]
 
 
-def properties(port, names=SHOWN, written=()):
-    """What FlightGear shows; None while it cannot be asked. ``written`` are set before."""
+def properties(port):
+    """What FlightGear shows; None while it cannot be asked."""
     with (
         contextlib.suppress(OSError, ValueError),
         socket.create_connection(("127.0.0.1", port), timeout=60) as connection,
         connection.makefile("rw", newline="\r\n") as telnet,
     ):
         print("data", file=telnet, flush=True)
-        for name, value in dict(written).items():
-            print("set", name, value, file=telnet, flush=True)
         found = []
-        for name in ("/sim/sceneryloaded", *names):
+        for name in ("/sim/sceneryloaded", *SHOWN):
             print("get", name, file=telnet, flush=True)
             found.append(telnet.readline().strip())
         return [float(x) for x in found[1:]] if found[0] == "true" else None
     return None
 
 
-def told(port, limit, wanted=lambda shown: True, names=SHOWN):
+def told(port, limit, wanted=lambda shown: True):
     """What FlightGear shows, as soon as it is what is wanted."""
     end = time.monotonic() + limit
     while time.monotonic() < end:
-        shown = properties(port, names)
+        shown = properties(port)
         if shown and wanted(shown):
             return shown
         time.sleep(1.0)
@@ -137,31 +129,3 @@ def test_flightgear_shows_the_position_and_the_attitude_that_were_sent(
     shown = told(telnet, 60.0, lambda shown: abs(shown[0] - last[0]) < 1e-9)
     # deg, deg, ft, deg, deg, deg: about 0.1 mm, and the single precision of the angles
     assert (np.abs(np.subtract(shown, last)) <= [2e-9, 2e-9, 0.01, 1e-5, 1e-5, 1e-4]).all()
-
-
-SET = """<?xml version="1.0"?>
-<PropertyList><sim><flight-model>jsb</flight-model><aero>c172p</aero></sim></PropertyList>
-"""
-
-
-@pytest.mark.flightgear
-def test_flightgear_flies_a_law_as_xml(tmp_path):
-    # a glide: the engine stands still
-    root, folder = Path(jsbsim.get_default_root_dir()), tmp_path / "own"
-    folder.mkdir()
-    (folder / "own-set.xml").write_text(SET)
-    (folder / "pitch.xml").write_text(PitchHold("c172p").to_jsbsim_xml("pitch"))
-    shutil.copytree(root / "engine", folder / "Engines")
-    shutil.copytree(root / "systems", folder / "Systems")
-    text = (root / "aircraft" / "c172p" / "c172p.xml").read_text()
-    at = text.index("<flight_control")
-    (folder / "c172p.xml").write_text(text[:at] + '<system file="pitch"/>\n' + text[at:])
-
-    ap = "/fdm/jsbsim/ap/pathsim/pitch/"
-    names = (f"{ap}active", f"{ap}theta-cmd-deg", "/orientation/pitch-deg")
-    start = ("--altitude=8000", "--vc=80", "--timeofday=noon")
-    with running(tmp_path, "--aircraft=own", f"--aircraft-dir={folder}", *start) as telnet:
-        active, *_ = told(telnet, 60.0, names=names)
-        assert active == 0.0
-        properties(telnet, written={f"{ap}engaged": 1})
-        told(telnet, 60.0, lambda x: x[0] == 1.0 and abs(x[1] - x[2]) < 0.5, names)

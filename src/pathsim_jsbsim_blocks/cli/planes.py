@@ -27,11 +27,8 @@ from .arguments import (
 from .saving import check_file, saving_figures
 
 if TYPE_CHECKING:
-    from ..control.gains import GainSchedule
     from ..design import DesignedGains
     from ..flight.airframe import Airframe
-    from ..flight.control_system import ControlChannel
-    from ..pathview.diagram import Graph
 
 
 def add_aircraft(commands: Commands) -> None:
@@ -148,53 +145,6 @@ def _warnings_last() -> Iterator[None]:
         print(f"  {warning.message}")
 
 
-def add_systems(commands: Commands) -> None:
-    text = "an aircraft's own control system: channels, components, inputs and outputs"
-    sub = add_command(commands, "systems", list_systems, text)
-    sub.add_argument("aircraft")
-    file_option(sub, "--save", metavar="FILE.svg", text="draw it as a block diagram")
-    root_option(sub)
-
-
-def list_systems(args: argparse.Namespace) -> None:
-    from .._core.files import write_whole
-    from ..flight.control_system import control_system
-    from ..pathview.svg import picture
-
-    check_file("save", args.save, ".svg")
-    parts = []
-    for channel in control_system(args.aircraft, args.root):
-        title = f"{channel.section}: {channel.name}"
-        print(title)
-        for c in channel.components:
-            print(f"  {c.type} {c.name!r}: {', '.join(c.inputs)} -> {', '.join(c.outputs)}")
-        parts.append((title, _signal_graph(channel)))
-    if args.save is not None:
-        write_whole(args.save, picture(parts))
-        print(f"picture saved: {args.save}")
-
-
-def _signal_graph(channel: ControlChannel) -> Graph:
-    """Components as nodes, joined by properties; one that no component has is an end of its own."""
-    from ..pathview.diagram import Graph, Node, Wire
-
-    nodes = [Node(c.name, c.type, {}, list(c.inputs), ["out"]) for c in channel.components]
-    sources = {name: i for i, c in enumerate(channel.components) for name in c.outputs}
-    used = {name for c in channel.components for name in c.inputs}
-    wires = []
-    for i, c in enumerate(channel.components):
-        for port, name in enumerate(c.inputs):
-            if name not in sources:
-                sources[name] = len(nodes)
-                nodes.append(Node(name, "", outputs=["out"]))
-            wires.append(Wire(sources[name], 0, i, port))
-        for name in c.outputs[1:] or (() if c.outputs[0] in used else c.outputs):
-            wires.append(Wire(i, 0, len(nodes), 0))
-            # with an output the layout puts it next to its source
-            nodes.append(Node(name, "", inputs=["in"], outputs=["out"]))
-    return Graph(nodes, wires, [])
-
-
 def add_trim(commands: Commands) -> None:
     sub = add_command(commands, "trim", print_trim, "trim an aircraft and print the state found")
     sub.add_argument("aircraft")
@@ -280,8 +230,6 @@ def add_gains(commands: Commands) -> None:
     file_option(sub, "--save", metavar="FILE.json", text="write the gains, as gains= takes them")
     text = "do not design: take the gain table of this name that comes with the package"
     switch(sub, "--table", text)
-    text = "write the autopilot with these gains as a <system> of JSBSim"
-    file_option(sub, "--xml", metavar="FILE.xml", text=text)
     root_option(sub)
     property_options(sub)
 
@@ -291,7 +239,6 @@ def print_gains(args: argparse.Namespace) -> int:
     from ..control.gain_tables import table
 
     check_file("save", args.save, ".json")
-    check_file("xml", args.xml, ".xml")
     if not args.table:
         return _design(args)
     for option in ("altitude", "speed", "gear", "flaps", "save"):
@@ -302,20 +249,7 @@ def print_gains(args: argparse.Namespace) -> int:
     for i, point in enumerate(gains.points):
         nominal = ", nominal" * (i == gains.nominal)
         print(f"  {point.altitude:g} ft, {point.speed:g} KCAS{nominal}")
-    _write_xml(args, gains)
     return 0
-
-
-def _write_xml(args: argparse.Namespace, gains: GainSchedule) -> None:
-    """Write the autopilot as JSBSim XML, if it is asked for."""
-    from .._core.files import write_whole
-    from ..control.autopilot import Autopilot
-    from ..flight.model_files import ModelFile
-
-    if args.xml is not None:
-        engines = len(ModelFile(gains.aircraft, args.root).feeds())
-        write_whole(args.xml, Autopilot(gains).to_jsbsim_xml(engines=max(engines, 1)))
-        print(f"autopilot saved: {args.xml}")
 
 
 def _design(args: argparse.Namespace) -> int:
@@ -353,8 +287,7 @@ def _design(args: argparse.Namespace) -> int:
     if args.save is not None:
         found.save(args.save)
         print(f"gains saved: {args.save}")
-    _write_xml(args, found.schedule)
     return 0
 
 
-COMMANDS = (add_aircraft, add_properties, add_systems, add_trim, add_modes, add_gains)
+COMMANDS = (add_aircraft, add_properties, add_trim, add_modes, add_gains)

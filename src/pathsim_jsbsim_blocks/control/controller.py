@@ -133,7 +133,6 @@ class Hold(DescribedLaw):
     takes the gains of a schedule as signals.
     """
 
-    of_aircraft = True
     reference = "increment"
     _warned_of_increment = False
 

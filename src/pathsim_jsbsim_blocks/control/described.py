@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from typing import Any, ClassVar, TypeVar
 
-from .._core.checks import refuse
 from .._core.tunable import TunableLaw
-from .jsbsim_xml import system
 from .signals import Law, compiled, flat
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -38,45 +36,6 @@ class DescribedLaw(TunableLaw):
     def form(self, u: list[float]) -> Hashable:
         """What decides on the law beside parameters, at these inputs."""
         return None
-
-    def to_jsbsim_xml(
-        self, name: str | None = None, engines: int = 1, unwired: Sequence[str] = ()
-    ) -> str:
-        """The law as a ``<system>`` of JSBSim, which flies as the block does, bit for bit.
-
-        Inputs count as wired: those of a hold that an `Aircraft` puts out are JSBSim's own
-        properties, others become properties with units in their names. Absolute references begin at
-        the block's parameters, or at 0. Outputs that an `Aircraft` takes in move JSBSim's commands.
-        The file's header lists the properties.
-
-        Parameters
-        ----------
-        name : str, optional
-            node of its properties under ``ap/pathsim/``; default is the block's ("pitch-hold")
-        engines : int
-            number of the aircraft's engines; the throttles of further ones are not moved
-        unwired : list of str
-            inputs that count as not wired, as ``["h_agl"]`` to fly without protection from the
-            ground; each becomes a property of the file, at 0
-
-        Returns
-        -------
-        str
-            the text of the XML file
-
-        Raises
-        ------
-        ParameterError
-            for an invalid name, number or input, and for a law that JSBSim's XML cannot express
-        """
-        if not hasattr(type(self).law, "described"):
-            kind = type(self).__name__
-            refuse(
-                "block",
-                kind,
-                f"{kind} has no place in JSBSim's XML: it computes positions on the Earth",
-            )
-        return system(self, name, engines, unwired)
 
     def configure(self) -> None:
         self._laws: dict[Hashable, Law] = {}

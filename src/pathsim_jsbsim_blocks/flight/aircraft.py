@@ -147,7 +147,6 @@ class Aircraft(FlightBlock, Parametric):
     output_properties: Sequence[str] | None = parameter(None)
     sink_max: float = parameter(15.0)
     scrape_max: float = parameter(0.0)
-    systems: Sequence[str] | None = parameter(None)
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
     output_port_labels = {name: i for i, name in enumerate(OUTPUTS)}

@@ -14,7 +14,7 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import jsbsim
@@ -24,7 +24,7 @@ from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, messages
 from .flightgear import address, directive
 from .integrators import integrator_properties
-from .model_files import ModelFile, read_systems
+from .model_files import ModelFile
 from .planet import gravity_properties, planet_xml
 from .property_tree import PropertyTree
 
@@ -66,8 +66,6 @@ class Airframe(PropertyTree):
         as in the aircraft blocks: "J2" or "point mass"
     flightgear : str, optional
         ``"HOST:PORT"`` where FlightGear listens
-    systems : list of str, optional
-        JSBSim XML files, each with a ``<system>`` that the model gets in a private copy
 
     Attributes
     ----------
@@ -100,7 +98,6 @@ class Airframe(PropertyTree):
         planet: str | Mapping[str, float] | None = None,
         gravity: str | None = None,
         flightgear: str | None = None,
-        systems: Sequence[str] | None = None,
     ):
         self.dt = positive("dt", dt)
         self.root = root
@@ -110,7 +107,6 @@ class Airframe(PropertyTree):
         self._files = flag("allow_files", allow_files)
         self._flightgear = None if flightgear is None else address("flightgear", flightgear)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
-        self._systems = read_systems("systems", [] if systems is None else systems)
         self._given = dict(mapping("create", create))
         self._planet = None if planet is None else planet_xml(planet)
         self._equations = integrator_properties(integrators)
@@ -175,8 +171,8 @@ class Airframe(PropertyTree):
             self.fdm.set_output_path(SEALED_PATH)
         self.fdm.set_dt(self.dt)
         with contextlib.ExitStack() as stack:
-            if self._cg is not None or self._systems:
-                stage = self._file.staged(self._cg, self._systems)
+            if self._cg is not None:
+                stage = self._file.staged(self._cg)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
             self._load()
         # in this order: a model brings its planet, and a planet resets the integrators

@@ -73,7 +73,6 @@ _LATER = (
     ("integrators", "default"),
     ("planet", None),
     ("gravity", None),
-    ("systems", None),
     ("restored", False),
 )
 
@@ -99,7 +98,6 @@ class FlightBlock(NamedPorts, SampledPlant):
     create: Mapping[str, float] | None
     record_inputs: bool
     flightgear: str | None
-    systems: Sequence[str] | None = None
     input_properties: Sequence[str] | None
     output_properties: Sequence[str] | None
     # limits of a touch with the ground, ft/s and ft
@@ -341,7 +339,7 @@ class FlightBlock(NamedPorts, SampledPlant):
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
-        own = self.allow_network, self.allow_files, self.flightgear, self.systems
+        own = self.allow_network, self.allow_files, self.flightgear
         before, self._asked = self._asked, f"{self._flying}, {own}"
         repeated = self._asked == before
         started = self._started_again(condition) if repeated else None

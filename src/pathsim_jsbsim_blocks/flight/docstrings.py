@@ -55,9 +55,6 @@ fill = filler(
     flightgear : str, optional
         ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
         FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
-    systems : list of str, optional
-        JSBSim XML files, each with a ``<system>`` that the model gets in a private copy: an
-        autopilot from ``to_jsbsim_xml``, for example
     """,
     motion="""
     theta, phi, psi

@@ -104,7 +104,6 @@ class JSBSimFDM(FlightBlock, Parametric):
     planet: str | Mapping[str, float] | None = parameter(None)
     gravity: str | None = parameter(None)
     flightgear: str | None = parameter(None)
-    systems: Sequence[str] | None = parameter(None)
 
     input_port_labels = None
     output_port_labels = None

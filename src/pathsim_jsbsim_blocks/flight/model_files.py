@@ -11,11 +11,10 @@ import tempfile
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import jsbsim
 
-from .._core.checks import as_path, did_you_mean, must_be, nearest, refuse
+from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import AircraftError, FileError
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
@@ -156,11 +155,8 @@ class ModelFile:
         return found
 
     @contextlib.contextmanager
-    def staged(self, x: float | None, systems: Sequence[ET.Element]) -> Iterator[str]:
-        """Context with an aircraft path to a copy of the model.
-
-        It has its empty-weight CG at ``x`` in inches, if given, and further ``<system>`` elements.
-        """
+    def staged(self, x: float) -> Iterator[str]:
+        """Context with an aircraft path to a copy of the model: empty-weight CG at ``x``, in."""
         with tempfile.TemporaryDirectory(
             prefix="jsbsim-aircraft-", ignore_cleanup_errors=True
         ) as stage:
@@ -168,41 +164,14 @@ class ModelFile:
             try:
                 shutil.copytree(self.path.parent, copy.parent)
                 model = self.parsed()
-                model.extend(systems)
-                if x is not None:
-                    location, factor = self.cg(model)
-                    node = location.find("x")
-                    if node is None:
-                        name = repr(self.aircraft)
-                        raise self.error(f"the empty-weight CG of aircraft {name} has no x")
-                    node.text = repr(x / factor)
+                location, factor = self.cg(model)
+                node = location.find("x")
+                if node is None:
+                    name = repr(self.aircraft)
+                    raise self.error(f"the empty-weight CG of aircraft {name} has no x")
+                node.text = repr(x / factor)
                 copy.chmod(0o644)
                 ET.ElementTree(model).write(copy, encoding="utf-8", xml_declaration=True)
             except (OSError, shutil.Error) as error:
                 raise FileError("copy", self.path.parent, error) from None
             yield stage
-
-
-def read_systems(parameter: str, files: Any) -> list[ET.Element]:
-    """The ``<system>`` elements of JSBSim XML files, each with a name of its own."""
-    if not isinstance(files, (list, tuple)):
-        must_be(parameter, files, "a list of XML files")
-    found: list[ET.Element] = []
-    for file in files:
-        path = as_path(parameter, file)
-        try:
-            root = ET.parse(path).getroot()
-        except OSError as error:
-            raise FileError("read", path, error) from None
-        except (ET.ParseError, ValueError, LookupError) as error:
-            refuse(parameter, str(path), f"{path} is not well-formed XML: {error}")
-        if root.tag != "system":
-            refuse(parameter, str(path), f"{path} has a <{root.tag}>, not a <system> of JSBSim")
-        if (other := root.get("file")) is not None:
-            why = f"{path} includes {other!r}; name the file that has the system itself"
-            refuse(parameter, str(path), why)
-        name = root.get("name")
-        if name is not None and any(name == x.get("name") for x in found):
-            refuse(parameter, str(path), f"{path} has a second system with the name {name!r}")
-        found.append(root)
-    return found
