@@ -5,6 +5,7 @@ import os
 import random
 import re
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -252,6 +253,12 @@ def test_scattered_points_are_linear_on_triangles_and_held_beyond_them(tmp_path)
     model = DaveModel(written(tmp_path, text))
     assert model.evaluate({"x": 0.3, "y": 70.0})["w"] == pytest.approx(2 + 0.9 - 1.4)
     assert model.evaluate({"x": 2.0, "y": 130.0})["w"] == pytest.approx(3.0)
+    y = '<independentVarRef varID="y"'
+    limited = DaveModel(written(tmp_path, text.replace(y, f'{y} max="20"')))
+    assert limited.evaluate({"x": 0.3, "y": 70.0})["w"] == pytest.approx(2 + 0.9 - 0.4)
+    bent = text.replace(y, f'{y} extrapolate="min"')
+    with pytest.raises(DaveMLError, match="scattered points is linear, and held"):
+        DaveModel(written(tmp_path, bent))
     one = text.replace('<independentVarRef varID="y"/>', "").replace(
         points, "<dataPoint>2 5</dataPoint><dataPoint>1 3</dataPoint>"
     )
@@ -321,6 +328,52 @@ def test_a_calculation_without_a_value_names_its_variable(tmp_path):
     with pytest.raises(DaveMLError, match=r"model.dml:5: variable 'CL': no value: .*zero") as error:
         DaveModel(written(tmp_path, text)).evaluate({"alpha": 1.0})
     assert (error.value.variable, error.value.line) == ("CL", 5)
+
+
+@pytest.mark.parametrize(
+    ("mathml", "a", "said"),
+    [
+        (apply("times", A, A), 1e200, "it is inf"),
+        (apply("minus", apply("times", A, A), apply("times", A, A)), 1e200, "it is nan"),
+        (apply("exp", A), 1e3, "math range error"),
+        (apply("floor", apply("times", A, A)), 1e200, "it is nan"),
+        (apply("ceiling", apply("times", A, A)), -1e200, "it is nan"),
+        (apply("power", A, "<cn>0.5</cn>"), -1.0, "math domain error|expected a nonneg"),
+    ],
+)
+def test_a_value_that_is_not_finite_is_an_error(tmp_path, mathml, a, said):
+    with pytest.raises(DaveMLError, match=rf"variable 'y': no value: ({said})") as error:
+        formula(tmp_path, mathml, a=a)
+    assert error.value.variable == "y"
+
+
+def test_large_whole_numbers_are_floats(tmp_path):
+    assert formula(tmp_path, apply("floor", A), a=1e300) == 1e300
+    with pytest.raises(DaveMLError, match="it is inf"):
+        formula(tmp_path, apply("times", apply("floor", A), apply("floor", A)), a=1e300)
+    assert [formula(tmp_path, apply("floor", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-2, -2, 1]
+    assert [formula(tmp_path, apply("ceiling", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-1, -2, 2]
+
+
+def test_30000_variables_take_seconds_and_long_splines_are_refused(tmp_path):
+    n = 30_000
+    text = '<DAVEfunc><variableDef name="v0" varID="v0" units="nd"><isInput/></variableDef>'
+    # from the last to the first: each reads one that is defined after it
+    text += "".join(
+        f'<variableDef name="v{i}" varID="v{i}" units="nd"><calculation><math>'
+        f"{apply('plus', f'<ci>v{i - 1}</ci>', '<cn>1</cn>')}</math></calculation></variableDef>"
+        for i in range(n, 0, -1)
+    )
+    before = time.process_time()
+    model = DaveModel(written(tmp_path, f"{text}</DAVEfunc>"))
+    # 2 s on a machine of 2025; 85 s with a set built for each variable
+    assert time.process_time() - before < 10
+    assert model.evaluate({"v0": 0.5})[f"v{n}"] == n + 0.5
+    many = " ".join(map(str, range(100_000)))
+    # each breakpoint has a spline of its own: 80 GB
+    with pytest.raises(DaveMLError, match="a spline has 1,000 breakpoints at most, not 100,000"):
+        looked_up(tmp_path, 'interpolate="cubicSpline"', [0.0], many, many)
+    assert looked_up(tmp_path, "", [99_998.5], many, many) == [99_998.5]
 
 
 def test_inputs_and_files_that_are_not_there(tmp_path):

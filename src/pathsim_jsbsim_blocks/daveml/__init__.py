@@ -1,6 +1,5 @@
-"""DAVE-ML (ANSI/AIAA S-119): models read, evaluated, verified, and written for JSBSim."""
+"""DAVE-ML (ANSI/AIAA S-119): models read, evaluated and verified."""
 
-from .aircraft import write_aircraft
 from .model import Check, DaveModel, Variable
 
-__all__ = ["Check", "DaveModel", "Variable", "write_aircraft"]
+__all__ = ["Check", "DaveModel", "Variable"]

@@ -1,4 +1,4 @@
-"""MathML of a calculation as an expression, and that as Python or as JSBSim's XML."""
+"""MathML of a calculation as an expression, and that as Python."""
 
 from __future__ import annotations
 
@@ -13,32 +13,27 @@ Expression = tuple
 
 _ANY = 256
 
-# fewest and most arguments, Python (what joins two arguments, or a function), JSBSim's element
+# fewest and most arguments; in Python what joins two arguments, or a function
 # fmt: off
-OPERATORS: dict[str, tuple[int, int, str, str]] = {
-    "plus": (1, _ANY, " + ", "sum"), "times": (1, _ANY, " * ", "product"),
-    "minus": (1, 2, " - ", "difference"), "divide": (2, 2, " / ", "quotient"),
-    "power": (2, 2, "pow", "pow"), "root": (1, 2, "pow", "pow"),
-    "rem": (2, 2, "fmod", "fmod"), "quotient": (2, 2, "whole", ""),
-    "min": (1, _ANY, "min", "min"), "max": (1, _ANY, "max", "max"),
-    "floor": (1, 1, "floor", "floor"), "ceiling": (1, 1, "ceil", "ceil"),
-    "abs": (1, 1, "abs", "abs"), "exp": (1, 1, "exp", "exp"),
-    "ln": (1, 1, "log", "ln"), "log": (1, 2, "log10", "log10"),
-    **{x: (1, 1, x, x) for x in ("sin", "cos", "tan")},
-    **{f"arc{x}": (1, 1, f"a{x}", f"a{x}") for x in ("sin", "cos", "tan")},
-    **{x: (1, 1, x, "") for x in ("sinh", "cosh", "tanh")},
-    **{f"arc{x}": (1, 1, f"a{x}", "") for x in ("sinh", "cosh", "tanh")},
-    "atan2": (2, 2, "atan2", "atan2"),
-    "lt": (2, 2, " < ", "lt"), "leq": (2, 2, " <= ", "le"),
-    "gt": (2, 2, " > ", "gt"), "geq": (2, 2, " >= ", "ge"),
-    "eq": (2, 2, " == ", "eq"), "neq": (2, 2, " != ", "nq"),
-    "and": (1, _ANY, "every", "and"), "or": (1, _ANY, "some", "or"),
-    "xor": (2, 2, "either", ""), "not": (1, 1, "negate", "not"),
+OPERATORS: dict[str, tuple[int, int, str]] = {
+    "plus": (1, _ANY, " + "), "times": (1, _ANY, " * "),
+    "minus": (1, 2, " - "), "divide": (2, 2, " / "),
+    "power": (2, 2, "pow"), "root": (1, 2, "pow"),
+    "rem": (2, 2, "fmod"), "quotient": (2, 2, "whole"),
+    "min": (1, _ANY, "min"), "max": (1, _ANY, "max"),
+    "floor": (1, 1, "floor"), "ceiling": (1, 1, "ceil"),
+    "abs": (1, 1, "abs"), "exp": (1, 1, "exp"), "ln": (1, 1, "log"), "log": (1, 2, "log10"),
+    **{f"{x}{h}": (1, 1, f"{x}{h}") for x in ("sin", "cos", "tan") for h in ("", "h")},
+    **{f"arc{x}{h}": (1, 1, f"a{x}{h}") for x in ("sin", "cos", "tan") for h in ("", "h")},
+    "atan2": (2, 2, "atan2"),
+    "lt": (2, 2, " < "), "leq": (2, 2, " <= "), "gt": (2, 2, " > "), "geq": (2, 2, " >= "),
+    "eq": (2, 2, " == "), "neq": (2, 2, " != "),
+    "and": (1, _ANY, "every"), "or": (1, _ANY, "some"),
+    "xor": (2, 2, "either"), "not": (1, 1, "negate"),
 }
 # fmt: on
 _RECIPROCALS = {"sec": "cos", "csc": "sin", "cot": "tan"}
-LOGIC = ("and", "or", "not")
-BOOLEAN = ("lt", "gt", "leq", "geq", "eq", "neq", *LOGIC)
+_LOGIC = ("and", "or", "not")
 _CONSTANTS = {"pi": math.pi, "exponentiale": math.e, "true": 1.0, "false": 0.0}
 
 
@@ -50,7 +45,10 @@ def _undefined() -> float:
 NAMES: dict[str, Any] = {
     **vars(math),
     **{"__builtins__": {}, "abs": abs, "min": min, "max": max, "undefined": _undefined},
-    "whole": lambda a, b: math.trunc(a / b),
+    # floats: Python's own give integers, which have no limit
+    "floor": lambda x: x // 1.0,
+    "ceil": lambda x: -(-x // 1.0),
+    "whole": lambda a, b: float(math.trunc(a / b)),
     "every": lambda *x: float(all(x)),
     "some": lambda *x: float(any(x)),
     "either": lambda a, b: float((a != 0) != (b != 0)),
@@ -85,7 +83,7 @@ def _applied(element: Element, name: str, arguments: list[Expression]) -> Expres
         return ("divide", ("number", 1.0), _applied(element, _RECIPROCALS[name], arguments))
     if name not in OPERATORS:
         raise element.error(f"unknown operator {name!r}", name=name, of=[*OPERATORS, "sec", "cot"])
-    fewest, most, *_ = OPERATORS[name]
+    fewest, most, _ = OPERATORS[name]
     if not fewest <= len(arguments) <= most:
         number = fewest if fewest == most else f"{fewest} to {most}"
         raise element.error(f"{name!r} takes {number} arguments, not {len(arguments)}")
@@ -95,7 +93,7 @@ def _applied(element: Element, name: str, arguments: list[Expression]) -> Expres
     if name == "log" and len(arguments) == 2:
         return ("divide", ("ln", arguments[1]), ("ln", arguments[0]))
     if len(arguments) == 1 and most == _ANY:
-        return ("neq", *arguments, ("number", 0.0)) if name in LOGIC else arguments[0]
+        return ("neq", *arguments, ("number", 0.0)) if name in _LOGIC else arguments[0]
     if name == "minus" and len(arguments) == 1:
         return ("minus", ("number", 0.0), *arguments)
     return (name, *arguments)

@@ -160,13 +160,18 @@ class DaveModel:
 
     def _evaluated(self, values: Sequence[float]) -> list[float]:
         try:
-            return self._function(*values)
+            found = self._function(*values)
         except (ArithmeticError, ValueError) as error:
             place: Any = error.__traceback__
             while place.tb_frame.f_code is not self._function.__code__:
                 place = place.tb_next
             v = [*self.variables.values()][place.tb_lineno - 2]
             raise v.element.error(f"no value: {error}", v.id) from None
+        if not math.isfinite(sum(found)):
+            for v, x in zip(self.variables.values(), found, strict=True):
+                if not math.isfinite(x):
+                    raise v.element.error(f"no value: it is {x}", v.id)
+        return found
 
     def _compiled(self) -> Any:
         """A function of the inputs that gives all variables, with one line for each."""
@@ -238,11 +243,13 @@ def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:
 
 def _order(found: Mapping[str, Variable]) -> Iterable[str]:
     """The variables, each after those that it reads."""
+    reads = {v.id: v.reads for v in found.values()}
     for v in found.values():
-        for name in v.reads - {*found}:
-            raise v.element.error(f"reads {name!r}, which is not there", v.id, name, found)
+        for name in reads[v.id]:
+            if name not in found:
+                raise v.element.error(f"reads {name!r}, which is not there", v.id, name, found)
     try:
-        return [*TopologicalSorter({v.id: v.reads for v in found.values()}).static_order()]
+        return [*TopologicalSorter(reads).static_order()]
     except CycleError as error:
         loop = error.args[1]
         needs = " -> ".join(reversed(loop))

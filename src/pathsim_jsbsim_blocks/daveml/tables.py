@@ -14,6 +14,9 @@ from .elements import Element
 Table = Callable[..., float]
 
 _ORDERS = {"quadraticSpline": 2, "cubicSpline": 3}
+# a spline needs the square of its breakpoints in numbers, and all of them for each value
+_MOST_SPLINE = 1000
+
 _METHODS = ("linear", "discrete", "floor", "ceiling", *_ORDERS)
 
 
@@ -45,12 +48,6 @@ class Axis:
 
             # linear in the values: a spline through the unit values gives the weights
             self._spline = make_interp_spline(points, np.eye(n), k=min(_ORDERS[self.method], n - 1))
-
-    @property
-    def plain(self) -> bool:
-        """Whether it is linear and held at its ends."""
-        ends = (self._least, self._most) == (self.points[0], self.points[-1])
-        return ends and self.method == "linear"
 
     def weights(self, x: float) -> Sequence[tuple[int, float]]:
         """Numbers and weights of the breakpoints that count at ``x``."""
@@ -152,8 +149,9 @@ def _scattered(data: Element, variables: Sequence[Element]) -> Table:
     if len(variables) == 1:
         xs, ys = map(list, zip(*sorted(rows), strict=True))
         return Grid([_axis(variables[0], data, xs)], ys)
-    for v in variables:
-        if not _axis(v, data, [0.0]).plain:
+    axes = [_axis(v, data, [0.0]) for v in variables]
+    for v, axis in zip(variables, axes, strict=True):
+        if axis.method != "linear" or axis.below or axis.above:
             raise v.error("a table of scattered points is linear, and held beyond them")
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
     from scipy.spatial import QhullError
@@ -167,8 +165,9 @@ def _scattered(data: Element, variables: Sequence[Element]) -> Table:
     outside = NearestNDInterpolator(points, values, rescale=True)
 
     def table(*x: float) -> float:
-        y = float(inside([x])[0])
-        return float(outside([x])[0]) if math.isnan(y) else y
+        at = [min(max(value, a.low), a.high) for value, a in zip(x, axes, strict=True)]
+        y = float(inside([at])[0])
+        return float(outside([at])[0]) if math.isnan(y) else y
 
     return table
 
@@ -178,6 +177,8 @@ def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
     method = variable.get("interpolate", *_METHODS)
     if not points or any(a >= b for a, b in itertools.pairwise(points)):
         raise at.error(f"breakpoints must increase, not {points}"[:200])
+    if method in _ORDERS and len(points) > _MOST_SPLINE:
+        raise at.error(f"a spline has {_MOST_SPLINE:,} breakpoints at most, not {len(points):,}")
     low, high = variable.number("min", -math.inf), variable.number("max", math.inf)
     if low > high:
         raise variable.error(f"min {low:g} is above max {high:g}")
