@@ -13,7 +13,7 @@ from pathlib import Path
 import generate
 import screenshots
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.cli import main as command
 from pathsim_jsbsim_blocks.pathview import export_script
 
@@ -21,7 +21,7 @@ from pathsim_jsbsim_blocks.pathview import export_script
 def write_models():
     """The models of all diagrams, with the ports that their blocks have now."""
     for name in diagram_names():
-        export_script(diagram_folder() / f"{name}.py", check=0.5)
+        export_script(find_diagram(name), check=0.5)
 
 
 def main(names):

@@ -36,7 +36,13 @@ from pathsim_jsbsim_blocks import (
     TrimError,
     fly,
 )
-from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram, load_diagram
+from pathsim_jsbsim_blocks.catalogue import (
+    diagram_groups,
+    diagram_names,
+    diagram_notebook,
+    find_diagram,
+    load_diagram,
+)
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
 from pathsim_jsbsim_blocks.design.requirements import requirements_table
 from pathsim_jsbsim_blocks.flight import aircraft_names
@@ -138,14 +144,10 @@ def docstring(name):
 
 
 def gallery():
-    """A picture and a line for each diagram, by where it comes from."""
-    groups = {"From the published notebooks": [], "Beyond them": [], "NASA's check cases": []}
-    for name in diagram_names():
-        published = "published JSBSim/PathSim notebook" in docstring(name)[1]
-        kind = 2 if name.startswith("check_case_") else 0 if published else 1
-        groups[list(groups)[kind]].append(name)
+    """A picture and a line for each diagram, by its folder."""
+    titles = ("From the published notebooks", "Beyond them", "NASA's check cases")
     parts = [GALLERY_INTRODUCTION]
-    for title, names in groups.items():
+    for title, names in zip(titles, diagram_groups().values(), strict=True):
         cells = [gallery_cell(name) for name in names]
         cells += [""] * (-len(cells) % 3)
         rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
@@ -154,8 +156,10 @@ def gallery():
 
 
 def gallery_cell(name):
-    link = f"(../diagrams/{name}.py)"
-    return f"[![{name}](pictures/{name}.png)]{link} [`{name}`]{link} {docstring(name)[0]}"
+    link = f"(../diagrams/{find_diagram(name).parent.name}/{name}.py)"
+    notebook = diagram_notebook(name)
+    source = f" (notebook {notebook})" if notebook else ""
+    return f"[![{name}](pictures/{name}.png)]{link} [`{name}`]{link} {docstring(name)[0]}{source}"
 
 
 def diagram_page(name):
@@ -180,7 +184,7 @@ def diagram_page(name):
 
 .. dropdown:: The script
 
-   .. literalinclude:: ../../diagrams/{name}.py
+   .. literalinclude:: ../../diagrams/{find_diagram(name).parent.name}/{name}.py
       :language: python
 """
 

@@ -44,7 +44,7 @@ def link_pages(app, name, source):
     """In the repository a link leads to a script or a source, on the site to its page."""
     up = "../" * name.count("/")
     source[0] = re.sub(
-        rf"\({re.escape(up)}\.\./diagrams/(\w+)\.py\)", rf"({up}gallery/\1.rst)", source[0]
+        rf"\({re.escape(up)}\.\./diagrams/\w+/(\w+)\.py\)", rf"({up}gallery/\1.rst)", source[0]
     )
     source[0] = re.sub(
         r"\[`(\w+)`\]\([./]*src/pathsim_jsbsim_blocks/[\w/]+\.py\)",

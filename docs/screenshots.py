@@ -13,7 +13,7 @@ from generate import DOCS, drawn_in_pathview, shrink
 from playwright.sync_api import sync_playwright
 
 from pathsim_jsbsim_blocks import cli
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 from pathsim_jsbsim_blocks.pathview.server import Server
 
@@ -87,7 +87,7 @@ def take_report(browser):
 
 
 def main(names):
-    models = {f"{n}.pvm": pvm.read(diagram_folder() / f"{n}.pvm") for n in names}
+    models = {f"{n}.pvm": pvm.read(find_diagram(n).with_suffix(".pvm")) for n in names}
     with Server(models, 0) as server, sync_playwright() as playwright:
         threading.Thread(target=server.run, daemon=True).start()
         browser = playwright.chromium.launch(

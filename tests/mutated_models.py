@@ -197,7 +197,7 @@ def originals():
     """Models to begin with: of subsystems, events, code and buses, of ours and of PathView's."""
     examples = Path(find_spec("pathview").origin).parent / "static" / "examples"
     paths = [
-        *sorted(diagram_folder().glob("*.pvm")),
+        *sorted(diagram_folder().glob("*/*.pvm")),
         *sorted(p for p in examples.glob("*.json") if p.stem != "manifest"),
     ]
     small = [p for p in paths if p.stat().st_size < 20_000]

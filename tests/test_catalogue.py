@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import json
 import os
 import re
 import signal
@@ -15,7 +16,9 @@ from plain_jsbsim import trimmed
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.catalogue import (
     diagram_folder,
+    diagram_groups,
     diagram_names,
+    diagram_notebook,
     find_diagram,
     load_diagram,
 )
@@ -30,7 +33,7 @@ def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monk
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)
     done = subprocess.run(
-        [sys.executable, str(diagram_folder() / f"{name}.py")],
+        [sys.executable, str(find_diagram(name))],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -54,7 +57,7 @@ def test_a_script_builds_its_diagram_on_import_and_does_not_run_it(name, tmp_pat
 
 @pytest.mark.parametrize("name", diagram_names())
 def test_a_script_reads_like_a_diagram(name):
-    tree = ast.parse((diagram_folder() / f"{name}.py").read_text())
+    tree = ast.parse(find_diagram(name).read_text())
     text = ast.get_docstring(tree)
     assert text.splitlines()[0].endswith(".")
     assert "Expected:" in text
@@ -66,9 +69,37 @@ def test_a_script_reads_like_a_diagram(name):
 
 def test_list_shows_every_diagram_and_study_with_its_summary(capsys):
     assert main(["list"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == [*diagram_names(), *STUDIES]
-    assert all(len(line.split()) > 3 for line in lines)
+    parts = [part.splitlines() for part in capsys.readouterr().out.split("\n\n")]
+    groups = [*diagram_groups().values(), [*STUDIES]]
+    assert [[line.split()[0] for line in lines] for _, *lines in parts] == groups
+    assert all(len(line.split()) > 3 for _, *lines in parts for line in lines)
+
+
+def test_the_published_diagrams_are_listed_by_notebook():
+    published = diagram_groups()["published"]
+    notebooks = [diagram_notebook(name) for name in published]
+    assert notebooks == sorted(notebooks)
+    assert published[0] == "hello_jsbsim"
+    assert published[-1] == "scheduled_climb"
+    assert sorted(n for names in diagram_groups().values() for n in names) == diagram_names()
+
+
+def test_an_export_by_name_is_written_here_and_not_in_the_catalogue(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("pathview")
+    monkeypatch.chdir(tmp_path)
+    own = find_diagram("step_response").with_suffix(".pvm")
+    before = own.stat().st_mtime_ns, own.read_bytes()
+    assert main(["export", "step_response"]) == 0
+    assert (own.stat().st_mtime_ns, own.read_bytes()) == before
+    made = json.loads((tmp_path / "step_response.pvm").read_text("utf-8"))
+    assert len(made["graph"]["nodes"]) == len(json.loads(before[1])["graph"]["nodes"])
+
+
+def test_help_shows_the_block_in_a_diagram(capsys):
+    assert main(["help", "PitchHold"]) == 0
+    example = capsys.readouterr().out.partition("In the diagram ")[2].splitlines()
+    assert example[0] in diagram_names()
+    assert any("PitchHold(" in line for line in example[1:4])
 
 
 def test_run_saves_figure_and_signals(tmp_path, capsys):

@@ -13,7 +13,12 @@ import pytest
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
+from pathsim_jsbsim_blocks.catalogue import (
+    diagram_groups,
+    diagram_names,
+    diagram_notebook,
+    find_diagram,
+)
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
@@ -177,14 +182,16 @@ def test_the_page_on_autopilots_has_every_hold():
 
 
 def test_every_published_diagram_is_mapped_to_its_notebook():
-    follow = [
-        n
-        for n in diagram_names()
-        if "published JSBSim/PathSim notebook" in find_diagram(n).read_text(encoding="utf-8")
-    ]
+    follow = diagram_groups()["published"]
+    assert [n for n in diagram_names() if diagram_notebook(n)] == sorted(follow)
     page = (ROOT / "docs" / "published-examples.md").read_text(encoding="utf-8")
-    table = page.partition("\n## ")[0]
-    assert [n for n in diagram_names() if f"`{n}`" in table] == follow
+    rows = re.findall(r"^\| \[(\d+) .*", page.partition("\n## ")[0], re.M)
+    lines = page.partition("\n## ")[0].splitlines()
+    table = {n: line for n in rows for line in lines if line.startswith(f"| [{n} ")}
+    for name in follow:
+        assert f"`{name}`" in table[str(diagram_notebook(name))], name
+    beyond = {*diagram_names()} - {*follow}
+    assert not [n for n in beyond if f"`{n}`" in page.partition("\n## ")[0]]
     readme = PAGES[0].read_text(encoding="utf-8")
     assert f"\n{len(follow)} of the {len(diagram_names())} diagrams follow" in readme
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
@@ -16,7 +16,7 @@ diagram.sim.run(diagram.DURATION)
 """
 
 CELLS = [  # code, figures that it draws
-    (f"%run {(diagram_folder() / 'hello_jsbsim.py').as_posix()}", 1),
+    (f"%run {find_diagram('hello_jsbsim').as_posix()}", 1),
     (BUILD, 0),
     ("figure = diagram.figure()", 0),
     ("diagram.figure()", 1),

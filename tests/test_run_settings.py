@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from plain_jsbsim import trimmed
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import main
 
 USERS = """
@@ -146,7 +146,7 @@ def test_which_of_two_runs_is_meant_is_not_clear(run, tmp_path, capsys):
 
 
 def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
-    model = str(diagram_folder() / "pitch_hold.pvm")
+    model = str(find_diagram("pitch_hold").with_suffix(".pvm"))
     options = ["--set", "hold.theta_ref=2.5", "--duration", "2"]
     assert main(["run", model, *options, "--csv", "model.csv"]) == 0
     assert main(["run", "pitch_hold", *options, "--csv", "script.csv"]) == 0
@@ -174,7 +174,7 @@ def test_the_spectrum_of_a_model_is_saved_where_there_is_no_display(save, tmp_pa
 @pytest.fixture
 def outside(tmp_path):
     """A model from elsewhere; its code makes the folder 'owned' when it runs."""
-    model = json.loads((diagram_folder() / "damped_oscillator.pvm").read_text())
+    model = json.loads(find_diagram("damped_oscillator").with_suffix(".pvm").read_text())
     model["codeContext"]["code"] += f"\nimport os; os.mkdir({str(tmp_path / 'owned')!r})"
     (tmp_path / "outside.pvm").write_text(json.dumps(model))
     return tmp_path / "outside.pvm"

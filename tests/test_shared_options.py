@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.cli.parser import command_parser
 
@@ -79,7 +79,7 @@ def test_a_shared_option_arrives(option, command, tmp_path, monkeypatch, capsys)
     if command in ("view", "convert") or option == "--trust-toolbox":
         pytest.importorskip("pathview")
     monkeypatch.chdir(tmp_path)
-    model = diagram_folder() / "step_response.pvm"
+    model = find_diagram("step_response").with_suffix(".pvm")
     (tmp_path / "model.pvm").write_bytes(model.read_bytes())
     assert main([command, subject, option, value]) == 1
     out, err = capsys.readouterr()
@@ -98,7 +98,7 @@ def test_trust_opens_a_model_from_outside(command, tmp_path, monkeypatch):
         lambda target, port, browser, **trust: opened.append(load(target, **trust)),
     )
     monkeypatch.chdir(tmp_path)
-    model = json.loads((diagram_folder() / "step_response.pvm").read_text())
+    model = json.loads(find_diagram("step_response").with_suffix(".pvm").read_text())
     model["codeContext"]["code"] += f"\nopen('executed', 'w').close()  # {command}"
     (tmp_path / "model.pvm").write_text(json.dumps(model))
     assert main([command, "model.pvm"]) == 2

@@ -1,7 +1,13 @@
-"""Find the diagrams: in the package if it is installed, otherwise in the repository."""
+"""Find the diagrams: in the package if it is installed, otherwise in the repository.
+
+They are in three folders: ``published`` has those that follow the published notebooks, ``beyond``
+the others, ``check_cases`` NASA's.
+"""
 
 from __future__ import annotations
 
+import ast
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -11,7 +17,10 @@ from ._core.checks import as_path, did_you_mean, mapping, must_be, nearest, refu
 
 
 def diagram_folder() -> Path:
-    """The folder that holds ``NAME.py`` and ``NAME.pvm`` of every diagram."""
+    """The root of the catalogue; `find_diagram` gives the script in one of its folders.
+
+    The model ``NAME.pvm`` of a diagram is beside its script ``NAME.py``.
+    """
     here = Path(__file__).resolve().parent
     installed = here / "diagrams"
     return installed if installed.is_dir() else here.parents[1] / "diagrams"
@@ -19,7 +28,27 @@ def diagram_folder() -> Path:
 
 def diagram_names() -> list[str]:
     """Names of all diagrams, sorted."""
-    return sorted(p.stem for p in diagram_folder().glob("*.py"))
+    return sorted(_scripts())
+
+
+def diagram_groups() -> dict[str, list[str]]:
+    """Names of the diagrams by folder; the published ones in the order of their notebooks."""
+    groups: dict[str, list[str]] = {"published": [], "beyond": [], "check_cases": []}
+    for name, script in sorted(_scripts().items()):
+        groups[script.parent.name].append(name)
+    groups["published"].sort(key=lambda name: diagram_notebook(name) or 0)
+    return groups
+
+
+def diagram_notebook(name: str) -> int | None:
+    """Number of the published notebook that a diagram's docstring gives as its source, if any."""
+    text = ast.get_docstring(ast.parse(find_diagram(name).read_text(encoding="utf-8"))) or ""
+    found = re.search(r"^Source: notebook (\d+) of", text, re.MULTILINE)
+    return int(found[1]) if found else None
+
+
+def _scripts() -> dict[str, Path]:
+    return {script.stem: script for script in diagram_folder().glob("*/*.py")}
 
 
 def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
@@ -43,12 +72,12 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     script = as_path("name", name)
     if script.suffix == ".py" and script.is_file():
         return script
-    names = diagram_names()
+    scripts = _scripts()
     if script.is_file():
         refuse("name", name, f"{name!r} is not a Python script (.py)")
-    if name in names:
-        return diagram_folder() / f"{name}.py"
-    close = nearest(name, [*map(str, script.parent.glob("*.py")), *names, *also])
+    if name in scripts:
+        return scripts[name]
+    close = nearest(name, [*map(str, script.parent.glob("*.py")), *sorted(scripts), *also])
     why = f"no {'diagram, study' if also else 'diagram'} or script {name!r}"
     refuse("name", name, why + did_you_mean(close))
 

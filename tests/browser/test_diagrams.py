@@ -7,7 +7,7 @@ import pytest
 from how_many import first
 from pathsim import Subsystem
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, load_diagram
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram, load_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 
 
@@ -73,7 +73,7 @@ def editor(fresh_editor):
 
 @pytest.mark.parametrize("name", first(NAMES))
 def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
-    model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")
+    model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
     script = load_diagram(name)
     own = scopes(script.sim.blocks, model["graph"]["nodes"])
     # PathView simulates in a process of its own: run the script meanwhile

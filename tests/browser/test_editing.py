@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from how_many import first
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import export_script, pvm
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
 
@@ -98,7 +98,7 @@ def test_the_properties_dialog_explains_a_block(editor, loop):
 
 @pytest.mark.parametrize("kind", first(["Aircraft", "Autopilot"]))
 def test_a_fresh_block_shows_its_ports_and_does_not_cover_the_note(kind, editor, models):
-    models["isa.pvm"] = pvm.read(diagram_folder() / "isa_profile.pvm")
+    models["isa.pvm"] = pvm.read(find_diagram("isa_profile").with_suffix(".pvm"))
     editor.open("isa.pvm")
     editor.page.wait_for_timeout(1500)  # the diagram flies in
     drawing = Drawing(editor.page)
@@ -126,7 +126,7 @@ FORMULAS = [name for name, block in OURS.blocks().items() if ".. math::" in bloc
     "names", [("CourseHold", "ISAtmosphere"), pytest.param(FORMULAS, marks=pytest.mark.long)]
 )
 def test_the_library_shows_whole_formulas(names, editor, models):
-    models["isa.pvm"] = pvm.read(diagram_folder() / "isa_profile.pvm")
+    models["isa.pvm"] = pvm.read(find_diagram("isa_profile").with_suffix(".pvm"))
     editor.open("isa.pvm")
     page = editor.page
     page.click("button[aria-label='Blocks']")

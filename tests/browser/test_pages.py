@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 
 from .editor import Editor
@@ -46,7 +46,7 @@ def more_results(editor):
 def test_a_run_ends_with_its_page_and_pages_take_nothing_from_each_other(
     editor, profile, browser, server, models
 ):
-    model = pvm.read(diagram_folder() / "isa_profile.pvm")
+    model = pvm.read(find_diagram("isa_profile").with_suffix(".pvm"))
     [source] = [node for node in model["graph"]["nodes"] if node["type"] == "Source"]
     source["params"]["func"] = "lambda t: __import__('time').sleep(0.01) or t"
     models["slow.pvm"] = model

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 import pytest
 from how_many import first
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 
 PAGES = ["/", "/editor", "/editor.html", "/somewhere/else"]
@@ -122,7 +122,7 @@ def elsewhere(request):
 
 @pytest.fixture
 def model(models):
-    models["sine.pvm"] = pvm.read(diagram_folder() / "damped_oscillator.pvm")
+    models["sine.pvm"] = pvm.read(find_diagram("damped_oscillator").with_suffix(".pvm"))
     return "sine.pvm"
 
 

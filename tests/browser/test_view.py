@@ -5,7 +5,7 @@ import pytest
 from how_many import first
 from served_pathview import Served
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 
 from .editor import Editor
@@ -44,7 +44,7 @@ DRAWN = """() => [...document.querySelectorAll(
 
 @pytest.mark.parametrize(("width", "height"), first([(1600, 1000), (1280, 720)]))
 def test_a_diagram_opens_whole_and_its_ports_can_be_read(width, height, editor, models):
-    models["pitch_hold.pvm"] = pvm.read(diagram_folder() / "pitch_hold.pvm")
+    models["pitch_hold.pvm"] = pvm.read(find_diagram("pitch_hold").with_suffix(".pvm"))
     editor.page.set_viewport_size({"width": width, "height": height})
     editor.open("pitch_hold.pvm")
     # wires are drawn after blocks; those below the blocks need more room
@@ -83,7 +83,7 @@ WIRES = "() => document.querySelectorAll('.svelte-flow__edge-path').length"
 
 @pytest.mark.parametrize("name", first(diagram_names(), 2))
 def test_names_are_whole_and_no_wire_crosses_them(name, editor, models):
-    model = models[f"{name}.pvm"] = pvm.read(diagram_folder() / f"{name}.pvm")
+    model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
     editor.open(f"{name}.pvm")
     editor.page.wait_for_function(
         f"count => ({WIRES})() === count", arg=len(model["graph"]["connections"])

@@ -6,7 +6,7 @@ import shutil
 import pytest
 from how_many import exported
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview import export_script
 
 pytest.importorskip("pathview")
@@ -18,12 +18,13 @@ pytest.importorskip("pathview")
 )
 @pytest.mark.parametrize("name", exported(diagram_names()))
 def test_a_model_is_current_and_flies_as_its_script(name, check, tmp_path):
-    committed = diagram_folder() / f"{name}.pvm"
+    committed = find_diagram(name).with_suffix(".pvm")
     again = tmp_path / committed.name
     shutil.copy(committed, again)  # positions are kept
-    export_script(diagram_folder() / f"{name}.py", again, check)
-    assert again.read_bytes() == committed.read_bytes(), f"pathsim-jsbsim export diagrams/{name}.py"
+    export_script(find_diagram(name), again, check)
+    assert again.read_bytes() == committed.read_bytes(), f"python docs/add_diagram.py {name}"
 
 
 def test_every_model_has_a_script():
-    assert sorted(p.stem for p in diagram_folder().glob("*.pvm")) == diagram_names()
+    models = sorted(diagram_folder().rglob("*.pvm"))
+    assert models == sorted(find_diagram(n).with_suffix(".pvm") for n in diagram_names())

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS, core_registry
 
 pytest.importorskip("pathview")
@@ -50,7 +50,7 @@ print(json.dumps({"light": light, "blocks": sorted(OURS.blocks()), "runs": runs}
 
 @pytest.fixture(scope="module")
 def hosted():
-    models = [str(diagram_folder() / f"{n}.pvm") for n in diagram_names()]
+    models = [str(find_diagram(n).with_suffix(".pvm")) for n in diagram_names()]
     answer = subprocess.run(
         [sys.executable, "-c", HOSTED, *models],
         text=True,
@@ -92,7 +92,7 @@ def _types(name):
             yield node["type"]
             yield from walk(node["graph"]) if "graph" in node else ()
 
-    model = json.loads((diagram_folder() / f"{name}.pvm").read_text(encoding="utf-8"))
+    model = json.loads(find_diagram(name).with_suffix(".pvm").read_text(encoding="utf-8"))
     return set(walk(model["graph"]))
 
 

@@ -11,7 +11,7 @@ import warnings
 import pytest
 
 from pathsim_jsbsim_blocks import cli
-from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names
+from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.errors import DiagramError, ParameterError, UntrustedModelError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script, pvm, view
 from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember
@@ -113,10 +113,17 @@ def test_a_damaged_model_is_damaged_first(path, capsys):
     assert "not a PathView model" in capsys.readouterr().err
 
 
+def test_every_model_of_the_catalogue_opens_without_a_question(monkeypatch, capsys):
+    monkeypatch.setattr("builtins.input", lambda prompt: pytest.fail(prompt))
+    assert [n for n in diagram_names() if opens(n) != 1] == []
+    models = (str(find_diagram(n).with_suffix(".pvm")) for n in diagram_names())
+    assert [path for path in models if opens(path) != 1] == []
+
+
 @pytest.mark.parametrize("name", [diagram_names()[0], diagram_names()[-1]])
 def test_models_of_this_package_are_known_by_their_content(name, tmp_path):
     assert opens(name) == 1
-    model = pvm.read(diagram_folder() / f"{name}.pvm")
+    model = pvm.read(find_diagram(name).with_suffix(".pvm"))
     model["graph"]["nodes"][0]["position"] = {"x": 1234, "y": -5.5}
     model["metadata"]["modified"] = "today"
     path = tmp_path / "moved.pvm"

@@ -96,7 +96,7 @@ def export(args: argparse.Namespace) -> None:
 
     check_file("output", args.output, ".pvm", ".json")
     script = find_diagram(args.script)
-    own = script.parent == diagram_folder()
+    own = script.is_relative_to(diagram_folder())
     output = args.output or (Path(f"{script.stem}.pvm") if own else None)
     text = f"{script} still runs after {_LONG:.0f} s; Ctrl-C ends the export"
     waiting = threading.Timer(_LONG, tell, [text])

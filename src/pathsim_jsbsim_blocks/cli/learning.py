@@ -106,9 +106,10 @@ def print_manual(args: argparse.Namespace) -> None:
 
 def _use(name: str, block: Any) -> list[str]:
     """How the shortest diagram that has the block builds and connects it; else how one could."""
-    from ..catalogue import diagram_folder
+    from ..catalogue import diagram_names, find_diagram
 
-    for script in sorted(diagram_folder().glob("*.py"), key=lambda file: file.stat().st_size):
+    scripts = map(find_diagram, diagram_names())
+    for script in sorted(scripts, key=lambda file: file.stat().st_size):
         tree = ast.parse(script.read_text(encoding="utf-8"))
         for node in tree.body:
             if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith(f"{name}("):

@@ -18,23 +18,31 @@ from .editor import asking
 from .results import run_study, studies
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
 
+GROUPS = {
+    "published": "Diagrams that follow the published notebooks, in their order",
+    "beyond": "Diagrams beyond them",
+    "check_cases": "NASA's check cases",
+}
+
 
 def add_list(commands: Commands) -> None:
     add_command(commands, "list", list_names, "the diagrams and studies of the catalogue")
 
 
 def list_names(args: argparse.Namespace) -> None:
-    from ..catalogue import diagram_folder, diagram_names
+    from ..catalogue import diagram_groups, find_diagram
 
-    summaries = {}
-    for name in diagram_names():
-        text = (diagram_folder() / f"{name}.py").read_text(encoding="utf-8")
-        summaries[name] = (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
-    for name, study in studies().items():
-        summaries[name] = "Study: " + (inspect.getdoc(study.table) or "").partition("\n")[0]
-    width = max(map(len, summaries))
-    for name, summary in summaries.items():
-        print(f"{name:<{width}}  {summary}")
+    parts = {}
+    for group, names in diagram_groups().items():
+        texts = [find_diagram(name).read_text(encoding="utf-8") for name in names]
+        docs = [ast.get_docstring(ast.parse(text)) or "" for text in texts]
+        parts[GROUPS[group]] = dict(zip(names, docs, strict=True))
+    parts["Studies"] = {n: inspect.getdoc(study.table) or "" for n, study in studies().items()}
+    width = max(len(name) for part in parts.values() for name in part)
+    for number, (title, part) in enumerate(parts.items()):
+        print(f"{chr(10) * (number > 0)}{title}")
+        for name, doc in part.items():
+            print(f"  {name:<{width}}  {doc.partition(chr(10))[0]}")
 
 
 def add_run(commands: Commands) -> None:

@@ -89,7 +89,7 @@ def _trusted() -> set[str]:
 
 
 def _ours() -> set[str]:
-    return {digest(pvm.read(p)) for p in diagram_folder().glob("*.pvm")}
+    return {digest(pvm.read(p)) for p in diagram_folder().glob("*/*.pvm")}
 
 
 def _file() -> Path:

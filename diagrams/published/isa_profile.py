@@ -7,8 +7,8 @@ Expected: 101325 Pa, 15 degC and 340.294 m/s at sea level; -56.5 degC from 11.0 
 -2.5 degC from 47.4 to 51.4 km; 1.05 Pa and -74.5 degC at 80 km. These are heights: as geopotential
 altitudes the layers end at 11, 20, 47 and 51 km.
 
-Source: the published JSBSim/PathSim notebooks (pathsim-flight's atmosphere), whose figure shows the
-first 11 km.
+Source: notebook 5 of the published JSBSim/PathSim notebooks (pathsim-flight's atmosphere), whose
+figure shows the first 11 km.
 """
 
 from pathsim import Connection, Simulation

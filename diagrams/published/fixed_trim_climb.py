@@ -7,8 +7,8 @@ Expected: after 1 min the path has flattened to 3.9 deg; after 15 min the aircra
 288 KCAS and 0.4 deg. A run of an hour would end itself at 20,000 ft, after 59 minutes and at
 267 KCAS.
 
-Source: the published JSBSim/PathSim notebook; the cure is the diagram ``scheduled_climb``. Alpha
-is limited to -4 to 12 deg, as published.
+Source: notebook 10 of the published JSBSim/PathSim notebooks; the cure is the diagram
+``scheduled_climb``. Alpha is limited to -4 to 12 deg, as published.
 """
 
 from pathsim import Connection, Simulation

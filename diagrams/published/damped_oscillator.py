@@ -7,8 +7,8 @@ with wn = 2 rad/s, zeta = 0.25, x(0) = 1, at rest. The response of a short perio
 
 Expected: a period of 3.245 s; each swing is 44 % of the one before it, half a period earlier.
 
-Source: the published JSBSim/PathSim notebooks; there the labels of the scope are swapped: the
-curve named position is the velocity.
+Source: notebook 3 of the published JSBSim/PathSim notebooks; there the labels of the scope are
+swapped: the curve named position is the velocity.
 """
 
 from pathsim import Connection, Simulation

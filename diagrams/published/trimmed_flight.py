@@ -5,7 +5,8 @@ A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg, with the controls fixed at 
 Expected: altitude within 1 ft, airspeed within 0.05 kt, a straight track to the east. The ailerons
 balance the propeller's torque, and a bank of 0.05 deg the side force that comes with the rudder.
 
-Source: the published JSBSim/PathSim notebook; the numbers are those of a plain JSBSim loop.
+Source: notebook 2 of the published JSBSim/PathSim notebooks; the numbers are those of a plain
+JSBSim loop.
 """
 
 from pathsim import Connection, Simulation

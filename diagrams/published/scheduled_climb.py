@@ -7,8 +7,8 @@ itself at 20,000 ft.
 Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, and do
 not have the thrust that speeds the aircraft up in a climb at constant calibrated airspeed.
 
-Source: the published JSBSim/PathSim notebook; its flight with the first trim held is the diagram
-``fixed_trim_climb``. Alpha is limited to -4 to 12 deg, as published.
+Source: notebook 10 of the published JSBSim/PathSim notebooks; its flight with the first trim held
+is the diagram ``fixed_trim_climb``. Alpha is limited to -4 to 12 deg, as published.
 """
 
 from pathsim import Connection, Simulation

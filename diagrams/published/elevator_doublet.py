@@ -6,8 +6,9 @@ command moves by -10 % (nose up) from 10 s to 11 s and by +10 % from 12 s to 13 
 Expected: the aircraft stays trimmed at alpha = 4.32 deg for 10 s; alpha then rises to
 6.4 deg, drops to 1.8 deg, and is back within 0.1 deg 4 s after the doublet.
 
-Source: the published JSBSim/PathSim notebook. There the aircraft runs ahead of the clock, because
-its model sits in a function that PathSim evaluates more than once a step; here it is exact.
+Source: notebook 4 of the published JSBSim/PathSim notebooks. There the aircraft runs ahead of the
+clock, because its model sits in a function that PathSim evaluates more than once a step; here it is
+exact.
 """
 
 from pathsim import Connection, Simulation

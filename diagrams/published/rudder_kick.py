@@ -9,7 +9,7 @@ takes longer: 18.7 deg after 20 s, where the published flight ends, with a headi
 23.3 deg after 40 s. The heading falls to 338.7 deg, then turns back. (The figure draws it from 0
 downwards, without the jump to 360.)
 
-Source: RudderKick.py of JSBSim and the published JSBSim/PathSim notebook. Alpha is
+Source: notebook 7 of the published JSBSim/PathSim notebooks, and RudderKick.py of JSBSim. Alpha is
 limited to -4 to 12 deg, as published.
 """
 

@@ -4,8 +4,8 @@ Nothing moves: the inputs of the aircraft block are increments on the trimmed co
 not wired. Expected: throttle 62.157 %, pitch trim 5.2799 %, alpha 2.53 deg, and after 1 s still
 3000 ft.
 
-Source: the "hello world" of the published JSBSim/PathSim notebooks; the numbers are those of a
-plain JSBSim loop.
+Source: notebook 1 of the published JSBSim/PathSim notebooks, its "hello world"; the numbers are
+those of a plain JSBSim loop.
 """
 
 from pathsim import Connection, Simulation

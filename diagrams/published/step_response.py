@@ -7,7 +7,7 @@ with tau = 2 s and a unit step at t = 0: the model of an actuator or of a turbin
 
 Expected: 63.2 % after one time constant, 95.0 % after three; the two curves lie on each other.
 
-Source: the published JSBSim/PathSim notebooks.
+Source: notebook 3 of the published JSBSim/PathSim notebooks.
 """
 
 import math

@@ -7,8 +7,8 @@ Expected: the roll angle reaches -57 deg in 5 s. With the aileron back at 0 it d
 it eases to -43 deg at 15 s and grows again to -60 deg at 28 s. In 30 s the aircraft turns left
 through 286 deg and loses 808 ft.
 
-Source: the published JSBSim/PathSim notebook, where this is titled a 10-degree turn; it is not one:
-nothing holds the bank. A turn that holds its bank is the diagram ``heading_hold``.
+Source: notebook 2 of the published JSBSim/PathSim notebooks, where this is titled a 10-degree turn;
+it is not one: nothing holds the bank. A turn that holds its bank is the diagram ``heading_hold``.
 """
 
 from pathsim import Connection, Simulation

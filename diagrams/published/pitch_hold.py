@@ -6,9 +6,10 @@ elevator; the throttle stays where the trim left it.
 Expected: within 0.05 deg of 3 deg after 1.8 s and to the end, overshoot 0.025 deg; in 30 s the
 aircraft climbs 93 ft and slows down to 83 KCAS. Nose up takes a negative elevator command.
 
-Source: the published JSBSim/PathSim notebook. Its hold has the wrong sign (positive elevator is
-nose **down**) and too small a gain: it never holds 3 deg. The scope of its commands is mislabelled:
-"elevator_cmd" is the pitch error in degrees, "pitch_error" the constant reference of 3.
+Source: notebook 5 of the published JSBSim/PathSim notebooks. Its hold has the wrong sign (positive
+elevator is nose **down**) and too small a gain: it never holds 3 deg. The scope of its commands is
+mislabelled: "elevator_cmd" is the pitch error in degrees, "pitch_error" the constant reference of
+3.
 """
 
 from pathsim import Connection, Simulation

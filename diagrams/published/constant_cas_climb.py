@@ -7,8 +7,8 @@ EAS fall with the pressure. The lower of the two speeds is flown at any altitude
 Expected: 288.7 KTAS and Mach 0.452 at 10,000 ft; crossover at 32,310 ft; 401.5 KTAS from the
 tropopause up. The table of 120 KCAS reads 237.3 KTAS at 40,000 ft.
 
-Source: the published JSBSim/PathSim notebooks for the table; there it says 241.4 KTAS, since
-it divides CAS by the root of the density ratio: that is the conversion of EAS.
+Source: notebook 5 of the published JSBSim/PathSim notebooks for the table; there it says 241.4
+KTAS, since it divides CAS by the root of the density ratio: that is the conversion of EAS.
 """
 
 from pathsim import Connection, Simulation

@@ -7,7 +7,7 @@ with mu = 1.5, x(0) = 2, v(0) = 0.5. Wing rock of slender wings is of this kind.
 
 Expected: a limit cycle with an amplitude of 2.015 and a period of 7.10 s.
 
-Source: the published JSBSim/PathSim notebooks.
+Source: notebook 3 of the published JSBSim/PathSim notebooks.
 """
 
 from pathsim import Connection, Simulation
