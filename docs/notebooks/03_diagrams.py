@@ -192,12 +192,12 @@ for name in ("damped_oscillator", "step_response", "van_der_pol"):
 import tempfile
 from pathlib import Path
 
-from pathsim_jsbsim_blocks.catalogue import diagram_folder
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import convert_model
 
 with tempfile.TemporaryDirectory() as folder:
     script = convert_model(
-        diagram_folder() / "van_der_pol.pvm", Path(folder, "van_der_pol.py")
+        find_diagram("van_der_pol").with_suffix(".pvm"), Path(folder, "van_der_pol.py")
     )
     lines = script.read_text(encoding="utf-8").splitlines()
 start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
