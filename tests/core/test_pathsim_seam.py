@@ -23,6 +23,7 @@ from pathsim.utils.register import Register
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import pathsim_internals as seam
 from pathsim_jsbsim_blocks._core import running
+from pathsim_jsbsim_blocks.scripts import runs
 
 pytestmark = pytest.mark.matrix
 
@@ -331,7 +332,7 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
 def test_runs_that_pathsim_makes_itself_are_told_from_the_users():
     begun = []
     sim = Simulation([Constant()], dt=0.1, log=False)
-    with running.intercepted_runs(lambda run: begun.append(run.method), "timestep", "steadystate"):
+    with runs.intercepted_runs(lambda run: begun.append(run.method), "timestep", "steadystate"):
         sim.run(0.3)
         sim.steadystate()
         sim.timestep()

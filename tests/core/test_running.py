@@ -32,7 +32,7 @@ from pathsim.solvers import RKCK54, RKDP54, SSPRK22
 from pathsim.utils.diagnostics import Diagnostics
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, fly
-from pathsim_jsbsim_blocks._core.running import with_duration
+from pathsim_jsbsim_blocks.scripts.runs import with_duration
 
 pytestmark = pytest.mark.matrix
 

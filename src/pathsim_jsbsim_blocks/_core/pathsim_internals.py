@@ -365,25 +365,6 @@ def run_loop(
     return sim._run_loop(duration, reset, adaptive, tracker=progress)
 
 
-# `Simulation.run`
-Run = Callable[[Simulation, float, bool, bool], dict[str, Any]]
-
-
-def replacing_run(
-    run: Callable[[Run, Simulation, float, bool, bool], dict[str, Any]],
-) -> contextlib.AbstractContextManager[Any]:
-    """Context in which ``sim.run(...)`` calls ``run``, with the method that it replaces first."""
-    usual = Simulation.run
-
-    @functools.wraps(usual)
-    def method(
-        self: Simulation, duration: float = 10, reset: bool = False, adaptive: bool = True
-    ) -> dict[str, Any]:
-        return run(usual, self, duration, reset, adaptive)
-
-    return patch.object(Simulation, "run", method)
-
-
 def each_sample(
     sim: Simulation, take: Callable[[float], None]
 ) -> contextlib.AbstractContextManager[Any]:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import inspect
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
-from unittest.mock import patch
 
 from pathsim import Simulation, StopSimulation
 
 from . import pathsim_internals
-from .checks import must_be, number, positive, refuse
-from .pathsim_internals import Run
+from .checks import must_be, number, positive
 from .progress import progress_bar
 
 if TYPE_CHECKING:
@@ -24,8 +20,8 @@ if TYPE_CHECKING:
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
 
-# contexts in which ``Simulation.run`` keeps the pace of the clock, and `fly` is that method
-paced: list[object] = []
+# ``fly``: what is called in place of `fly` in this thread, with it and its arguments
+in_place = threading.local()
 
 
 def fly(
@@ -63,12 +59,13 @@ def fly(
     if not isinstance(sim, Simulation):
         must_be("sim", sim, "a Simulation")
     duration = number("duration", positive("duration", duration))
-    if paced:
-        return sim.run(duration, reset)
-    if _begin:
-        run = Beginning(sim, "fly", {"duration": duration, "reset": reset})
-        _begin[-1](run)
-        duration = run.arguments["duration"]
+    call = getattr(in_place, "fly", None)
+    if call is not None:
+        return call(_fly, sim, duration=duration, reset=reset, progress=progress)
+    return _fly(sim, duration, reset, progress)
+
+
+def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -> dict[str, Any]:
     start = 0.0 if reset else sim.time
     tracker = pathsim_internals.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
@@ -139,97 +136,6 @@ def watched_run(
             bar.update(sim.time - start - bar.n)
             after(sim.time - start)
     return tracker.stats
-
-
-def with_progress() -> contextlib.AbstractContextManager[Any]:
-    """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
-
-    def run(
-        usual: Run, sim: Simulation, duration: float, reset: bool, adaptive: bool
-    ) -> dict[str, Any]:
-        # where it logs, PathSim itself shows the progress
-        return (usual if sim.log else watched_run)(sim, duration, reset, adaptive)
-
-    return pathsim_internals.replacing_run(run)
-
-
-@contextlib.contextmanager
-def intercepted_runs(begin: Callable[[Beginning], None], *methods: str) -> Iterator[None]:
-    """Context in which ``begin`` is called before each run: by `fly`, ``Simulation.run``, others.
-
-    It may change the arguments of the run, or raise. ``methods`` are further ones of
-    ``Simulation``; calls of one by another do not count.
-    """
-    running: list[Simulation] = []
-
-    def intercepted(name: str) -> Callable[..., Any]:
-        usual = getattr(Simulation, name)
-        signature = inspect.signature(usual)
-
-        @functools.wraps(usual)
-        def method(sim: Simulation, *args: Any, **kwargs: Any) -> Any:
-            if sim in running:
-                return usual(sim, *args, **kwargs)
-            call = signature.bind(sim, *args, **kwargs)
-            call.apply_defaults()
-            begin(Beginning(sim, name, call.arguments))
-            running.append(sim)
-            try:
-                return usual(*call.args, **call.kwargs)
-            finally:
-                running.remove(sim)
-
-        return method
-
-    _begin.append(begin)
-    try:
-        with contextlib.ExitStack() as stack:
-            for name in ("run", *methods):
-                stack.enter_context(patch.object(Simulation, name, intercepted(name)))
-            yield
-    finally:
-        _begin.remove(begin)
-
-
-@dataclass
-class Beginning:
-    """A run that begins: of which simulation, by which method or `fly`, with which arguments."""
-
-    simulation: Simulation
-    method: str
-    arguments: dict[str, Any]
-
-
-_begin: list[Callable[[Beginning], None]] = []
-
-
-@contextlib.contextmanager
-def with_duration(duration: float | None) -> Iterator[Runs]:
-    """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
-
-    A second run is refused. With None, runs are counted only.
-    """
-    if duration is not None:
-        duration = number("duration", positive("duration", duration))
-    runs = Runs()
-
-    def begin(run: Beginning) -> None:
-        runs.begun += 1
-        if duration is not None:
-            if runs.begun > 1:
-                why = f"which of its runs is to last {duration:g} s is not clear"
-                refuse("duration", duration, f"the script runs more than once: {why}")
-            run.arguments["duration"] = duration
-
-    with intercepted_runs(begin):
-        yield runs
-
-
-@dataclass
-class Runs:
-    """How many runs have begun."""
-
-    begun: int = 0
 
 
 def _fixed_steps(

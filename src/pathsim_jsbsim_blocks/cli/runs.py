@@ -69,8 +69,8 @@ def add_run(commands: Commands) -> None:
 def run(args: argparse.Namespace) -> int:
     from .._core.checks import positive
     from .._core.pathsim_internals import keep_warnings_visible
-    from .._core.running import with_duration, with_progress
     from ..catalogue import find_diagram
+    from ..scripts.runs import with_duration, with_progress
     from ..scripts.script import Script, main_program
 
     keep_warnings_visible()  # those of a script without a block of ours too
@@ -219,8 +219,8 @@ def _to_flightgear(address: str | None) -> Iterator[None]:
     if address is None:
         yield
         return
-    from .._core.realtime import in_real_time
     from ..flight.flightgear import sending_to
+    from ..scripts.runs import in_real_time
 
     with in_real_time() as pace, sending_to(address):
         try:

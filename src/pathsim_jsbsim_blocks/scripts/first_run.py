@@ -24,10 +24,11 @@ from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 
-from .._core.running import Beginning, fly, intercepted_runs
+from .._core.running import fly
 from ..errors import DiagramError
 from .libraries import Libraries
 from .names import arguments, assignments, bound, root
+from .runs import Beginning, intercepted_runs
 from .script import Script, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")

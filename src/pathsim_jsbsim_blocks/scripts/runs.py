@@ -1,0 +1,184 @@
+"""Contexts in which the runs of a script are counted, changed, watched or kept in real time.
+
+They replace public methods of ``Simulation`` that start or step a run, for calls of the thread that
+entered the context only, and put them back at its end. `fly` is told by `running.in_place`. Nothing
+else in the package replaces anything of PathSim.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import inspect
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+from unittest.mock import patch
+
+from pathsim import Simulation
+
+from .._core.checks import number, positive, refuse
+from .._core.pathsim_internals import ON
+from .._core.progress import progress_bar
+from .._core.running import in_place, watched_run
+
+# gets a run as it would be, the simulation, the method's name or "fly", and the arguments
+Around = Callable[[Callable[..., Any], Simulation, str, dict[str, Any]], Any]
+
+# Hz; how often simulated and real time are compared
+_TICKS = 30
+
+
+@contextlib.contextmanager
+def replaced_runs(around: Around, *methods: str) -> Iterator[None]:
+    """Context in which ``around`` is called for each ``Simulation.run`` and `fly`.
+
+    ``methods`` are further ones of ``Simulation``; calls of one by another do not count.
+    """
+    thread, running = threading.get_ident(), set[int]()
+
+    def replacing(name: str, usual: Callable[..., Any], sim: Simulation, given: Any) -> Any:
+        if threading.get_ident() != thread or id(sim) in running:
+            return usual(sim, **given)
+
+        def as_usual(sim: Simulation, **arguments: Any) -> Any:
+            running.add(id(sim))
+            try:
+                return usual(sim, **arguments)
+            finally:
+                running.discard(id(sim))
+
+        return around(as_usual, sim, name, given)
+
+    def method(name: str) -> Callable[..., Any]:
+        usual = getattr(Simulation, name)
+        signature = inspect.signature(usual)
+
+        @functools.wraps(usual)
+        def replaced(sim: Simulation, *args: Any, **kwargs: Any) -> Any:
+            call = signature.bind(sim, *args, **kwargs)
+            call.apply_defaults()
+            return replacing(name, usual, sim, dict([*call.arguments.items()][1:]))
+
+        return replaced
+
+    outer = getattr(in_place, "fly", None)
+
+    def flight(fly: Callable[..., Any], sim: Simulation, **given: Any) -> Any:
+        return replacing("fly", functools.partial(outer, fly) if outer else fly, sim, given)
+
+    in_place.fly = flight
+    try:
+        with contextlib.ExitStack() as stack:
+            for name in ("run", *methods):
+                stack.enter_context(patch.object(Simulation, name, method(name)))
+            yield
+    finally:
+        in_place.fly = outer
+
+
+@dataclass
+class Beginning:
+    """A run that begins: of which simulation, by which method or `fly`, with which arguments."""
+
+    simulation: Simulation
+    method: str
+    arguments: dict[str, Any]
+
+
+def intercepted_runs(
+    begin: Callable[[Beginning], None], *methods: str
+) -> contextlib.AbstractContextManager[None]:
+    """Context in which ``begin`` is called before each run; it may change arguments, or raise."""
+
+    def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
+        begin(Beginning(sim, name, given))
+        return usual(sim, **given)
+
+    return replaced_runs(around, *methods)
+
+
+@dataclass
+class Runs:
+    """How many runs have begun."""
+
+    begun: int = 0
+
+
+@contextlib.contextmanager
+def with_duration(duration: float | None) -> Iterator[Runs]:
+    """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
+
+    A second run is refused. With None, runs are counted only.
+    """
+    if duration is not None:
+        duration = number("duration", positive("duration", duration))
+    runs = Runs()
+
+    def begin(run: Beginning) -> None:
+        runs.begun += 1
+        if duration is not None:
+            if runs.begun > 1:
+                why = f"which of its runs is to last {duration:g} s is not clear"
+                refuse("duration", duration, f"the script runs more than once: {why}")
+            run.arguments["duration"] = duration
+
+    with intercepted_runs(begin):
+        yield runs
+
+
+def with_progress() -> contextlib.AbstractContextManager[None]:
+    """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
+
+    def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
+        # where it logs, PathSim itself shows the progress
+        return (usual if name == "fly" or sim.log else watched_run)(sim, **given)
+
+    return replaced_runs(around)
+
+
+@dataclass
+class Pace:
+    """How well runs have kept up with the clock."""
+
+    # s in the diagrams and on the clock, and the most that a diagram was behind
+    simulated: float = 0.0
+    real: float = 0.0
+    worst: float = 0.0
+
+    def __str__(self) -> str:
+        return (
+            f"real time: {self.simulated:.1f} s flown in {self.real:.1f} s, late by "
+            f"{1000 * self.worst:.0f} ms at most"
+        )
+
+
+@contextlib.contextmanager
+def in_real_time() -> Iterator[Pace]:
+    """Context in which ``Simulation.run`` and `fly` are PathSim's ``run_realtime``."""
+    pace = Pace()
+
+    def around(_: Any, sim: Simulation, name: str, given: dict[str, Any]) -> dict[str, Any]:
+        if given["reset"]:
+            # `run_realtime` takes its start before it resets
+            sim.reset()
+        # nor does it begin where the last run was stopped
+        setattr(sim, ON, True)
+        duration, began, start = given["duration"], time.perf_counter(), sim.time
+        adaptive = given.get("adaptive", True)
+        with progress_bar(duration) as bar:
+            for _ in sim.run_realtime(duration, adaptive=adaptive, tickrate=_TICKS):
+                passed = sim.time - start
+                behind = min(time.perf_counter() - began, duration) - passed
+                pace.worst = max(pace.worst, behind)
+                bar.update(passed - bar.n)
+        flown, real = sim.time - start, time.perf_counter() - began
+        pace.simulated += flown
+        pace.real += real
+        steps = round(flown / sim.dt)
+        return {"total_steps": steps, "successful_steps": steps, "runtime_ms": 1000 * real}
+
+    with replaced_runs(around):
+        yield pace
