@@ -11,8 +11,8 @@ from corruptions import PARTS, resumed_from_corruptions, run, thirds
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError
-from pathsim_jsbsim_blocks.studies.identity import study_key
 from pathsim_jsbsim_blocks.studies.journal import Journal
+from pathsim_jsbsim_blocks.studies.kept import study_key
 
 
 def test_a_corrupted_file_gives_the_same_table_or_is_refused(tmp_path):
@@ -80,7 +80,7 @@ def test_deep_nesting_is_refused(tmp_path):
 SECOND = """
 import sys
 from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks.studies.identity import study_key
+from pathsim_jsbsim_blocks.studies.kept import study_key
 from pathsim_jsbsim_blocks.studies.journal import Journal
 try:
     Journal(sys.argv[1], "thirds", study_key({"study": "thirds"})).add(7, [])

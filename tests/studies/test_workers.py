@@ -80,8 +80,6 @@ def test_a_study_goes_on_in_a_folder_that_is_deleted(jobs, tmp_path, monkeypatch
     os.mkdir(folder)
     monkeypatch.chdir(folder)
     assert run(work, PARTS, jobs=jobs) == expected
-    # and begins in one
-    assert run(work, PARTS, jobs=jobs) == expected
 
 
 def test_without_workers_the_folder_of_the_process_is_left_alone(tmp_path, monkeypatch):

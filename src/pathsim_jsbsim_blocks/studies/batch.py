@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import json
 import logging
 import pickle
-import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -18,8 +16,8 @@ import numpy as np
 from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, whole
 from .._core.extras import required
 from ..catalogue import find_diagram
-from .grid import cell, expand, plain
-from .identity import code, imported
+from .grid import cell, expand, plain, product
+from .kept import of_function, texts
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -59,9 +57,10 @@ def run_batch(
         generators of `random` and of ``numpy.random`` are always seeded with it. It is sent to
         other processes: it must not refer to objects that live outside it, such as an aircraft
     cases : dict, DataFrame or list of dicts
-        the parameters of each case; a dict of lists means their product, the last one fastest. A
-        column ``seed`` replaces the seeds drawn, and one such as ``"turbulence.seed"``, or a
-        variable from which the script makes a ``seed=``, the seed of that block
+        the parameters of each case; a dict of lists means their product, the last one fastest, as
+        the progress bar says: ``60 x 60 = 3,600 cases``. Pairs are a list of dicts. A column
+        ``seed`` replaces the seeds drawn, and one such as ``"turbulence.seed"``, or a variable from
+        which the script makes a ``seed=``, the seed of that block
     measure : callable, optional
         of a script, with which it goes: called after the flight with the script's module, it
         returns what ``build`` would: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent
@@ -75,10 +74,11 @@ def run_batch(
         workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
-        refused for other cases, another script, ``duration``, ``build`` or ``measure`` (compared by
-        their code and the values that they use), for changes in modules of yours that these import,
-        and for another version of this package, PathSim, JSBSim or Python. Data files that they
-        read are not compared
+        refused, naming what changed, for other cases, another ``duration``, another text of the
+        script, of the files that define ``build`` and ``measure`` (in a notebook: of the functions)
+        or of modules beside these that their import lines name, other values that come with the
+        functions, and another version of this package, PathSim, JSBSim or Python. Data files and
+        modules in other folders are not compared
     progress : bool
         show a progress bar on stderr
 
@@ -118,19 +118,17 @@ def run_batch(
         run = partial(_call, build, _check(build, rows))
 
     def job() -> dict[str, Any]:
-        parts: dict[str, Any] = {"cases": rows, "python": ".".join(map(str, sys.version_info[:2]))}
         if measure is None:
-            return {**parts, "build": code(build)}
-        script_text = hashlib.sha256(script.read_bytes()).hexdigest()
-        parts |= {"script": script_text, "what the script imports": imported(script)}
-        return {**parts, "duration": duration, "measure": code(measure)}
+            return {"cases": rows, **of_function("build", build)}
+        own = {**texts(script, script.parent), **of_function("measure", measure)}
+        return {"cases": rows, "duration": duration, **own}
 
     found = run_parts(
         partial(_run_cases, run),
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
-        title=f"run_batch {name}, {len(rows)} cases",
+        title=f"run_batch {name}, {product(cases, rows)} cases",
         job=job,
         jobs=jobs,
         resume=resume,

@@ -62,6 +62,13 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
     ]
 
 
+def product(grid: Any, rows: Sequence[Any]) -> str:
+    """The number of rows, with those of its axes where they are a product: 60 x 60 = 3,600."""
+    axes = grid.values() if isinstance(grid, Mapping) else ()
+    many = [n for n in (len(_axis("", "", values)) for values in axes) if n > 1]
+    return f"{' x '.join(map(str, many))} = {len(rows):,}" if len(many) > 1 else f"{len(rows):,}"
+
+
 def _axis(name: str, key: str, values: Any) -> list[Any]:
     if values is None or isinstance(values, (str, Real, Mapping)):
         return [values]

@@ -13,10 +13,10 @@ from typing import Any, NoReturn
 from .._core.checks import as_path, refuse
 from .._core.extras import required
 from ..errors import FileError
-from .identity import differences
+from .kept import differences
 
 _FORMAT = "pathsim-jsbsim study"
-_VERSION = 3
+_VERSION = 4
 
 # what reading a line raises that is not as it was written
 _DAMAGED = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
@@ -134,7 +134,8 @@ def _holds(first: bytes, wanted: dict[str, Any]) -> str:
         if found.get("version") != _VERSION:
             return "a study written by another version"
         found = _checked(first)
-        parts = differences(found["key"], wanted["key"])
+        alike = found["study"].split()[:1] == wanted["study"].split()[:1]
+        parts = differences(found["key"], wanted["key"]) if alike else ""
         differs = f". What differs: {parts}" if parts else ""
         return f"another study ({found['study']}), not this one ({wanted['study']}){differs}"
     except _DAMAGED:

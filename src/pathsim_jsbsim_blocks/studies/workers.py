@@ -1,4 +1,4 @@
-"""Run the parts of a study on all cores or on a cluster, and survive the death of a worker.
+"""Run the parts of a study on all cores or on a cluster, and name the point that kills its worker.
 
 Work goes through joblib: to local processes, or under ``joblib.parallel_config("dask")`` to the
 cluster of that context. A study is cut into parts by its points alone, so that its table does not
@@ -10,8 +10,8 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -20,9 +20,8 @@ from typing import Any
 from .._core.callers import warn_user
 from .._core.checks import flag, refuse, whole
 from ..errors import ParameterError
-from .identity import study_key
 from .journal import Journal
-from .parent import end_with
+from .kept import study_key
 
 Row = dict[str, Any]
 Part = list[Any]
@@ -57,20 +56,20 @@ def run_parts(
             refuse("jobs", jobs, f"{error} (-1: all cores)")
     journal = Journal(resume, title, study_key(job())) if resume is not None else None
     rows = dict(journal.finished) if journal else {}
-
-    def keep(index: int, result: list[Row]) -> None:
-        rows[index] = result
-        # not stored: a resumed study retries the points that killed a worker
-        if journal and died not in result:
-            journal.add(index, result)
-        bar.update(len(result))
-
     points, done = _points(parts), _points(rows.values())
     try:
-        bar = tqdm(total=points, initial=done, desc=title, unit=" points", disable=not progress)
-        with _one_interrupt(), bar:
-            while pending := [i for i in range(len(parts)) if i not in rows]:
-                _run(work, parts, pending, keep, died, describe, jobs)
+        with (
+            tqdm(
+                total=points, initial=done, desc=title, unit=" points", disable=not progress
+            ) as bar,
+            contextlib.closing(_computed(work, parts, {*rows}, died, describe, jobs)) as results,
+        ):
+            for index, result in results:
+                rows[index] = result
+                # a resumed study tries the points again that killed a worker
+                if journal and died not in result:
+                    journal.add(index, result)
+                bar.update(len(result))
     except KeyboardInterrupt:
         kept = "lost: name a file to resume from and they are kept"
         kept = kept if resume is None else f"resume with {str(resume)!r}"
@@ -82,54 +81,35 @@ def run_parts(
     return [row for index in range(len(parts)) for row in rows[index]]
 
 
-@contextlib.contextmanager
-def _one_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt once: a second Ctrl-C would cut short the end of the workers."""
-
-    def interrupt(*_: Any) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        raise KeyboardInterrupt
-
-    usual = signal.getsignal(signal.SIGINT)
-    in_main = threading.current_thread() is threading.main_thread()
-    if usual is not signal.default_int_handler or not in_main:
-        yield
-        return
-    signal.signal(signal.SIGINT, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, usual)
-
-
 def _points(parts: Iterable[list[Any]]) -> int:
     return sum(map(len, parts))
 
 
-def _run(
+def _computed(
     work: Work,
     parts: list[Part],
-    pending: list[int],
-    keep: Callable[[int, list[Row]], None],
+    finished: set[int],
     died: Row,
     describe: Callable[[Any], str],
     jobs: int,
-) -> None:
-    suspects = []
-    # a single part gains nothing from a second process
-    results = _results(work, parts, pending, 1 if len(parts) == 1 else jobs)
-    with contextlib.closing(results):
-        for index, result in results:
+) -> Generator[tuple[int, list[Row]]]:
+    """Index and rows of each part that is not finished; those whose worker dies again, alone."""
+    while pending := [i for i in range(len(parts)) if i not in finished]:
+        suspects = []
+        # a single part gains nothing from a second process
+        for index, result in _results(work, parts, pending, 1 if len(parts) == 1 else jobs):
             if result is _DIED:
                 suspects.append(index)
             else:
-                keep(index, result)
-    if suspects:
-        points = "; ".join(_span(parts[i], describe) for i in suspects)
-        died_at = f"a worker process died while these points were under way: {points}"
-        warn_user(f"{died_at}. They are computed again, one part at a time")
-    for index in suspects:
-        keep(index, _alone(work, parts[index], died, describe))
+                finished.add(index)
+                yield index, result
+        if suspects:
+            points = "; ".join(_span(parts[i], describe) for i in suspects)
+            died_at = f"a worker process died while these points were under way: {points}"
+            warn_user(f"{died_at}. They are computed again, one part at a time")
+        for index in suspects:
+            finished.add(index)
+            yield index, _alone(work, parts[index], died, describe)
 
 
 def _span(part: Part, describe: Callable[[Any], str]) -> str:
@@ -148,9 +128,7 @@ def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) ->
     return [row for point in part for row in _alone(work, [point], died, describe)]
 
 
-def _results(
-    work: Work, parts: list[Part], pending: list[int], jobs: int
-) -> Generator[tuple[int, Any]]:
+def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> Iterator[Any]:
     """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -162,29 +140,21 @@ def _results(
         yield from _on_dask(client, work, parts, pending)
         return
     under_way: list[int] = []
-    caller, here = os.getpid(), _folder()
-
-    def indexed(index: int, part: Part) -> tuple[int, list[Row]]:
-        # joblib keeps workers for the next study, in the folder where they were started
-        if here is not None and os.getpid() != caller:
-            with contextlib.suppress(OSError):
-                os.chdir(here)
-        return index, work(part)
 
     def tasks() -> Iterator[Any]:
         for index in pending:
             under_way.append(index)
-            yield joblib.delayed(indexed)(index, parts[index])
+            yield joblib.delayed(lambda i, part: (i, work(part)))(index, parts[index])
 
+    # workers are kept for the next study; other arguments, as another folder, start new ones
     parallel = joblib.Parallel(
         n_jobs=jobs,
         batch_size=1,
         return_as="generator_unordered",
         initializer=_begin_worker,
-        initargs=(os.getpid(),),
+        initargs=(os.getpid(), jobs != 1 and os.getcwd()),
     )
-    with contextlib.nullcontext() if jobs == 1 else _interrupts_held():
-        results = parallel(tasks())
+    results = parallel(tasks())
     try:
         for index, rows in results:
             under_way.remove(index)
@@ -197,38 +167,23 @@ def _results(
             results.close()
 
 
-@contextlib.contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Delay Ctrl-C; processes that are started within the context never receive it."""
-    if sys.platform == "win32":
-        yield
-        return
-    from multiprocessing import resource_tracker
-
-    resource_tracker.ensure_running()  # starting it would unblock SIGINT
-    usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, usual)
-
-
-def _begin_worker(caller: int) -> None:
+def _begin_worker(caller: int, folder: str) -> None:
     from tqdm import tqdm
 
-    end_with(caller)
     # Ctrl-C at a terminal reaches all processes; the caller ends the workers
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # tqdm's default lock is a system semaphore, which leaks when the worker is killed
     tqdm.set_lock(threading.RLock())
+    with contextlib.suppress(OSError):
+        os.chdir(folder)
+    threading.Thread(target=_end_with, args=(caller,), daemon=True).start()
 
 
-def _folder() -> str | None:
-    """The working directory, or None if it was deleted."""
-    try:
-        return os.getcwd()
-    except FileNotFoundError:
-        return None
+def _end_with(caller: int) -> None:
+    """End this process when the one that started it has been killed: loky waits for minutes."""
+    while os.getppid() == caller:
+        time.sleep(0.5)
+    os._exit(1)
 
 
 def _on_dask(
