@@ -98,7 +98,7 @@ def of_function(name: str, function: Any) -> dict[str, str]:
                 found |= _text(label, value)
                 todo += _brought(label, value)
         elif isinstance(value, functools.partial):
-            arguments = {**dict(enumerate(value.args)), **value.keywords}
+            arguments: dict[Any, Any] = {**dict(enumerate(value.args)), **value.keywords}
             todo += [(label, value.func), *((f"{label}: {k}", x) for k, x in arguments.items())]
         elif inspect.ismethod(value):
             todo += [(label, value.__func__), (f"{label}: self", value.__self__)]
