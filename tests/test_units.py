@@ -9,7 +9,7 @@ from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import ParameterError, UnitConversion
 from pathsim_jsbsim_blocks._core.units import UNITS
-from pathsim_jsbsim_blocks.units import conversion
+from pathsim_jsbsim_blocks.units import conversion, convert
 
 # NIST SP 811 (2008), appendix B.8, as printed there: seven digits, or exact
 PRINTED = {
@@ -62,6 +62,24 @@ def test_factors_are_those_printed(source, target):
 def test_temperatures_have_an_offset(value, unit, kelvin):
     factor, offset = conversion(unit, "K")
     assert factor * value + offset == pytest.approx(kelvin, rel=1e-12)
+
+
+def test_arrays_are_converted():
+    # NIST SP 811, appendix B.9: the fixed points of water
+    celsius = np.array([[0.0, 100.0], [-40.0, math.nan]])
+    assert convert(celsius, "degC", "degF") == pytest.approx(
+        np.array([[32.0, 212.0], [-40.0, math.nan]]), abs=1e-12, nan_ok=True
+    )
+    assert celsius[0, 1] == 100.0
+    assert convert([10, 20], "nmi", "km").tolist() == pytest.approx([18.52, 37.04], rel=1e-15)
+    assert isinstance(convert(1, "ft", "m"), float)
+    assert convert(np.float64(250.0), "kt", "m/s") == pytest.approx(250 * 1852 / 3600, rel=1e-15)
+    assert convert([], "ft", "m").shape == (0,)
+    for bad in ("100", None, [1.0, "2"], 1j, True):
+        with pytest.raises(ParameterError, match="values must be a real number or an array"):
+            convert(bad, "ft", "m")
+    with pytest.raises(ParameterError, match=r"did you mean 'ft'\?$"):
+        convert(1.0, "feet", "m")
 
 
 def test_every_unit_is_compared():

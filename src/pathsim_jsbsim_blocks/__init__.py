@@ -19,7 +19,7 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``plots``: figures, such as ``time_histories`` and ``show``
 - ``studies``: ``trim_sweep``, ``run_batch`` and the published studies
 - ``tracks``: recorded flights, ``save_tracks``, ``to_frame``
-- ``units``: ``conversion`` of a unit
+- ``units``: ``convert`` from one unit to another
 - ``wind``: models of wind, gusts and turbulence, such as ``dryden_field``
 
 Where jsbsim is not installed (PathView's hosted editor runs in the browser), the aircraft blocks

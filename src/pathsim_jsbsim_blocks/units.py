@@ -1,4 +1,4 @@
-"""`UnitConversion`: between the aircraft's units and SI."""
+"""Units: `convert` for numbers and arrays, `UnitConversion` for signals."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import Any
 
 from ._core.parameters import Parametric, parameter
 from ._core.ports import NamedFunction
-from ._core.units import conversion
+from ._core.units import conversion, convert
 
-__all__ = ["UnitConversion", "conversion"]
+__all__ = ["UnitConversion", "conversion", "convert"]
 
 
 class UnitConversion(Parametric, NamedFunction):

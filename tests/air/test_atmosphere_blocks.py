@@ -194,7 +194,10 @@ def test_flight_band_boundaries(geopotential, temperature, pressure):
     out = set_inputs(block, block.geometric_altitude(geopotential), 0)
     assert out[0] == pytest.approx(pressure, abs=0.05)
     assert out[2] == pytest.approx(temperature, abs=0.05)
-    band = block.get_atmosphere_band(geopotential)
+    band = next(band for band in block.atmosphere_bands if band.start_alt == geopotential)
+    assert block.get_atmosphere_band(geopotential + 1.0) == band
+    isothermal = geopotential in (11000, 47000)
+    assert (band.lapse_rate == 0.0) is isothermal
     assert band.base_pressure == pytest.approx(pressure, rel=5e-5)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .checks import did_you_mean, nearest, refuse
+from .checks import arrays, did_you_mean, nearest, refuse
 
 FOOT = 0.3048  # m
 _MILE = 1852.0  # m, nautical
@@ -104,3 +104,29 @@ def conversion(source: str, target: str) -> tuple[float, float]:
         refuse("target", target, f"{why}{dimension} are {', '.join(units)}")
     offset = _OFFSETS.get(source, 0.0) - _OFFSETS.get(target, 0.0)
     return units[source] / units[target], offset / units[target]
+
+
+def convert(values: Any, source: str, target: str) -> Any:
+    """Values in another unit: a number gives a float, an array or a list an array.
+
+    Parameters
+    ----------
+    values : array_like
+        in the source unit; NaN stays
+    source, target : str
+        units of one quantity, as in `UnitConversion`
+
+    Raises
+    ------
+    ParameterError
+        for values that are not real, an unknown unit, naming the nearest, and units of different
+        quantities
+
+    Examples
+    --------
+    >>> convert([0.0, 100.0], "degC", "degF").round(9).tolist()
+    [32.0, 212.0]
+    """
+    factor, offset = conversion(source, target)
+    (x,) = arrays(values=values)
+    return factor * x + offset

@@ -20,7 +20,7 @@ sections 4.6 to 4.8.
 
 from __future__ import annotations
 
-from math import copysign, expm1, isfinite, log1p, sqrt
+import math
 from typing import Any
 
 import numpy as np
@@ -32,31 +32,32 @@ RAYLEIGH = 1.2**3.5 * (6 / 7) ** 2.5  # of qc/p + 1 = RAYLEIGH x (1 - 1/(7 x))^-
 SONIC = 1.2**3.5 - 1  # qc/p at Mach 1, in both formulas
 
 
-def _impact_ratio(mach: float) -> float:
-    """qc/p at a Mach number of either sign."""
-    x = mach * mach
-    # expm1 and log1p keep all digits at low speed
-    return expm1(3.5 * log1p(0.2 * x)) if x <= 1 else _rayleigh(x)
+def _impact_ratio(mach: Any) -> Any:
+    """qc/p at Mach numbers of either sign."""
+    return _either_side(mach * mach, 1.0, _isentropic, _rayleigh)
 
 
-def _mach_number(ratio: float) -> float:
-    """The positive Mach number at a qc/p."""
-    return sqrt(5 * expm1(log1p(ratio) / 3.5) if ratio <= SONIC else _rayleigh_inverse(ratio))
+def _mach_number(ratio: Any) -> Any:
+    """The positive Mach numbers at a qc/p."""
+    return _either_side(ratio, SONIC, _isentropic_inverse, _rayleigh_inverse) ** 0.5
 
 
-def _impact_ratios(mach: np.ndarray) -> np.ndarray:
-    x = mach * mach
-    ratio = np.expm1(3.5 * np.log1p(0.2 * x))
-    fast = x > 1
-    ratio[fast] = _rayleigh(x[fast])
-    return ratio
+def _either_side(x: Any, limit: float, low: Any, high: Any) -> Any:
+    """The values of ``low`` up to a limit, of ``high`` beyond."""
+    if isinstance(x, float):
+        return low(x, math) if x <= limit else high(x)
+    y, beyond = low(x, np), x > limit
+    y[beyond] = high(x[beyond])
+    return y
 
 
-def _mach_numbers(ratio: np.ndarray) -> np.ndarray:
-    x = 5 * np.expm1(np.log1p(ratio) / 3.5)
-    fast = ratio > SONIC
-    x[fast] = _rayleigh_inverse(ratio[fast])
-    return np.sqrt(x)
+# expm1 and log1p, of math or numpy, keep all digits at low speed
+def _isentropic(x: Any, m: Any) -> Any:
+    return m.expm1(3.5 * m.log1p(0.2 * x))
+
+
+def _isentropic_inverse(ratio: Any, m: Any) -> Any:
+    return 5 * m.expm1(m.log1p(ratio) / 3.5)
 
 
 def _rayleigh(x: Any) -> Any:
@@ -76,17 +77,15 @@ def _rayleigh_inverse(ratio: Any) -> Any:
 
 def _at_other_pressure(mach: Any, ratio: Any) -> Any:
     """The Mach number with the impact pressure of ``mach`` where p is less by ``ratio``."""
-    if isinstance(mach, float) and isinstance(ratio, float):
-        return copysign(_mach_number(_impact_ratio(mach) * ratio), mach)
-    mach, ratio = np.broadcast_arrays(mach, ratio)
-    return np.copysign(_mach_numbers(_impact_ratios(mach) * ratio), mach)
+    there = _mach_number(_impact_ratio(mach) * ratio)
+    return (math if isinstance(there, float) else np).copysign(there, mach)
 
 
 def _speed(parameter: str, value: Any, air: Air) -> Any:
     """``value`` as a finite float, or as a float array that fits the air's shape."""
     if not isinstance(air, Air):
         must_be("air", air, "that of isa(altitude) or Air(pressure, temperature)")
-    if type(value) is float and isfinite(value):
+    if type(value) is float and math.isfinite(value):
         return value
     return finite(**{parameter: value, **air._asdict()})[0]
 
@@ -153,9 +152,7 @@ def mach_to_tas(mach: Any, air: Air) -> Any:
 
 def impact_pressure(mach: Any, air: Air) -> Any:
     """Impact pressure in Pa, total behind the pitot tube's shock minus static, at a Mach number."""
-    mach = _speed("mach", mach, air)
-    ratio = _impact_ratio(mach) if isinstance(mach, float) else _impact_ratios(mach)
-    return ratio * air.pressure
+    return _impact_ratio(_speed("mach", mach, air)) * air.pressure
 
 
 def dynamic_pressure(mach: Any, air: Air) -> Any:
@@ -178,11 +175,7 @@ def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") ->
     """
     cas, mach = positive_finite(cas=cas, mach=mach)
     with np.errstate(all="ignore"):
-        ratios = [
-            _impact_ratio(x) if isinstance(x, float) else _impact_ratios(x)
-            for x in (cas / A0, mach)
-        ]
-        pressure = np.divide(P0 * ratios[0], ratios[1])
+        pressure = np.divide(P0 * _impact_ratio(cas / A0), _impact_ratio(mach))
     if not np.all(np.isfinite(pressure) & (pressure > 0.0)):
         refuse("mach", mach, f"no altitude has a CAS of {cas} m/s at Mach {mach}")
     return pressure_altitude(pressure, altitude_kind)

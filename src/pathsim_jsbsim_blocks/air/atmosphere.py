@@ -11,10 +11,11 @@ except for its gas constant, 287.05307 J/(kg K), which changes the pressure by u
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import namedtuple
 from functools import partial
-from math import exp, inf
+from sys import float_info
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,11 @@ EARTH_RADIUS = 6_356_766.0  # m, nominal; relates geometric and geopotential alt
 SUTHERLAND_BETA = 1.458e-6  # kg/(m s K^0.5)
 SUTHERLAND_S = 110.4  # K
 
+_MOST = float_info.max
+
+# K/m: so small that it changes no temperature, and log1p is linear
+ISOTHERMAL = 1e-20
+
 ALTITUDE_KINDS = ("geometric", "geopotential")
 
 
@@ -41,11 +47,35 @@ class Layer(NamedTuple):
     temperature: float  # K at the base
     pressure: float  # Pa at the base
     lapse_rate: float  # K/m, positive where it gets warmer upwards
-    exponent: float  # of the pressure: -G0/(R lapse_rate); isothermal: -G0/(R temperature) in 1/m
+    exponent: float  # of the pressure: -G0 / (R lapse_rate)
 
 
-LAYERS: list[Layer] = []
-_TOPS: list[float] = []  # of all layers but the last
+def _standard(layer: Any, h: Any, exp: Any, log1p: Any) -> tuple[Any, Any]:
+    """Standard pressure in Pa, temperature in K at a geopotential altitude in its layer."""
+    base, temperature, pressure, lapse_rate, exponent = layer
+    warmer = lapse_rate * (h - base)
+    return pressure * exp(exponent * log1p(warmer / temperature)), temperature + warmer
+
+
+def _layers() -> list[Layer]:
+    """The layers, each on top of the one before."""
+    # km and K/km. The lowest also applies below sea level. The standard ends at 80 km; its last
+    # layer extends to 84.852 km in the US Standard Atmosphere 1976. Isothermal above, so that the
+    # extrapolated temperature stays positive.
+    steps = [(0, -6.5), (11, 0), (20, 1), (32, 2.8), (47, 0), (51, -2.8), (71, -2), (84.852, 0)]
+    layers: list[Layer] = []
+    for km, kelvin_per_km in steps:
+        base, lapse_rate, (pressure, t) = 1000.0 * km, kelvin_per_km / 1000 or ISOTHERMAL, (P0, T0)
+        if layers:
+            pressure, t = _standard(layers[-1], base, math.exp, math.log1p)
+        temperature = round(t, 6)  # 216.65 as in the standard, not 216.6499...98
+        layers.append(Layer(base, temperature, pressure, lapse_rate, -G0 / (R * lapse_rate)))
+    return layers
+
+
+LAYERS = _layers()
+_COLUMNS = np.array(LAYERS).T.copy()  # contiguous rows: faster to take from
+_TOPS = [layer.base for layer in LAYERS[1:]]  # of all layers but the last
 
 
 def pressure_temperature(
@@ -53,89 +83,55 @@ def pressure_temperature(
 ) -> tuple[float, float]:
     """Standard pressure in Pa, temperature in K at a finite altitude above the Earth's centre."""
     h = EARTH_RADIUS * altitude / (EARTH_RADIUS + altitude) if geometric else altitude
-    base, temperature, pressure, lapse_rate, exponent = LAYERS[bisect_right(_TOPS, h)]
-    t = temperature + lapse_rate * (h - base)
-    if lapse_rate:
-        pressure *= (t / temperature) ** exponent
-    else:
-        pressure *= exp(exponent * (h - base))
+    pressure, t = _standard(LAYERS[bisect_right(_TOPS, h)], h, math.exp, math.log1p)
     t += temp_deviation
-    if not 0.0 < t < inf:
+    if not 0.0 < t < math.inf:
         _refuse_deviation(temp_deviation, t)
     return pressure, t
 
 
-def _put_layer_on_top(base: float, lapse_rate: float) -> None:
-    pressure, temperature = P0, T0
-    if LAYERS:
-        pressure, temperature = pressure_temperature(base, 0.0, geometric=False)
-        temperature = round(temperature, 6)  # 216.65 as in the standard, not 216.6499...98
-        _TOPS.append(base)
-    exponent = -G0 / (R * (lapse_rate or temperature))
-    LAYERS.append(Layer(base, temperature, pressure, lapse_rate, exponent))
-
-
-# The lowest layer also applies below sea level. The standard ends at 80 km; its last layer extends
-# to 84.852 km in the US Standard Atmosphere 1976. Isothermal above, so that the extrapolated
-# temperature stays positive.
-for _km, _kelvin_per_km in (
-    (0, -6.5),
-    (11, 0),
-    (20, 1),
-    (32, 2.8),
-    (47, 0),
-    (51, -2.8),
-    (71, -2),
-    (84.852, 0),
-):
-    _put_layer_on_top(1000.0 * _km, _kelvin_per_km / 1000)
-
-_COLUMNS = np.array(LAYERS).T
-
-
-def _pressures_temperatures(altitude: Any, temp_deviation: Any, geometric: bool) -> tuple[Any, Any]:
-    """As ``pressure_temperature`` where the altitude or the deviation is an array."""
+def _of_array(altitude: Any, temp_deviation: Any, geometric: bool) -> tuple[Any, Any]:
+    """As `pressure_temperature` where the altitude or the deviation is an array."""
     altitude = np.asarray(altitude)
-    pressures, temperatures = np.empty(altitude.shape), np.empty(altitude.shape)
-    flat = altitude.ravel(), pressures.ravel(), temperatures.ravel()
-    tops = np.array(_TOPS)[:, np.newaxis]
+    pressure, t = np.empty(altitude.shape), np.empty(altitude.shape)
+    flat, tops = (altitude.ravel(), pressure.ravel(), t.ravel()), np.array(_TOPS)[:, np.newaxis]
     for start in range(0, altitude.size, 8192):  # pieces that stay in cache: twice as fast
-        h, p, t = (x[start : start + 8192] for x in flat)
+        h, p, kelvin = (column[start : start + 8192] for column in flat)
         if geometric:
             h = EARTH_RADIUS * h / (EARTH_RADIUS + h)
-        layer = np.sum(h >= tops, axis=0)
-        base, temperature, pressure, lapse_rate, exponent = (x[layer] for x in _COLUMNS)
-        t[:] = temperature + lapse_rate * (h - base)
-        p[:] = pressure * np.exp(exponent * np.where(lapse_rate, np.log(t / temperature), h - base))
-    temperatures = temperatures + temp_deviation
-    if not _lowest(temperatures) > 0:
-        _refuse_deviation(temp_deviation, _lowest(temperatures))
-    return pressures[()], temperatures
-
-
-def _lowest(x: Any) -> float:
-    return x if isinstance(x, float) else x.min(initial=inf)
-
-
-def positive_finite(**values: Any) -> list[Any]:
-    """As ``finite``, for quantities that must be positive."""
-    out = finite(**values)
-    for (parameter, value), x in zip(values.items(), out, strict=True):
-        if not _lowest(x) > 0:
-            refuse(parameter, value, f"{parameter} must be positive, not {_lowest(x):g}")
-    return out
-
-
-def _refuse_altitude(altitude: Any) -> None:
-    (h,) = finite(altitude=altitude)
-    centre = f"the Earth's centre at {-EARTH_RADIUS:.0f} m"
-    refuse("altitude", altitude, f"altitude must be above {centre}, not {_lowest(h):g} m")
+        number = np.sum(h >= tops, axis=0)
+        layer = [column.take(number) for column in _COLUMNS]
+        p[:], kelvin[:] = _standard(layer, h, np.exp, np.log1p)
+    t = t + temp_deviation
+    if not lowest(t) > 0.0:
+        _refuse_deviation(temp_deviation, lowest(t))
+    return pressure[()], t
 
 
 def _refuse_deviation(temp_deviation: Any, temperature: float) -> None:
     finite(temp_deviation=temp_deviation)
     why = f"temp_deviation must leave a positive temperature, not {temperature:g} K"
     refuse("temp_deviation", temp_deviation, why)
+
+
+def lowest(x: Any) -> float:
+    """The lowest of numbers; of none, the largest float."""
+    return float(x.min(initial=_MOST)) if isinstance(x, np.ndarray) else x
+
+
+def positive_finite(**values: Any) -> list[Any]:
+    """As ``finite``, for quantities that must be positive."""
+    out = finite(**values)
+    for (parameter, value), x in zip(values.items(), out, strict=True):
+        if not lowest(x) > 0:
+            refuse(parameter, value, f"{parameter} must be positive, not {lowest(x):g}")
+    return out
+
+
+def _refuse_altitude(altitude: Any) -> None:
+    (h,) = finite(altitude=altitude)
+    centre = f"the Earth's centre at {-EARTH_RADIUS:.0f} m"
+    refuse("altitude", altitude, f"altitude must be above {centre}, not {lowest(h):g} m")
 
 
 def geopotential_altitude(geometric: Any) -> Any:
@@ -149,7 +145,7 @@ def geopotential_altitude(geometric: Any) -> Any:
         if a value is not finite, or at or below the Earth's centre
     """
     (h,) = finite(altitude=geometric)
-    if not _lowest(h) > -EARTH_RADIUS:
+    if not lowest(h) > -EARTH_RADIUS:
         _refuse_altitude(geometric)
     return EARTH_RADIUS * h / (EARTH_RADIUS + h)
 
@@ -165,8 +161,8 @@ def geometric_altitude(geopotential: Any) -> Any:
         if a value is not finite, or not below r0
     """
     (h,) = finite(altitude=geopotential)
-    if not _lowest(-h) > -EARTH_RADIUS:
-        why = f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-_lowest(-h):g} m"
+    if not lowest(-h) > -EARTH_RADIUS:
+        why = f"a geopotential altitude is less than {EARTH_RADIUS:.0f} m, not {-lowest(-h):g} m"
         refuse("altitude", geopotential, why)
     return EARTH_RADIUS * h / (EARTH_RADIUS - h)
 
@@ -272,13 +268,11 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometri
         one_of("altitude_kind", altitude_kind, ALTITUDE_KINDS)
     if type(altitude) is not float or type(temp_deviation) is not float:
         altitude, temp_deviation = finite(altitude=altitude, temp_deviation=temp_deviation)
-    if isinstance(altitude, float) and isinstance(temp_deviation, float):
-        if not -EARTH_RADIUS < altitude < inf:
-            _refuse_altitude(altitude)
-        return unchecked_air(pressure_temperature(altitude, temp_deviation, geometric))
-    if not _lowest(altitude) > -EARTH_RADIUS:
+    of_floats = isinstance(altitude, float) and isinstance(temp_deviation, float)
+    if not -EARTH_RADIUS < (altitude if of_floats else lowest(altitude)) < math.inf:
         _refuse_altitude(altitude)
-    return unchecked_air(_pressures_temperatures(altitude, temp_deviation, geometric))
+    air = pressure_temperature if of_floats else _of_array
+    return unchecked_air(air(altitude, temp_deviation, geometric))
 
 
 def pressure_altitude(pressure: Any, altitude_kind: str = "geometric") -> Any:
@@ -313,16 +307,11 @@ def _altitude_of(quantity: str, value: Any, altitude_kind: str) -> Any:
     one_of("altitude_kind", altitude_kind, ALTITUDE_KINDS)
     (x,) = positive_finite(**{quantity: value})
     base, temperature, at_base, lapse_rate, exponent = _COLUMNS
-    if quantity == "density":  # falls as T^(exponent - 1), or as the pressure if isothermal
-        at_base = at_base / (R * temperature)
-        exponent = np.where(lapse_rate, exponent - 1, exponent)
+    if quantity == "density":  # pressure over temperature
+        at_base, exponent = at_base / (R * temperature), exponent - 1
     layer = np.searchsorted(-at_base[1:], np.negative(x), side="right")
-    base, temperature, at_base, lapse_rate, exponent = (
-        column[layer] for column in (base, temperature, at_base, lapse_rate, exponent)
-    )
-    power = np.log(x / at_base) / exponent
-    with np.errstate(all="ignore"):
-        altitude = base + np.where(lapse_rate, temperature * np.expm1(power) / lapse_rate, power)
+    power = np.log(x / at_base[layer]) / exponent[layer]
+    altitude = base[layer] + temperature[layer] * np.expm1(power) / lapse_rate[layer]
     if isinstance(x, float):
         altitude = float(altitude)
     return geometric_altitude(altitude) if altitude_kind == "geometric" else altitude

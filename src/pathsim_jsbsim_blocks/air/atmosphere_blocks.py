@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from itertools import pairwise
 from math import sqrt
 from typing import Any
@@ -12,6 +11,7 @@ import pathsim_flight.atmosphere as flight
 from .._core.callers import warn_user
 from .._core.checks import finite, one_of, refuse
 from .._core.parameters import Parametric, parameter
+from .._core.pathsim_internals import values
 from .._core.ports import NamedFunction
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
@@ -59,7 +59,7 @@ class AirDataBlock(Parametric, NamedFunction):
             super().update(t)
             return
         try:  # Python floats, without the operator between: twice as fast
-            self.outputs.update_from_array(self._outputs(*self.inputs.to_array().tolist()))
+            self.outputs.update_from_array(self._outputs(*values(self.inputs)))
         except ParameterError as error:
             message = f"{type(self).__name__} at t = {t} s: {error}"
             raise FlightError(
@@ -161,14 +161,10 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     StdSL_speed_of_sound = A0
     atmosphere_bands = [
         flight.ISAtmosphere.AtmosphereBand(
-            layer.base, above.base, layer.temperature, layer.pressure, layer.lapse_rate
+            layer.base, above.base, layer.temperature, layer.pressure, round(layer.lapse_rate, 9)
         )
         for layer, above in pairwise(LAYERS)
     ]
-
-    def get_atmosphere_band(self, geopot_altitude: float) -> Any:
-        above = [band.end_alt for band in self.atmosphere_bands[:-1]]
-        return self.atmosphere_bands[bisect_right(above, geopot_altitude)]
 
     def _eval(self, altitude: float, temp_deviation: float = 0.0) -> tuple[float, ...]:
         if not self._low <= altitude <= self._high:

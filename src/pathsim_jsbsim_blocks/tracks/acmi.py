@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .._core.scopes import name_and_unit
-from .._core.units import FOOT, conversion
+from .._core.units import FOOT, convert
 from ..errors import ParameterError
 from .track import Track
 
@@ -89,10 +89,10 @@ def _columns(track: Track) -> tuple[list[str], list[list[float]]]:
             continue
         known, wanted = _PROPERTIES[name]
         try:
-            factor, offset = (1.0, 0.0) if unit == wanted else conversion(unit, wanted)
+            values = column if unit == wanted else convert(column, unit, wanted)
         except ParameterError:
             continue  # another quantity under the same name
-        found[known] = (factor * column + offset).tolist()
+        found[known] = values.tolist()
     return list(found), list(found.values())
 
 
