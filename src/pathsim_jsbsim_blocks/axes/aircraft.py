@@ -10,9 +10,17 @@ wind        centre of gravity  the airspeed, right, down in the plane of symmetr
 NED         centre of gravity  north, east, down
 ==========  =================  ==================================================================
 
-Angles are in degrees. A vector is three components, numbers or arrays; all arguments of a call
-broadcast to one shape, and the results have that shape. A rotation keeps the unit, and NaN gives
-NaN. Each function and its inverse cancel to rounding.
+Angles are in degrees:
+
+- ``alpha``, angle of attack, positive with the air from below
+- ``beta``, sideslip angle, positive with the air from the right
+- ``phi``, ``theta``, ``psi``: roll (right wing down), pitch (nose up), true heading (from north,
+  clockwise)
+
+A vector is given as its three components, and returned as a tuple of three: numbers or arrays. All
+arguments of a call broadcast to one shape, which the results have; numbers give floats. A rotation
+keeps the unit, and NaN gives NaN. Each function and its inverse cancel to rounding. A
+ParameterError is raised for values that are not real numbers, and for shapes that do not broadcast.
 
 References
 ----------
@@ -22,9 +30,8 @@ Stevens, Lewis, Johnson: Aircraft Control and Simulation, 3rd ed., Wiley 2016, c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from inspect import cleandoc
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -32,69 +39,8 @@ from .._core.checks import arrays, must_be
 
 Values = float | np.ndarray
 Components = tuple[Any, Any, Any]
-Function = TypeVar("Function", bound=Callable[..., Components])
 
 INCHES_PER_FOOT = 12.0
-
-_FORCE = {"x, y, z": "force along the body axes"}
-_DRAG = {
-    "drag, side, lift": "drag positive aft, side force positive to the right, lift positive up"
-}
-_ALPHA = {"alpha": "angle of attack, deg"}
-_BETA = {"beta": "sideslip angle, deg, positive with the air from the right"}
-_FLOW = {"alpha, beta": "angle of attack and sideslip angle, deg"}
-_EULER = {
-    "phi, theta, psi": "roll (right wing down), pitch (nose up) and true heading (clockwise from "
-    "north), deg"
-}
-
-_PAGE = """\
-{text}
-
-Parameters
-----------
-{given}
-
-Returns
--------
-{found}
-
-Raises
-------
-ParameterError
-    for a value that is not real, shapes that do not broadcast{more}"""
-
-
-def page(
-    given: Mapping[str, str], found: Mapping[str, str], more: str = ""
-) -> Callable[[Function], Function]:
-    """A decorator that completes a docstring: names and meaning of what is given and found."""
-
-    def listed(values: Mapping[str, str], kind: str) -> str:
-        return "\n".join(f"{names} : {kind}\n    {text}" for names, text in values.items())
-
-    def complete(function: Function) -> Function:
-        if function.__doc__:  # absent under python -OO
-            function.__doc__ = _PAGE.format(
-                text=cleandoc(function.__doc__),
-                given=listed(given, "array_like"),
-                found=listed(found, "float or ndarray"),
-                more=more,
-            )
-        return function
-
-    return complete
-
-
-def rotation(
-    source: str, target: str, angles: Mapping[str, str], more: str = ""
-) -> Callable[[Function], Function]:
-    """`page` of a rotation between axes."""
-    given, found = (
-        {"north, east, down" if "NED" in axes else "x, y, z": f"components along the {axes} axes"}
-        for axes in (source, target)
-    )
-    return page({**given, **angles}, found, more)
 
 
 def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
@@ -103,17 +49,11 @@ def turn(a: Any, b: Any, angle: Any) -> tuple[Any, Any]:
     return a * c + b * s, b * c - a * s
 
 
-@page(
-    {
-        "x, y, z": "the point: station (aft), buttline (right) and waterline (up), in",
-        "reference": "x, y, z of the point that becomes the origin, in the same axes, in; the "
-        "centre of gravity (``inertia/cg-x-in``, ``cg-y-in``, ``cg-z-in``) for the body axes",
-    },
-    {"x, y, z": "forward, right, down of the reference, ft"},
-    ", a reference not of three parts",
-)
 def structural_to_body(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
-    """Body coordinates of a point given in structural coordinates.
+    """Body coordinates (ft) of a point given in structural coordinates (in).
+
+    ``reference`` is the point that becomes the origin, x, y and z in structural axes, in: for the
+    body axes the centre of gravity (``inertia/cg-x-in``, ``cg-y-in``, ``cg-z-in``).
 
     (x_B, y_B, z_B) = (x_ref - x, y - y_ref, z_ref - z) / 12
     """
@@ -121,16 +61,11 @@ def structural_to_body(x: Values, y: Values, z: Values, reference: Sequence[Valu
     return (x0 - x) / INCHES_PER_FOOT, (y - y0) / INCHES_PER_FOOT, (z0 - z) / INCHES_PER_FOOT
 
 
-@page(
-    {
-        "x, y, z": "the point: forward, right, down of the reference, ft",
-        "reference": "origin of the body axes in structural coordinates, in",
-    },
-    {"x, y, z": "station (aft), buttline (right) and waterline (up), in"},
-    ", a reference not of three parts",
-)
 def body_to_structural(x: Values, y: Values, z: Values, reference: Sequence[Values]) -> Components:
-    """Structural coordinates of a point given in body coordinates."""
+    """Structural coordinates (in) of a point given in body coordinates (ft).
+
+    The inverse of `structural_to_body`, with the same ``reference``.
+    """
     x, y, z, x0, y0, z0 = arrays(x=x, y=y, z=z, **_reference(reference))
     return x0 - INCHES_PER_FOOT * x, y0 + INCHES_PER_FOOT * y, z0 - INCHES_PER_FOOT * z
 
@@ -142,27 +77,19 @@ def _reference(reference: Sequence[Values]) -> dict[str, Values]:
     return {f"reference[{i}]": part for i, part in enumerate(parts)}
 
 
-@page(
-    {"u, v, w": "velocity relative to the air in body axes, any unit"},
-    {
-        "alpha, beta": "deg; alpha is positive with the air from below, in [-180, 180]; beta is "
-        "positive with the air from the right, in [-90, 90]; both are 0 at rest",
-        "airspeed": "in the unit of u, v, w",
-    },
-)
 def aerodynamic_angles(u: Values, v: Values, w: Values) -> Components:
-    """Angle of attack, sideslip angle and airspeed of a velocity relative to the air.
+    """Alpha and beta (deg) and the airspeed of a velocity u, v, w relative to the air, body axes.
 
-    alpha = atan2(w, u),  beta = atan2(v, sqrt(u^2 + w^2)),  V = sqrt(u^2 + v^2 + w^2)
+    alpha = atan2(w, u) in [-180, 180],  beta = atan2(v, sqrt(u^2 + w^2)) in [-90, 90],
+    V = sqrt(u^2 + v^2 + w^2); all are 0 at rest.
     """
     u, v, w = arrays(u=u, v=v, w=w)
     uw = np.hypot(u, w)
     return np.rad2deg(np.arctan2(w, u)), np.rad2deg(np.arctan2(v, uw)), np.hypot(uw, v)
 
 
-@rotation("body", "stability", _ALPHA)
 def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Components:
-    """Turn a vector from body to stability axes, about the y axis.
+    """Turn a vector from body to stability axes, about the y axis by alpha (deg).
 
     x_S = x cos alpha + z sin alpha,  y_S = y,  z_S = z cos alpha - x sin alpha
     """
@@ -171,7 +98,6 @@ def body_to_stability(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     return x, y, z
 
 
-@rotation("stability", "body", _ALPHA)
 def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Components:
     """Turn a vector from stability to body axes: the inverse of `body_to_stability`."""
     x, y, z, alpha = arrays(x=x, y=y, z=z, alpha=alpha)
@@ -179,9 +105,8 @@ def stability_to_body(x: Values, y: Values, z: Values, alpha: Values) -> Compone
     return x, y, z
 
 
-@rotation("stability", "wind", _BETA)
 def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Components:
-    """Turn a vector from stability to wind axes, about the z axis.
+    """Turn a vector from stability to wind axes, about the z axis by beta (deg).
 
     x_W = x cos beta + y sin beta,  y_W = y cos beta - x sin beta,  z_W = z
     """
@@ -190,7 +115,6 @@ def stability_to_wind(x: Values, y: Values, z: Values, beta: Values) -> Componen
     return x, y, z
 
 
-@rotation("wind", "stability", _BETA)
 def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Components:
     """Turn a vector from wind to stability axes: the inverse of `stability_to_wind`."""
     x, y, z, beta = arrays(x=x, y=y, z=z, beta=beta)
@@ -198,16 +122,14 @@ def wind_to_stability(x: Values, y: Values, z: Values, beta: Values) -> Componen
     return x, y, z
 
 
-@rotation("body", "wind", _FLOW)
 def body_to_wind(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
-    """Turn a vector from body to wind axes: through alpha, then through beta."""
+    """Turn a vector from body to wind axes: by alpha about y, then by beta about z (deg)."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
     x, z = turn(x, z, alpha)
     x, y = turn(x, y, beta)
     return x, y, z
 
 
-@rotation("wind", "body", _FLOW)
 def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -> Components:
     """Turn a vector from wind to body axes: the inverse of `body_to_wind`."""
     x, y, z, alpha, beta = arrays(x=x, y=y, z=z, alpha=alpha, beta=beta)
@@ -216,12 +138,12 @@ def wind_to_body(x: Values, y: Values, z: Values, alpha: Values, beta: Values) -
     return x, y, z
 
 
-@page({**_FORCE, **_FLOW}, _DRAG)
 def body_to_drag_side_lift(
     x: Values, y: Values, z: Values, alpha: Values = 0.0, beta: Values = 0.0
 ) -> Components:
     """Drag, side force and lift of an aerodynamic force given in body axes.
 
+    Drag is positive aft, the side force to the right, lift up:
     (D, Y, L) = (-x_W, y_W, -z_W), the signs of JSBSim's ``forces/fw*-aero-lbs``; with beta = 0
     they are those of the stability axes, JSBSim's ``forces/fs*-aero-lbs``.
     """
@@ -229,7 +151,6 @@ def body_to_drag_side_lift(
     return -x, y, -z
 
 
-@page({**_DRAG, **_FLOW}, _FORCE)
 def drag_side_lift_to_body(
     drag: Values, side: Values, lift: Values, alpha: Values = 0.0, beta: Values = 0.0
 ) -> Components:
@@ -240,13 +161,12 @@ def drag_side_lift_to_body(
     return x, y, z
 
 
-@rotation("local NED", "body", _EULER)
 def ned_to_body(
     north: Values, east: Values, down: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:
     """Turn a vector from local NED to body axes by the 3-2-1 Euler angles.
 
-    Through psi about z (down), then theta about y, then phi about x.
+    By psi about z (down), then theta about y, then phi about x, deg.
     """
     x, y, z, phi, theta, psi = arrays(
         north=north, east=east, down=down, phi=phi, theta=theta, psi=psi
@@ -257,7 +177,6 @@ def ned_to_body(
     return x, y, z
 
 
-@rotation("body", "local NED", _EULER)
 def body_to_ned(
     x: Values, y: Values, z: Values, phi: Values, theta: Values, psi: Values
 ) -> Components:

@@ -1,34 +1,21 @@
-"""Blocks that turn vectors between axes inside a diagram."""
+"""Blocks that turn vectors between axes inside a diagram.
+
+References
+----------
+JSBSim Reference Manual, Concepts, Frames of Reference.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 from .._core.checks import number
-from .._core.docstrings import filler
 from .._core.parameters import Parametric, parameter
 from .._core.ports import NamedFunction
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 
-_fill = filler(
-    flow_angles="""
-    alpha, beta : float
-        angle of attack and sideslip angle (positive with the air from the right), deg
-    """,
-    euler_angles="""
-    phi, theta, psi : float
-        roll (right wing down), pitch (nose up) and true heading, deg
-    """,
-    references="""
-    References
-    ----------
-    JSBSim Reference Manual, Concepts, Frames of Reference.
-    """,
-)
 
-
-@_fill
 class WindToBody(NamedFunction):
     """Drag, side force and lift to forces along the body axes.
 
@@ -46,14 +33,13 @@ class WindToBody(NamedFunction):
     ------
     drag, side, lift : float
         drag positive aft, side force positive to the right, lift positive up, lbf (any unit)
-    %(flow_angles)s
+    alpha, beta : float
+        angle of attack and sideslip angle (positive with the air from the right), deg
 
     Outputs
     -------
     x, y, z : float
         force forward, right, down, lbf (the unit of the inputs)
-
-    %(references)s
     """
 
     input_port_labels = {"drag": 0, "side": 1, "lift": 2, "alpha": 3, "beta": 4}
@@ -63,7 +49,6 @@ class WindToBody(NamedFunction):
         super().__init__(func=drag_side_lift_to_body)
 
 
-@_fill
 class BodyToWind(NamedFunction):
     """Forces along the body axes to drag, side force and lift.
 
@@ -81,15 +66,14 @@ class BodyToWind(NamedFunction):
     ------
     x, y, z : float
         force forward, right, down, lbf (any unit)
-    %(flow_angles)s
+    alpha, beta : float
+        angle of attack and sideslip angle (positive with the air from the right), deg
 
     Outputs
     -------
     drag, side, lift : float
         drag positive aft, side force positive to the right, lift positive up, lbf (the unit of
         the inputs)
-
-    %(references)s
     """
 
     input_port_labels = {"x": 0, "y": 1, "z": 2, "alpha": 3, "beta": 4}
@@ -99,7 +83,6 @@ class BodyToWind(NamedFunction):
         super().__init__(func=body_to_drag_side_lift)
 
 
-@_fill
 class NEDToBody(NamedFunction):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
@@ -110,14 +93,13 @@ class NEDToBody(NamedFunction):
     ------
     north, east, down : float
         components along the local NED axes, any unit
-    %(euler_angles)s
+    phi, theta, psi : float
+        roll (right wing down), pitch (nose up) and true heading, deg
 
     Outputs
     -------
     x, y, z : float
         components forward, right, down, in the unit of the inputs
-
-    %(references)s
     """
 
     input_port_labels = {"north": 0, "east": 1, "down": 2, "phi": 3, "theta": 4, "psi": 5}
@@ -127,7 +109,6 @@ class NEDToBody(NamedFunction):
         super().__init__(func=ned_to_body)
 
 
-@_fill
 class BodyToNED(NamedFunction):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
@@ -137,14 +118,13 @@ class BodyToNED(NamedFunction):
     ------
     x, y, z : float
         components forward, right, down, any unit
-    %(euler_angles)s
+    phi, theta, psi : float
+        roll (right wing down), pitch (nose up) and true heading, deg
 
     Outputs
     -------
     north, east, down : float
         components along the local NED axes, in the unit of the inputs
-
-    %(references)s
     """
 
     input_port_labels = {"x": 0, "y": 1, "z": 2, "phi": 3, "theta": 4, "psi": 5}
@@ -154,7 +134,6 @@ class BodyToNED(NamedFunction):
         super().__init__(func=body_to_ned)
 
 
-@_fill
 class GeodeticToNED(Parametric, NamedFunction):
     """Position north, east and down of a reference point, such as a runway threshold.
 
@@ -185,8 +164,6 @@ class GeodeticToNED(Parametric, NamedFunction):
     ------
     ParameterError
         for a reference that is not finite, or a latitude beyond 90 deg
-
-    %(references)s
     """
 
     lat0: float = parameter(0.0, number, low=-90.0, high=90.0)

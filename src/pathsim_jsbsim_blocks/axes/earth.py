@@ -8,11 +8,16 @@ ECEF  centre of the Earth      prime meridian, 90 deg east, north pole; they tur
 NED   any point of reference   north, east, down; parallel to the ground at that point
 ====  =======================  =================================================================
 
-Angles are in degrees, north and east positive; lengths are in feet. The ellipsoid is JSBSim's:
-WGS84 with semi-axes rounded in feet, within 0.06 mm of the standard. Height is normal to the
-ellipsoid, JSBSim's ``position/geod-alt-ft``; its ``position/h-sl-ft`` lies along the Earth's
-radius and is 0.03 ft more at 5000 ft in mid-latitudes. All arguments of a call broadcast to one
-shape, the results have that shape, and NaN gives NaN.
+Latitudes ``lat`` are geodetic, in [-90, 90] deg, longitudes ``lon`` in deg, north and east
+positive; lengths are in feet. The ellipsoid is JSBSim's: WGS84 with semi-axes rounded in feet,
+within 0.06 mm of the standard. The height ``h`` is normal to it, JSBSim's
+``position/geod-alt-ft``; its ``position/h-sl-ft`` lies along the Earth's radius and is 0.03 ft more
+at 5000 ft in mid-latitudes.
+NED coordinates are those of the tangent plane at the reference ``lat0, lon0, h0``.
+
+All arguments of a call broadcast to one shape, which the results have, and NaN gives NaN. A
+ParameterError is raised for values that are not real numbers, shapes that do not broadcast, a
+latitude beyond 90 deg, and a point deep inside the Earth.
 
 References
 ----------
@@ -22,44 +27,16 @@ NIMA TR8350.2, World Geodetic System 1984, 3rd ed., 2000.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from .._core.checks import arrays, refuse
-from .aircraft import Components, Function, Values, page, rotation, turn
+from .aircraft import Components, Values, turn
 
 SEMI_MAJOR_AXIS = 20925646.32546  # ft, JSBSim 1.3.3
 SEMI_MINOR_AXIS = 20855486.5951  # ft, JSBSim 1.3.3
-
-_LATITUDE = ", a latitude beyond 90 deg"
-_NED = {"lat, lon": "geodetic latitude and longitude of the NED axes, deg"}
-_EARTH_ANGLE = {
-    "earth_angle": "angle that the Earth has turned since the two axes coincided, deg; JSBSim's "
-    "``position/epa-rad``"
-}
-
-# positions by their kind: components and meaning
-_POSITIONS = {
-    "ECEF": {"x, y, z": "ECEF coordinates, ft"},
-    "geodetic": {
-        "lat, lon": "geodetic latitude in [-90, 90] and longitude, deg",
-        "h": "height above the ellipsoid, ft",
-    },
-    "NED": {"north, east, down": "position in the tangent axes of the reference, ft"},
-}
-_REFERENCE = {
-    "lat0, lon0, h0": "geodetic latitude and longitude (deg) and height (ft) of the reference"
-}
-
-
-def _conversion(source: str, target: str) -> Callable[[Function], Function]:
-    """`page` of a conversion between positions."""
-    reference = _REFERENCE if "NED" in (source, target) else {}
-    more = _LATITUDE if reference or source == "geodetic" else ", a point deep inside the Earth"
-    return page({**_POSITIONS[source], **reference}, _POSITIONS[target], more)
 
 
 @cache
@@ -75,9 +52,8 @@ def _check_latitude(parameter: str, lat: Any) -> None:
         refuse(parameter, lat, f"{parameter} must lie in [-90, 90] deg, not {lat}")
 
 
-@_conversion("geodetic", "ECEF")
 def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
-    """Earth-centred, Earth-fixed coordinates of a geodetic position.
+    """Earth-centred, Earth-fixed coordinates x, y, z (ft) of a geodetic position (deg, ft).
 
     With N = a^2 / sqrt(a^2 cos^2 lat + b^2 sin^2 lat): x = (N + h) cos lat cos lon,
     y = (N + h) cos lat sin lon, z = (N b^2 / a^2 + h) sin lat
@@ -89,9 +65,8 @@ def geodetic_to_ecef(lat: Values, lon: Values, h: Values) -> Components:
     return geodetic2ecef(lat, lon, h, _ellipsoid())
 
 
-@_conversion("ECEF", "geodetic")
 def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
-    """Geodetic position of a point in Earth-centred, Earth-fixed coordinates.
+    """Geodetic position (deg, ft) of a point in Earth-centred, Earth-fixed coordinates (ft).
 
     The inverse of `geodetic_to_ecef`, with a longitude in [-180, 180] deg, to 1e-7 ft up to 100,000
     ft and to 1e-5 ft up to 330,000 ft; the error grows from there, to 0.005 ft at 2,000,000 ft.
@@ -108,11 +83,10 @@ def ecef_to_geodetic(x: Values, y: Values, z: Values) -> Components:
     return ecef2geodetic(x, y, z, _ellipsoid())
 
 
-@_conversion("ECEF", "NED")
 def ecef_to_ned(
     x: Values, y: Values, z: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Position of a point in Earth-centred coordinates, north, east and down of a reference.
+    """Position of a point in Earth-centred coordinates, north, east, down of a reference (ft).
 
     The ground falls away from the tangent plane by 1 ft at a distance of 6500 ft, and with the
     distance's square.
@@ -124,11 +98,10 @@ def ecef_to_ned(
     return ecef2ned(x, y, z, lat0, lon0, h0, _ellipsoid())
 
 
-@_conversion("NED", "ECEF")
 def ned_to_ecef(
     north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Earth-centred coordinates of a point north, east and down of a reference."""
+    """Earth-centred coordinates (ft) of a point north, east and down of a reference."""
     from pymap3d import ned2ecef
 
     north, east, down, lat0, lon0, h0 = arrays(
@@ -138,25 +111,22 @@ def ned_to_ecef(
     return ned2ecef(north, east, down, lat0, lon0, h0, _ellipsoid())
 
 
-@_conversion("geodetic", "NED")
 def geodetic_to_ned(
     lat: Values, lon: Values, h: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Position of a geodetic position, north, east and down of a reference."""
+    """Geodetic position (deg, ft) as north, east and down of a reference (ft)."""
     return ecef_to_ned(*geodetic_to_ecef(lat, lon, h), lat0, lon0, h0)
 
 
-@_conversion("NED", "geodetic")
 def ned_to_geodetic(
     north: Values, east: Values, down: Values, lat0: Values, lon0: Values, h0: Values = 0.0
 ) -> Components:
-    """Geodetic position of a point north, east and down of a reference."""
+    """Geodetic position (deg, ft) of a point north, east and down of a reference (ft)."""
     return ecef_to_geodetic(*ned_to_ecef(north, east, down, lat0, lon0, h0))
 
 
-@rotation("ECEF", "NED", _NED, _LATITUDE)
 def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values) -> Components:
-    """Turn a vector, such as a velocity, from Earth-centred to local NED axes."""
+    """Turn a vector, such as a velocity, from Earth-centred to the NED axes at ``lat, lon``."""
     x, y, z, lat, lon = arrays(x=x, y=y, z=z, lat=lat, lon=lon)
     _check_latitude("lat", lat)
     outward, east = turn(x, y, lon)
@@ -164,7 +134,6 @@ def ecef_vector_to_ned(x: Values, y: Values, z: Values, lat: Values, lon: Values
     return north, east, -up
 
 
-@rotation("NED", "ECEF", _NED, _LATITUDE)
 def ned_vector_to_ecef(
     north: Values, east: Values, down: Values, lat: Values, lon: Values
 ) -> Components:
@@ -176,15 +145,17 @@ def ned_vector_to_ecef(
     return x, y, z
 
 
-@rotation("ECI", "ECEF", _EARTH_ANGLE)
 def eci_to_ecef(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
-    """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis."""
+    """Turn a vector from Earth-centred inertial to Earth-fixed axes, about the polar axis.
+
+    ``earth_angle`` is the angle that the Earth has turned since the two axes coincided, deg:
+    JSBSim's ``position/epa-rad``.
+    """
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
     x, y = turn(x, y, earth_angle)
     return x, y, z
 
 
-@rotation("ECEF", "ECI", _EARTH_ANGLE)
 def ecef_to_eci(x: Values, y: Values, z: Values, earth_angle: Values) -> Components:
     """Turn a vector from Earth-fixed to Earth-centred inertial axes: inverse of `eci_to_ecef`."""
     x, y, z, earth_angle = arrays(x=x, y=y, z=z, earth_angle=earth_angle)
