@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -81,6 +82,7 @@ class _StepsSource(_EdgeSource):
         self.outputs[0] = self._levels[self.passed - 1]
 
 
+@dataclass(eq=False, repr=False)
 class DoubletSource(_StepsSource):
     """Doublet: two pulses of opposite sign, with an optional gap between them.
 
@@ -115,6 +117,7 @@ class DoubletSource(_StepsSource):
         return [(c.width, level), *([(c.gap, 0.0)] if c.gap else []), (c.width, -level)]
 
 
+@dataclass(eq=False, repr=False)
 class MultistepSource(_StepsSource):
     """Multistep: pulses of given widths and signs; a 3-2-1-1 by default.
 
@@ -156,6 +159,7 @@ class MultistepSource(_StepsSource):
         return [(c.step * width, c.amplitude * sign) for width, sign in pulses]
 
 
+@dataclass(eq=False, repr=False)
 class RampSource(_EdgeSource):
     """Ramp from 0 to a final value, held for a time or indefinitely.
 

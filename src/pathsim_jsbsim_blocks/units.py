@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
-from ._core.parameters import Parametric, parameter
-from ._core.ports import NamedFunction
+from ._core.function import NamedFunction
 from ._core.units import conversion, convert
 
 __all__ = ["UnitConversion", "conversion", "convert"]
 
 
-class UnitConversion(Parametric, NamedFunction):
+@dataclass(eq=False, repr=False)
+class UnitConversion(NamedFunction):
     """Converts a signal from one unit to another, by exact factors.
 
     Aircraft have ft, ft/s, kt and deg at their ports, air-data blocks SI.
@@ -55,17 +56,14 @@ class UnitConversion(Parametric, NamedFunction):
     (1.852, 0.0)
     """
 
-    source: str = parameter("ft")
-    target: str = parameter("m")
+    source: str = "ft"
+    target: str = "m"
 
     input_port_labels = {"in": 0}
     output_port_labels = {"out": 0}
 
-    def begin(self) -> None:
-        NamedFunction.__init__(self, self._convert)
-
     def build(self) -> None:
         self._factor, self._offset = conversion(self.source, self.target)
 
-    def _convert(self, u: Any) -> Any:
+    def function(self, u: Any) -> Any:
         return self._factor * u + self._offset

@@ -1,4 +1,4 @@
-"""Attributes of a block that is built: an unknown one is refused, naming the nearest."""
+"""Parameters of an aircraft that are set while it flies act at its next reset."""
 
 import inspect
 import warnings
@@ -8,9 +8,8 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks
-from pathsim_jsbsim_blocks import Aircraft, Autopilot, DoubletSource, PitchHold, fly
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
-from pathsim_jsbsim_blocks.errors import KeywordError
 
 pytestmark = pytest.mark.matrix
 
@@ -19,52 +18,6 @@ BLOCKS = [
     for name in pathsim_jsbsim_blocks.__all__
     if inspect.isclass(block := getattr(pathsim_jsbsim_blocks, name)) and issubclass(block, Block)
 ]
-
-
-@pytest.mark.filterwarnings("ignore:.*is not linear")
-@pytest.mark.parametrize("kind", BLOCKS, ids=lambda kind: kind.__name__)
-def test_every_block_refuses_unknown_names_and_takes_those_of_pathsim(kind):
-    block = kind()
-    for name in ("nothing_like_it", *(f"{name}_" for name in kind.info()["parameters"])):
-        with pytest.raises(KeywordError, match=name):
-            setattr(block, name, 1.0)
-        assert not hasattr(block, name)
-    block._own = 1.0
-    # all that PathSim gives a block
-    for name in vars(Block()):
-        setattr(block, name, getattr(block, name))
-
-
-@pytest.mark.parametrize(
-    ("kind", "name", "said"),
-    [
-        (PitchHold, "thetaref", "PitchHold has no parameter 'thetaref'; did you mean 'theta_ref'?"),
-        (Aircraft, "spede", "Aircraft has no parameter 'spede'; did you mean 'speed'"),
-        (Autopilot, "href", "'h_ref'"),
-        (DoubletSource, "amplitud", "did you mean 'amplitude'"),
-        (Aircraft, "elevator", "'elevator' is an input port, which a Connection leads into"),
-    ],
-)
-def test_the_nearest_is_named(kind, name, said):
-    block = kind()
-    with pytest.raises(KeywordError) as caught:
-        setattr(block, name, 5.0)
-    assert said in str(caught.value)
-    assert (caught.value.parameter, caught.value.value) == (name, 5.0)
-
-
-def test_subclasses_of_users_have_their_own():
-    class Mine(PitchHold):
-        def __init__(self, goal=3.0):
-            super().__init__("c172p", theta_ref=goal)
-            self.goal = goal
-
-    class Bare(PitchHold):
-        pass
-
-    for hold in (Mine(), Bare()):
-        hold.anything = 5
-        assert hold.anything == 5
 
 
 def flying(plane):

@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -13,12 +14,13 @@ from pathsim_jsbsim_blocks._core.checks import number, numbers, positive
 from pathsim_jsbsim_blocks._core.parameters import Parametric, parameter
 
 
+@dataclass(eq=False, repr=False)
 class Gain(Parametric):
     """A block with fields of its own."""
 
     factor: float = parameter(1.0, number, low=-2.0)
     weights: Sequence[float] = parameter((1, 2), numbers)
-    label: str = parameter("a")
+    label: str = "a"
 
     def build(self):
         c = self.checked
@@ -27,6 +29,7 @@ class Gain(Parametric):
         self.total = c.factor * sum(c.weights)
 
 
+@dataclass(eq=False)
 class Wider(Gain):
     """One with a further field."""
 
@@ -52,7 +55,7 @@ def test_fields_are_the_signature():
         "weights": {"default": (1, 2)},
         "label": {"default": "a"},
     }
-    with pytest.raises(TypeError, match="too many positional"):
+    with pytest.raises(TypeError, match="from 1 to 4 positional arguments but 5"):
         Gain(1.0, (1,), "b", 2.0)
 
 

@@ -1,131 +1,159 @@
-"""Parameters of blocks, declared once: as typed fields of the class.
+"""Parameters of blocks: fields of the standard library's dataclass, with a check beside each.
 
+    @dataclass(eq=False)
     class Gain(Parametric):
         factor: float = parameter(1.0, number)
 
-From its fields a class gets its constructor, with signature and defaults, and by that ``info()``,
-repr and the editor's form; attributes that take effect when they are set; and the checks, at
-construction and later.
+From its fields a class gets its constructor, with signature and defaults, and by that ``info()``
+and the editor's form. `Parametric` checks them when the block is built and when one is set later.
 """
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import inspect
+import reprlib
 from collections.abc import Callable
 from functools import partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any
 
-from .ports import NamedPorts
+from pathsim.blocks import Block
 
-if TYPE_CHECKING:
-    from typing_extensions import dataclass_transform
-else:
-
-    def dataclass_transform(**options: Any) -> Callable[[type], type]:
-        return lambda cls: cls
-
+from ..errors import BlocksError, ParameterError
+from . import wiring  # noqa: F401  (warns of mistakes in the wiring)
+from .checks import did_you_mean, nearest_ports, refuse_unknown
+from .pathsim_internals import NamedRegister, port_names
+from .ports import label
 
 # the value for a parameter, from its name and what was given
 Check = Callable[..., Any]
 
 
-class Parameter:
-    """Attribute for a parameter; to set it is to configure the block anew."""
-
-    name: str
-
-    def __init__(self, default: Any = inspect.Parameter.empty, check: Check | None = None):
-        self.default = default
-        self.check = check
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    def __get__(self, block: Any, owner: type) -> Any:
-        if block is None:
-            return self
-        try:
-            return block.__dict__[self.name]
-        except KeyError:
-            raise AttributeError(self.name) from None
-
-    def __set__(self, block: Parametric, value: Any) -> None:
-        # a subclass may add its own parameters after the constructor of its base
-        if block.configured and self.name in block.__dict__:
-            block.set(**{self.name: value})
-        else:
-            block.__dict__[self.name] = value
-
-
 def parameter(default: Any, check: Check | None = None, **bounds: Any) -> Any:
     """A field: a default, and a check such as `number` with its bounds."""
-    return Parameter(default, partial(check, **bounds) if check and bounds else check)
+    check = partial(check, **bounds) if check and bounds else check
+    return dataclasses.field(default=default, metadata={"check": check})
 
 
-@dataclass_transform()
-class Parametric(NamedPorts):
-    """Base of blocks whose parameters are fields and may be changed while the diagram runs.
+@functools.cache
+def _keywords(cls: type) -> list[str]:
+    """Names that the constructor takes, and those that it passes on."""
+    known: list[str] = []
+    for base in cls.__mro__:
+        if "__init__" in vars(base):
+            parameters = list(inspect.signature(vars(base)["__init__"]).parameters.values())[1:]
+            kinds = [p.kind for p in parameters]
+            known += [p.name for p in parameters if p.kind is not p.VAR_KEYWORD]
+            if inspect.Parameter.VAR_KEYWORD not in kinds:
+                break
+    return known
 
-    A subclass implements `build`, which puts the parameters into effect: it finds their checked
-    values in ``self.checked``. Parameters set later are checked in the same way; where a value is
-    refused, the block stays as it was. A subclass may have a constructor of its own in place of
-    fields, which stores its parameters.
+
+@dataclasses.dataclass(eq=False, repr=False)
+class Parametric(Block):
+    """Base of all blocks here: parameters are fields, and ports and parameters go by their names.
+
+    A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `begin`, which makes
+    PathSim's block, and `build`, which puts the parameters into effect: it finds their checked
+    values in ``self.checked``. A parameter that is set later builds the block anew; where a value
+    is refused, the block stays as it was.
     """
 
-    configured = False
-    checked: ClassVar[SimpleNamespace]
-    _fields: ClassVar[dict[str, Parameter]] = {}
+    # class variables, without annotations: they are no fields
+    _built = False
+    checked = SimpleNamespace()
 
-    def __init_subclass__(cls, **keywords: Any) -> None:
-        own = {name: x for name, x in vars(cls).items() if isinstance(x, Parameter)}
-        if "__init__" in vars(cls):
-            for name in list(inspect.signature(cls.__init__).parameters)[1:]:
-                if not isinstance(getattr(cls, name, None), Parameter):
-                    field = Parameter()
-                    field.__set_name__(cls, name)
-                    setattr(cls, name, field)
-        elif own:
-            cls._fields = {**cls._fields, **own}
-            cls.__init__ = _constructor(cls)  # type: ignore[method-assign, misc]
-        super().__init_subclass__(**keywords)
+    def __new__(cls, *arguments: Any, **keywords: Any) -> Any:
+        known = _keywords(cls)  # type: ignore[arg-type]  # mypy: no hash without eq
+        refuse_unknown(cls.__name__, keywords, known, cls.input_port_labels or ())
+        return super().__new__(cls)
+
+    def __post_init__(self) -> None:
+        self.begin()
+        for side in ("inputs", "outputs"):
+            register = getattr(self, side)
+            if not isinstance(register, NamedRegister):
+                setattr(self, side, NamedRegister(len(register), port_names(register)))
+        self.configure()
 
     def begin(self) -> None:
-        """Make the block itself, once its parameters are stored."""
-        NamedPorts.__init__(self)
+        """Make PathSim's block, once the parameters are stored."""
+        super().__init__()
 
     def build(self) -> None:
         """Put the parameters into effect."""
 
     def configure(self) -> None:
         """Check the parameters and put them into effect."""
-        checks = {name: field.check for name, field in self._fields.items() if field.check}
-        values = {name: check(name, self.__dict__[name]) for name, check in checks.items()}
-        self.checked = SimpleNamespace(**values)  # type: ignore[misc]
+        checks = [(f.name, f.metadata.get("check")) for f in dataclasses.fields(self)]
+        values = {name: check(name, getattr(self, name)) for name, check in checks if check}
+        self.checked = SimpleNamespace(**values)
         self.build()
-        self.configured = True
+        self._built = True
 
-    def _put(self, values: dict[str, Any]) -> None:
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__dataclass_fields__ and self._built:
+            self.change({name: value})
+        else:
+            super().__setattr__(name, value)
+
+    def set(self, **values: Any) -> None:
+        """Set several parameters at once, as PathSim's ``@mutable`` blocks do.
+
+        They are checked together: ``pid.set(low=2.0, high=3.0)`` works in either order. If one is
+        refused, none is set.
+
+        Raises
+        ------
+        ParameterError
+            for a parameter that the block does not have, naming the nearest, and for bad values
+        """
+        known = dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
+        refuse_unknown(type(self).__name__, values, known, port_names(self.inputs))
+        self.change(values)
+
+    def change(self, values: dict[str, Any]) -> None:
+        """Let parameters that are set take effect; take them back if they are refused."""
+        before = {name: getattr(self, name) for name in values}
         self.__dict__.update(values)
-        self.configure()
+        try:
+            self.configure()
+        except Exception:
+            self.__dict__.update(before)
+            self.configure()
+            raise
 
+    def __repr__(self) -> str:
+        given = []
+        for name, parameter in inspect.signature(type(self)).parameters.items():
+            value = getattr(self, name, parameter.default)
+            # by its text, because arrays do not compare to one value
+            if repr(value) != repr(parameter.default):
+                given.append(f"{name}={reprlib.repr(value)}")
+        return f"{type(self).__name__}({', '.join(given)})"
 
-def _constructor(cls: type[Parametric]) -> Callable[..., None]:
-    types = inspect.get_annotations(cls)
-    made = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
-    for name, field in cls._fields.items():
-        annotation = types.get(name, inspect.Parameter.empty)
-        made.append(made[0].replace(name=name, default=field.default, annotation=annotation))
-    signature = inspect.Signature(made, return_annotation=None)
+    @classmethod
+    def info(cls) -> dict[str, Any]:
+        """Metadata of the block, as PathSim gives it, with the ports as PathView labels them."""
+        found = dict(super().info())
+        for side in ("input_port_labels", "output_port_labels"):
+            found[side] = found[side] and {label(n): i for n, i in found[side].items()}
+        return found
 
-    def __init__(self: Parametric, *arguments: Any, **keywords: Any) -> None:
-        given = signature.bind(self, *arguments, **keywords)
-        given.apply_defaults()
-        self.__dict__.update(list(given.arguments.items())[1:])
-        self.begin()
-        self.configure()
+    def __getitem__(self, key: Any) -> Any:
+        names = self._ipython_key_completions_()
+        for port in key if isinstance(key, (list, tuple)) else [key]:
+            if isinstance(port, str) and port not in names:
+                close = nearest_ports(port, names)
+                known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}"
+                message = f"{type(self).__name__} has no port {port!r}{known}"
+                raise self._no_port(message, port, close)
+        return super().__getitem__(key)
 
-    __init__.__signature__ = signature  # type: ignore[attr-defined]
-    __init__.__qualname__ = f"{cls.__qualname__}.__init__"
-    __init__.__module__ = cls.__module__
-    return __init__
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*port_names(self.inputs), *port_names(self.outputs)]
+
+    def _no_port(self, message: str, port: str, close: list[str]) -> BlocksError:
+        return ParameterError(message, parameter="port", value=port)

@@ -8,7 +8,6 @@ from typing import ClassVar
 from .callers import warn_user
 from .parameters import Parametric
 from .pathsim_internals import port_names
-from .ports import NamedPorts
 from .sampling import SampledLaw
 
 
@@ -16,7 +15,7 @@ class TunableLaw(Parametric, SampledLaw):
     """Base of sampled laws whose parameters take effect at the next sample.
 
     `build` makes the plain laws, for the period ``self.clock.period``: a new T takes effect at the
-    next reset. A subclass with a constructor of its own ends it with ``self.configure()``.
+    next reset.
     """
 
     # inputs that must be connected
@@ -25,11 +24,8 @@ class TunableLaw(Parametric, SampledLaw):
     commands: ClassVar[Mapping[str, str]] = {}
     _wires_seen = False
 
-    def __init__(self, T: float) -> None:
-        NamedPorts.__init__(self, T)
-
     def begin(self) -> None:
-        TunableLaw.__init__(self, self.T)
+        SampledLaw.__init__(self, self.T)
 
     def start_step(self, t: float) -> None:
         super().start_step(t)

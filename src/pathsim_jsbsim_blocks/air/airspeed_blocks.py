@@ -104,7 +104,7 @@ class _Conversion(AirDataBlock):
     def _eval(self, speed: float, altitude: float, temp_deviation: float = 0.0) -> float:
         return self._convert(speed, self._isa(altitude, temp_deviation))
 
-    _outputs = _eval  # type: ignore[assignment]
+    function = _eval  # type: ignore[assignment]
 
 
 class EAStoTAS(_Conversion, flight.EAStoTAS):

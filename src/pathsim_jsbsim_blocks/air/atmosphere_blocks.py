@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
 from typing import Any
@@ -10,9 +11,9 @@ import pathsim_flight.atmosphere as flight
 
 from .._core.callers import warn_user
 from .._core.checks import finite, one_of, refuse
-from .._core.parameters import Parametric, parameter
+from .._core.function import NamedFunction
+from .._core.parameters import parameter
 from .._core.pathsim_internals import values
-from .._core.ports import NamedFunction
 from ..errors import FlightError, ParameterError
 from .atmosphere import (
     A0,
@@ -33,7 +34,8 @@ from .atmosphere import (
 OUT_OF_RANGE = ("extrapolate", "clamp", "error")
 
 
-class AirDataBlock(Parametric, NamedFunction):
+@dataclass(eq=False, repr=False)
+class AirDataBlock(NamedFunction):
     """Algebraic block with an ``altitude`` port and a rule for altitudes out of range.
 
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
@@ -43,7 +45,7 @@ class AirDataBlock(Parametric, NamedFunction):
     out_of_range: str = parameter("extrapolate", one_of, choices=OUT_OF_RANGE)
 
     def begin(self) -> None:
-        NamedFunction.__init__(self, self._outputs)
+        super().begin()
         self._warned = False
 
     def build(self) -> None:
@@ -59,14 +61,14 @@ class AirDataBlock(Parametric, NamedFunction):
             super().update(t)
             return
         try:  # Python floats, without the operator between: twice as fast
-            self.outputs.update_from_array(self._outputs(*values(self.inputs)))
+            self.outputs.update_from_array(self.function(*values(self.inputs)))
         except ParameterError as error:
             message = f"{type(self).__name__} at t = {t} s: {error}"
             raise FlightError(
                 message, aircraft="", time=t, name=error.parameter, value=error.value
             ) from error
 
-    def _outputs(self, *inputs: float) -> Any:
+    def function(self, *inputs: float) -> Any:
         return self._eval(*inputs)
 
     def _isa(self, altitude: float, temp_deviation: float = 0.0) -> Air:
@@ -173,6 +175,6 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
         rt = R * temperature
         return pressure, pressure / rt, temperature, sqrt(GAMMA * rt)
 
-    def _outputs(self, *inputs: float) -> tuple[float, ...]:
+    def function(self, *inputs: float) -> tuple[float, ...]:
         pressure, density, temperature, speed_of_sound = self._eval(*inputs)
         return pressure, density, temperature, speed_of_sound, viscosity(temperature)

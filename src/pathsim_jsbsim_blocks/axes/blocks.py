@@ -7,15 +7,17 @@ JSBSim Reference Manual, Concepts, Frames of Reference.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from .._core.checks import number
-from .._core.parameters import Parametric, parameter
-from .._core.ports import NamedFunction
+from .._core.function import NamedFunction
+from .._core.parameters import parameter
 from .aircraft import body_to_drag_side_lift, body_to_ned, drag_side_lift_to_body, ned_to_body
 from .earth import geodetic_to_ned
 
 
+@dataclass(eq=False, repr=False)
 class WindToBody(NamedFunction):
     """Drag, side force and lift to forces along the body axes.
 
@@ -45,10 +47,10 @@ class WindToBody(NamedFunction):
     input_port_labels = {"drag": 0, "side": 1, "lift": 2, "alpha": 3, "beta": 4}
     output_port_labels = {"x": 0, "y": 1, "z": 2}
 
-    def __init__(self) -> None:
-        super().__init__(func=drag_side_lift_to_body)
+    function = staticmethod(drag_side_lift_to_body)
 
 
+@dataclass(eq=False, repr=False)
 class BodyToWind(NamedFunction):
     """Forces along the body axes to drag, side force and lift.
 
@@ -79,10 +81,10 @@ class BodyToWind(NamedFunction):
     input_port_labels = {"x": 0, "y": 1, "z": 2, "alpha": 3, "beta": 4}
     output_port_labels = {"drag": 0, "side": 1, "lift": 2}
 
-    def __init__(self) -> None:
-        super().__init__(func=body_to_drag_side_lift)
+    function = staticmethod(body_to_drag_side_lift)
 
 
+@dataclass(eq=False, repr=False)
 class NEDToBody(NamedFunction):
     """Turn a vector from north, east, down to the body axes by the 3-2-1 Euler angles.
 
@@ -105,10 +107,10 @@ class NEDToBody(NamedFunction):
     input_port_labels = {"north": 0, "east": 1, "down": 2, "phi": 3, "theta": 4, "psi": 5}
     output_port_labels = {"x": 0, "y": 1, "z": 2}
 
-    def __init__(self) -> None:
-        super().__init__(func=ned_to_body)
+    function = staticmethod(ned_to_body)
 
 
+@dataclass(eq=False, repr=False)
 class BodyToNED(NamedFunction):
     """Turn a vector from the body axes to north, east, down by the 3-2-1 Euler angles.
 
@@ -130,11 +132,11 @@ class BodyToNED(NamedFunction):
     input_port_labels = {"x": 0, "y": 1, "z": 2, "phi": 3, "theta": 4, "psi": 5}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
 
-    def __init__(self) -> None:
-        super().__init__(func=body_to_ned)
+    function = staticmethod(body_to_ned)
 
 
-class GeodeticToNED(Parametric, NamedFunction):
+@dataclass(eq=False, repr=False)
+class GeodeticToNED(NamedFunction):
     """Position north, east and down of a reference point, such as a runway threshold.
 
     The axes are tangent to JSBSim's ellipsoid (WGS84) at the reference.
@@ -173,9 +175,6 @@ class GeodeticToNED(Parametric, NamedFunction):
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
 
-    def begin(self) -> None:
-        NamedFunction.__init__(self, self._position)
-
-    def _position(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
+    def function(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
         c = self.checked
         return geodetic_to_ned(lat, lon, h, c.lat0, c.lon0, c.h0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ class ActuatorState(NamedTuple):
     rate: float = 0.0
 
 
+@dataclass(eq=False, repr=False)
 class Actuator(DescribedLaw):
     """Second-order actuator with limits of rate and position.
 
@@ -76,9 +78,9 @@ class Actuator(DescribedLaw):
     frequency: float = parameter(30.0, positive)
     damping: float = parameter(0.7, number, low=0.0)
     max_rate: float = parameter(math.inf, number, above=0.0, infinite=True)
-    low: float = parameter(-1.0)
-    high: float = parameter(1.0)
-    initial: float = parameter(0.0)
+    low: float = -1.0
+    high: float = 1.0
+    initial: float = 0.0
     T: float = parameter(1 / 120, positive)
 
     measured = ("u",)

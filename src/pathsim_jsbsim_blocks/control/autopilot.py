@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .._core.checks import number, optional, positive
@@ -47,6 +48,7 @@ class AutopilotState(NamedTuple):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class Autopilot(Hold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
@@ -158,7 +160,7 @@ class Autopilot(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     theta_ref: float | None = parameter(None, optional)
     h_ref: float | None = parameter(None, optional)
     phi_ref: float | None = parameter(None, optional)

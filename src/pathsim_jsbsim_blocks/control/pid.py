@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 from .._core.checks import limits, number, positive
@@ -181,6 +182,7 @@ class PID:
         )
 
 
+@dataclass(eq=False, repr=False)
 class DiscretePID(DescribedLaw):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
@@ -254,16 +256,16 @@ class DiscretePID(DescribedLaw):
     Astrom, Hagglund: *Advanced PID Control*, ISA, 2006, chapters 3 and 13.
     """
 
-    Kp: float = parameter(1.0)
-    Ki: float = parameter(0.0)
-    Kd: float = parameter(0.0)
-    Kr: float = parameter(0.0)
-    b: float = parameter(1.0)
-    Tf: float = parameter(0.0)
-    Tt: float | None = parameter(None)
-    Te: float = parameter(0.3)
-    low: float = parameter(-1.0)
-    high: float = parameter(1.0)
+    Kp: float = 1.0
+    Ki: float = 0.0
+    Kd: float = 0.0
+    Kr: float = 0.0
+    b: float = 1.0
+    Tf: float = 0.0
+    Tt: float | None = None
+    Te: float = 0.3
+    low: float = -1.0
+    high: float = 1.0
     T: float = parameter(1 / 120, positive)
 
     measured = ("y",)
@@ -271,7 +273,7 @@ class DiscretePID(DescribedLaw):
     output_port_labels = {"u": 0}
 
     def build(self) -> None:
-        gains = {name: getattr(self, name) for name in self._fields if name != "T"}
+        gains = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "T"}
         self._pid = PID(self.clock.period, **gains)
 
     START = PID.FROM_REST

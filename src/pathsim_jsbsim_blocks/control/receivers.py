@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 from .._core.checks import number, positive, whole
@@ -67,6 +68,7 @@ class _Receiver(TunableLaw):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class Localizer(_Receiver):
     """Receiver of a localizer: where the aircraft is beside the course to a runway.
 
@@ -121,6 +123,7 @@ class Localizer(_Receiver):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class Glideslope(_Receiver):
     """Receiver of a glide slope: how high the aircraft is above the path to a runway.
 

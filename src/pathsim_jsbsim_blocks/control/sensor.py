@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 from .._core.checks import number, positive, whole
@@ -11,6 +12,7 @@ from .._core.parameters import parameter
 from .._core.tunable import TunableLaw
 
 
+@dataclass(eq=False, repr=False)
 class Sensor(TunableLaw):
     """Sampled measurement with lag, bias, noise and quantisation.
 

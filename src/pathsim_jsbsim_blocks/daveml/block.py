@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from .._core.checks import number, refuse
 from .._core.pathsim_internals import NamedRegister, WiredRegister, port_names, show, values
+from .._core.sampling import SampledLaw
 from .._core.tunable import TunableLaw
 from ..errors import DaveMLError, FlightError
 from .model import DaveModel, Variable
 
 
+@dataclass(eq=False, repr=False)
 class DaveML(TunableLaw):
     """Model in DAVE-ML (ANSI/AIAA S-119), with its inputs and outputs as ports.
 
@@ -47,24 +50,22 @@ class DaveML(TunableLaw):
         in a run, if an input is not finite or a variable has no value
     """
 
-    input_port_labels: Any = None
-    output_port_labels: Any = None
+    file: str = "f16_control.dml"
+    T: float = 0.0
 
-    def __init__(self, file: str = "f16_control.dml", T: float = 0.0) -> None:
+    input_port_labels: ClassVar[Any] = None
+    output_port_labels: ClassVar[Any] = None
+
+    def begin(self) -> None:
         # without T the clock stands still
-        super().__init__(number("T", T, low=0.0) or 1.0)
-        self.file = file
+        T = self.T
+        SampledLaw.__init__(self, number("T", T, low=0.0) or 1.0)
         self.T = T
         if not T:
             self.events = []
-        self.model, self._file = DaveModel(file), file
+        self.model, self._file = DaveModel(self.file), self.file
         self.inputs = WiredRegister.of(_ports(self.model.inputs))
         self.outputs = NamedRegister.of(_ports(self.model.outputs))
-        self.configure()
-
-    def configure(self) -> None:
-        self.build()
-        self.configured = True
 
     def build(self) -> None:
         if (number("T", self.T, low=0.0) > 0) != bool(self.events):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from .._core.aircraft_ports import (
     ALMOST_NORTH,
@@ -15,7 +16,6 @@ from .._core.aircraft_ports import (
     SURFACES,
 )
 from .._core.callers import warn_user
-from .._core.parameters import Parametric, parameter
 from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
@@ -32,7 +32,8 @@ _WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "ea
 
 
 @fill
-class Aircraft(FlightBlock, Parametric):
+@dataclass(eq=False, repr=False)
+class Aircraft(FlightBlock):
     """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
 
     The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
@@ -117,36 +118,36 @@ class Aircraft(FlightBlock, Parametric):
     1.29
     """
 
-    aircraft: str = parameter("c172p")
-    altitude: float = parameter(5000.0)
-    speed: float = parameter(100.0)
-    mach: float | None = parameter(None)
-    gamma: float = parameter(0.0)
-    heading: float = parameter(0.0)
-    bank: float = parameter(0.0)
-    mode: str = parameter("full")
-    gear: float | None = parameter(None)
-    flaps: float | None = parameter(None)
-    T: float = parameter(1 / 120)
-    substeps: int = parameter(1)
-    condition: TrimCondition | None = parameter(None)
-    setup: Mapping[str, float] | None = parameter(None)
-    properties: Mapping[str, float] | None = parameter(None)
-    root: str | None = parameter(None)
-    create: Mapping[str, float] | None = parameter(None)
-    record_inputs: bool = parameter(False)
-    allow_network: bool = parameter(False)
-    allow_files: bool = parameter(False)
-    integrators: str | Mapping[str, str] = parameter("default")
-    planet: str | Mapping[str, float] | None = parameter(None)
-    gravity: str | None = parameter(None)
-    flightgear: str | None = parameter(None)
-    latitude: float | None = parameter(None)
-    longitude: float | None = parameter(None)
-    input_properties: Sequence[str] | None = parameter(None)
-    output_properties: Sequence[str] | None = parameter(None)
-    sink_max: float = parameter(15.0)
-    scrape_max: float = parameter(0.0)
+    aircraft: str = "c172p"
+    altitude: float = 5000.0
+    speed: float = 100.0
+    mach: float | None = None
+    gamma: float = 0.0
+    heading: float = 0.0
+    bank: float = 0.0
+    mode: str = "full"
+    gear: float | None = None
+    flaps: float | None = None
+    T: float = 1 / 120
+    substeps: int = 1
+    condition: TrimCondition | None = None
+    setup: Mapping[str, float] | None = None
+    properties: Mapping[str, float] | None = None
+    root: str | None = None
+    create: Mapping[str, float] | None = None
+    record_inputs: bool = False
+    allow_network: bool = False
+    allow_files: bool = False
+    integrators: str | Mapping[str, str] = "default"
+    planet: str | Mapping[str, float] | None = None
+    gravity: str | None = None
+    flightgear: str | None = None
+    latitude: float | None = None
+    longitude: float | None = None
+    input_properties: Sequence[str] | None = None
+    output_properties: Sequence[str] | None = None
+    sink_max: float = 15.0
+    scrape_max: float = 0.0
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
     output_port_labels = {name: i for i, name in enumerate(OUTPUTS)}
@@ -210,8 +211,8 @@ class Aircraft(FlightBlock, Parametric):
             (writer(SURFACES["rudder"]), state.rudder, -1.0, 1.0),
         ]
         added = [
-            (port, behind(name, SHORT_INPUTS))
-            for port, name in enumerate(self.further(self.inputs), len(self.input_port_labels))
+            (self.input_port_labels[name], behind(name, SHORT_INPUTS))
+            for name in self.further(self.inputs)
         ]
         # of single engines; port 0 is the elevator
         own = {canonical(names[0]): port for port, names in added}

@@ -21,8 +21,8 @@ from pathsim.utils.register import Register
 from .._core.callers import warn_user
 from .._core.checks import flag, number, one_of, positive, refuse, whole
 from .._core.continuous import Matrices
+from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister, port_names, show, values
-from .._core.ports import NamedPorts
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
 from .._core.wiring import name_of
 from ..errors import (
@@ -86,9 +86,11 @@ Read = Callable[[], list[float]]
 at_take_off: list[Callable[[FlightBlock], None]] = []
 
 
-class FlightBlock(NamedPorts, SampledPlant):
+class FlightBlock(Parametric, SampledPlant):
     """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
 
+    input_port_labels: Any
+    output_port_labels: Any
     # the parameters, which each block declares in its own order
     substeps: int
     condition: TrimCondition | None
@@ -122,27 +124,36 @@ class FlightBlock(NamedPorts, SampledPlant):
     _warned_of_reset = False
 
     def begin(self) -> None:
-        NamedPorts.__init__(self, self.T)
+        SampledPlant.__init__(self, self.T)
         self.record_inputs = flag("record_inputs", self.record_inputs)
         if self.flightgear is None:
             self.flightgear = next_address()
         self.input_properties = listed("input_properties", self.input_properties)
         self.output_properties = listed("output_properties", self.output_properties)
-        if self.input_properties or self.input_port_labels is None:
-            self.inputs = NamedRegister.of(self.input_port_labels or (), self.input_properties)
-        if self.output_properties or self.output_port_labels is None:
-            self.outputs = NamedRegister.of(self.output_port_labels or (), self.output_properties)
+        self.inputs = NamedRegister.of(self.input_port_labels or (), self.input_properties)
+        self.outputs = NamedRegister.of(self.output_port_labels or (), self.output_properties)
+        self.input_port_labels = dict(port_names(self.inputs))
+        self.output_port_labels = dict(port_names(self.outputs))
 
-    def configure(self) -> None:
+    def build(self) -> None:
         self.take_off()
 
-    def _put(self, values: dict[str, Any]) -> None:
-        # one by one, because they act at the next reset
-        NamedPorts._put(self, values)
+    def change(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            # by its text, because arrays do not compare to one value
+            changed = name not in _NOT_AT_RESET and repr(value) != repr(getattr(self, name))
+            self.__dict__[name] = value
+            if changed and not self._warned_of_reset:
+                self._warned_of_reset = True
+                warn_user(
+                    f"{name_of(self)}.{name} = {value!r} acts at the next reset: sim.reset() or "
+                    "sim.run(..., reset=True)"
+                )
 
     def further(self, ports: Register) -> list[str]:
         """Names of the inputs or outputs after the fixed ones."""
-        fixed = self.input_port_labels if ports is self.inputs else self.output_port_labels
+        kind: Any = type(self)
+        fixed = kind.input_port_labels if ports is self.inputs else kind.output_port_labels
         return list(port_names(ports))[len(fixed or ()) :]
 
     def check_properties(self, taken: Mapping[str, str] = {}) -> None:
@@ -159,22 +170,18 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _condition(self) -> TrimCondition:
         """The condition that the block's parameters ask for, flat or as a condition, not both."""
-        parameters = inspect.signature(self._class()).parameters
-        names = {name: self._trim_names.get(name, name) for name in parameters}
+        defaults = {f.name: f.default for f in fields(self)}
+        names = {name: self._trim_names.get(name, name) for name in defaults}
         given = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
             return TrimCondition(**{field: getattr(self, name) for name, field in given.items()})
         check_condition(self.condition)
         for name in given:
             value = getattr(self, name)
-            if np.any(value != parameters[name].default):  # an array is refused here too
+            if np.any(value != defaults[name]):  # an array is refused here too
                 why = f"both condition and {name}={value!r} are given: put {name} into the "
                 refuse(name, value, f"{why}condition")
         return self.condition
-
-    def _class(self) -> type[FlightBlock]:
-        """The aircraft block itself: a user's subclass may have other parameters."""
-        return next(c for c in type(self).__mro__ if "_fields" in vars(c))
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         """Inputs and outputs as properties."""
@@ -322,8 +329,9 @@ class FlightBlock(NamedPorts, SampledPlant):
 
     def _twin(self) -> FlightBlock:
         """A sealed block with the same parameters and a fresh aircraft."""
-        block = self._class()
-        parameters = {name: getattr(self, name) for name in inspect.signature(block).parameters}
+        # a user's subclass with a constructor of its own may have other parameters
+        block: Any = next(c for c in type(self).__mro__ if "__dataclass_fields__" in vars(c))
+        parameters = {f.name: getattr(self, f.name) for f in fields(block)}
         sealed = {"allow_network": False, "allow_files": False, "flightgear": None}
         with patch(f"{__name__}.at_take_off", []), sending_to(None):
             return block(**{**parameters, **sealed})
@@ -419,24 +427,6 @@ class FlightBlock(NamedPorts, SampledPlant):
     def fdm(self) -> jsbsim.FGFDMExec:
         """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` may replace it."""
         return self.airframe.fdm
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        changed = (
-            self._built
-            and not self._warned_of_reset
-            and name[0] != "_"
-            and name in self.info()["parameters"]
-            and name not in _NOT_AT_RESET
-            # by its text, because arrays do not compare to one value
-            and repr(value) != repr(getattr(self, name))
-        )
-        super().__setattr__(name, value)
-        if changed:
-            self._warned_of_reset = True
-            warn_user(
-                f"{name_of(self)}.{name} = {value!r} acts at the next reset: sim.reset() or "
-                "sim.run(..., reset=True)"
-            )
 
     def __repr__(self) -> str:
         if not hasattr(self, "trim"):

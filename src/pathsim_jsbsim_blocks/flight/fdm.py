@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from .._core.parameters import Parametric, parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
@@ -15,7 +15,8 @@ _ROUNDING = 1e-9  # of a search that ends at 0
 
 
 @fill
-class JSBSimFDM(FlightBlock, Parametric):
+@dataclass(eq=False, repr=False)
+class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
 
     The aircraft is trimmed when the block is built. At t = 0 the outputs are the trimmed state; at
@@ -80,30 +81,30 @@ class JSBSimFDM(FlightBlock, Parametric):
     1.29
     """
 
-    T: float = parameter(1 / 120)
-    input_properties: Sequence[str] | None = parameter(None)
-    output_properties: Sequence[str] | None = parameter(None)
-    JSBSim_path: str | None = parameter(None)
-    aircraft_model: str = parameter("737")
-    trim_airspeed: float = parameter(200)
-    trim_altitude: float = parameter(1000)
-    trim_gamma: float = parameter(0)
-    trim_heading: float = parameter(0.0)
-    trim_mode: str = parameter("full")
-    gear: float | None = parameter(None)
-    flaps: float | None = parameter(None)
-    condition: TrimCondition | None = parameter(None)
-    setup: Mapping[str, float] | None = parameter(None)
-    properties: Mapping[str, float] | None = parameter(None)
-    substeps: int = parameter(1)
-    create: Mapping[str, float] | None = parameter(None)
-    record_inputs: bool = parameter(False)
-    allow_network: bool = parameter(False)
-    allow_files: bool = parameter(False)
-    integrators: str | Mapping[str, str] = parameter("default")
-    planet: str | Mapping[str, float] | None = parameter(None)
-    gravity: str | None = parameter(None)
-    flightgear: str | None = parameter(None)
+    T: float = 1 / 120
+    input_properties: Sequence[str] | None = None
+    output_properties: Sequence[str] | None = None
+    JSBSim_path: str | None = None
+    aircraft_model: str = "737"
+    trim_airspeed: float = 200
+    trim_altitude: float = 1000
+    trim_gamma: float = 0
+    trim_heading: float = 0.0
+    trim_mode: str = "full"
+    gear: float | None = None
+    flaps: float | None = None
+    condition: TrimCondition | None = None
+    setup: Mapping[str, float] | None = None
+    properties: Mapping[str, float] | None = None
+    substeps: int = 1
+    create: Mapping[str, float] | None = None
+    record_inputs: bool = False
+    allow_network: bool = False
+    allow_files: bool = False
+    integrators: str | Mapping[str, str] = "default"
+    planet: str | Mapping[str, float] | None = None
+    gravity: str | None = None
+    flightgear: str | None = None
 
     input_port_labels = None
     output_port_labels = None

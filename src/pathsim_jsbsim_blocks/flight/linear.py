@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
-from .._core.parameters import Parametric, parameter
 from .._core.ports import numbered
 from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
@@ -76,7 +75,8 @@ def linear_model(
 
 
 @fill
-class LinearAircraft(LinearModelBlock, Parametric):
+@dataclass(eq=False, repr=False)
+class LinearAircraft(LinearModelBlock):
     """Linear model of a trimmed JSBSim aircraft, with the commands and outputs of `Aircraft`.
 
     .. math::
@@ -130,31 +130,34 @@ class LinearAircraft(LinearModelBlock, Parametric):
     1.29
     """
 
-    aircraft: str = parameter("c172p")
-    altitude: float = parameter(5000.0)
-    speed: float = parameter(100.0)
-    mach: float | None = parameter(None)
-    gamma: float = parameter(0.0)
-    heading: float = parameter(0.0)
-    gear: float | None = parameter(None)
-    flaps: float | None = parameter(None)
-    T: float = parameter(1 / 120)
-    substeps: int = parameter(1)
-    condition: TrimCondition | None = parameter(None)
-    setup: Mapping[str, float] | None = parameter(None)
-    properties: Mapping[str, float] | None = parameter(None)
-    method: str = parameter("flown")
-    root: str | None = parameter(None)
-    create: Mapping[str, float] | None = parameter(None)
+    model: LinearModel = field(init=False)
+    aircraft: str = "c172p"
+    altitude: float = 5000.0
+    speed: float = 100.0
+    mach: float | None = None
+    gamma: float = 0.0
+    heading: float = 0.0
+    gear: float | None = None
+    flaps: float | None = None
+    T: float = 1 / 120
+    substeps: int = 1
+    condition: TrimCondition | None = None
+    setup: Mapping[str, float] | None = None
+    properties: Mapping[str, float] | None = None
+    method: str = "flown"
+    root: str | None = None
+    create: Mapping[str, float] | None = None
 
     # the model has no wind
     input_port_labels = numbered("elevator aileron rudder throttle")
     output_port_labels = Aircraft.output_port_labels
 
     def begin(self) -> None:
-        plane = Aircraft(**{name: getattr(self, name) for name in self._fields if name != "method"})
-        model = plane.linear_model(self.method)
-        LinearModelBlock.__init__(self, _with_ports(model, self.input_port_labels))
+        given = {f.name: getattr(self, f.name) for f in fields(LinearAircraft) if f.init}
+        method = given.pop("method")
+        model = Aircraft(**given).linear_model(method)
+        self.model = _with_ports(model, self.input_port_labels)
+        super().begin()
 
 
 def _with_ports(model: LinearModel, names: Iterable[str]) -> LinearModel:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
 from .._core.checks import must_be
+from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister
-from .._core.ports import NamedPorts
 from .model import LinearModel
 
 
-class LinearModelBlock(NamedPorts, StateSpace):
+@dataclass(eq=False, repr=False)
+class LinearModelBlock(Parametric, StateSpace):
     """Linear model of an aircraft, with the ports of the aircraft block that it stands in for.
 
     .. math::
@@ -43,24 +45,37 @@ class LinearModelBlock(NamedPorts, StateSpace):
         if ``model`` is not a LinearModel
     """
 
-    input_port_labels: Any = None
-    output_port_labels: Any = None
+    input_port_labels: ClassVar[Any] = None
+    output_port_labels: ClassVar[Any] = None
 
-    def __init__(self, model: LinearModel) -> None:
+    model: LinearModel
+
+    def begin(self) -> None:
+        model = self.model
         if not isinstance(model, LinearModel):
             must_be("model", model, "a LinearModel")
-        super().__init__(*model.with_lags(model.latency * model.dt))
-        self.model = model
+        StateSpace.__init__(self, *model.with_lags(model.latency * model.dt))
         self.inputs = NamedRegister.of(model.inputs)
         self.outputs = NamedRegister.of(model.outputs)
-        self.op_dyn = DynamicOperator(
-            func=lambda x, u, t: self.A @ x + self.B @ (u - model.u0),
-            jac_x=lambda x, u, t: self.A,
-            jac_u=lambda x, u, t: self.B,
-        )
-        self.op_alg = DynamicOperator(
-            func=lambda x, u, t: model.y0 + self.C @ x + self.D @ (u - model.u0),
-            jac_x=lambda x, u, t: self.C,
-            jac_u=lambda x, u, t: self.D,
-        )
+        self.op_dyn = DynamicOperator(self._slope, self._a, self._b)
+        self.op_alg = DynamicOperator(self._output, self._c, self._d)
         self.outputs.update_from_array(model.y0)
+
+    # methods, because functions made here could not be pickled, nor copied with the block
+    def _slope(self, x: Any, u: Any, t: float) -> Any:
+        return self.A @ x + self.B @ (u - self.model.u0)
+
+    def _output(self, x: Any, u: Any, t: float) -> Any:
+        return self.model.y0 + self.C @ x + self.D @ (u - self.model.u0)
+
+    def _a(self, x: Any, u: Any, t: float) -> Any:
+        return self.A
+
+    def _b(self, x: Any, u: Any, t: float) -> Any:
+        return self.B
+
+    def _c(self, x: Any, u: Any, t: float) -> Any:
+        return self.C
+
+    def _d(self, x: Any, u: Any, t: float) -> Any:
+        return self.D

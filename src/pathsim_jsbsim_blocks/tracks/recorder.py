@@ -5,14 +5,14 @@ from __future__ import annotations
 import datetime
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pathsim.blocks import Scope
-from pathsim.utils.register import Register
 
 from .._core.checks import must_be, number, optional, refuse
 from .._core.parameters import Parametric, parameter
-from .._core.ports import NamedPorts
+from .._core.pathsim_internals import NamedRegister
 from .._core.scopes import name_and_unit, recording
 from .files import save_tracks
 from .track import POSITION, Track, writable_text
@@ -34,6 +34,7 @@ def _labels(parameter: str, signals: Any) -> list[str]:
     return list(signals)
 
 
+@dataclass(eq=False, repr=False)
 class FlightRecorder(Parametric, Scope):
     """Records an aircraft's track and time history, and writes them for other programs.
 
@@ -81,7 +82,7 @@ class FlightRecorder(Parametric, Scope):
     type_name = "Scope"
 
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
-    output_port_labels: dict[str, int] = {}
+    output_port_labels: ClassVar[dict[str, int]] = {}
     # inputs that must be connected
     places = tuple(POSITION)
 
@@ -93,15 +94,15 @@ class FlightRecorder(Parametric, Scope):
 
     def begin(self) -> None:
         period = optional("sampling_period", self.sampling_period, above=0.0)
-        NamedPorts.__init__(self, period, number("t_wait", self.t_wait, low=0.0))
+        Scope.__init__(self, period, number("t_wait", self.t_wait, low=0.0))
 
     def build(self) -> None:
         signals = self.checked.signals
-        if not self.configured:
+        if not self._built:
             self._recorded = signals
             self.labels = [*POSITION.values(), *signals]
             ports = [*POSITION, *(name_and_unit(x)[0] for x in signals)]
-            self.inputs = Register(len(ports), {port: i for i, port in enumerate(ports)})
+            self.inputs = NamedRegister(len(ports), {port: i for i, port in enumerate(ports)})
         elif signals != self._recorded:
             why = "signals cannot change, they are the block's ports: build another block"
             refuse("signals", signals, why)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -63,6 +64,7 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
     return reference * alleviation * (gradient / 350.0) ** (1 / 6) / math.sqrt(density)
 
 
+@dataclass(eq=False, repr=False)
 class OneMinusCosineGust(_EdgeSource):
     """Discrete gust of the 1-cosine shape, with the lengths and velocities of CS 25.341.
 
@@ -108,7 +110,7 @@ class OneMinusCosineGust(_EdgeSource):
 
     gradient: float = parameter(350.0, positive)
     airspeed: float = parameter(300.0, positive)
-    altitude: float = parameter(0.0)
+    altitude: float = 0.0
     amplitude: float | None = parameter(None, optional)
     start: float = parameter(1.0, number, low=0.0)
     polarity: float = parameter(1, polarity_of)

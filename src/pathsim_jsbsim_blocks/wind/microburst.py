@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from .._core.checks import finite, number
-from .._core.parameters import Parametric, parameter
-from .._core.ports import NamedFunction
+from .._core.function import NamedFunction
+from .._core.parameters import parameter
 from ..axes.earth import geodetic_to_ned
 
 # height of the strongest outflow over the two scales of height
@@ -71,7 +72,8 @@ def oseguera_bowles(
     return spread * north, spread * east, down
 
 
-class Microburst(Parametric, NamedFunction):
+@dataclass(eq=False, repr=False)
+class Microburst(NamedFunction):
     """Downburst of Oseguera and Bowles at a place on the ground, for the aircraft's wind ports.
 
     .. math::
@@ -134,10 +136,7 @@ class Microburst(Parametric, NamedFunction):
     # inputs that must be connected
     places = ("lat", "lon", "h")
 
-    def begin(self) -> None:
-        NamedFunction.__init__(self, self._wind)
-
-    def _wind(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
+    def function(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
         c = self.checked
         per_lat, per_lon = _feet_per_degree(c.lat0)
         return oseguera_bowles(

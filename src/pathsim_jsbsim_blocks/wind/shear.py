@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from .._core.checks import finite, number
-from .._core.parameters import Parametric, parameter
-from .._core.ports import NamedFunction
+from .._core.function import NamedFunction
+from .._core.parameters import parameter
 from .._core.units import KNOT
 
 _REFERENCE_HEIGHT = 20.0  # ft
@@ -52,7 +53,8 @@ def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15
     return speed if np.ndim(speed) else float(speed)
 
 
-class WindShear(Parametric, NamedFunction):
+@dataclass(eq=False, repr=False)
+class WindShear(NamedFunction):
     """Mean wind that grows with the logarithm of the height, for the aircraft's wind ports.
 
     .. math::
@@ -102,10 +104,7 @@ class WindShear(Parametric, NamedFunction):
     # inputs that must be connected
     places = ("h",)
 
-    def begin(self) -> None:
-        NamedFunction.__init__(self, self._wind)
-
-    def _wind(self, h: float) -> tuple[float, float]:
+    def function(self, h: float) -> tuple[float, float]:
         height = number("h", h) - self.checked.terrain
         speed = KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
         psi = math.radians(self.checked.direction)

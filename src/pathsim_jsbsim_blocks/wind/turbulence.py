@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -316,6 +317,7 @@ def _times(factor: Covariance, noise: Any) -> tuple[Any, Any, Any]:
     return l11 * n1, l21 * n1 + l22 * n2, l31 * n1 + l32 * n2 + l33 * n3
 
 
+@dataclass(eq=False, repr=False)
 class DrydenTurbulence(TunableLaw):
     """Dryden turbulence of MIL-F-8785C at low and medium altitude, for the aircraft's wind ports.
 
@@ -375,9 +377,9 @@ class DrydenTurbulence(TunableLaw):
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.
     """
 
-    severity: str = parameter("moderate")
-    wind_20ft: float | None = parameter(None)
-    sigma: float | None = parameter(None)
+    severity: str = "moderate"
+    wind_20ft: float | None = None
+    sigma: float | None = None
     span: float = parameter(35.8, _span)
     terrain: float = parameter(0.0, number)
     seed: int = parameter(0, whole, low=0)

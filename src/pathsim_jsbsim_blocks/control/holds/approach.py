@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..._core.checks import flag, number, optional, positive
@@ -61,6 +62,7 @@ class LocalizerState(NamedTuple):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class LocalizerHold(Hold):
     """Captures the course of a localizer with the ailerons, and follows it.
 
@@ -111,7 +113,7 @@ class LocalizerHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     course: float = parameter(0.0, number)
     lookahead: float | None = parameter(None, optional, above=0.0)
     intercept: float = parameter(45.0, number, above=0.0, high=80.0)
@@ -158,6 +160,7 @@ class LocalizerHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class GlideslopeHold(Hold):
     """Follows a glide path down to a runway with the elevator; captures it from below or above.
 
@@ -234,7 +237,7 @@ class GlideslopeHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     threshold: tuple[float, float] = parameter((0.0, 0.0), point)
     elevation: float = parameter(0.0, number)
     angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -66,6 +67,7 @@ class _Ground(NamedTuple):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class CourseHold(Hold):
     """Holds the course over the ground, or flies along waypoints, with the ailerons.
 
@@ -145,18 +147,18 @@ class CourseHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     chi_ref: float | None = parameter(None, optional)
-    waypoints: list[tuple[float, float]] | None = parameter(None)
+    waypoints: list[tuple[float, float]] | None = None
     leg: int = parameter(0, whole, low=0)
     lookahead: float | None = parameter(None, optional, above=0.0)
     intercept: float = parameter(45.0, number, above=0.0, high=90.0)
     bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    fly_over: list[int] | None = parameter(None)
-    arcs: dict[int, tuple[float, float, str]] | None = parameter(None)
-    holding: tuple[float, str, float, float] | None = parameter(None)
+    fly_over: list[int] | None = None
+    arcs: dict[int, tuple[float, float, str]] | None = None
+    holding: tuple[float, str, float, float] | None = None
 
     measured = ("lat", "lon", "psi", "phi", "p")
     commands = {"aileron": "off"}

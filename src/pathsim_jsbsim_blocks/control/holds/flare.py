@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..._core.checks import number, optional, positive
@@ -78,6 +79,7 @@ APPROACH, FLARE, ROLL_OUT, GO_AROUND = 0.0, 1.0, 2.0, 3.0
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class FlareHold(Hold):
     """Lands: flare, decrab, idle, touchdown and roll-out; or goes around.
 
@@ -183,7 +185,7 @@ class FlareHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     course: float = parameter(0.0, number)
     gear_height: float = parameter(4.0, number, low=0.0)
     sink: float = parameter(2.0, number, above=0.0)

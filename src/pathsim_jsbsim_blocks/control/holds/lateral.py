@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from ..._core.checks import optional, positive
@@ -16,6 +17,7 @@ __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class RollHold(Hold):
     """Holds the roll angle with the ailerons; with ``phi_ref=0`` a wing leveller.
 
@@ -57,7 +59,7 @@ class RollHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     phi_ref: float | None = parameter(None, optional)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
@@ -85,6 +87,7 @@ class RollHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class HeadingHold(Hold):
     """Holds the heading with the ailerons; turns through the smaller angle, also across north.
 
@@ -127,7 +130,7 @@ class HeadingHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     psi_ref: float | None = parameter(None, optional)
     bank_max: float = parameter(25.0, positive)
     authority: Authority = parameter(1.0, authority_limits)
@@ -154,6 +157,7 @@ class HeadingHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class YawDamper(Hold):
     """Damps the Dutch roll with the rudder and keeps the sideslip at 0.
 
@@ -196,7 +200,7 @@ class YawDamper(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..._core.checks import number, optional, positive
@@ -31,6 +32,7 @@ __all__ = [
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class PitchHold(Hold):
     """Holds the pitch angle with the elevator.
 
@@ -73,7 +75,7 @@ class PitchHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     theta_ref: float | None = parameter(None, optional)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
@@ -101,6 +103,7 @@ class PitchHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class AltitudeHold(Hold):
     """Holds the altitude with the elevator, through rate-of-climb and pitch loops.
 
@@ -153,7 +156,7 @@ class AltitudeHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     h_ref: float | None = parameter(None, optional)
     hdot_max: float | None = parameter(None, optional, above=0.0)
     theta_min: float = parameter(-10.0, number)
@@ -192,6 +195,7 @@ class ClimbingState(NamedTuple):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class VerticalSpeedHold(Hold):
     """Holds the rate of climb with the elevator, until it captures an altitude.
 
@@ -232,7 +236,7 @@ class VerticalSpeedHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     hdot_ref: float | None = parameter(None, optional)
     h_ref: float | None = parameter(None, optional)
     theta_min: float = parameter(-10.0, number)
@@ -269,6 +273,7 @@ class VerticalSpeedHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class SpeedOnPitchHold(Hold):
     """Holds the airspeed with the elevator, at any throttle, until it captures an altitude.
 
@@ -314,7 +319,7 @@ class SpeedOnPitchHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     vc_ref: float | None = parameter(None, optional)
     h_ref: float | None = parameter(None, optional)
     theta_min: float = parameter(-10.0, number)
@@ -364,6 +369,7 @@ class SpeedOnPitchHold(Hold):
 
 
 @fill
+@dataclass(eq=False, repr=False)
 class AirspeedHold(Hold):
     """Holds the calibrated airspeed with the throttle (autothrottle).
 
@@ -412,7 +418,7 @@ class AirspeedHold(Hold):
     %(raises)s
     """
 
-    gains: Gains = parameter("c172p")
+    gains: Gains = "c172p"
     vc_ref: float | None = parameter(None, optional)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
