@@ -230,7 +230,7 @@ def fleet_page():
         "(gear up where it retracts, fuel frozen), or else by the Newton search, and flown for "
         "30 s with its\ncontrols fixed; the drift is its height above the path then. A glide ends "
         "in denser air, so it drifts too.\nThe verdict names engines that run out of fuel in a "
-        "flight of 60 s, fuel not frozen.\n`pathsim-jsbsim aircraft --table` reprints the table."
+        "flight of 60 s, fuel not frozen."
         f"\n\n{HEADER}" + "".join(f"{format_row(row)}\n" for row in rows)
     )
 

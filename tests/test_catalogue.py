@@ -123,7 +123,7 @@ def test_run_saves_figure_and_signals(tmp_path, capsys):
 
 def test_run_takes_a_study(tmp_path, capsys):
     figure, table = tmp_path / "a.png", tmp_path / "a.csv"
-    assert main(["run", "climb_schedule", "--save", str(figure), "--csv", str(table)]) == 0
+    assert main(["study", "climb_schedule", "--save", str(figure), "--csv", str(table)]) == 0
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert len(table.read_text().splitlines()) == 21
     assert "climb_schedule: 20 of 20 points trim" in capsys.readouterr().out
@@ -280,7 +280,7 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp
     assert err[-1].startswith("pathsim-jsbsim: ")
     assert err[-1].endswith(f"{text}; what was recorded until t = 0.5 s is saved")
     # the lines of a script that is at fault itself, and none of ours
-    assert len(err) == 1 or (err[0].startswith("Traceback") and "runs.py" not in "".join(err))
+    assert len(err) == 1 or (err[0].startswith("Traceback") and "cli/runs.py" not in "".join(err))
 
 
 @pytest.mark.long

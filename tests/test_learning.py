@@ -1,7 +1,9 @@
 """The commands that teach: the course copied to a folder, the manual pages of blocks."""
 
+import errno
 import inspect
 import json
+import os
 import re
 import sys
 
@@ -57,6 +59,38 @@ def test_without_jupyterlab_the_extra_is_named_and_the_chapters_are_there(
     assert main(["course", str(tmp_path / "course")]) == 1
     assert "pathsim-jsbsim-blocks[course]" in capsys.readouterr().err
     assert len(chapters(tmp_path / "course")) == CHAPTERS
+
+
+def test_a_full_disk_leaves_no_cut_notebook(tmp_path, monkeypatch, capsys):
+    from pathlib import Path
+
+    write = Path.write_bytes
+
+    def full(path, content):
+        write(path, content[: len(content) // 2])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    assert main(["course", str(tmp_path), "--no-open"]) == 1
+    assert "01_hello.ipynb': No space left on device" in capsys.readouterr().err
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    monkeypatch.undo()
+    assert main(["course", str(tmp_path), "--no-open"]) == 0
+    assert "kept" not in capsys.readouterr().out
+
+
+def test_where_jupyter_refuses_to_start_no_open_is_named(tmp_path, monkeypatch, capsys):
+    class LabApp:
+        @classmethod
+        def launch_instance(cls, arguments):
+            raise SystemExit(1)
+
+    for name, module in {"jupyterlab": object(), "jupyterlab.labapp": LabApp}.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setattr(LabApp, "LabApp", LabApp, raising=False)
+    with pytest.raises(SystemExit):
+        main(["course", str(tmp_path)])
+    assert "pass --no-open, then run jupyter lab" in capsys.readouterr().err
 
 
 def test_a_file_in_the_place_of_the_folder_is_an_error(tmp_path, capsys):

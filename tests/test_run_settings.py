@@ -63,8 +63,6 @@ def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
         (["--set", "hold=5"], "'hold': it is of class PitchHold: set a parameter of it"),
         (["--set", "hold.theta_ref"], "--set needs NAME=VALUE, such as hold.theta_ref=5"),
         (["--set", "=5"], "cannot set ''"),
-        (["--set", "DURATION=1", "--set", "DURATION=2"], "DURATION is set twice, to 1 and 2"),
-        (["--set", "DURATION=1", "--duration", "2"], "DURATION is set twice, to 1 and 2"),
         (["--set", "sim.dt=-0.01"], "dt must be greater than 0"),
         (["--duration", "-1"], "duration must be greater than 0"),
         (["--duration", "nan"], "duration must be finite"),
@@ -80,12 +78,15 @@ def test_a_setting_without_effect_ends_before_the_flight(options, said, capsys):
     assert captured.out == ""
 
 
-def test_a_study_takes_no_settings(capsys):
-    assert main(["run", "aoa_vs_cas", "--set", "x=1"]) == 1
-    assert main(["run", "aoa_vs_cas", "--duration", "1"]) == 1
-    assert capsys.readouterr().err.count("is no script: it takes no --") == 2
-    assert main(["run", "aoa_vs_cas", "--csv-rate", "1"]) == 1
-    assert "has no time: it takes no --csv-rate" in capsys.readouterr().err
+def test_the_last_setting_of_a_name_counts(capsys):
+    options = ["--set", "DURATION=9", "--set", "DURATION=8", "--duration", "1"]
+    assert main(["run", "pitch_hold", *options]) == 0
+    assert "after 1 s" in capsys.readouterr().out
+
+
+def test_a_study_has_a_command_of_its_own(capsys):
+    assert main(["run", "aoa_vs_cas"]) == 1
+    assert "aoa_vs_cas is a study: pathsim-jsbsim study aoa_vs_cas" in capsys.readouterr().err
 
 
 def test_the_rate_of_a_csv_leaves_out_rows_and_changes_none():

@@ -64,8 +64,8 @@ def shared_options():
     return [(option, one) for option, many in commands.items() if len(many) > 1 for one in many]
 
 
-# switches, without a value to refuse; `--table` is of a kind of its own in each command
-SWITCHES = ("--trust", "--table")
+# a switch, without a value to refuse
+SWITCHES = ("--trust",)
 
 
 @pytest.mark.parametrize(
@@ -106,3 +106,15 @@ def test_trust_opens_a_model_from_outside(command, tmp_path, monkeypatch):
     assert not (tmp_path / "executed").exists()
     assert main([command, "model.pvm", "--trust"]) == 0
     assert opened or (tmp_path / "executed").exists()
+
+
+def test_the_help_has_each_command_once_in_its_group(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    lines = capsys.readouterr().out.splitlines()
+    groups = [line for line in lines if line in ("fly:", "look:", "study:", "exchange:")]
+    assert groups == ["fly:", "look:", "study:", "exchange:"]
+    (actions,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
+    shown = [line.split()[0] for line in lines if line.startswith("  ") and line[2].isalpha()]
+    assert shown[: len(actions.choices)] == [*actions.choices]
+    assert shown[:2] == ["run", "view"]

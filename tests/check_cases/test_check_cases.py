@@ -289,6 +289,11 @@ def test_the_command_prints_tables_and_saves_figures(tmp_path, capsys):
     assert "1 of 2 cases pass" in capsys.readouterr().out
     assert main(["check", "17"]) == 1
     assert "case must be one of 1, 2" in capsys.readouterr().err
+    # the name of a diagram
+    assert main(["check", "check_case_13_7"]) == 1
+    assert "not 13.7" in capsys.readouterr().err
+    assert main(["check", "check_case_01"]) == 0
+    assert "check case 1: a sphere falls without drag" in capsys.readouterr().out
 
 
 def test_the_command_finds_models_of_ones_own(capsys):
@@ -302,8 +307,6 @@ def test_the_command_finds_models_of_ones_own(capsys):
     assert "1000.000000 ft" in capsys.readouterr().out
     assert main(["trim", "c172p", "--root", MODELS]) == 1
     assert "no aircraft 'c172p' among the 3 models" in capsys.readouterr().err
-    assert main(["aircraft", "--table", "--root", MODELS]) == 1
-    assert "it takes no --root" in capsys.readouterr().err
 
 
 def test_the_tables_of_the_documentation_are_current(monkeypatch):

@@ -13,7 +13,6 @@ from pathsim.blocks import Scope, Source
 from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
-from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_flight
 
@@ -139,14 +138,6 @@ def test_rows_of_the_table():
     assert math.isnan(refused.drift)
     assert broken.verdict == "does not load"
     assert broken.engines is None
-
-
-def test_the_command_prints_the_table(capsys, monkeypatch):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.flight.fleet.aircraft_names", lambda: ["A4", "SGS"])
-    assert main(["aircraft", "--table"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 4
-    assert lines[2].startswith("| A4 | 1 | 5000 | 194 | up |")
 
 
 def test_the_page_is_up_to_date():

@@ -225,9 +225,7 @@ def test_the_command_writes_the_track_of_a_flight_that_ends_early(tmp_path, caps
     [
         (["step_response", "--track", "a.csv"], "the script flies no aircraft"),
         (["hello_jsbsim", "--track", "a.kmz"], "did you mean '.kml'"),
-        (["climb_schedule", "--track", "a.kml"], "it takes no --track"),
         (["hello_jsbsim", "--flightgear", "127.0.0.1:"], "must be HOST:PORT"),
-        (["climb_schedule", "--flightgear"], "it takes no --flightgear"),
     ],
 )
 def test_the_command_refuses_what_has_no_track(arguments, text, tmp_path, monkeypatch, capsys):

@@ -1,4 +1,4 @@
-"""Options that several commands have, and values of options."""
+"""Commands and their options, and what the values of options mean."""
 
 from __future__ import annotations
 
@@ -6,92 +6,130 @@ import argparse
 import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     from ..flight.trimming.condition import TrimCondition
 
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+# names of an option or an argument, and what else `add_argument` takes
+Option: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
 
 
-def add_command(
-    commands: Commands, name: str, function: Callable, text: str
-) -> argparse.ArgumentParser:
-    sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-    sub.set_defaults(command=function, parser=sub)
-    return sub
+class Command(NamedTuple):
+    """A command: its function, what it does in a line, and its options."""
+
+    function: Callable[[argparse.Namespace], int | None]
+    text: str
+    options: tuple[Option, ...]
 
 
-def repeatable(
-    sub: argparse.ArgumentParser, option: str, metavar: str, text: str, **more: Any
-) -> None:
-    help_text = f"{text} (repeatable)"
-    sub.add_argument(option, metavar=metavar, action="append", default=[], help=help_text, **more)
+COMMANDS: dict[str, Command] = {}  # by name
 
 
-def switch(sub: argparse.ArgumentParser, option: str, text: str) -> None:
-    sub.add_argument(option, action="store_true", help=text)
+def command(text: str, *options: Option) -> Callable[[Any], Any]:
+    """A decorator that makes a function the command of its name, without a last underscore."""
+
+    def register(function: Any) -> Any:
+        COMMANDS[function.__name__.rstrip("_")] = Command(function, text, options)
+        return function
+
+    return register
 
 
-def file_option(sub: argparse.ArgumentParser, *options: str, metavar: str, text: str) -> None:
-    sub.add_argument(*options, metavar=metavar, type=Path, help=text)
+def option(name: str, text: str, **keywords: Any) -> Option:
+    return tuple(name.split()), {"help": text, **keywords}
 
 
-def trust_options(sub: argparse.ArgumentParser) -> None:
-    text = "open a model from outside without asking, now and later; its code runs "
-    switch(sub, "--trust", text + "as you when the model runs")
-    trust_toolbox_option(sub)
+def number(name: str, text: str, **keywords: Any) -> Option:
+    return option(name, text, type=float, **keywords)
 
 
-def trust_toolbox_option(sub: argparse.ArgumentParser) -> None:
-    text = "import this toolbox if the model asks for it, even if it is not one of PathSim's"
-    repeatable(sub, "--trust-toolbox", "PACKAGE[:IMPORT]", text)
+def switch(name: str, text: str) -> Option:
+    return option(name, text, action="store_true")
 
 
-def root_option(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--root", metavar="DIR", help="JSBSim root directory with models of your own")
+def file(name: str, text: str, metavar: str = "FILE", **keywords: Any) -> Option:
+    return option(name, text, metavar=metavar, type=Path, **keywords)
 
 
-def property_options(sub: argparse.ArgumentParser) -> None:
-    repeatable(sub, "--set", "PROPERTY=VALUE", "a property to write before the trim")
-    repeatable(
-        sub, "--create", "PROPERTY=VALUE", "a property that the model expects from FlightGear"
-    )
+def repeatable(name: str, text: str, metavar: str, **keywords: Any) -> Option:
+    more = {"metavar": metavar, "action": "append", "default": [], **keywords}
+    return option(name, f"{text} (repeatable)", **more)
 
 
-def condition_options(sub: argparse.ArgumentParser) -> None:
-    root_option(sub)
-    sub.add_argument("--altitude", type=float, default=5000.0, help="ft (default %(default)g)")
-    speed = sub.add_mutually_exclusive_group()
-    text = "KCAS (default %(default)g; docs/evidence/fleet.md has one for each aircraft)"
-    speed.add_argument("--speed", type=float, default=100.0, help=text)
-    speed.add_argument("--mach", type=float, help="instead of --speed")
-    sub.add_argument("--gamma", type=float, default=0.0, help="flight path angle, deg")
-    sub.add_argument("--heading", type=float, default=0.0, help="deg")
-    sub.add_argument("--bank", type=float, default=0.0, help="deg, with --mode turn")
-    sub.add_argument("--load-factor", type=float, default=1.0, help="g, with --mode pull-up")
-    text = "full, longitudinal, ground, pull-up, turn, glide or none"
-    sub.add_argument("--mode", default="full", help=text)
-    sub.add_argument("--beta", type=float, default=0.0, help="sideslip angle, deg")
-    sub.add_argument("--throttle", type=float, help="0 to 1; the path angle is then free")
-    sub.add_argument("--thrust", type=float, help="lbf, instead of --throttle")
-    sub.add_argument("--free", help="gamma or speed, with --throttle, --thrust or a glide")
-    sub.add_argument("--latitude", type=float, help="deg, north positive")
-    sub.add_argument("--longitude", type=float, help="deg, east positive")
-    text = "engines that do not run, from 0, or all"
-    sub.add_argument("--engines-off", type=engine_numbers, default=(), metavar="N,...", help=text)
-    sub.add_argument("--solver", help="jsbsim or newton (default: JSBSim's where it can)")
-    sub.add_argument("--gear", type=float, help="0 up to 1 down")
-    sub.add_argument("--flaps", type=float, help="0 to 1")
-    property_options(sub)
+def engine_numbers(text: str) -> tuple[int, ...] | str:
+    try:
+        return text if text == "all" else tuple(map(int, text.split(",")))
+    except ValueError:
+        why = f"numbers of engines from 0, such as 0,2, or all, not {text!r}"
+        raise argparse.ArgumentTypeError(why) from None
+
+
+# options that commands share
+
+AIRCRAFT = option("aircraft", "name of a JSBSim model")
+ROOT = option("--root", "JSBSim root directory with models of your own", metavar="DIR")
+FIGURE = file("--save", "write the figure to this file", "FIG")
+JOBS = option("--jobs", "cores (default all)", metavar="N", type=int, default=-1)
+RESUME = file("--resume", "keep finished points in this file, and resume from it")
+TRUST = switch(
+    "--trust",
+    "open a model from outside without asking, now and later; its code runs as you when it runs",
+)
+TOOLBOX = repeatable(
+    "--trust-toolbox",
+    "import this toolbox if the model asks for it, even if it is not one of PathSim's",
+    "PACKAGE[:IMPORT]",
+)
+SET = repeatable("--set", "a property to write before the trim", "PROPERTY=VALUE")
+CREATE = repeatable(
+    "--create", "a property that the model expects from FlightGear", "PROPERTY=VALUE"
+)
+
+# those of a trim have the names of the fields of TrimCondition, which has their defaults
+_NUMBERS = {
+    "altitude": "ft (default 5000)",
+    "speed": "KCAS (default 100; docs/evidence/fleet.md has one for each aircraft)",
+    "mach": "instead of --speed",
+    "gamma": "flight path angle, deg",
+    "heading": "deg",
+    "bank": "deg, with --mode turn",
+    "load-factor": "g, with --mode pull-up",
+    "beta": "sideslip angle, deg",
+    "throttle": "0 to 1; the path angle is then free",
+    "thrust": "lbf, instead of --throttle",
+    "latitude": "deg, north positive",
+    "longitude": "deg, east positive",
+    "gear": "0 up to 1 down",
+    "flaps": "0 to 1",
+}
+_TEXTS = {
+    "mode": "full (default), longitudinal, ground, pull-up, turn, glide or none",
+    "free": "gamma or speed, with --throttle, --thrust or a glide",
+    "solver": "jsbsim or newton (default: JSBSim's where it can)",
+}
+CONDITION = (
+    ROOT,
+    *(number(f"--{name}", text) for name, text in _NUMBERS.items()),
+    *(option(f"--{name}", text) for name, text in _TEXTS.items()),
+    option(
+        "--engines-off", "those that do not run, from 0, or all", type=engine_numbers, metavar="N,N"
+    ),
+    SET,
+    CREATE,
+)
 
 
 def condition_of(args: argparse.Namespace) -> TrimCondition:
+    from .._core.checks import refuse
     from ..flight.trimming.condition import TrimCondition
 
-    # each option of a condition has the name of its field
-    fields = {field.name for field in dataclasses.fields(TrimCondition)}
-    return TrimCondition(**{name: value for name, value in vars(args).items() if name in fields})
+    if args.mach is not None and args.speed is not None:
+        refuse("mach", args.mach, "--mach goes instead of --speed")
+    names = {field.name for field in dataclasses.fields(TrimCondition)}
+    given = {n: x for n, x in vars(args).items() if n in names and x is not None}
+    return TrimCondition(**given)
 
 
 def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[str, Any]]:
@@ -111,15 +149,6 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
         except ValueError:
             refuse(option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}")
     return values
-
-
-def engine_numbers(text: str) -> tuple[int, ...] | str:
-    try:
-        return text if text == "all" else tuple(map(int, text.split(",")))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"numbers of engines from 0, such as 0,2, or all, not {text!r}"
-        ) from None
 
 
 def values_in_range(option: str, text: str) -> list[float]:

@@ -11,15 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..errors import UntrustedModelError
-from .arguments import (
-    Commands,
-    add_command,
-    file_option,
-    repeatable,
-    switch,
-    trust_options,
-    trust_toolbox_option,
-)
+from .arguments import TOOLBOX, TRUST, command, file, option, repeatable, switch
 from .console import tell
 from .saving import check_file
 
@@ -27,21 +19,20 @@ _Opened = TypeVar("_Opened")
 _LONG = 60.0  # s
 
 
-def add_view(commands: Commands) -> None:
-    sub = add_command(commands, "view", view_model, "open a diagram in PathView")
-    text = "a diagram, a model (.pvm) or a script; default is an empty diagram"
-    sub.add_argument("target", nargs="?", help=text)
-    sub.add_argument("--port", type=int, help="default is 8360, or a free one")
-    switch(sub, "--no-browser", "only serve")
-    trust_options(sub)
-
-
-def view_model(args: argparse.Namespace) -> None:
-    from ..pathview import view
+@command(
+    "open a diagram in PathView",
+    option("target", "a diagram, a model (.pvm) or a script; default is an empty one", nargs="?"),
+    option("--port", "default is 8360, or a free one", type=int),
+    switch("--no-browser", "only serve"),
+    TRUST,
+    TOOLBOX,
+)
+def view(args: argparse.Namespace) -> None:
+    from .. import pathview
 
     def opened(trust: bool) -> None:
         options = {"trust": trust, "trust_toolboxes": args.trust_toolbox}
-        view(args.target, args.port, browser=not args.no_browser, **options)
+        pathview.view(args.target, args.port, browser=not args.no_browser, **options)
 
     asking(opened, args.trust)
 
@@ -74,20 +65,23 @@ def says_yes(error: UntrustedModelError) -> bool:
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
-def add_export(commands: Commands) -> None:
-    sub = add_command(commands, "export", export, "write a diagram script as a PathView model")
-    sub.add_argument("script", help="a diagram of the catalogue, or the path of a script")
-    text = "default is NAME.pvm, beside the script or, for the catalogue, here"
-    file_option(sub, "-o", "--output", metavar="FILE.pvm", text=text)
-    text = "processing time for which the model flies beside the script's first run, or all: "
-    text += "to the end of the run; default is 60"
-    sub.add_argument("--check", metavar="SECONDS", type=_seconds_or_all, default=60.0, help=text)
-
-
 def _seconds_or_all(text: str) -> float:
     return math.inf if text == "all" else float(text)
 
 
+@command(
+    "write a diagram script as a PathView model",
+    option("script", "a diagram of the catalogue, or the path of a script"),
+    file("-o --output", "default is NAME.pvm, beside the script or, for the catalogue, here"),
+    option(
+        "--check",
+        "processing time for which the model flies beside the script's first run, or all: to the "
+        "end of the run; default is 60",
+        metavar="SECONDS",
+        type=_seconds_or_all,
+        default=60.0,
+    ),
+)
 def export(args: argparse.Namespace) -> None:
     from ..catalogue import diagram_folder, find_diagram
     from ..pathview.export import export_with_proof
@@ -111,21 +105,15 @@ def export(args: argparse.Namespace) -> None:
     print(f"model saved: {model} ({proof})")
 
 
-def add_convert(commands: Commands) -> None:
-    sub = add_command(commands, "convert", convert, "write a PathView model as a Python script")
-    sub.add_argument("model", metavar="FILE", type=Path, help=".pvm or .json")
-    text = "default is NAME.py beside the model, if that does not exist yet"
-    file_option(sub, "-o", "--output", metavar="FILE.py", text=text)
-    text = "a toolbox that the model itself does not name"
-    repeatable(sub, "--toolbox", "PACKAGE[:IMPORT]", text)
-    trust_toolbox_option(sub)
-
-
+@command(
+    "write a PathView model as a Python script",
+    file("model", ".pvm or .json"),
+    file("-o --output", "default is NAME.py beside the model, if that does not exist yet"),
+    repeatable("--toolbox", "one that the model itself does not name", "PACKAGE[:IMPORT]"),
+    TOOLBOX,
+)
 def convert(args: argparse.Namespace) -> None:
     from ..pathview import convert_model
 
     script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
     print(f"script saved: {script}")
-
-
-COMMANDS = (add_view, add_export, add_convert)

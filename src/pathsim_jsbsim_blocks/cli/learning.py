@@ -10,24 +10,22 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from .arguments import Commands, add_command, switch
+from .arguments import command, option, switch
+from .console import tell
+from .saving import whole_file
 
 
-def add_course(commands: Commands) -> None:
-    text = "copy the chapters of the course, and open them in JupyterLab"
-    sub = add_command(commands, "course", course, text)
-    text = "where to copy them (default %(default)s); a file that is there stays as it is"
-    sub.add_argument("folder", nargs="?", type=Path, default=Path("jsbsim-course"), help=text)
-    switch(sub, "--no-open", "only copy")
-
-
-def chapters() -> Path:
-    """The folder of the course: in the package if it is installed, otherwise in the repository."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "course"
-    return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
-
-
+@command(
+    "copy the chapters of the course, and open them in JupyterLab",
+    option(
+        "folder",
+        "default %(default)s; a file that is there stays",
+        nargs="?",
+        type=Path,
+        default=Path("jsbsim-course"),
+    ),
+    switch("--no-open", "only copy"),
+)
 def course(args: argparse.Namespace) -> None:
     from .._core.extras import required
 
@@ -41,8 +39,21 @@ def course(args: argparse.Namespace) -> None:
     from jupyterlab.labapp import LabApp
 
     first = min(path.name for path in chapters().glob("*.ipynb"))
-    # in this process, so that to end the command ends the server
-    LabApp.launch_instance([str(args.folder / first)])
+    try:
+        # in this process, so that to end the command ends the server
+        LabApp.launch_instance([str(args.folder / first)])
+    except SystemExit as error:
+        if error.code:
+            why = "JupyterLab did not start (it refuses root): pass --no-open, then run"
+            tell(f"{why} jupyter lab {args.folder}")
+        raise
+
+
+def chapters() -> Path:
+    """The folder of the course: in the package if it is installed, otherwise in the repository."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "course"
+    return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
 
 
 # a link to a page of the documentation, which is not beside the copy
@@ -58,18 +69,18 @@ def _copied(folder: Path) -> list[str]:
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if not target.exists():
-            target.write_bytes(content)
+            with whole_file(target) as part:
+                part.write_bytes(content)
         elif target.read_bytes() != content:
             kept.append(str(name))
     return kept
 
 
-def add_help(commands: Commands) -> None:
-    sub = add_command(commands, "help", print_manual, "the manual page of a block, or all blocks")
-    sub.add_argument("block", nargs="?", help="such as Aircraft, or Scope of PathSim")
-
-
-def print_manual(args: argparse.Namespace) -> None:
+@command(
+    "the manual page of a block, or all blocks",
+    option("block", "such as Aircraft, or Scope of PathSim", nargs="?"),
+)
+def help_(args: argparse.Namespace) -> None:
     import pathsim.blocks
 
     import pathsim_jsbsim_blocks as package
@@ -92,16 +103,16 @@ def print_manual(args: argparse.Namespace) -> None:
         refuse("block", args.block, f"no block {args.block!r}{names}")
     print((inspect.getdoc(found) or "").replace("``", "`").rstrip())
     if is_block(found):
-        title, *lines = _use(args.block, found)
-        print(f"\n{title}\n{'-' * len(title)}")
-        print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))
+        _print_below(*_use(args.block, found))
     if not (inspect.isclass(found) and issubclass(found, Exception)):
-        parameters = [
-            p.replace(annotation=p.empty) for p in inspect.signature(found).parameters.values()
-        ]
-        signature = f"{args.block}{inspect.Signature(parameters)}"
-        print("\nSignature\n---------")
-        print(textwrap.fill(signature, 96, subsequent_indent="    "))
+        parameters = inspect.signature(found).parameters.values()
+        shown = inspect.Signature([p.replace(annotation=p.empty) for p in parameters])
+        _print_below("Signature", f"{args.block}{shown}")
+
+
+def _print_below(title: str, *lines: str) -> None:
+    print(f"\n{title}\n{'-' * len(title)}")
+    print("\n".join(textwrap.fill(line, 96, subsequent_indent="    ") for line in lines))
 
 
 def _use(name: str, block: Any) -> list[str]:
@@ -120,6 +131,3 @@ def _use(name: str, block: Any) -> list[str]:
     inputs = [f"Connection(other, block[{port!r}])" for port in block.input_port_labels or ()]
     outputs = [f"Connection(block[{port!r}], other)" for port in block.output_port_labels or ()]
     return ["In a diagram", f"block = {name}()", *inputs, *outputs]
-
-
-COMMANDS = (add_course, add_help)

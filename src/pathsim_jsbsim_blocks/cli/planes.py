@@ -14,13 +14,16 @@ from typing import TYPE_CHECKING
 
 from ..errors import BlocksError, DesignError, TrimError
 from .arguments import (
-    Commands,
-    add_command,
+    AIRCRAFT,
+    CONDITION,
+    CREATE,
+    ROOT,
+    SET,
+    command,
     condition_of,
-    condition_options,
-    file_option,
-    property_options,
-    root_option,
+    file,
+    number,
+    option,
     setup_and_model,
     switch,
 )
@@ -31,31 +34,15 @@ if TYPE_CHECKING:
     from ..flight.airframe import Airframe
 
 
-def add_aircraft(commands: Commands) -> None:
-    text = "the aircraft models, and which of them load"
-    sub = add_command(commands, "aircraft", list_aircraft, text)
-    sub.add_argument("name", nargs="?", help="one model only")
-    root_option(sub)
-    text = "draw the points that the model names: CG, wheels, tanks, ..."
-    file_option(sub, "--points", metavar="FIG", text=text)
-    text = "trim each in level flight or a glide and fly it for 30 s, controls fixed"
-    switch(sub, "--table", text)
-
-
-def list_aircraft(args: argparse.Namespace) -> None:
-    from .._core.checks import refuse
+@command(
+    "the aircraft models, and which of them load",
+    option("name", "one model only", nargs="?"),
+    ROOT,
+    file("--points", "draw the points that the model names: CG, wheels, tanks, ...", "FIG"),
+)
+def aircraft(args: argparse.Namespace) -> None:
     from ..flight import Airframe, aircraft_names
 
-    if args.table:
-        if args.root is not None:
-            why = "--table covers the models that jsbsim brings; it takes no --root"
-            refuse("root", args.root, why)
-        from ..flight.fleet import HEADER, fleet_table, format_row
-
-        print(HEADER, end="")
-        for row in fleet_table():
-            print(format_row(row), flush=True)
-        return
     if args.points is not None:
         _draw_points(args.name, args.root, args.points)
         return
@@ -90,18 +77,15 @@ def _draw_points(name: str | None, root: str | None, path: Path) -> None:
         show(draw(points, f"{name}: named points"), "")
 
 
-def add_properties(commands: Commands) -> None:
-    text = "the properties of an aircraft: name, access, value as initialised, after the "
-    sub = add_command(commands, "properties", list_properties, text + "trim or in flight")
-    sub.add_argument("aircraft")
-    sub.add_argument("text", nargs="?", default="", help="show only names that contain this")
-    switch(sub, "--trim", "values after the trim; implied by any option of the condition")
-    text = "values after this time of flight from the trim, controls fixed"
-    sub.add_argument("--after", metavar="SECONDS", type=float, help=text)
-    condition_options(sub)
-
-
-def list_properties(args: argparse.Namespace) -> None:
+@command(
+    "the properties of an aircraft: name, access, value",
+    AIRCRAFT,
+    option("text", "show only names that contain this", nargs="?", default=""),
+    switch("--trim", "values after the trim; implied by any option of the condition"),
+    number("--after", "values after a flight from the trim, controls fixed", metavar="SECONDS"),
+    *CONDITION,
+)
+def properties(args: argparse.Namespace) -> None:
     airframe = _in_state(args)
     names = airframe.property_names(args.text)
     if not names:
@@ -145,42 +129,40 @@ def _warnings_last() -> Iterator[None]:
         print(f"  {warning.message}")
 
 
-def add_trim(commands: Commands) -> None:
-    sub = add_command(commands, "trim", print_trim, "trim an aircraft and print the state found")
-    sub.add_argument("aircraft")
-    text = "fly from the trim (default 10 s), controls fixed, and say how far it is from it then"
-    sub.add_argument(
-        "--steady", metavar="SECONDS", type=float, nargs="?", const=10.0, default=0.0, help=text
-    )
-    condition_options(sub)
-
-
+@command(
+    "trim an aircraft and print the state found",
+    AIRCRAFT,
+    number(
+        "--steady",
+        "fly from the trim (default 10 s), controls fixed, and say how far it is from it then",
+        metavar="SECONDS",
+        nargs="?",
+        const=10.0,
+        default=0.0,
+    ),
+    *CONDITION,
+)
 @_warnings_last()
-def print_trim(args: argparse.Namespace) -> None:
+def trim(args: argparse.Namespace) -> None:
     from ..flight.airframe import Airframe
-    from ..flight.trimming import trim
+    from ..flight.trimming import trim as trimmed
 
     condition, setup, model = condition_of(args), *setup_and_model(args)
-    print(trim(Airframe(args.aircraft, **model), condition, setup, fly=args.steady))
+    print(trimmed(Airframe(args.aircraft, **model), condition, setup, fly=args.steady))
 
 
-def add_modes(commands: Commands) -> None:
-    text = "the natural modes of an aircraft about a trim, and its flying qualities by MIL-F-8785C"
-    sub = add_command(commands, "modes", print_modes, text)
-    sub.add_argument("aircraft")
-    text = "flown (identified from small pulses in flight) or algebraic (of the rigid aircraft)"
-    sub.add_argument("--method", default="flown", help=text)
-    text = "I, II-L, II-C, III or IV (default %(default)s: medium, land-based)"
-    sub.add_argument("--class", dest="aircraft_class", default="II-L", help=text)
-    text = "flight phases: A, B or C (default %(default)s: climb, cruise)"
-    sub.add_argument("--category", default="B", help=text)
-    file_option(sub, "--save", metavar="FIG", text="draw the poles into this file")
-    file_option(sub, "--json", metavar="FILE", text="write the linear model")
-    condition_options(sub)
-
-
+@command(
+    "natural modes about a trim, and flying qualities by MIL-F-8785C",
+    AIRCRAFT,
+    option("--method", "flown (default): from small pulses; algebraic: rigid", default="flown"),
+    option("--class", "I, II-L (default: medium, land-based), II-C, III, IV", default="II-L"),
+    option("--category", "flight phases: A, B (default: climb, cruise) or C", default="B"),
+    file("--save", "draw the poles into this file", "FIG"),
+    file("--json", "write the linear model"),
+    *CONDITION,
+)
 @_warnings_last()
-def print_modes(args: argparse.Namespace) -> None:
+def modes(args: argparse.Namespace) -> None:
     check_file("json", args.json)
     with saving_figures(args.save):
         _print_modes(args)
@@ -192,7 +174,7 @@ def _print_modes(args: argparse.Namespace) -> None:
 
     condition, setup, options = condition_of(args), *setup_and_model(args)
     model = linear_model(args.aircraft, condition, args.method, setup=setup, **options)
-    qualities = flying_qualities(model, args.category, args.aircraft_class)
+    qualities = flying_qualities(model, args.category, vars(args)["class"])
     print(f"{args.aircraft}: {condition}")
     print(
         f"  {'mode':<18} {'rad/s':>8} {'damping':>8} {'period s':>9} {'half s':>8} {'double s':>8}"
@@ -203,7 +185,7 @@ def _print_modes(args: argparse.Namespace) -> None:
         damping = f"{mode.damping:8.3f}" if mode.oscillatory else " " * 8
         states = ", ".join(name for name, share in mode.participation.items() if share > 0.1)
         print(f"  {mode.name:<18} {mode.frequency:8.4f} {damping}  {cells}  {states}")
-    print(f"  MIL-F-8785C, class {args.aircraft_class}, category {args.category}")
+    print(f"  MIL-F-8785C, class {vars(args)['class']}, category {args.category}")
     for quality in qualities:
         level = f"level {quality.level}" if quality.level < 4 else "worse than level 3"
         value = "stable" if math.isinf(quality.value) else f"{quality.value:.3f} {quality.unit}"
@@ -218,46 +200,24 @@ def _print_modes(args: argparse.Namespace) -> None:
         show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 
 
-def add_gains(commands: Commands) -> None:
-    text = "design gains of the autopilot for an aircraft, and report how good they are"
-    sub = add_command(commands, "gains", print_gains, text)
-    sub.add_argument("aircraft")
-    for option, unit in (("altitude", "ft"), ("speed", "KCAS")):
-        text = f"{unit}, one or several (default: docs/evidence/fleet.md)"
-        sub.add_argument(f"--{option}", metavar=unit.upper(), type=float, nargs="+", help=text)
-    sub.add_argument("--gear", type=float, help="0 up to 1 down (default: up where it retracts)")
-    sub.add_argument("--flaps", type=float, help="0 to 1")
-    file_option(sub, "--save", metavar="FILE.json", text="write the gains, as gains= takes them")
-    text = "do not design: take the gain table of this name that comes with the package"
-    switch(sub, "--table", text)
-    root_option(sub)
-    property_options(sub)
-
-
-def print_gains(args: argparse.Namespace) -> int:
-    from .._core.checks import refuse
-    from ..control.gain_tables import table
-
-    check_file("save", args.save, ".json")
-    if not args.table:
-        return _design(args)
-    for option in ("altitude", "speed", "gear", "flaps", "save"):
-        if (value := getattr(args, option)) is not None:
-            refuse(option, value, f"--table takes no --{option}: it designs nothing")
-    gains = table(args.aircraft)
-    print(f"gains of {gains.aircraft} at {len(gains.points)} points")
-    for i, point in enumerate(gains.points):
-        nominal = ", nominal" * (i == gains.nominal)
-        print(f"  {point.altitude:g} ft, {point.speed:g} KCAS{nominal}")
-    return 0
-
-
-def _design(args: argparse.Namespace) -> int:
-    """Design gains; returns the exit code."""
+@command(
+    "design gains of the autopilot for an aircraft, and report how good they are",
+    AIRCRAFT,
+    number("--altitude", "ft, one or several (default: docs/evidence/fleet.md)", nargs="+"),
+    number("--speed", "KCAS, one or several (default likewise)", nargs="+"),
+    number("--gear", "0 up to 1 down (default: up where it retracts)"),
+    number("--flaps", "0 to 1"),
+    file("--save", "write the gains, as gains= takes them", "FILE.json"),
+    ROOT,
+    SET,
+    CREATE,
+)
+def gains(args: argparse.Namespace) -> int:
     from ..design import design_schedule
     from ..flight import level_flight
     from ..flight.fleet import prepared
 
+    check_file("save", args.save, ".json")
     if args.altitude is None or args.speed is None:
         flight = level_flight(args.aircraft, args.root)
         condition, needed = flight.condition, flight.create
@@ -288,6 +248,3 @@ def _design(args: argparse.Namespace) -> int:
         found.save(args.save)
         print(f"gains saved: {args.save}")
     return 0
-
-
-COMMANDS = (add_aircraft, add_properties, add_trim, add_modes, add_gains)

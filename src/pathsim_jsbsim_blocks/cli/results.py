@@ -10,17 +10,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import FileError
 from .arguments import (
-    Commands,
-    add_command,
-    file_option,
+    AIRCRAFT,
+    FIGURE,
+    JOBS,
+    RESUME,
+    ROOT,
+    command,
+    file,
+    number,
+    option,
     repeatable,
-    root_option,
     switch,
     values_in_range,
 )
-from .saving import check_csv, check_file, saving_figures
+from .saving import check_file, saving_figures, whole_file
 
 
 def studies() -> Mapping[str, Any]:
@@ -32,77 +36,59 @@ def studies() -> Mapping[str, Any]:
     return STUDIES
 
 
-def add_study(commands: Commands) -> None:
-    sub = add_command(commands, "study", study, "run a trim study: its table, its figure")
-    text = "aoa_vs_cas, aoa_vs_cas_loading, climb_schedule, modes_over_speed, thrust_vectoring "
-    sub.add_argument("name", help=text + "or trim_envelope")
-    file_option(sub, "--save", metavar="FIG", text="write the figure to this file")
-    file_option(sub, "--csv", metavar="FILE", text="write the table as CSV")
-    _jobs(sub)
-    switch(sub, "--wide", "the larger grid, if there is one")
-    own = sub.add_argument_group("another aircraft or condition, if the study accepts it")
-    own.add_argument("--aircraft", metavar="NAME", help="a JSBSim model")
-    own.add_argument("--altitude", metavar="FT", type=float)
-    own.add_argument("--speeds", metavar="FIRST:LAST:STEP", help="range of airspeeds, KCAS")
-    own.add_argument("--speed", metavar="KCAS", type=float, help="one airspeed")
-    own.add_argument("--gamma", metavar="DEG", type=float, help="flight path angle")
-
-
-def _jobs(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--jobs", metavar="N", type=int, default=-1, help="cores (default all)")
-    text = "keep finished points in this file, and resume from it"
-    file_option(sub, "--resume", metavar="FILE", text=text)
-
-
+@command(
+    "run a trim study: its table, its figure",
+    option("name", "which one; pathsim-jsbsim list has them all"),
+    FIGURE,
+    file("--csv", "write the table as CSV"),
+    JOBS,
+    RESUME,
+    switch("--wide", "the larger grid, if there is one"),
+    option("--aircraft", "another one, if the study takes it, as the options below"),
+    number("--altitude", "ft"),
+    option("--speeds", "range of airspeeds, KCAS", metavar="FIRST:LAST:STEP"),
+    number("--speed", "one airspeed, KCAS"),
+    number("--gamma", "flight path angle, deg"),
+)
 def study(args: argparse.Namespace) -> None:
-    names = ("jobs", "resume", "aircraft", "altitude", "speed", "gamma")
-    options = {name: getattr(args, name) for name in names}
-    if args.speeds is not None:
-        options["speeds"] = values_in_range("speeds", args.speeds)
-    run_study(args.name, args.save, args.csv, wide=args.wide or None, **options)
-
-
-def run_study(name: str, figure_file: Path | None, csv_file: Path | None, **options: Any) -> None:
-    """Compute a study, print its result and show its figure; options that are None are left out."""
     from .._core.checks import one_of, refuse
     from ..plots import show
     from ..studies import STUDIES
 
-    study = STUDIES[one_of("study", name, STUDIES)]
-    options = {option: value for option, value in options.items() if value is not None}
-    taken = inspect.signature(study.table).parameters
-    for option, value in options.items():
-        if option not in taken:
+    found = STUDIES[one_of("study", args.name, STUDIES)]
+    check_file("csv", args.csv, ".csv", "")  # without an ending it may be a pipe
+    given = {**vars(args), "wide": args.wide or None}
+    if args.speeds is not None:
+        given["speeds"] = values_in_range("speeds", args.speeds)
+    taken = [*inspect.signature(found.table).parameters]
+    for name in ("wide", "aircraft", "altitude", "speeds", "speed", "gamma"):
+        if given[name] is not None and name not in taken:
             known = ", ".join(f"--{x}" for x in taken if x != "progress")
-            refuse(option, value, f"the study {name} takes no --{option}; it takes {known}")
-    check_csv(csv_file)
-    with saving_figures(figure_file):
-        table = study.table(**options)
-        trimmed = int(table["trimmed"].sum())
-        print(f"{name}: {trimmed} of {len(table)} points trim")
-        if csv_file is not None:
-            _save_table(table, csv_file)
-        figure = study.figure(table)
-        if "aircraft" in options:
-            figure.suptitle(f"{options['aircraft']}: {figure.get_suptitle()}")
-        show(figure, name)
+            why = f"the study {args.name} takes no --{name}; it takes {known}"
+            refuse(name, given[name], why)
+    with saving_figures(args.save):
+        table = found.table(**{x: given[x] for x in taken if given.get(x) is not None})
+        print(f"{args.name}: {table.trimmed.sum()} of {len(table)} points trim")
+        if args.csv is not None:
+            _save_table(table, args.csv)
+        figure = found.figure(table)
+        if args.aircraft is not None:
+            figure.suptitle(f"{args.aircraft}: {figure.get_suptitle()}")
+        show(figure, args.name)
 
 
-def add_chart(commands: Commands) -> None:
-    text = "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n"
-    sub = add_command(commands, "chart", chart, text)
-    sub.add_argument("aircraft")
-    for name, unit in (("altitude", "ft"), ("weight", "lb"), ("flaps", "0 to 1")):
-        help_text = f"{unit}, one or several"
-        sub.add_argument(f"--{name}", metavar=name.upper(), type=float, nargs="+", help=help_text)
-    text = "write the page (.pdf, .png, .svg) or the table (.csv) to this file"
-    repeatable(sub, "--save", "FILE", text, type=Path)
-    text = "compare with these values of a handbook, at their conditions"
-    file_option(sub, "--handbook", metavar="FILE.csv", text=text)
-    _jobs(sub)
-    root_option(sub)
-
-
+@command(
+    "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n",
+    AIRCRAFT,
+    number("--altitude", "ft, one or several", nargs="+"),
+    number("--weight", "lb, one or several", nargs="+"),
+    number("--flaps", "0 to 1, one or several", nargs="+"),
+    repeatable("--save", "write page (.pdf, .png, .svg) or table (.csv)", "FILE", type=Path),
+    file("--handbook", "compare with these values of a handbook, at their conditions"),
+    JOBS,
+    RESUME,
+    ROOT,
+)
 def chart(args: argparse.Namespace) -> None:
     from .._core.checks import refuse
     from ..plots import show
@@ -142,28 +128,23 @@ def _print_table(table: Any) -> None:
 
 
 def _save_table(table: Any, path: Path) -> None:
-    from .._core.files import replacing
-
-    try:
-        with replacing(path) as file:
-            table.to_csv(file, index=False)
-    except OSError as error:
-        raise FileError("write", path, error) from None
+    with whole_file(path) as file:
+        table.to_csv(file, index=False)
     print(f"table saved: {path}")
 
 
-def add_check(commands: Commands) -> None:
-    text = "fly NASA's check cases and compare with NASA's simulators"
-    sub = add_command(commands, "check", check, text)
-    text = "1 to 12, 13.1 to 13.4, 15, 16 (default all)"
-    sub.add_argument("case", nargs="*", type=float, help=text)
-    text = "steps per second (default 100, and 200 from 11 on)"
-    sub.add_argument("--rate", metavar="HZ", type=int, help=text)
-    text = "default, which is JSBSim's own, or precise (default %(default)s)"
-    sub.add_argument("--integrators", default="precise", help=text)
-    file_option(sub, "--save", metavar="FIG", text="write the figures: FIG, FIG with _2, ...")
+def _case(text: str) -> float:
+    """The number of a case, which may be the name of its diagram: check_case_13_1."""
+    return float(text.removeprefix("check_case_").replace("_", "."))
 
 
+@command(
+    "fly NASA's check cases and compare with NASA's simulators",
+    option("case", "1 to 12, 13.1 to 13.4, 15, 16 (default all)", nargs="*", type=_case),
+    option("--rate", "steps per second (default 100, and 200 from 11 on)", type=int),
+    option("--integrators", "precise (default), or default: JSBSim's own", default="precise"),
+    file("--save", "write the figures: FIG, FIG with _2, ...", "FIG"),
+)
 def check(args: argparse.Namespace) -> int:
     from ..check_cases import CASES, compare, comparison_figure, comparison_table, fly_case
     from ..plots import show
@@ -184,13 +165,11 @@ def check(args: argparse.Namespace) -> int:
     return int(passed < len(cases))
 
 
-def add_daveml(commands: Commands) -> None:
-    text = "the variables of a DAVE-ML model, and whether it passes its own check data"
-    sub = add_command(commands, "daveml", print_daveml, text)
-    sub.add_argument("file", metavar="FILE", help="the model, or the name of one of the package")
-
-
-def print_daveml(args: argparse.Namespace) -> int:
+@command(
+    "the variables of a DAVE-ML model, and whether it passes its own check data",
+    option("file", "the model, or the name of one of the package"),
+)
+def daveml(args: argparse.Namespace) -> int:
     from ..daveml import DaveModel
 
     model = DaveModel(args.file)
@@ -217,6 +196,3 @@ def print_daveml(args: argparse.Namespace) -> int:
     else:
         print(f"{len(checks) - len(failed)} of {len(checks)} values in {shots} check shots pass")
     return int(bool(failed))
-
-
-COMMANDS = (add_study, add_chart, add_check, add_daveml)

@@ -7,15 +7,15 @@ import ast
 import contextlib
 import inspect
 import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import BlocksError
-from .arguments import Commands, add_command, file_option, repeatable, trust_options
+from .arguments import FIGURE, TOOLBOX, TRUST, command, file, number, option, repeatable
 from .console import directory_is_gone, report, tell
 from .editor import asking
-from .results import run_study, studies
+from .results import studies
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
 
 GROUPS = {
@@ -25,11 +25,8 @@ GROUPS = {
 }
 
 
-def add_list(commands: Commands) -> None:
-    add_command(commands, "list", list_names, "the diagrams and studies of the catalogue")
-
-
-def list_names(args: argparse.Namespace) -> None:
+@command("the diagrams and studies of the catalogue")
+def list_(args: argparse.Namespace) -> None:
     from ..catalogue import diagram_groups, find_diagram
 
     parts = {}
@@ -39,35 +36,44 @@ def list_names(args: argparse.Namespace) -> None:
         parts[GROUPS[group]] = dict(zip(names, docs, strict=True))
     parts["Studies"] = {n: inspect.getdoc(study.table) or "" for n, study in studies().items()}
     width = max(len(name) for part in parts.values() for name in part)
-    for number, (title, part) in enumerate(parts.items()):
-        print(f"{chr(10) * (number > 0)}{title}")
+    for i, (title, part) in enumerate(parts.items()):
+        print(f"{chr(10) * (i > 0)}{title}")
         for name, doc in part.items():
             print(f"  {name:<{width}}  {doc.partition(chr(10))[0]}")
 
 
-def add_run(commands: Commands) -> None:
-    text = "run a diagram or a study: print its results and show its figures"
-    sub = add_command(commands, "run", run, text)
-    text = "a diagram or a study of the catalogue, or the path of a script or a model (.pvm)"
-    sub.add_argument("name", help=text)
-    text = "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable "
-    repeatable(sub, "--set", "NAME=VALUE", text + "at the top of the script")
-    sub.add_argument("--duration", metavar="SECONDS", type=float, help="simulated time to run for")
-    file_option(sub, "--save", metavar="FIG", text="write the figure to this file")
-    text = "write all recorded signals as CSV, including those of a run that crashes or is "
-    file_option(sub, "--csv", metavar="FILE", text=text + "interrupted")
-    text = "at most so many rows per second in the CSV, each as recorded; default is all"
-    sub.add_argument("--csv-rate", metavar="HZ", type=float, help=text)
-    text = "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
-    text += "(Tacview), .czml (Cesium), .csv or .parquet"
-    repeatable(sub, "--track", "FILE", text, type=Path)
-    text = "fly in real time and send to FlightGear (default 127.0.0.1:5550)"
-    sub.add_argument("--flightgear", metavar="HOST:PORT", nargs="?", const="", help=text)
-    trust_options(sub)
-
-
+@command(
+    "run a diagram: print its results and show its figures",
+    option("name", "a diagram of the catalogue, or the path of a script or a model (.pvm)"),
+    repeatable(
+        "--set",
+        "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable at the "
+        "top of the script",
+        "NAME=VALUE",
+    ),
+    number("--duration", "simulated time to run for", metavar="SECONDS"),
+    FIGURE,
+    file("--csv", "write all recorded signals, also of a run that crashes or is interrupted"),
+    number("--csv-rate", "at most so many rows per second in the CSV", metavar="HZ"),
+    repeatable(
+        "--track",
+        "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
+        "(Tacview), .czml (Cesium), .csv or .parquet",
+        "FILE",
+        type=Path,
+    ),
+    option(
+        "--flightgear",
+        "fly in real time and send to FlightGear (default 127.0.0.1:5550)",
+        metavar="HOST:PORT",
+        nargs="?",
+        const="",
+    ),
+    TRUST,
+    TOOLBOX,
+)
 def run(args: argparse.Namespace) -> int:
-    from .._core.checks import positive
+    from .._core.checks import positive, refuse
     from .._core.pathsim_internals import keep_warnings_visible
     from ..catalogue import find_diagram
     from ..scripts.runs import with_duration, with_progress
@@ -75,9 +81,7 @@ def run(args: argparse.Namespace) -> int:
 
     keep_warnings_visible()  # those of a script without a block of ours too
     if args.name in studies():
-        _refuse_options_of_scripts(args)
-        run_study(args.name, args.save, args.csv)
-        return 0
+        refuse("name", args.name, f"{args.name} is a study: pathsim-jsbsim study {args.name}")
     settings, duration, source = _settings(args.set), args.duration, None
     if duration is not None:
         positive("duration", duration)
@@ -102,7 +106,7 @@ def run(args: argparse.Namespace) -> int:
                 diagram = Script(script, settings, source)
                 constant = duration is not None and diagram.has_constant("DURATION")
                 if constant:
-                    settings = {**settings, **_once("DURATION", "duration", settings, duration)}
+                    settings["DURATION"] = duration
                     diagram = Script(script, settings, source)
                 runs = timed.enter_context(with_duration(None if constant else duration))
                 diagram.run(module)
@@ -122,21 +126,6 @@ def run(args: argparse.Namespace) -> int:
     return status
 
 
-def _refuse_options_of_scripts(args: argparse.Namespace) -> None:
-    from .._core.checks import refuse
-
-    for option, reason in (
-        ("track", "flies no aircraft"),
-        ("flightgear", "flies no aircraft"),
-        ("set", "is no script"),
-        ("duration", "is no script"),
-        ("csv_rate", "has no time"),
-    ):
-        if getattr(args, option) not in (None, []):
-            why = f"the study {args.name} {reason}: it takes no --{option.replace('_', '-')}"
-            refuse(option, str(getattr(args, option)), why)
-
-
 def _settings(items: Sequence[str]) -> dict[str, Any]:
     """The values of ``--set NAME=VALUE``, as texts."""
     from .._core.checks import refuse
@@ -147,18 +136,8 @@ def _settings(items: Sequence[str]) -> dict[str, Any]:
         name, equals, text = item.partition("=")
         if not (equals and text.strip()):
             refuse("set", item, f"--set needs NAME=VALUE, such as hold.theta_ref=5, not {item!r}")
-        settings.update(_once(name.strip(), "set", settings, Text(text.strip())))
+        settings[name.strip()] = Text(text.strip())
     return settings
-
-
-def _once(name: str, option: str, settings: Mapping[str, Any], value: Any) -> dict[str, Any]:
-    """A setting that is not among those given already."""
-    from .._core.checks import refuse
-
-    if name in settings:
-        why = f"--{option}: {name} is set twice, to {settings[name]} and {value}"
-        refuse(option, str(value), why)
-    return {name: value}
 
 
 def _code_of_model(path: Path, args: argparse.Namespace) -> str:
@@ -180,17 +159,11 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
 @contextlib.contextmanager
 def _tracking(paths: Sequence[Path]) -> Iterator[None]:
     """Write the flights within this context to files, also those before a failure."""
-    from .._core.checks import refuse
-
     if not paths:
         yield
         return
-    from ..flight.recording import recorded_flights, tracks
-    from ..tracks.files import save_tracks, track_file
-
-    def save_to(path: Path, flown: Sequence[Any]) -> None:
-        save_tracks(path, flown)
-        print(f"track saved: {path}")
+    from ..flight.recording import recorded_flights
+    from ..tracks.files import track_file
 
     paths = [track_file("track", path).absolute() for path in paths]
     ended = False
@@ -200,17 +173,29 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
             ended = True
         finally:
             try:
-                flown = tracks(recordings)
-                if flown:
-                    with contextlib.ExitStack() as files:  # one that fails prevents no other
-                        for path in reversed(paths):
-                            files.callback(save_to, path, flown)
-                elif ended:
-                    refuse("track", str(paths[0]), "the script flies no aircraft")
+                _save_tracks(paths, recordings, ended)
             except BlocksError as failure:
                 if ended:
                     raise
                 report(failure)
+
+
+def _save_tracks(paths: Sequence[Path], recordings: Any, ended: bool) -> None:
+    from .._core.checks import refuse
+    from ..flight.recording import tracks
+    from ..tracks.files import save_tracks
+
+    flown = tracks(recordings)
+    if ended and not flown:
+        refuse("track", str(paths[0]), "the script flies no aircraft")
+
+    def save_to(path: Path) -> None:
+        save_tracks(path, flown)
+        print(f"track saved: {path}")
+
+    with contextlib.ExitStack() as files:  # one that fails prevents no other
+        for path in reversed(paths if flown else []):
+            files.callback(save_to, path)
 
 
 @contextlib.contextmanager
@@ -238,18 +223,14 @@ def _report_no_run(objects: Iterable[Any], duration: float | None, constant: boo
 
     from .._core.checks import refuse
 
+    why, advice = "the script makes no run with sim.run or fly", ""
     simulations = [x for x in objects if isinstance(x, Simulation)]
-    resting = bool(simulations) and all(x.time == 0.0 for x in simulations)
-    if not resting and (duration is None or constant):
-        return
-    message = (
-        "the script makes no run with sim.run or fly"
-        + (" that --duration could set" if duration is not None else "")
-        + (': add sim.run(10) under if __name__ == "__main__":' if resting else "")
-    )
-    if duration is not None:
-        refuse("duration", duration, message)
-    tell(message)
+    if simulations and all(x.time == 0.0 for x in simulations):
+        advice = ': add sim.run(10) under if __name__ == "__main__":'
+    if duration is not None and (advice or not constant):
+        refuse("duration", duration, f"{why} that --duration could set{advice}")
+    if advice:
+        tell(why + advice)
 
 
 def _report_failure(
@@ -290,6 +271,3 @@ def _variables_at(error: BaseException) -> list[Any]:
         for frame, _ in traceback.walk_tb(error.__traceback__)
         for x in list(frame.f_locals.values())
     ]
-
-
-COMMANDS = (add_list, add_run)

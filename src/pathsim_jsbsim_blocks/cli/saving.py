@@ -45,8 +45,16 @@ def check_file(option: str, path: Path | None, *endings: str) -> None:
             ending(option, path, *endings)
 
 
-def check_csv(path: Path | None) -> None:
-    check_file("csv", path, ".csv", "")  # without an ending it may be a pipe
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A file to write to that takes the place of ``path`` when it is whole."""
+    from .._core.files import replacing
+
+    try:
+        with replacing(path) as file:
+            yield file
+    except OSError as error:
+        raise FileError("write", path, error) from None
 
 
 def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | None:
@@ -57,7 +65,7 @@ def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | Non
         positive("csv-rate", rate)
         if path is None:
             refuse("csv-rate", rate, "--csv-rate goes with --csv FILE")
-    check_csv(path)
+    check_file("csv", path, ".csv", "")  # without an ending it may be a pipe
     return None if path is None else partial(_write_csv, path.absolute(), rate)
 
 
@@ -92,7 +100,6 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
     import numpy as np
 
     from .._core.checks import refuse
-    from .._core.files import replacing
     from .._core.scopes import recording, signal_label
 
     if not scopes:
@@ -109,11 +116,8 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
             column = dict(zip(time.tolist(), values.tolist(), strict=True))
             columns.append((signal_label(scope, i), column))
     times = sorted({t for _, column in columns for t in column})
-    try:
-        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["time [s]", *(label for label, _ in columns)])
-            writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)
-    except OSError as error:
-        raise FileError("write", path, error) from None
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time [s]", *(label for label, _ in columns)])
+        writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)
     print(f"signals saved: {path}")
