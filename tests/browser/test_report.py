@@ -79,7 +79,7 @@ def test_a_report_plays_and_links_its_views(page):
     page.wait_for_function(
         "Math.abs(parseFloat(document.getElementById('now').textContent.slice(4)) - 30) < 0.3"
     )
-    cursor = page.locator("#cursor").bounding_box()
+    cursor = page.locator("#plots .shapelayer path").first.bounding_box()
     assert cursor["x"] == pytest.approx(box["x"] + box["width"] / 2, abs=4)
     # the other aircraft's attitude, by choice; then the flight plays to its end and stops
     page.select_option("#which", "1")

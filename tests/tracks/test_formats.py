@@ -198,7 +198,7 @@ def long_flight(seconds, rate=5, signals=23):
     )
 
 
-def test_ten_hours_for_google_earth_take_5_megabytes_where_the_shape_is(tmp_path):
+def test_ten_hours_for_google_earth_take_5_megabytes(tmp_path):
     flight = long_flight(36000)
     save_tracks(tmp_path / "flight.kml", [flight])
     assert 4e6 < (tmp_path / "flight.kml").stat().st_size <= 5e6
@@ -206,38 +206,25 @@ def test_ten_hours_for_google_earth_take_5_megabytes_where_the_shape_is(tmp_path
     noon = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
     seconds = np.array([(w.dt - noon).total_seconds() for w in drawn.whens])
     assert (seconds[0], seconds[-1]) == (0.0, 35999.8)
-    # the turns take a 30th of the time; legs bend with the globe
-    assert np.mean((seconds % 1800 > 1735) | (seconds % 1800 < 5)) > 0.6
+    assert np.ptp(np.diff(seconds[:-1])) < 0.3
     # m from where the aircraft was: as a viewer that interpolates over time draws it
     places = np.array(drawn.coords)
     there = np.array(pymap3d.geodetic2ecef(places[:, 1], places[:, 0], places[:, 2]))
     real = np.array(pymap3d.geodetic2ecef(flight.lat, flight.lon, flight.h * 0.3048))
     drawn = [np.interp(flight.time, seconds, x) for x in there]
-    assert np.linalg.norm(real - drawn, axis=0).max() < 3
+    # in a turn of 3 deg/s at 100 m/s: chords of 9 s
+    assert np.linalg.norm(real - drawn, axis=0).max() < 60
     # several aircraft share the size
     two = [dataclasses.replace(long_flight(3600), name=name) for name in "ab"]
     save_tracks(tmp_path / "two.kml", two)
     assert 4e6 < (tmp_path / "two.kml").stat().st_size <= 5e6
 
 
-def test_the_points_kept_are_the_corners_of_the_flight_in_place_and_time():
-    time = np.arange(401.0)
-    corners = [0, 100, 200, 300, 400]
-    still = np.zeros_like(time)
-    # a square, its last side in half the time and then at rest
-    lat = np.interp(time, corners, [0, 0, 0.01, 0.01, 0.01])
-    lon = np.interp(time, [0, 100, 200, 250, 300], [0, 0.01, 0.01, 0, 0])
-    track = Track("square", "c172p", time, lat, lon, *[still] * 4, signals={"a": time})
-    assert track.simplified(5).time.tolist() == [0, 100, 200, 250, 400]
-    assert track.simplified(5).signals["a"].tolist() == [0, 100, 200, 250, 400]
-    assert track.simplified(2).time.tolist() == [0, 400]
-    assert climbing_turn(n=1).simplified(1).time.tolist() == [0]
-
-
 def test_points_are_even_over_hours_of_summed_steps():
     time = np.cumsum(np.full(10 * 3600 * 60, 1 / 60))
     still = np.zeros_like(time)
-    points = Track("long", "c172p", time, *[still] * 6).at_most(5.0).time
+    track = Track("long", "c172p", time, *[still] * 6)
+    points = track.at_most(5.0 * (time[-1] - time[0])).time
     assert len(points) == 10 * 3600 * 5 + 1
     assert np.diff(points[:-1]) == pytest.approx(0.2, abs=1e-6)
 
@@ -308,8 +295,8 @@ def test_a_report_holds_the_flights_east_north_and_up_of_the_first(tmp_path):
 
     assert [column(a[key])[0] for key in ("east", "north", "up")] == [0.0, 0.0, 0.0]
     assert column(a["time"])[-1] == 300.0
-    # every second of 30,001 samples
-    assert len(column(a["time"])) == 15_001
+    # two of three samples, and the last
+    assert len(column(a["time"])) == 20_001
     # WGS84's radii of curvature at 47 deg: 6,369,620 m along the meridian, 6,389,587 m across
     north, east = math.radians(0.01) * 6369620, math.radians(0.01) * 6389587 * math.cos(0.8203)
     for key, expected in (("north", north), ("east", east), ("up", 30.48)):
@@ -324,7 +311,7 @@ def test_a_report_holds_the_flights_east_north_and_up_of_the_first(tmp_path):
     assert signals["heading"]["unit"] == "deg"
     assert not {"latitude", "longitude"} & set(signals)
     assert "thinned out to 20,000 for each aircraft" in page
-    save_tracks(tmp_path / "short.html", [first.thinned(1000)])
+    save_tracks(tmp_path / "short.html", [first.at_most(1000)])
     assert "thinned out" not in (tmp_path / "short.html").read_text(encoding="utf-8")
 
 
@@ -337,10 +324,13 @@ def test_text_of_the_user_is_text_in_a_report(tmp_path):
 
 
 def test_a_long_flight_is_thinned_out_and_keeps_its_end():
-    track = climbing_turn(n=1001).thinned(100)
-    assert len(track.time) == 92
-    assert (track.time[0], track.time[1], track.time[-1]) == (0.0, 2.75, 250.0)
-    assert climbing_turn().thinned(121).time.size == 121
+    track = climbing_turn(n=1001).at_most(100)
+    assert track.time.tolist() == pytest.approx([*np.arange(0, 251, 2.5)], abs=0.25)
+    assert (track.time[0], track.time[-1]) == (0.0, 250.0)
+    assert track.signals["elevator"].tolist() == np.sin(track.time).tolist()
+    assert climbing_turn().at_most(121).time.size == 121
+    assert climbing_turn(n=1).at_most(1).time.size == 1
+    assert climbing_turn(n=2).at_most(1).time.tolist() == [0.0, 0.25]
 
 
 @pytest.mark.parametrize(

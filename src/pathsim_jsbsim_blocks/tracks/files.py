@@ -62,8 +62,7 @@ def save_tracks(
     path : str or Path
         ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
         (Cesium) or ``.html`` (a report that opens in any browser, without a network). A ``.kml``
-        of tracks of all steps of a simulation has 5 points per second; where these would take
-        more than 5 MB, only those that the shape of the track needs most
+        of tracks of all steps of a simulation has 5 points per second, or as many as take 5 MB
     tracks : Track or list of Track
         the aircraft
     start : datetime, optional

@@ -61,8 +61,9 @@ def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, abo
 
 
 def _drawn(track: Track, size: float) -> Track:
-    """5 samples per second of a track, or those of its shape that fit a size in bytes."""
-    return track.at_most(_RATE).simplified(int(size / (_POINT + _VALUE * len(track.signals))))
+    """5 samples per second of a track, or as many as fit a size in bytes."""
+    most = _RATE * (track.time[-1] - track.time[0])
+    return track.at_most(max(min(most, size / (_POINT + _VALUE * len(track.signals))), 1.0))
 
 
 def _track(mark: ET.Element, track: Track, start: datetime.datetime, schema: str) -> None:

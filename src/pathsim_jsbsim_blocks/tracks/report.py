@@ -20,8 +20,6 @@ from .._core.scopes import name_and_unit
 from .._core.units import FOOT
 from .track import Track
 
-_PAGE = Path(__file__).with_name("report.html")
-
 # a page with more samples of an aircraft than these reacts slowly
 _MOST = 20_000
 
@@ -29,35 +27,38 @@ _MOST = 20_000
 def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
     """The page with all aircraft; long flights are thinned out to 20,000 samples."""
     from plotly.offline import get_plotlyjs
+    from pymap3d import geodetic2enu
 
-    shown = [track.thinned(_MOST) for track in tracks]
+    shown = [track.at_most(_MOST) for track in tracks]
     origin = shown[0].lat[0], shown[0].lon[0], shown[0].h[0] * FOOT
-    data = {"aircraft": [_aircraft(track, origin) for track in shown]}
-    title = ", ".join(track.name for track in tracks)
-    head = []
-    for track in tracks:
-        flown = [track.aircraft, *(f"{k} {v}" for k, v in track.about.items())]
-        name = "aircraft" if track.aircraft == track.name else track.name
-        head.append((name, ", ".join(flown)))
-    head += [("t = 0", f"{start:%Y-%m-%d %H:%M:%S %Z}"), ("made by", about)]
+    places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in shown]
+    aircraft = [_aircraft(*both) for both in zip(shown, places, strict=True)]
+    head = {track.name: [track.aircraft, *map(" ".join, track.about.items())] for track in tracks}
+    head["t = 0"] = [f"{start:%Y-%m-%d %H:%M:%S %Z}"]
+    head["made by"] = [about]
     if any(len(track.time) > _MOST for track in tracks):
-        head.append(("samples", f"thinned out to {_MOST:,} for each aircraft"))
-    page = _PAGE.read_text(encoding="utf-8")
+        head["samples"] = [f"thinned out to {_MOST:,} for each aircraft"]
+    rows = [(html.escape(k), html.escape(", ".join(v))) for k, v in head.items()]
+    page = Path(__file__).with_name("report.html").read_text(encoding="utf-8")
     for place, text in {
-        "TITLE": html.escape(title),
-        "HEAD": "".join(f"<dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd>" for k, v in head),
+        "TITLE": html.escape(", ".join(track.name for track in tracks)),
+        "HEAD": "".join(f"<dt>{k}</dt><dd>{v}</dd>" for k, v in rows),
         # no "</script>" may end the element
-        "DATA": json.dumps(data).replace("<", "\\u003c"),
+        "DATA": json.dumps({"aircraft": aircraft, "boxes": _boxes(places)}).replace("<", "\\u003c"),
         "PLOTLY": get_plotlyjs(),
     }.items():
         page = page.replace(f"<!--{place}-->", text)
     path.write_text(page, encoding="utf-8", newline="\n")
 
 
-def _aircraft(track: Track, origin: tuple[float, float, float]) -> dict[str, Any]:
-    from pymap3d import geodetic2enu
+def _boxes(places: Sequence[np.ndarray]) -> list[list[float]]:
+    """Ranges of the axes east, north and up; a level track needs some height."""
+    low, high = (f([f(place, axis=1) for place in places], axis=0) for f in (np.min, np.max))
+    half = np.maximum(0.6 * (high - low), 0.2 * max(np.max(high - low), 100.0))
+    return np.column_stack([(low + high) / 2 - half, (low + high) / 2 + half]).tolist()
 
-    east, north, up = geodetic2enu(track.lat, track.lon, track.h * FOOT, *origin)
+
+def _aircraft(track: Track, place: np.ndarray) -> dict[str, Any]:
     signals = []
     for label, column in track.columns.items():
         name, unit = name_and_unit(label)
@@ -66,7 +67,7 @@ def _aircraft(track: Track, origin: tuple[float, float, float]) -> dict[str, Any
         if name not in ("latitude", "longitude"):
             signals.append({"name": name, "unit": unit, "values": _packed(column)})
     columns = {name: getattr(track, name) for name in ("time", "theta", "phi", "psi")}
-    columns |= {"east": east, "north": north, "up": up}
+    columns |= dict(zip(("east", "north", "up"), place, strict=True))
     packed = {name: _packed(column) for name, column in columns.items()}
     return {"name": track.name, **packed, "signals": signals}
 

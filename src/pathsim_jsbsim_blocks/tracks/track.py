@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import datetime
 import html
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,7 +14,6 @@ import numpy as np
 
 from .._core.checks import finite, flag, mapping, must_be, refuse
 from .._core.extras import required
-from .._core.units import FOOT
 
 if TYPE_CHECKING:
     import pandas
@@ -139,45 +137,15 @@ class Track:
         """
         return frame(self.time, self.columns)
 
-    def thinned(self, most: int) -> Track:
-        """The track with every n-th sample and the last, ``most`` or fewer before that."""
-        step = math.ceil(len(self.time) / most)
-        return self if step == 1 else self._with(np.arange(0, len(self.time), step))
-
-    def at_most(self, rate: float) -> Track:
-        """The track with the first sample of each period of a rate in 1/s, and the last sample."""
-        # a sample that rounding, which adds up over hours, puts just before a period belongs to it
-        periods = np.floor((self.time - self.time[0]) * rate + 1e-3)
-        return self._with(np.unique(periods, return_index=True)[1])
-
-    def simplified(self, most: int) -> Track:
-        """The track with no more than ``most`` samples, 2 at least, those that its shape needs.
-
-        Douglas and Peucker's method with distances at equal times (Meratnia and de By, 2004):
-        between the samples kept, an aircraft is where a viewer that interpolates over time shows
-        it. Each pass adds the worst sample of each gap, if half as bad as the worst of all.
-        """
-        from pymap3d import geodetic2ecef
-
-        if len(self.time) <= most:
+    def at_most(self, most: float) -> Track:
+        """The track with samples at even times and the last: ``most`` or fewer before that."""
+        n = len(self.time)
+        if n <= most:
             return self
-        place = np.stack(geodetic2ecef(self.lat, self.lon, self.h * FOOT))
-        kept = np.array([0, len(self.time) - 1])
-        while len(kept) < most:
-            shown = [np.interp(self.time, self.time[kept], x[kept]) for x in place]
-            error = np.linalg.norm(place - shown, axis=0)[:-1]
-            greatest = np.maximum.reduceat(error, kept[:-1])
-            if not greatest.max() > 0:
-                break
-            worst = np.flatnonzero(error == np.repeat(greatest, np.diff(kept)))
-            worst = worst[error[worst] >= greatest.max() / 2]
-            worst = worst[np.argsort(-error[worst], kind="stable")][: most - len(kept)]
-            kept = np.union1d(kept, worst)
-        return self._with(kept)
-
-    def _with(self, samples: np.ndarray) -> Track:
-        """These samples and the last."""
-        kept = np.unique(np.append(samples, len(self.time) - 1))
+        span = self.time[-1] - self.time[0]
+        # a sample that rounding, which adds up over hours, puts just before a period belongs to it
+        periods = np.floor((self.time - self.time[0]) / span * most + 1e-3)
+        kept = np.union1d(np.unique(periods, return_index=True)[1], [n - 1])
         return dataclasses.replace(
             self,
             **{name: getattr(self, name)[kept] for name in ("time", *POSITION)},
