@@ -106,9 +106,8 @@ def time_plain_resets():
     return time_resets(reset)
 
 
-def time_our_resets(restored):
+def time_our_resets():
     plane = Aircraft("c172p", altitude=5000, speed=90)
-    plane.restored = restored
     plane.reset()
     return time_resets(plane.reset)
 
@@ -143,7 +142,7 @@ def time_loop():
 
 def rows(python=None):
     jsbsim.FGJSBBase().debug_lvl = 0
-    found = {name: [] for name in ("step", "peer", "ours", "restored", "plain", "fly", "loop")}
+    found = {name: [] for name in ("step", "peer", "ours", "plain", "fly", "loop")}
     env = heading()
     peer = python and subprocess.Popen(
         [python, "-c", PEER % STEPS], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -156,9 +155,8 @@ def rows(python=None):
             # between the lines that JSBSim prints
             line = next(line for line in peer.stdout if line.startswith("seconds"))
             found["peer"].append(float(line.split()[1]))
-        found["ours"].append(time_our_resets(False))
+        found["ours"].append(time_our_resets())
         found["plain"].append(time_plain_resets())
-        found["restored"].append(time_our_resets(True))
         found["fly"].append(time_diagram())
         found["loop"].append(time_loop())
     if peer:
@@ -168,7 +166,6 @@ def rows(python=None):
         row("environment: a step of 12 frames", name, found["step"], found["peer"], "us")
     what = "reset to the trim: the same aircraft again"
     row(what, "plain loop", found["ours"], found["plain"], "ms", 1.3, "jsbsim")
-    row(f"{what}, restored", "plain loop", found["restored"], found["plain"], "ms", None, "jsbsim")
     row(
         "Aircraft and PitchHold, fly",
         "plain loop",

@@ -39,7 +39,6 @@ def environment():
         vary={"hold.theta_ref": (-2.0, 6.0)},
         wired="replace",
         crash=-1000.0,
-        restart="restored",
     )
 
 

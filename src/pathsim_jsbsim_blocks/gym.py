@@ -11,13 +11,13 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 
-from ._core.callers import frames
+from ._core.callers import frames, warn_user
 from ._core.checks import (
     did_you_mean,
     flag,
@@ -54,36 +54,61 @@ __all__ = ["DiagramEnv", "make_env"]
 # relative; how far a step may be from a whole number of the diagram's steps
 _ROUNDING = 1e-9
 
+_T = TypeVar("_T")
+_Port = tuple[Block, Any, int]  # with its register and number
 Judge = Callable[[Mapping[str, float]], Any]
 Ranges = Mapping[str, tuple[float, float]]
 
 
-class _Port(NamedTuple):
-    """A port with the range of its values."""
+class _Actions(Block):
+    """Its outputs are the actions, its inputs take what the actions replace."""
 
-    name: str
-    block: Block
-    number: int
-    read: Callable[[], float]
-    low: float = -np.inf
-    high: float = np.inf
+
+class _Signals:
+    """Ports with the ranges of their values, and the space that these make."""
+
+    def __init__(self, parameter: str, given: Any, known: Mapping[str, _Port], normalise: bool):
+        ranges = {n: _range(n, bounds) for n, bounds in mapping(parameter, given).items()}
+        self.names = [*ranges]
+        self.ports = [_known(parameter, name, known) for name in ranges]
+        self.read = [port_reader(register, i) for _, register, i in self.ports]
+        self.low, self.high = low, high = np.array([*ranges.values()]).T
+        if normalise:
+            endless = [n for n, bounds in ranges.items() if not np.isfinite(np.subtract(*bounds))]
+            if endless:
+                refuse("normalise", True, f"normalise needs a range of {endless[0]!r}")
+            low, high = -np.ones(len(ranges)), np.ones(len(ranges))
+        self._normalised = normalise
+        self.space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+
+    def within(self, x: np.ndarray) -> np.ndarray:
+        """Limited to the space; numpy's own clip takes three times as long."""
+        return np.minimum(np.maximum(x, self.space.low), self.space.high)
+
+    def seen(self, y: list[float]) -> np.ndarray:
+        """Values of the ports as values of the space."""
+        x = np.array(y)
+        if self._normalised:
+            x = 2.0 * (x - self.low) / (self.high - self.low) - 1.0
+        return self.within(x)
+
+    def meant(self, x: np.ndarray) -> list[float]:
+        """Values of the space as values of the ports."""
+        x = self.within(x)
+        if self._normalised:
+            x = self.low + 0.5 * (x + 1.0) * (self.high - self.low)
+        return x.tolist()
 
 
 class _Values(Mapping[str, float]):
     """Values of all ports of a diagram by ``"BLOCK.PORT"``, and ``"time"`` in s."""
 
-    def __init__(self, sim: Simulation, blocks: Mapping[str, Block]):
-        self._blocks = blocks
-        self._read: dict[str, Callable[[], float]] = {"time": lambda: float(sim.time)}
-        for name, block in blocks.items():
-            # a name that both have is the output's
-            for register in (block.inputs, block.outputs):
-                ports = port_names(register) or {str(i): i for i in range(len(register))}
-                for port, i in ports.items():
-                    self._read[f"{name}.{port}"] = port_reader(register, i)
+    def __init__(self, sim: Simulation, known: Mapping[str, _Port]):
+        self._read = {name: port_reader(register, i) for name, (_, register, i) in known.items()}
+        self._read["time"] = lambda: float(sim.time)
 
     def __getitem__(self, name: str) -> float:
-        return (self._read.get(name) or _port(self._blocks, "values", name).read)()
+        return _known("values", name, self._read)()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._read)
@@ -125,85 +150,78 @@ class DiagramEnv(gymnasium.Env):
         if self.render_mode is not None:
             one_of("render_mode", self.render_mode, ("rgb_array",))
         one_of("wired", given["wired"], ("refuse", "replace"))
-        one_of("restart", given["restart"], ("trimmed", "restored"))
         flag("normalise", given["normalise"])
-        self._find({})
-        step, dt = positive("step", given["step"]), self.simulation.dt
-        self._count = round(step / dt)
-        if not self._count or abs(step / dt - self._count) > _ROUNDING * self._count:
-            refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
-        steps = positive("duration", given["duration"]) / step
+        steps = positive("duration", given["duration"]) / positive("step", given["step"])
         self._longest = math.ceil(steps * (1 - _ROUNDING))
-        self.action_space = self._space(self._actions)
-        self.observation_space = self._space(self._observed)
-        # last, so that a refusal leaves a user's simulation as it was
-        self._wire()
         self._pieces: Pieces | None = None
         self._rows: list[list[float]] = []
+        self._find({})
+        self.action_space, self.observation_space = self._actions.space, self._observed.space
 
     def _find(self, varied: Mapping[str, Any]) -> None:
-        """Build the diagram and find the ports in it."""
-        given = self._given
-        sim, blocks = self.simulation, self._blocks = self._build(varied)
+        """Build the diagram, find the ports in it and wire the actions."""
+        given, (sim, blocks) = self._given, self._build(varied)
+        self.simulation = sim
         if sim.engine.is_adaptive:
             refuse("diagram", sim, "an environment needs a solver with a fixed step")
         if shared := [type(b).__name__ for b in contents(sim)[0] if draws_from_shared(b)]:
             why = "draws from NumPy's global generator, which no seed reaches: use WhiteNoise"
             refuse("diagram", sim, f"{shared[0]} {why}")
-        self.values = _Values(sim, blocks)
-        seen = given["observation"]
+        if any(isinstance(block, _Actions) for block in sim.blocks):
+            refuse("diagram", sim, "this simulation is an environment already: build another one")
+        self._count_steps()
+        known, seen = _ports(blocks, "inputs", "outputs"), given["observation"]
+        self.values = _Values(sim, known)
         if isinstance(seen, (list, tuple)):
             seen = dict.fromkeys(seen, (-np.inf, np.inf))
-        seen = mapping("observation", seen)
-        self._observed = [_port(blocks, "observation", n, *_range(n, r)) for n, r in seen.items()]
-        self._actions = [
-            _port(blocks, "action", n, *_range(n, r), inputs=True)
-            for n, r in mapping("action", given["action"]).items()
-        ]
-        if not self._anew:
-            self._places = {name: _parameter(blocks, name) for name in self._vary}
+        normalise = given["normalise"]
+        self._observed = _Signals("observation", seen, known, normalise)
+        self._actions = _Signals("action", given["action"], _ports(blocks, "inputs"), normalise)
+        parameters = {
+            f"{name}.{parameter}": (block, parameter)
+            for name, block in blocks.items()
+            for parameter in block.info()["parameters"]
+        }
+        self._places = {n: _known("vary", n, parameters) for n in self._vary if "." in n}
+        # last, so that a refusal leaves a user's simulation as it was
+        self._wire()
+        self._aircraft = next((b for b in sim.blocks if isinstance(b, Aircraft)), None)
+        outputs = getattr(self._aircraft, "outputs", self._source.outputs)
+        at = port_names(outputs)
+        self._place = [port_reader(outputs, at[name]) for name in POSITION if name in at]
+        self._random = random_blocks(sim)
+
+    def _count_steps(self) -> None:
+        step, dt = self._given["step"], self.simulation.dt
+        self._dt, self._count = dt, round(step / dt)
+        if not self._count or abs(step / dt - self._count) > _ROUNDING * self._count:
+            refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
 
     def _wire(self) -> None:
         """Lead the actions into the diagram, in place of the wires that lead to their ports."""
-        sim, ports = self.simulation, [(port.block, port.number) for port in self._actions]
+        sim, ends = self.simulation, [(block, i) for block, _, i in self._actions.ports]
         replaced = []
-        for i, action in enumerate(self._actions):
-            if action.block not in sim.blocks:
-                refuse("action", action.name, f"{action.name!r} is inside a subsystem")
-            if ports[i] in ports[:i]:
-                refuse("action", action.name, f"two actions lead into {action.name!r}")
-            wires = [w for w in sim.connections if any(end == ports[i] for _, end in _ends(w))]
+        for name, end in zip(self._actions.names, ends, strict=True):
+            if end[0] not in sim.blocks:
+                refuse("action", name, f"{name!r} is inside a subsystem")
+            if ends.count(end) > 1:
+                refuse("action", name, f"two actions lead into {name!r}")
+            wires = [w for w in sim.connections if any(e == end for _, e in _ends(w))]
             if wires and self._given["wired"] == "refuse":
-                why = f"a wire leads into {action.name!r}; wired='replace' takes its place"
+                why = f"a wire leads into {name!r}; wired='replace' takes its place"
                 refuse("wired", "refuse", why)
             replaced += [wire for wire in wires if wire not in replaced]
-        # plain blocks: the outputs of the first stay as they are written; the second takes what an
-        # action replaces, which so keeps a wire
-        self._source, spare = Block(), Block()
+        # two, or what an action replaces would seem to decide the action
+        self._source, spare = _Actions(), _Actions()
         sim.add_block(self._source)
         sim.add_block(spare)
         for wire in replaced:
             sim.remove_connection(wire)
             for source, end in _ends(wire):
-                target = spare[ports.index(end)] if end in ports else end[0][end[1]]
+                target = spare[ends.index(end)] if end in ends else end[0][end[1]]
                 sim.add_connection(Connection(wire.source.block[source], target))
-        for i, (block, k) in enumerate(ports):
+        for i, (block, k) in enumerate(ends):
             sim.add_connection(Connection(self._source[i], block[k]))
-        self._flown: list[Any] = [b for b in sim.blocks if hasattr(b, "restored")]
-        for block in self._flown:
-            block.restored = self._given["restart"] == "restored"
-        outputs = self._flown[0].outputs if self._flown else self._source.outputs
-        known = port_names(outputs)
-        self._place = [port_reader(outputs, known[name]) for name in POSITION if name in known]
-        self._random = random_blocks(sim)
-
-    def _space(self, ports: Sequence[_Port]) -> gymnasium.spaces.Box:
-        low, high = _limits(ports)
-        if self._given["normalise"]:
-            if endless := [p.name for p in ports if not np.isfinite(p.high - p.low)]:
-                refuse("normalise", True, f"normalise needs a range of {endless[0]!r}")
-            low, high = -np.ones(len(ports)), np.ones(len(ports))
-        return gymnasium.spaces.Box(low, high, dtype=np.float64)
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
@@ -228,15 +246,16 @@ class DiagramEnv(gymnasium.Env):
         drawn = int(self.np_random.integers(2**31))
         if self._anew:
             self._find(varied)
-            self._wire()
         else:
+            self._count_steps()
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
                 for name, value in varied.items():
                     setattr(*self._places[name], value)
-        self._pieces, self._made, self._rows = Pieces(self.simulation), 0, []
+        pieces, self._rows = Pieces(self.simulation), []
         seed_blocks(self._random, drawn)
-        self._pieces.show()
+        pieces.show()
+        self._pieces = pieces
         return self._observe(), {"varied": varied}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -247,23 +266,21 @@ class DiagramEnv(gymnasium.Env):
         Raises
         ------
         ParameterError
-            for an action of another shape, or one that is not finite
+            for an action of another shape, one that is not finite, and where the diagram's ``dt``
+            was changed in the episode
         """
         if self._pieces is None:
             raise gymnasium.error.ResetNeeded("the episode has ended, or none has begun: reset()")
-        box = self.action_space
+        if self.simulation.dt != self._dt:
+            why = f"dt was changed from {self._dt:.9g} s in the episode: reset() first"
+            refuse("dt", self.simulation.dt, why)
         try:
             u = np.asarray(action, dtype=float)
         except (TypeError, ValueError):
             u = np.array(np.nan)
-        if u.shape != box.shape or not np.isfinite(u).all():
-            must_be("action", action, f"{len(self._actions)} numbers")
-        u = _within(box, u)
-        if self._given["normalise"]:
-            low, high = _limits(self._actions)
-            u = low + 0.5 * (u + 1.0) * (high - low)
-        show(self._source.outputs, u.tolist())
-        self._made += 1
+        if u.shape != self.action_space.shape or not np.isfinite(u).all():
+            must_be("action", action, f"{len(self._actions.names)} numbers")
+        show(self._source.outputs, self._actions.meant(u))
         info = {}
         try:
             goes_on = self._pieces.run(self._count)
@@ -273,51 +290,41 @@ class DiagramEnv(gymnasium.Env):
             reward, terminated, info = self._crash, True, {"reason": str(error)}
         if terminated:
             self._pieces = None
-        return self._observe(), reward, terminated, self._made >= self._longest, info
+        # the first row is the start
+        truncated = len(self._rows) >= self._longest
+        return self._observe(), reward, terminated, truncated, info
 
     def _observe(self) -> np.ndarray:
-        """The observation, kept for `figure` and `track`."""
-        y = [port.read() for port in self._observed]
-        row = [self.values["time"], *y, *values(self._source.outputs)[: len(self._actions)]]
+        """The observation, recorded with the action and the place of the first aircraft."""
+        y = [read() for read in self._observed.read]
+        row = [self.values["time"], *y, *values(self._source.outputs)[: len(self._actions.names)]]
         self._rows.append(row + [read() for read in self._place])
-        box, seen = self.observation_space, np.array(y)
-        if self._given["normalise"]:
-            low, high = _limits(self._observed)
-            seen = 2.0 * (seen - low) / (high - low) - 1.0
-        return _within(box, seen)
+        return self._observed.seen(y)
 
-    def _columns(self) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, Any]]:
-        """Times of the episode, observations and actions, and the track of its first aircraft."""
+    def _recorded(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[np.ndarray]]:
+        """Times of the episode, observations and actions, and the place of the aircraft."""
         if not self._rows:
             raise gymnasium.error.ResetNeeded("no episode has begun: reset()")
         time, *columns = np.array(self._rows).T
-        names = [port.name for port in (*self._observed, *self._actions)]
-        place = dict(zip(POSITION, columns[len(names) :], strict=False))
-        return time, dict(zip(names, columns, strict=False)), place
+        names = [*self._observed.names, *self._actions.names]
+        return time, dict(zip(names, columns, strict=False)), columns[len(names) :]
 
     def figure(self) -> Figure:
-        """The episode so far: observations and actions over time, and the path over the ground."""
+        """The episode so far: observations and actions over time."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        time, signals, place = self._columns()
-        drawing = Figure(figsize=(10.0, 1.5 + 0.9 * len(signals)), layout="constrained")
+        time, signals, _ = self._recorded()
+        drawing = Figure(figsize=(8.0, 1.5 + 0.9 * len(signals)), layout="constrained")
         FigureCanvasAgg(drawing)
-        sides: Any = drawing.subfigures(1, 2, width_ratios=(3, 2))
-        axes = sides[0].subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
+        axes = drawing.subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, (name, column)) in enumerate(zip(axes, signals.items(), strict=True)):
             # an action is held over the step that ends at its time
-            style = ("C0", "default") if i < len(self._observed) else ("C1", "steps-pre")
+            style = ("C0", "default") if i < len(self._observed.names) else ("C1", "steps-pre")
             ax.plot(time, column, style[0], drawstyle=style[1])
             ax.set_ylabel(name.replace(".", "\n"), fontsize="small", rotation=0, ha="right")
             ax.grid(alpha=0.4)
         axes[-1].set_xlabel("time [s]")
-        ax = sides[1].subplots()
-        if len(place) == len(POSITION):
-            ax.plot(place["lon"], place["lat"], marker="o", markevery=[-1])
-        ax.set(xlabel="longitude [deg]", ylabel="latitude [deg]", title="path over the ground")
-        ax.ticklabel_format(useOffset=False)
-        ax.grid(alpha=0.4)
         return drawing
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
@@ -336,11 +343,12 @@ class DiagramEnv(gymnasium.Env):
         ParameterError
             for a diagram without an `Aircraft`
         """
-        time, signals, place = self._columns()
-        if len(place) < len(POSITION):
+        time, signals, place = self._recorded()
+        if self._aircraft is None:
             refuse("diagram", self.simulation, "the diagram has no Aircraft, and so no track")
-        model = self._flown[0].airframe.aircraft
-        return Track(model, model, time, **place, signals=signals)
+        model = self._aircraft.airframe.aircraft
+        at: dict[str, Any] = dict(zip(POSITION, place, strict=True))
+        return Track(model, model, time, **at, signals=signals)
 
 
 def make_env(
@@ -363,7 +371,8 @@ def make_env(
     """An environment of Gymnasium made of a diagram.
 
     Ports are ``"BLOCK.PORT"``: BLOCK is a variable of the script, or of the caller for a
-    simulation, PORT a name or number of an output, or of an input where no output has it.
+    simulation, PORT the name of an output, or of an input where no output has it, or the number of
+    a port without a name.
 
     Parameters
     ----------
@@ -397,8 +406,8 @@ def make_env(
     crash : float
         reward of a step that ends in a `FlightError`
     restart : str
-        "trimmed": each episode starts as a fresh diagram does, bit for bit. "restored": the
-        trimmed state is put back without a search, where that gives the same state each time
+        has no effect but a warning where it is not "trimmed": each episode starts as a fresh
+        diagram does, bit for bit
     render_mode : str, optional
         "rgb_array"
 
@@ -406,9 +415,12 @@ def make_env(
     ------
     ParameterError
         for a port, parameter or variable that does not exist, naming the nearest, a port that is
-        wired, an adaptive solver, and a ``step`` that is no multiple of ``dt``
+        wired, an adaptive solver, a ``step`` that is no multiple of ``dt``, and a simulation that
+        is an environment already
     """
-    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
+    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings", "restart")}
+    if one_of("restart", restart, ("trimmed", "restored")) != "trimmed":
+        warn_user("restart='restored' is gone: each episode loads and trims its aircraft anew")
     if not action or not observation:
         refuse("action", action, "an environment needs at least one action and one observation")
     chosen = mapping("settings", settings)
@@ -438,40 +450,27 @@ def _named(sim: Simulation, names: Mapping[str, Any]) -> dict[str, Block]:
     return {name: value for name, value in names.items() if id(value) in known}
 
 
-def _block(blocks: Mapping[str, Block], parameter: str, name: Any) -> tuple[Block, str]:
-    """The block of a name, and what follows the point."""
-    block, _, rest = str(name).partition(".")
-    if block not in blocks or not rest:
-        close = did_you_mean(f"{b}.{rest}" for b in nearest(block, blocks) if rest)
-        why = close or f"; it has {[*blocks]}"
-        if not blocks:
-            why = ": no variable of the script, or where make_env is called, is a block of it"
-        refuse(parameter, name, f"no {name!r} in the diagram{why}")
-    return blocks[block], rest
+def _ports(blocks: Mapping[str, Block], *sides: str) -> dict[str, _Port]:
+    """Ports by ``"BLOCK.PORT"``; of a name that two sides have, that of the last side."""
+    found: dict[str, _Port] = {}
+    for name, block in blocks.items():
+        for side in sides:
+            register = getattr(block, side)
+            ports = port_names(register) or {str(i): i for i in range(max(len(register), 1))}
+            found |= {f"{name}.{port}": (block, register, i) for port, i in ports.items()}
+    return found
 
 
-def _port(
-    blocks: Mapping[str, Block], parameter: str, name: str, *bounds: float, inputs: bool = False
-) -> _Port:
-    block, port = _block(blocks, parameter, name)
-    sides = [block.inputs] if inputs else [block.outputs, block.inputs]
-    for register in sides:
-        known = port_names(register)
-        if port in known or (port.isdecimal() and int(port) < max(len(register), 1 + inputs)):
-            i = known.get(port, int(port) if port.isdecimal() else 0)
-            return _Port(name, block, i, port_reader(register, i), *bounds)
-    names = [n for register in sides for n in port_names(register)]
-    close = did_you_mean(nearest_ports(port, names)) or f"; there is {', '.join(names)}"
-    refuse(parameter, name, f"no {'input' if inputs else 'port'} {name!r}{close}")
-
-
-def _parameter(blocks: Mapping[str, Block], name: str) -> tuple[Block, str]:
-    block, parameter = _block(blocks, "vary", name)
-    known = block.info()["parameters"]
-    if parameter not in known:
-        close = did_you_mean(nearest(parameter, known)) or f"; there is {', '.join(known)}"
-        refuse("vary", name, f"no parameter {name!r}{close}")
-    return block, parameter
+def _known(parameter: str, name: Any, known: Mapping[str, _T]) -> _T:
+    if name in known:
+        return known[name]
+    block = str(name).partition(".")[0]
+    own = {x.partition(".")[2]: x for x in known if x.startswith(f"{block}.")}
+    close = [own[x] for x in nearest_ports(str(name).partition(".")[2], own)]
+    why = did_you_mean(close or nearest(name, known)) or f"; there is {', '.join(known)}"
+    if not known:
+        why = ": no variable of the script, or where make_env is called, is a block of it"
+    refuse(parameter, name, f"no {name!r} in the diagram{why}")
 
 
 def _ends(wire: Connection) -> list[tuple[Any, tuple[Block, int]]]:
@@ -487,15 +486,6 @@ def _range(name: str, bounds: Any) -> tuple[float, float]:
     if not isinstance(bounds, (tuple, list)) or len(bounds) != 2:
         refuse(name, bounds, f"{name} needs a range (low, high), not {bounds!r}")
     return limits(*bounds)
-
-
-def _within(box: gymnasium.spaces.Box, x: np.ndarray) -> np.ndarray:
-    """Limited to a space; numpy's own clip takes three times as long."""
-    return np.minimum(np.maximum(x, box.low), box.high)
-
-
-def _limits(ports: Sequence[_Port]) -> tuple[np.ndarray, np.ndarray]:
-    return np.array([p.low for p in ports]), np.array([p.high for p in ports])
 
 
 # the elevator is to follow the pitch angle that `PitchHold` commands
