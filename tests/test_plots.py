@@ -1,6 +1,5 @@
 """Figures: the right curves in the right panels, and what `show` does without a display."""
 
-import contextlib
 import io
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,6 @@ from pathsim.blocks import Scope, Source
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.plots import (
     against,
-    exact_curves,
     ground_track,
     phase_portrait,
     saving_to,
@@ -201,30 +199,26 @@ def test_phase_portrait_shows_one_over_the_other():
     assert ax.get_lines()[0].get_xydata().tolist() == [[1.0, 3.0], [2.0, 4.0]]
 
 
-def test_curves_keep_their_points():
+@pytest.mark.parametrize("n", [200, 5000])  # of more than 1000 points paths are made when drawn
+def test_curves_keep_their_points(n):
     assert plt.rcParams["path.simplify_threshold"] == 1.0  # PathSim's
-    x = np.linspace(0.0, 1.0, 200)
-    [rough] = plt.subplots()[1].plot(x, x)
-    with exact_curves():
-        [exact] = plt.subplots()[1].plot(x, x)
-    [ours] = phase_portrait(x, x, ("x", "y")).axes[0].get_lines()[:1]
-    assert rough.get_path().simplify_threshold == 1.0
-    for line in (exact, ours):
-        assert line.get_path().simplify_threshold == pytest.approx(1 / 9)
+    x = np.linspace(0.0, 1.0, n)
+
+    def picture(figure):
+        file = io.BytesIO()
+        figure.savefig(file, format="raw", dpi=100)
+        return file.getvalue()
+
+    def drawn(make):
+        figure, ax = make()
+        ax.plot(x, np.sin(20 * x))
+        return picture(figure)
+
+    ours, rough = drawn(subplots), drawn(plt.subplots)
+    with plt.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
+        exact = drawn(plt.subplots)
+    assert ours == exact != rough
     assert plt.rcParams["path.simplify_threshold"] == 1.0
-
-
-def test_a_long_curve_drawn_later_is_exact_too():
-    # of more than 1000 points matplotlib makes a path when it draws, as a notebook does by itself
-    x = np.linspace(0.0, 1.0, 5000)
-    figures = [phase_portrait(x, np.sin(20 * x), ("x", "y")) for _ in range(2)]
-    pictures = []
-    for figure, exact in zip(figures, (True, False), strict=True):
-        with exact_curves() if exact else contextlib.nullcontext():
-            file = io.BytesIO()
-            figure.savefig(file, format="raw", dpi=100)
-        pictures.append(file.getvalue())
-    assert pictures[0] == pictures[1]
 
 
 def test_show_writes_a_file_where_there_is_no_display(scope, tmp_path, monkeypatch, capsys):

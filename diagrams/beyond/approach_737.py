@@ -79,7 +79,7 @@ sim = Simulation(
 def figure():
     import numpy as np
 
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (distance, altitude) = position.read()
     _, (across, above) = deviation.read()
@@ -87,13 +87,12 @@ def figure():
     nmi = distance / 6076.12
     path = np.array([0.0, nmi.max()])
     drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
-    with exact_curves():
-        axes[0].plot(nmi, altitude, label="aircraft")
-        axes[1].plot(nmi, across, label="right of the line")
-        axes[1].plot(nmi, above, "--", label="above the glide path")
-        axes[2].plot(nmi, psi, label="heading")
-        axes[2].plot(nmi, chi, "--", label="course over the ground")
-        axes[3].plot(nmi, vc)
+    axes[0].plot(nmi, altitude, label="aircraft")
+    axes[1].plot(nmi, across, label="right of the line")
+    axes[1].plot(nmi, above, "--", label="above the glide path")
+    axes[2].plot(nmi, psi, label="heading")
+    axes[2].plot(nmi, chi, "--", label="course over the ground")
+    axes[3].plot(nmi, vc)
     foot = ELEVATION + 50.0 + path * 6076.12 * np.tan(np.deg2rad(3.0))
     axes[0].plot(path, foot, "k:", linewidth=1.0, label="glide path")
     axes[0].axhline(ELEVATION + DECISION_HEIGHT, color="C3", linewidth=1.0, label="decision height")

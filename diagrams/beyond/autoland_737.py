@@ -148,7 +148,7 @@ sim = Simulation(
 def figure():
     import numpy as np
 
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (above, _) = height.read()
     _, (climb, vc) = rates.read()
@@ -156,11 +156,10 @@ def figure():
     _, (_, wheels) = landing.read()
     past = 8000.0 - distance
     drawing, axes = subplots(3, 1, layout="constrained", figsize=(9, 9))
-    with exact_curves():
-        axes[0].plot(past, above, label="height above the runway")
-        axes[1].plot(past, across, label="right of the centre line")
-        axes[2].plot(time, climb, label="rate of climb [ft/s]")
-        axes[2].plot(time, vc, label="calibrated airspeed [kt]")
+    axes[0].plot(past, above, label="height above the runway")
+    axes[1].plot(past, across, label="right of the centre line")
+    axes[2].plot(time, climb, label="rate of climb [ft/s]")
+    axes[2].plot(time, vc, label="calibrated airspeed [kt]")
     path = np.array([past.min(), 0.0])
     axes[0].plot(path, -path * np.tan(np.deg2rad(3.0)), "k:", linewidth=1.0, label="glide path")
     if wheels.any():

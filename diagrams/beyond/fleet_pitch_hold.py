@@ -125,15 +125,14 @@ def qualities():
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, pitches = pitch.read()
     _, elevators = elevator.read()
     drawing, (top, bottom) = subplots(2, 1, sharex=True, layout="constrained", figsize=(9, 7))
-    with exact_curves():
-        for name, theta, u in zip(qualities(), pitches, elevators, strict=True):
-            top.plot(time, theta - theta[0], label=name)
-            bottom.plot(time, u)
+    for name, theta, u in zip(qualities(), pitches, elevators, strict=True):
+        top.plot(time, theta - theta[0], label=name)
+        bottom.plot(time, u)
     top.axhspan(STEP - 0.5, STEP + 0.5, color="0.9")
     top.set_ylabel("pitch angle above the trim [deg]")
     top.legend(loc="lower right", fontsize="small", ncols=2)

@@ -69,7 +69,7 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, down = gusts.read()
     _, nz = load_factors.read()
@@ -81,10 +81,9 @@ def figure():
     upper.remove()
     lower.remove()
     envelope = drawing.add_subplot(top.get_gridspec()[:, 1])
-    with exact_curves():
-        for label, w, n in zip(gusts.labels, down, nz, strict=True):
-            top.plot(time, -w, label=label)
-            bottom.plot(time, n)
+    for label, w, n in zip(gusts.labels, down, nz, strict=True):
+        top.plot(time, -w, label=label)
+        bottom.plot(time, n)
     top.set_ylabel("upward gust [ft/s]")
     top.legend(title="gradient", fontsize="small")
     bottom.set_ylabel("load factor nz [g]")

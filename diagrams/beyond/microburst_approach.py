@@ -63,21 +63,20 @@ def f_factor():
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (h, vc, throttle) = flight.read()
     _, (tailwind, downdraft, _) = wind.read()
     _, (h_still,) = still.read()
     drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
-    with exact_curves():
-        axes[0].plot(time, h, label="in the microburst")
-        axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
-        axes[1].plot(time, tailwind, label="tailwind")
-        axes[1].plot(time, downdraft, label="downdraft")
-        axes[2].plot(time, f_factor(), "C3")
-        axes[3].plot(time, vc, "C0")
-        power = axes[3].twinx()
-        power.plot(time, throttle, "C1")
+    axes[0].plot(time, h, label="in the microburst")
+    axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
+    axes[1].plot(time, tailwind, label="tailwind")
+    axes[1].plot(time, downdraft, label="downdraft")
+    axes[2].plot(time, f_factor(), "C3")
+    axes[3].plot(time, vc, "C0")
+    power = axes[3].twinx()
+    power.plot(time, throttle, "C1")
     axes[0].set_ylabel("altitude [ft]")
     axes[1].set_ylabel("wind [ft/s]")
     axes[2].set_ylabel("F-factor [-]")

@@ -76,18 +76,17 @@ def spectra():
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, h = altitude.read()
     _, nz = load_factor.read()
     frequency, densities = spectra()
     drawing, (above, middle, below) = subplots(3, 1, layout="constrained", figsize=(9, 9))
-    with exact_curves():
-        for label, color, x, n in zip(
-            ("controls fixed", "autopilot"), ("C0", "C1"), h, nz, strict=True
-        ):
-            above.plot(time, x, color, label=label)
-            middle.plot(time, n, color, linewidth=0.7, label=label)
+    for label, color, x, n in zip(
+        ("controls fixed", "autopilot"), ("C0", "C1"), h, nz, strict=True
+    ):
+        above.plot(time, x, color, label=label)
+        middle.plot(time, n, color, linewidth=0.7, label=label)
     for label, color, density in zip(
         ("controls fixed", "autopilot"), ("C0", "C1"), densities, strict=True
     ):

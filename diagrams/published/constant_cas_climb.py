@@ -89,16 +89,15 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (h,) = height.read()
     _, speeds = airspeeds.read()
     _, (m,) = machs.read()
     drawing, (left, right) = subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
-    with exact_curves():
-        for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
-            left.plot(speed, h, label=label, linewidth=1.5)
-        right.plot(m, h, linewidth=1.5)
+    for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
+        left.plot(speed, h, label=label, linewidth=1.5)
+    right.plot(m, h, linewidth=1.5)
     left.set_xlabel("airspeed [kt]")
     left.set_ylabel("altitude [ft]")
     left.legend()

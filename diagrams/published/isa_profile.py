@@ -49,7 +49,7 @@ sim = Simulation(
 
 
 def figure(top=80.0):
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (h,) = height.read()
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
@@ -62,8 +62,7 @@ def figure(top=80.0):
         ("speed of sound [m/s]", speed_of_sound),
     ]
     for ax, (label, values) in zip(axes.flat, panels, strict=True):
-        with exact_curves():
-            ax.plot(values[shown], h[shown] / 1000, linewidth=1.5)
+        ax.plot(values[shown], h[shown] / 1000, linewidth=1.5)
         ax.set_xlabel(label)
         ax.grid(alpha=0.4)
     if top > 20:

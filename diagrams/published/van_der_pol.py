@@ -37,14 +37,13 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import exact_curves, subplots
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (x, v) = scope.read()
     drawing, (left, right) = subplots(1, 2, layout="constrained", figsize=(10, 4.2))
-    with exact_curves():
-        left.plot(time, x, label="position x [-]")
-        left.plot(time, v, "--", label="velocity v [1/s]")
-        right.plot(x, v)
+    left.plot(time, x, label="position x [-]")
+    left.plot(time, v, "--", label="velocity v [1/s]")
+    right.plot(x, v)
     right.plot(x[0], v[0], "ko", label="start")
     left.set_xlabel("time [s]")
     right.set_xlabel("position x [-]")

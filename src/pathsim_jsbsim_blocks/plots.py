@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ._core.checks import did_you_mean, mapping, nearest, one_of, refuse, writable
 from ._core.files import replacing
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 __all__ = [
     "against",
     "aircraft_points",
-    "exact_curves",
     "ground_track",
     "phase_portrait",
     "saving_to",
@@ -59,28 +59,21 @@ _QUANTITIES = {
 }
 
 
-@contextlib.contextmanager
-def exact_curves() -> Iterator[None]:
-    """Context, and decorator, in which curves are drawn without visible simplification.
-
-    PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, which
-    moves the corners of a curve by pixels. A curve keeps the threshold with which it was plotted,
-    or with which it was drawn if it has more than 1000 points: plot inside the context, on
-    figures of `subplots`, which draw inside it.
-    """
-    with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
-        yield
-
-
 class _Exact(Figure):
-    """A figure that draws its curves exactly, and breaks a headline that is wider than it."""
+    """A figure that draws its curves exactly, and breaks a headline that is wider than it.
+
+    PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, which moves the
+    corners of a curve by pixels.
+    """
 
     def suptitle(self, t: str, **options: Any) -> Any:
         return super().suptitle(t, **{"wrap": True, **options})
 
-    @exact_curves()
     def draw(self, renderer: Any) -> None:
-        super().draw(renderer)
+        with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
+            for line in self.findobj(Line2D):
+                line.recache(always=True)  # paths have the threshold of when they were made
+            super().draw(renderer)
 
 
 def subplots(*args: Any, title: str = "", **options: Any) -> tuple[Figure, Any]:
@@ -122,7 +115,6 @@ def _inline() -> bool:
     )
 
 
-@exact_curves()
 def time_histories(
     *scopes: Scope,
     title: str = "",
@@ -291,7 +283,6 @@ def ground_track(
     return figure
 
 
-@exact_curves()
 def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure:
     """Signals against one of them, such as the altitude, with several flights in one figure.
 
@@ -328,7 +319,6 @@ def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure
     return figure
 
 
-@exact_curves()
 def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: str = "") -> Figure:
     """One signal against another, with the start marked.
 
@@ -349,7 +339,6 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: s
     return figure
 
 
-@exact_curves()
 def show(figure: Figure, name: str) -> None:
     """Show a figure in a window or in a notebook; where there is neither, write ``name.png`` here.
 

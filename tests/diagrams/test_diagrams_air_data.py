@@ -113,6 +113,7 @@ def test_figures(profile, climb):
     whole, lowest = (figure.axes[2].lines[0].get_ydata()[-1] for figure in figures[:2])
     assert (whole, lowest) == (80.0, 11.0)
     for figure in figures:
+        figure.canvas.draw()
         for ax in figure.axes:
             for line in ax.lines:
                 # matplotlib's own; at PathSim's 1 the layers tilt

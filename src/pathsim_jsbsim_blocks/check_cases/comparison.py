@@ -252,7 +252,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     matplotlib.figure.Figure
         a panel for each quantity in which the simulators differ
     """
-    from ..plots import exact_curves, subplots
+    from ..plots import subplots
 
     reference, single = _reference(_known(case)), _simulator_05(case)
     time = reference["time_s"]
@@ -266,21 +266,20 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     figure, axes = subplots(
         rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)
     )
-    with exact_curves():
-        for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
-            band = _band(case, quantity, reference)
-            ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
-            ax.plot(time, _distance(case, name, scopes, reference), label="this diagram")
-            if quantity.limit is not None:
-                at = np.searchsorted(time, single["time_s"])
-                apart = single[quantity.column] - reference[quantity.column][at]
-                # on a circle both may jump, not their difference
-                apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
-                ax.plot(single["time_s"], apart, "k:", label="simulator 05")
-            for edge in (-band.max(), band.max()):
-                ax.axhline(edge, color="tab:gray", linestyle="--", linewidth=0.8)
-            ax.set_ylabel(f"{name}\n[{quantity.unit}]")
-            ax.grid(alpha=0.4)
+    for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
+        band = _band(case, quantity, reference)
+        ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
+        ax.plot(time, _distance(case, name, scopes, reference), label="this diagram")
+        if quantity.limit is not None:
+            at = np.searchsorted(time, single["time_s"])
+            apart = single[quantity.column] - reference[quantity.column][at]
+            # on a circle both may jump, not their difference
+            apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
+            ax.plot(single["time_s"], apart, "k:", label="simulator 05")
+        for edge in (-band.max(), band.max()):
+            ax.axhline(edge, color="tab:gray", linestyle="--", linewidth=0.8)
+        ax.set_ylabel(f"{name}\n[{quantity.unit}]")
+        ax.grid(alpha=0.4)
     *_, last, spare = axes.flat
     if len(shown) % 2:  # the last panel takes the whole row
         spare.set_visible(False)

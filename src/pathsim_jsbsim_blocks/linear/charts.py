@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core.checks import finite, number, positive, refuse
-from ..plots import axis_label, exact_curves, readable, subplots
+from ..plots import axis_label, readable, subplots
 from .model import LinearModel
 from .modes import Mode
 
@@ -87,7 +87,6 @@ def _name_modes(ax: Axes, modes: Sequence[Mode], size: float) -> None:
             ax.annotate(mode.name, place, **beside)
 
 
-@exact_curves()
 def step_response(
     model: LinearModel,
     plane: Any,
