@@ -2,7 +2,15 @@
 
 import pytest
 
-from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, UnitConversion
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    DoubletSource,
+    FlightRecorder,
+    JSBSimFDM,
+    ParameterError,
+    PitchHold,
+    UnitConversion,
+)
 
 
 def test_a_block_names_what_differs_from_its_defaults():
@@ -40,3 +48,51 @@ def test_outputs_print_as_a_line_for_each_port():
         ["out", "0"],
         ["1", "-3.7e-07"],
     ]
+
+
+def test_inputs_print_and_are_written_by_name():
+    hold = PitchHold()
+    hold.inputs["theta_ref"] = 2.5
+    lines = [line.split() for line in str(hold.inputs).splitlines()]
+    assert lines == [
+        [name, "2.5" if name == "theta_ref" else "0"] for name in PitchHold.input_port_labels
+    ]
+
+
+@pytest.mark.parametrize(
+    ("make", "side", "name", "near"),
+    [
+        (PitchHold, "inputs", "thta", "theta"),
+        (DoubletSource, "outputs", "oout", "out"),
+        (UnitConversion, "inputs", "inn", "in"),
+        (FlightRecorder, "inputs", "ltt", "lat"),
+    ],
+)
+def test_a_port_that_does_not_exist_is_not_read_nor_written(make, side, name, near):
+    ports = getattr(make(), side)
+    with pytest.raises(ParameterError, match=f"no port '{name}'; did you mean .*'{near}'"):
+        ports[name]
+    with pytest.raises(ParameterError, match=f"no port '{name}'; did you mean .*'{near}'"):
+        ports[name] = 1.0
+
+
+def test_looking_at_an_input_is_no_wire():
+    hold = PitchHold(theta_ref=3.0)
+    assert hold.inputs["q"] == 0.0
+    assert not hold.inputs.wired
+
+
+def test_ports_are_completed_in_ipython():
+    shell = pytest.importorskip("IPython.core.completer")
+    plane = Aircraft(output_properties=["h_agl"])
+    spaces = {"plane": plane, "hold": PitchHold()}
+    completer = shell.IPCompleter(namespace=spaces)
+    for text, name in (
+        ('plane["h_', "h_agl"),
+        ('plane["elev', "elevator"),
+        ('plane.outputs["h_', "h_agl"),
+        ('hold.inputs["elev_', "elev_sat"),
+    ):
+        with shell.provisionalcompleter():
+            found = [c.text.strip("'\"") for c in completer.completions(text, len(text))]
+        assert name in found, text

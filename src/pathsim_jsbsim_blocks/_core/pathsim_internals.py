@@ -93,11 +93,22 @@ class NamedRegister(Register):
         return cls(len(ports), {name: i for i, name in enumerate(ports)})
 
     def __getitem__(self, key: Any) -> Any:
-        if isinstance(key, str) and key not in self._mapping:
+        return super().__getitem__(self._number(key))
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        super().__setitem__(self._number(key), value)
+
+    def _number(self, key: Any) -> Any:
+        if not isinstance(key, str):
+            return key
+        if key not in self._mapping:
             close = nearest_ports(key, self._mapping)
             known = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
             refuse("port", key, f"no port {key!r}{known}")
-        return super().__getitem__(key)
+        return self._mapping[key]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self._mapping]
 
     def __str__(self) -> str:
         """A line for each port: name, or number without one, and value."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
 
 from .._core.checks import number, refuse
 from .._core.pathsim_internals import NamedRegister, WiredRegister, port_names, show, values
@@ -52,9 +51,6 @@ class DaveML(TunableLaw):
 
     file: str = "f16_control.dml"
     T: float = 0.0
-
-    input_port_labels: ClassVar[Any] = None
-    output_port_labels: ClassVar[Any] = None
 
     def begin(self) -> None:
         # without T the clock stands still

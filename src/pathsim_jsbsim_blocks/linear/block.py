@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
@@ -44,9 +44,6 @@ class LinearModelBlock(Parametric, StateSpace):
     ParameterError
         if ``model`` is not a LinearModel
     """
-
-    input_port_labels: ClassVar[Any] = None
-    output_port_labels: ClassVar[Any] = None
 
     model: LinearModel
 
