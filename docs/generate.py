@@ -264,20 +264,6 @@ def worst(deviations, quantities):
     return f"{largest:.2g}" if largest > 1e-12 else "0"
 
 
-def trust_table(precise):
-    """One row for each kind of quantity: the worst of all cases."""
-    rows = ["| quantity | largest difference | limit | in NASA's band |", "|---|---|---|---|"]
-    for name, (unit, quantities) in GROUPS.items():
-        found = [found[q] for found in precise.values() for q in quantities]
-        difference = max(d.from_05 for d in found)
-        inside = sum(d.passes for d in found)
-        rows.append(
-            f"| {name} | {difference:.2g} {unit} | {found[0].limit_05:g} {unit} "
-            f"| {inside} of {len(found)} |"
-        )
-    return "\n".join(rows)
-
-
 def cases_table(found):
     """One row for each check case: differences from simulator 05, and how much passes."""
     # the F-16's cases compare no rates
@@ -288,26 +274,6 @@ def cases_table(found):
         cells = " | ".join(worst(deviations, quantities) for _, quantities in groups.values())
         inside = sum(d.passes for d in deviations.values())
         rows.append(f"| {case} | {CASES[case]} | {cells} | {inside} of {len(deviations)} |")
-    return "\n".join(rows)
-
-
-def f16_table(found):
-    """One row for each kind of flight: the worst difference from simulator 05, and its limit."""
-    groups = [(name, *GROUPS[name]) for name in list(GROUPS)[:4]]
-    head = " | ".join(f"{name} [{unit}]" for name, unit, _ in groups)
-    rows = [f"| check cases | {head} | pass |", "|---" * 6 + "|"]
-    for kind, cases in {
-        "11, 12: trim, Mach 0.5 and 2": (11, 12),
-        "13.1 to 13.4: autopilot": (13.1, 13.2, 13.3, 13.4),
-        "15, 16: circles": (15, 16),
-    }.items():
-        cells = []
-        for _, _, quantities in groups:
-            some = [found[case][q] for case in cases for q in quantities]
-            most = max(some, key=lambda d: d.from_05)
-            cells.append(f"{most.from_05:.2g} of {max(d.limit_05 for d in some):g}")
-        judged = [d.passes for case in cases for d in found[case].values()]
-        rows.append(f"| {kind} | {' | '.join(cells)} | {sum(judged)} of {len(judged)} |")
     return "\n".join(rows)
 
 
@@ -353,8 +319,6 @@ def accuracy():
     """The tables of the check cases and of the integrators."""
     precise, f16 = check_cases(), check_cases(F16)
     page = EVIDENCE / "accuracy.md"
-    put(DOCS.parent / "README.md", "check cases", trust_table(precise))
-    put(DOCS.parent / "README.md", "F-16", f16_table(f16))
     put(page, "check cases", cases_table(precise))
     put(page, "F-16", cases_table(f16))
     put(page, "check cases by default", cases_table(check_cases(integrators="default")))

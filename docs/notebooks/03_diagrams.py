@@ -197,7 +197,8 @@ from pathsim_jsbsim_blocks.pathview import convert_model
 
 with tempfile.TemporaryDirectory() as folder:
     script = convert_model(
-        find_diagram("van_der_pol").with_suffix(".pvm"), Path(folder, "van_der_pol.py")
+        find_diagram("van_der_pol").with_suffix(".pvm"),
+        Path(folder, "van_der_pol.py"),
     )
     lines = script.read_text(encoding="utf-8").splitlines()
 start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
