@@ -1,13 +1,13 @@
 """Make the gain tables of the fleet.
 
-Each aircraft that trims in level flight (`docs/evidence/fleet.md`) gets gains at three altitudes
+Each aircraft that trims in level flight (`docs/evidence/fleet.csv`) gets gains at three altitudes
 and three airspeeds, where it trims there, in
 `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep their names:
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--limits`` the limits of the envelope are measured anew, and the tables keep their gains.
 With ``--fly`` the steps are flown with the existing tables, for
-`docs/evidence/designed-gains.md`; with ``--off`` at other airspeeds, altitudes and fuel;
+the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
 with ``--cruise`` those of airliners at cruise altitudes.
 """
 
@@ -18,7 +18,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from generate import EVIDENCE, put
+from generate import write_table
 
 from pathsim_jsbsim_blocks import Aircraft, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
@@ -41,7 +41,7 @@ from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
 
-# KCAS and Mach number: VMO and MMO, or VNE, by the sources on docs/autopilots.md; none known of the
+# KCAS and Mach number: VMO and MMO, or VNE, by the sources in docs/evidence/autopilots-limits.csv; none known of the
 # others
 FASTEST = {
     "737": (340.0, 0.82),
@@ -194,7 +194,7 @@ SECONDS = {x: r.seconds for x, r in STEP_REQUIREMENTS.items()} | {"altitude": 80
 
 HEADER = """\
 | aircraft | KCAS | pitch: s, deg | roll: s, deg | heading: s, deg | in the turn: sideslip deg, ft \
-| altitude: s, ft | speed: s, kt, ft | largest error at the end | predicted settling | |
+| altitude: s, ft | speed: s, kt, ft | largest error at the end | predicted settling | verdict |
 |---|--:|--:|--:|--:|--:|--:|--:|---|--:|---|
 """
 
@@ -365,11 +365,7 @@ def fly_off(names):
             rows.append(off_design(name))
             print(rows[-1], end="", flush=True)
     if not names:
-        put(
-            EVIDENCE / "designed-gains.md",
-            "off design",
-            OFF_HEADER + "".join(rows).rstrip(),
-        )
+        write_table("designed-gains-off-design", OFF_HEADER + "".join(rows))
 
 
 def fly_cruise(names):
@@ -385,7 +381,7 @@ def fly_cruise(names):
         print(rows[-1], end="", flush=True)
     if not names:
         header = "| aircraft | KCAS | 24,000 ft | 33,000 ft |\n|---|--:|---|---|\n"
-        put(EVIDENCE / "designed-gains.md", "cruise", header + "".join(rows).rstrip())
+        write_table("designed-gains-cruise", header + "".join(rows))
 
 
 # what is fed back
@@ -436,10 +432,9 @@ def fly(names):
             rows.append(flights(name, *nominal(name)))
             print(rows[-1], end="", flush=True)
     if not names:
-        page = EVIDENCE / "designed-gains.md"
-        put(page, "flights", HEADER + "".join(rows).rstrip())
-        put(page, "hand-tuned", HEADER + "".join(compared()).rstrip())
-        put(page, "jumps", "".join(count_jumps()).rstrip())
+        write_table("designed-gains-steps", HEADER + "".join(rows))
+        write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
+        print("".join(count_jumps()))
 
 
 def compared():

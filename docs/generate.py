@@ -6,6 +6,7 @@ python docs/generate.py --pages     the gallery and the table of blocks, and not
 
 import ast
 import contextlib
+import csv
 import inspect
 import io
 import json
@@ -218,20 +219,26 @@ def blocks_page():
 def fleet_page():
     """How every aircraft that jsbsim brings does in level flight or a glide."""
     rows = list(fleet_table())
+    write_table("fleet", HEADER + "".join(f"{format_row(row)}\n" for row in rows))
     trims = sum(row.verdict.startswith("trims") for row in rows)
     glides = sum(row.verdict.startswith("glides") for row in rows)
     departs = sum("not steady" in row.verdict for row in rows)
+    reasons = {}
+    for row in rows:
+        if not row.verdict.startswith(("trims", "glides")):
+            reasons.setdefault(row.verdict.removeprefix("no trim: "), []).append(row.name)
     return (
         f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "
         f"{departs} of these leave their path by more than 20 ft.\n"
-        "Each is trimmed by JSBSim where `level_flight` of "
-        "`pathsim_jsbsim_blocks.flight` finds it a condition\n"
-        "(gear up where it retracts, fuel frozen), or else by the Newton search, and flown for "
-        "30 s with its\ncontrols fixed; the drift is its height above the path then. A glide ends "
-        "in denser air, so it drifts too.\nThe verdict names engines that run out of fuel in a "
-        "flight of 60 s, fuel not frozen."
-        f"\n\n{HEADER}" + "".join(f"{format_row(row)}\n" for row in rows)
+        "[All of them](fleet.csv).\n\n"
+        "Each is trimmed where `level_flight` of `pathsim_jsbsim_blocks.flight` finds it a "
+        "condition (gear up where it\nretracts, fuel frozen), and flown for 30 s with its "
+        "controls fixed; the "
+        "drift is its height above the path then. A glide\nends in denser air, so it drifts too. "
+        "The verdict names engines that run out of fuel in a flight of 60 s, fuel not frozen.\n\n"
+        "| no flight | aircraft |\n|---|---|\n"
+        + "".join(f"| {why} | {', '.join(names)} |\n" for why, names in reasons.items())
     )
 
 
@@ -307,6 +314,16 @@ def doublet_table():
     return "\n".join(rows)
 
 
+def write_table(name, markdown):
+    """Write a Markdown table as CSV beside the pages of evidence, which have no long tables."""
+    lines = [line for line in markdown.splitlines() if not line.startswith("|---")]
+    with open(EVIDENCE / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        for line in lines:
+            cells = (cell.strip() for cell in line.strip()[1:-1].split("|"))
+            writer.writerow(re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", cell) for cell in cells)
+
+
 def put(page, name, text):
     """Put a generated text in its place on a page."""
     place = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", re.DOTALL)
@@ -369,8 +386,8 @@ def duration(seconds):
 
 MODES_HEADER = """\
 | aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | vt, up first \
-| vt, down first |
-|---|---|---|---|--:|--:|--:|--:|--:|
+| vt, down first | note |
+|---|---|---|---|--:|--:|--:|--:|--:|---|
 """
 
 # what neither an even part nor the engine explains
@@ -381,40 +398,14 @@ REASONS = {
 }
 
 
-def modes_page():
-    """The natural modes of every aircraft that trims in level flight."""
+def modes_table():
+    """Write the natural modes of every aircraft that trims in level flight."""
     lines = []
     for name in aircraft_names():
         # a process for each: none must die
         with ProcessPoolExecutor(1) as pool:
             lines.append(pool.submit(modes_of, name).result())
-    return (
-        "# The fleet's modes\n\nLinear models (`Aircraft.linear_model`, flown) of all aircraft, "
-        "in the level flight or glide where\n[the fleet's table](fleet.md) says, with jsbsim "
-        f"{version('jsbsim')}. Oscillations are given as natural frequency in rad/s / damping "
-        "ratio,\nreal poles in 1/s. The doublet error is the largest of theta and q (elevator), "
-        "phi and p (aileron), beta and r\n(rudder) after a doublet of 0.01 of travel, 1 s and "
-        "1 s, in 10 s: rms of aircraft less model over rms of the aircraft.\n"
-        "The next columns have the same for vt (throttle), with doublets that begin upwards and "
-        "downwards: a turbine's spools\naccelerate at constant rates, [slower up than down]"
-        "(../linear-models.md#the-throttle-of-a-turbine).\n"
-        "An error above 5 %, in bold, means that the aircraft is not linear in that range; the "
-        "notes are the warnings given,\nor the error where there is no model. A glide's throttle "
-        "is closed, so it is not among the inputs."
-        f"\n\n{MODES_HEADER}{noted(lines)}"
-    )
-
-
-def noted(rows):
-    """Rows of a table with the last cell of each, a remark, as a footnote to its first."""
-    notes = []
-    for i, row in enumerate(rows):
-        _, name, *cells, remark, _ = row.split("|")
-        if remark.strip():
-            notes.append(f"[^{name.strip()}]: {remark.strip()}\n")
-            name = f" {name.strip()}[^{name.strip()}] "
-        rows[i] = f"|{'|'.join([name, *cells])}|\n"
-    return "".join([*rows, "\n", *notes])
+    write_table("fleet-modes", MODES_HEADER + "".join(lines))
 
 
 def modes_of(name):
@@ -461,14 +452,9 @@ def modes_row(name, flight):
     if name in REASONS:
         remark += f". {REASONS[name]}"
     cells = [cell(x) for x in ("short period", "phugoid", "Dutch roll", "roll", "spiral")]
-    cells += [f"{marked(errors[where])} ({where})"]
-    cells += ["" if error is None else marked(error) for error in in_vt]
+    cells += [f"{errors[where]:.1%} ({where})"]
+    cells += ["" if error is None else f"{error:.1%}" for error in in_vt]
     return f"| {name} | {' | '.join(cells)} | {remark} |\n"
-
-
-def marked(error):
-    """In bold where the aircraft is not linear."""
-    return f"**{error:.1%}**" if error > 0.05 else f"{error:.1%}"
 
 
 def doublet_errors(plane, model, size):
@@ -500,7 +486,7 @@ def write_pages():
 
 
 def main():
-    (EVIDENCE / "fleet-modes.md").write_text(modes_page(), encoding="utf-8")
+    modes_table()
     accuracy()
     put(DOCS / "scale.md", "batches", scale_table())
     put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())

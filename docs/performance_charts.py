@@ -7,8 +7,8 @@ into FOLDER, a PDF page of it into docs/evidence/performance, and the evidence p
 in FOLDER. One core works; two in two folders take half the time. The fleet takes an hour.
 """
 
-import re
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -17,6 +17,7 @@ import pandas as pd
 
 matplotlib.use("agg")
 
+from generate import write_table
 from matplotlib import pyplot as plt
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
@@ -42,24 +43,29 @@ HEAD = """\
 # The fleet's performance
 
 The charts of {count} of the {all} aircraft that trim, with default settings of
-`pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's
-own weight, flaps up; the sustained turn is the steepest of six airspeeds.
-A name leads to the aircraft's charts on one page (PDF). `python docs/performance_charts.py FOLDER`
-makes all pages and the tables (CSV).
+`pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's own
+weight, flaps up.
 
-{flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %. The columns
-on the right have how many values of an aircraft were flown, the median of the differences, and the
-processor time, which two cores share: `chart` takes half of it. Below the table stand the values
+![Climb, ceiling and glide ratio of the fleet](../pictures/evidence_fleet_performance.png)
+
+Open circles are values whose search ended early. [All numbers](performance.csv): stall, highest
+level speed, climb, ceiling, glide, range, the steepest sustained turn of six airspeeds, gusts,
+take-off and landing; how many values of an aircraft were flown, the median of the differences, and
+the processor time, which two cores share: `chart` takes half of it. The last column has the values
 that are missing, with their reasons; a star marks one whose search ended early for such a reason.
+
+{flown} values were flown; {within:.0%} of them are within 1 %, {five:.0%} within 5 %.
+
+`python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts of
+each aircraft on one page (PDF):
 
 """
 
 
 def fleet():
-    """Aircraft that trim, as the page on the fleet has it."""
-    page = (EVIDENCE / "fleet.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\S+) \|.*\| ([^|]*) \|$", page, re.M)
-    return [name for name, verdict in rows if verdict.startswith(("trims", "glides"))]
+    """Aircraft that trim, as the table of the fleet has it."""
+    table = pd.read_csv(EVIDENCE / "fleet.csv", dtype=str)
+    return list(table.aircraft[table.verdict.str.startswith(("trims", "glides"))])
 
 
 def make(name, folder):
@@ -96,7 +102,7 @@ def value(table, quantity):
 
 
 def line(name, table):
-    cells, missing = [f"[{name}](performance/{name}.pdf)"], []
+    cells, missing = [name], []
     for quantity, form in COLUMNS.values():
         number, reason = value(table, quantity)
         early = reason == "out of time" or (quantity.endswith("ceiling") and not pd.isna(reason))
@@ -109,7 +115,7 @@ def line(name, table):
     cells += [f"{table.seconds.iloc[0]:.0f}"]
     late = (table.reason == "out of time").sum()
     missing += [f"{late} values (out of time)"] * bool(late)
-    return f"| {' | '.join(cells)} |", f"- {name}: {', '.join(missing)}\n" if missing else ""
+    return f"| {' | '.join([*cells, ', '.join(missing)])} |"
 
 
 def page(tables):
@@ -121,12 +127,13 @@ def page(tables):
         within=(differences <= 1.0).mean(),
         five=(differences <= 5.0).mean(),
     )
-    names = ["aircraft", *COLUMNS, "flown", "median", "time s"]
-    lines, missing = zip(*(line(name, table) for name, table in tables.items()), strict=True)
-    rows = [f"| {' | '.join(names)} |", f"|---|{'--:|' * (len(names) - 1)}", *lines]
+    names = ["aircraft", *COLUMNS, "flown", "median", "time s", "missing"]
+    lines = [f"| {' | '.join(names)} |", *(line(name, table) for name, table in tables.items())]
+    write_table("performance", "\n".join(lines))
+    links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in tables)
     later = [name for name in fleet() if name not in tables]
-    missing += (f"- not made yet: {', '.join(later)}\n",) * bool(later)
-    return head + "\n".join(rows) + "\n\n" + "".join(missing)
+    rest = f"\nNot made yet: {', '.join(later)}.\n" if later else ""
+    return f"{head}{textwrap.fill(links, 125, break_long_words=False)}.\n{rest}"
 
 
 def main():

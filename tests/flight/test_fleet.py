@@ -1,5 +1,6 @@
 """Every aircraft of jsbsim: level flight found, flown and compared, or the reason why not."""
 
+import csv
 import math
 import re
 from pathlib import Path
@@ -144,14 +145,10 @@ def test_the_page_is_up_to_date():
     page = (
         Path(__file__)
         .parents[2]
-        .joinpath("docs", "evidence", "fleet.md")
+        .joinpath("docs", "evidence", "fleet.csv")
         .read_text(encoding="utf-8")
     )
-    rows = [
-        [cell.strip() for cell in line.split("|")[1:-1]]
-        for line in page.splitlines()
-        if line.startswith("| ")
-    ][1:]
+    _, *rows = csv.reader(page.splitlines())
     assert [row[0] for row in rows] == aircraft_names()
     for name, _, altitude, speed, *_, verdict in rows:
         if name in FLYING:
