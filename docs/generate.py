@@ -88,15 +88,15 @@ def picture(name):
 
 
 def page_picture(name):
-    """The figure that the code of a page shows."""
+    """The figures that the code of a page shows."""
     text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
     code = "".join(re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S))
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        drawn = Path(f"{name}.png")
-        with saving_to(drawn), contextlib.redirect_stdout(io.StringIO()):
+        with saving_to(f"{name}.png"), contextlib.redirect_stdout(io.StringIO()):
             exec(compile(code, f"{name}.md", "exec"), {})
-        shrink(drawn, DOCS / "pictures" / drawn.name)
+        for drawn in Path().glob(f"{name}*.png"):
+            shrink(drawn, DOCS / "pictures" / drawn.name)
         os.chdir(DOCS)
 
 
@@ -488,13 +488,13 @@ def write_pages():
 def main():
     modes_table()
     accuracy()
-    put(DOCS / "scale.md", "batches", scale_table())
+    put(DOCS / "monte-carlo.md", "batches", scale_table())
     put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
     write_pages()
     for name in diagram_names():
         picture(name)
-    for name in ("approach", "own-controller", "own-study", "tutorial"):
+    for name in ("landing", "studies", "tutorial"):
         page_picture(name)
     study_pictures()
     climbs()

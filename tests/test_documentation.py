@@ -39,9 +39,9 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
 
 
 # test_workers has sweeps in each run of the tests, a cluster among the long ones
-BATCHES = ("studies", "own-study", "monte-carlo", "performance")
+BATCHES = ("studies", "monte-carlo", "performance")
 # tests/control and tests/design fly the same in each run
-FLOWN = ("approach", "designed-gains", "navigation")
+FLOWN = ("landing", "designed-gains", "navigation")
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,7 @@ def test_generated_pages_are_current(monkeypatch):
     assert generate.gallery() == (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
     blocks = (ROOT / "docs" / "reference" / "blocks.md").read_text(encoding="utf-8")
     assert generate.blocks_page() == blocks
-    assert generate.scale_table() in (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
+    assert generate.scale_table() in (ROOT / "docs" / "monte-carlo.md").read_text(encoding="utf-8")
 
 
 def test_every_diagram_has_a_page_with_its_picture(monkeypatch):

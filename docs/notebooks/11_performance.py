@@ -99,4 +99,4 @@ print(f"the model's glides end by: {', '.join(sorted(set(stalls.reason)))}")
 
 # %% [markdown]
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
-# [a controller](../own-controller.md) and [a study](../own-study.md) of your own.
+# [a controller](../tutorial.md#a-controller-of-your-own) and [a study](../studies.md#a-study-of-your-own-aircraft) of your own.
