@@ -41,8 +41,8 @@ from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
 
-# KCAS and Mach number: VMO and MMO, or VNE, by the sources in docs/evidence/autopilots-limits.csv; none known of the
-# others
+# KCAS and Mach number: VMO and MMO, or VNE, by the sources in
+# docs/evidence/autopilots-limits.csv; none known of the others
 FASTEST = {
     "737": (340.0, 0.82),
     "787-8": (350.0, 0.90),

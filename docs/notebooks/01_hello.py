@@ -146,10 +146,17 @@ time_histories(
 # %% [markdown]
 # ## Properties
 #
-# A model has more than a thousand properties; a name is found by a part of it. `plane.fdm` is the running
-# executive inside the block. These are the 40 under `velocities/`, after the second of flight: `-fps` is ft/s, `u`, `v`, `w`
-# are the velocity in body axes, `p`, `q`, `r` the rates, `eci` and `ned` name
-# [frames](../concepts/frames.md).
+# A model has hundreds of properties, this one 678. JSBSim finds names by a part of them, and says whether each can be
+# read (R) and written (W):
+
+# %%
+for line in fdm.query_property_catalog("velocities/").split("\n")[:5]:
+    print(line)
+
+# %% [markdown]
+# `plane.fdm` is the running executive inside the block. These are the 40 under `velocities/` with their values after the
+# second of flight: `-fps` is ft/s, `u`, `v`, `w` are the velocity in body axes, `p`, `q`, `r` the rates, `eci` and `ned`
+# name [frames](../concepts/frames.md).
 
 # %%
 found = plane.airframe.property_names("velocities/")
@@ -159,7 +166,8 @@ for name in found:
     print(f"{name:40} {plane.fdm[name]:12.4f}" if readable else name)
 
 # %% [markdown]
-# [The property tree](../concepts/properties.md) explains the names; `pathsim-jsbsim properties c172p elevator` searches
+# [The property tree](../concepts/properties.md) explains the names, and JSBSim's
+# [reference manual](https://jsbsim-team.github.io/jsbsim-reference-manual/) the simulation behind them; `pathsim-jsbsim properties c172p elevator` searches
 # from the command line, and `pathsim-jsbsim help Aircraft` prints the manual page of the block.
 #
 # ## The shorter way

@@ -86,6 +86,17 @@ ground_track(
 # the rudder (1.5 lbf). [Trimmed flight](../concepts/trimmed-flight.md) lists which
 # quantities are zero.
 #
+# The same block again, at another airspeed: a parameter changed in flight acts at the next reset, as the warning says. The
+# reset trims the aircraft anew, slower with a larger angle of attack.
+
+# %%
+plane.speed = 80.0
+sim.reset()
+print(f"{plane.trim.speed:.0f} KCAS: {plane.trim.alpha:.4f} deg")
+sim.run(10.0)
+print(f"altitude after {sim.time:.0f} s: {plane.outputs['h']:.1f} ft")
+
+# %% [markdown]
 # ## The turn
 #
 # Now the ailerons move: 15 % to the left for 5 s.

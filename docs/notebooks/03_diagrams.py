@@ -95,6 +95,7 @@ print(f"exact                         {exact:.4f}")
 # $1/\tau$ makes $\dot y$ of that, and the integrator $y$.
 
 # %%
+import numpy
 from pathsim.blocks import StepSource
 
 tau = 2.0  # s
@@ -121,7 +122,12 @@ print(
     f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant, "
     f"exact {1 - math.exp(-1):.4f}"
 )
-time_histories(scope, title=f"first-order lag: tau = {tau:g} s")
+figure = time_histories(scope, title=f"first-order lag: tau = {tau:g} s")
+figure.axes[0].plot(
+    time, 1 - numpy.exp(-time / tau), "k:", label="exact 1 - exp(-t/tau)"
+)
+figure.axes[0].legend()
+figure
 
 # %% [markdown]
 # ## Van der Pol's oscillator
@@ -168,6 +174,12 @@ phase_portrait(
     ("position x [-]", "velocity v [1/s]"),
     title=f"Van der Pol's oscillator: mu = {mu:g}",
 )
+
+# %% [markdown]
+# The same over time: not a sine, but slow at the turning points and fast between them.
+
+# %%
+time_histories(scope, title=f"Van der Pol's oscillator: mu = {mu:g}")
 
 # %% [markdown]
 # ## The shorter way, and the same in PathView

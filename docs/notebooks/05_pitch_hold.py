@@ -13,7 +13,9 @@
 # K_i \int (\theta_{\mathrm{cmd}} - \theta)\,dt - K_r\,q \right]
 # $$
 #
-# The minus sign in front: a positive elevator command moves the nose **down**.
+# The minus sign in front: a positive elevator command moves the nose **down**. $K_p$ acts on the pitch error, $K_i$ on its
+# integral, $K_r$ on the pitch rate $q$; $b$ is the weight of the reference in the proportional part, below 1 for less
+# overshoot.
 #
 # ![PitchHold and Aircraft in a loop](figures/pitch_hold.svg)
 #
@@ -229,7 +231,7 @@ figure
 # \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
 # $$
 #
-# With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
+# Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
 # knots of *equivalent* airspeed.
 
 # %%

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 6. Angle of attack against airspeed
 #
-# A business jet in level flight at 15,000 ft, trimmed at each airspeed. A study returns a table and draws its figure.
+# A business jet in level flight at 15,000 ft, trimmed at each airspeed.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -12,14 +12,37 @@
 # Half the speed asks for four times the lift coefficient, and so for a larger angle of attack, until the wing stalls.
 
 # %%
-from pathsim_jsbsim_blocks import studies
+import pandas as pd
 
-table = studies.aoa_vs_cas(jobs=1, progress=False)
-columns = ["requested_speed_kcas", "alpha_deg", "elevator_norm", "reason"]
-table[columns].iloc[::6].round(3)
+from pathsim_jsbsim_blocks import TrimCondition, TrimError
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+
+plane = Airframe("global5000")
+loading = {"payload": [7586.0], "fuel": [4048.8] * 3}  # lb: half of both
+rows = []
+for speed in range(90, 550, 10):
+    there = TrimCondition(
+        altitude=15000, speed=speed, solver="jsbsim", **loading
+    )
+    try:
+        state = trim(plane, there, hint=False)
+        rows.append((speed, state.alpha, state.elevator_norm, ""))
+    except TrimError as error:
+        rows.append((speed, None, None, error.reason))
+table = pd.DataFrame(rows, columns=["KCAS", "alpha", "elevator", "reason"])
+table.iloc[::6].round(3)
 
 # %%
-studies.alpha_elevator_chart(table)
+from pathsim_jsbsim_blocks.plots import subplots
+
+figure, axes = subplots(2, 1, sharex=True, layout="constrained")
+for ax, column, unit in zip(axes, ["alpha", "elevator"], ["deg", "-"]):
+    ax.plot(table.KCAS, table[column], ".-")
+    ax.set_ylabel(f"{column} [{unit}]")
+    ax.grid(alpha=0.4)
+axes[1].set_xlabel("calibrated airspeed [kt]")
+figure.suptitle("global5000: level flight at 15,000 ft")
+figure
 
 # %% [markdown]
 # ## Where there is no trim
@@ -28,9 +51,9 @@ studies.alpha_elevator_chart(table)
 # than the model's limit, "thrust" where the engines have not enough of it.
 
 # %%
-trims, fails = table[table.trimmed], table[~table.trimmed]
+trims, fails = table[table.reason == ""], table[table.reason != ""]
 print(f"{len(fails)} of {len(table)} speeds have no trim")
-fails.groupby("reason").requested_speed_kcas.agg(["count", "min", "max"])
+fails.groupby("reason").KCAS.agg(["count", "min", "max"])
 
 # %% [markdown]
 # The ends of the table are the limits of level flight: below $V_{min}$ the wing cannot carry the weight, above $V_{max}$ the
@@ -38,16 +61,19 @@ fails.groupby("reason").requested_speed_kcas.agg(["count", "min", "max"])
 
 # %%
 print(
-    f"V_min {trims.speed_kcas.min():.0f} KCAS, "
-    f"V_max {trims.speed_kcas.max():.0f} KCAS"
+    f"V_min {trims.KCAS.min():.0f} KCAS, V_max {trims.KCAS.max():.0f} KCAS"
 )
 
 # %% [markdown]
 # ## Weight and CG
 #
-# Three weights, with the CG of the empty aircraft 39.5 in forward at 8000 ft and 39.5 in aft at 30,000 ft:
+# The study `aoa_vs_cas` is this loop with a table of more columns, on all cores. `aoa_vs_cas_loading` does it for three
+# weights, with the CG of the empty aircraft 39.5 in forward at 8000 ft and 39.5 in aft at 30,000 ft. Only the CG moves: the
+# moments of inertia are not updated, which a trim does not need.
 
 # %%
+from pathsim_jsbsim_blocks import studies
+
 loading = studies.aoa_vs_cas_loading(jobs=1, progress=False)
 studies.alpha_elevator_chart(loading)
 

@@ -13,18 +13,51 @@
 # attack reaches its limit.
 
 # %%
-from pathsim_jsbsim_blocks import studies
+import pandas as pd
 
-table = studies.trim_envelope(
-    speeds=range(120, 460, 20), jobs=1, progress=False
-)
-studies.envelope_map(table)
+from pathsim_jsbsim_blocks import TrimCondition, TrimError
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+
+plane = Airframe("737")
+# deg, and the search: as published
+published = {"alpha_min": -4.0, "alpha_max": 12.0, "solver": "jsbsim"}
+rows = []
+for speed in range(120, 460, 20):
+    for gamma in range(-10, 10):
+        there = TrimCondition(
+            altitude=15000, speed=speed, gamma=gamma, **published
+        )
+        try:
+            throttle, reason = (
+                trim(plane, there, hint=False).throttle[0],
+                "",
+            )
+        except TrimError as error:
+            throttle, reason = None, error.reason
+        rows.append((speed, gamma, throttle, reason))
+table = pd.DataFrame(rows, columns=["KCAS", "gamma", "throttle", "reason"])
+
+# %%
+from pathsim_jsbsim_blocks.plots import subplots
+
+trims = table[table.reason == ""]
+figure, ax = subplots(layout="constrained")
+points = ax.scatter(trims.KCAS, trims.gamma, c=trims.throttle)
+fails = table[table.reason != ""]
+ax.scatter(fails.KCAS, fails.gamma, marker="x", color="0.7", s=15)
+ax.set(xlabel="calibrated airspeed [kt]", ylabel="flight path angle [deg]")
+ax.set_title("737 at 15,000 ft: steady flight; crosses have no trim")
+figure.colorbar(points, label="throttle [-]")
+figure
 
 # %% [markdown]
 # Points without a trim say why:
 
 # %%
-table[~table.trimmed].reason.value_counts()
+fails.reason.value_counts()
+
+# %% [markdown]
+# The study `trim_envelope` does the same with twice as many speeds, on all cores: `pathsim-jsbsim run trim_envelope`.
 
 # %% [markdown]
 # Next: [climbs](10_climbs.ipynb).

@@ -6,8 +6,8 @@
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# At constant airspeed $V$ the power that level flight leaves over lifts the weight $W$; with the throttle closed the aircraft
-# glides as far as its lift carries its drag:
+# At constant airspeed $V$ the power left over after level flight raises the weight $W$; with the throttle closed the glide
+# ratio is $L/D$:
 #
 # $$\dot h = V \sin\gamma = \frac{(T - D)\,V}{W}, \qquad -\frac{1}{\tan\gamma} = \frac{L}{D}$$
 
@@ -21,7 +21,7 @@ studies.performance_chart(table)
 
 # %% [markdown]
 # Each row of the table is a value with its condition. Of the best values, `flown` is what 60 s of flight with controls fixed
-# find, and `reason` is what limits a value:
+# find, and `reason` says what limits a value:
 
 # %%
 best = table[table.flown.notna() & (table.quantity != "specific range")]
@@ -86,7 +86,7 @@ print(f"{plane.fdm['propulsion/engine/power-hp']:.0f} hp")
 
 # %% [markdown]
 # That explains climb and level speed. The stall is faster because the model's wing, trimmed, has a smaller largest lift
-# coefficient $C_L = 2W / (\rho_0 V^2 S)$ than the handbook's speeds ask for; `reason` says what ends its glides:
+# coefficient $C_L = 2W / (\rho_0 V^2 S)$ than the handbook's speeds ask for; `reason` says what limits its glides:
 
 # %%
 stalls = compared[compared.quantity == "stall speed"]
@@ -95,7 +95,9 @@ for row in stalls.itertuples():
         pressure = 0.5 * 0.0023769 * (1.68781 * knots) ** 2
         lift = 2400 / (pressure * 174)
         print(f"flaps {row.flaps_norm:.0f}, {source}: CL {lift:.2f}")
-print(f"the model's glides end by: {', '.join(sorted(set(stalls.reason)))}")
+print(
+    f"the model's glides are limited by: {', '.join(sorted(set(stalls.reason)))}"
+)
 
 # %% [markdown]
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
