@@ -133,7 +133,8 @@ def page(tables):
     links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in tables)
     later = [name for name in fleet() if name not in tables]
     rest = f"\nNot made yet: {', '.join(later)}.\n" if later else ""
-    return f"{head}{textwrap.fill(links, 125, break_long_words=False, break_on_hyphens=False)}.\n{rest}"
+    listed = textwrap.fill(links, 125, break_long_words=False, break_on_hyphens=False)
+    return f"{head}{listed}.\n{rest}"
 
 
 def main():

@@ -57,7 +57,7 @@ figure
 fails.reason.value_counts()
 
 # %% [markdown]
-# The study `trim_envelope` does the same with twice as many speeds, on all cores: `pathsim-jsbsim run trim_envelope`.
+# The study `trim_envelope` does the same with twice as many speeds, on all cores: `pathsim-jsbsim study trim_envelope`.
 
 # %% [markdown]
 # Next: [climbs](10_climbs.ipynb).
