@@ -9,7 +9,13 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
-from pathsim_jsbsim_blocks import DoubletSource, ParameterError, PitchHold, RampSource
+from pathsim_jsbsim_blocks import (
+    DoubletSource,
+    LinearAircraft,
+    ParameterError,
+    PitchHold,
+    RampSource,
+)
 from pathsim_jsbsim_blocks._core.checks import number, numbers, positive
 from pathsim_jsbsim_blocks._core.parameters import Parametric, parameter
 
@@ -121,6 +127,43 @@ def test_a_hold_of_ones_own_with_its_own_defaults():
     assert (hold.gains, hold.theta_ref, hold.clock.period) == ("737", 2.0, 1 / 50)
     with pytest.raises(ParameterError, match="theta_ref must be a number"):
         hold.theta_ref = "up"
+
+
+def test_a_block_of_ones_own_without_the_decorator_is_told():
+    class Bare(Gain):
+        width: float = parameter(3.0, positive)
+
+    # equality by value leaves no hash, which PathSim needs
+    @dataclass
+    class Equal(Gain):
+        width: float = parameter(3.0, positive)
+
+    for kind in (Bare, Equal):
+        with pytest.raises(
+            TypeError, match=rf"{kind.__name__} needs the decorator @dataclass\(eq=False\)"
+        ):
+            kind()
+
+
+def test_an_error_of_a_users_build_takes_the_value_back_too():
+    @dataclass(eq=False)
+    class Inverse(Gain):
+        def build(self):
+            super().build()
+            self.inverse = 1 / self.factor
+
+    block = Inverse(2.0)
+    with pytest.raises(ZeroDivisionError):
+        block.factor = 0.0
+    assert (block.factor, block.inverse) == (2.0, 0.5)
+
+
+def test_a_linear_aircraft_stays_the_one_that_was_identified():
+    plane = LinearAircraft("c172p", altitude=5000, speed=90, method="algebraic")
+    plane.altitude = 5000
+    with pytest.raises(ParameterError, match="altitude cannot change once the model is made"):
+        plane.set(speed=90, altitude=3000)
+    assert plane.altitude == 5000
 
 
 @pytest.mark.parametrize("polarity", [np.array([1.0]), np.array(1), "1", None, 2])

@@ -40,6 +40,8 @@ def parameter(default: Any, check: Check | None = None, **bounds: Any) -> Any:
 @functools.cache
 def _keywords(cls: type) -> list[str]:
     """Names that the constructor takes, and those that it passes on."""
+    if cls.__hash__ is None or any(isinstance(x, dataclasses.Field) for x in vars(cls).values()):
+        raise TypeError(f"{cls.__name__} needs the decorator @dataclass(eq=False)")
     known: list[str] = []
     for base in cls.__mro__:
         if "__init__" in vars(base):
@@ -97,7 +99,7 @@ class Parametric(Block):
         if name in self.__dataclass_fields__ and self._built:
             self.change({name: value})
         else:
-            super().__setattr__(name, value)
+            object.__setattr__(self, name, value)
 
     def set(self, **values: Any) -> None:
         """Set several parameters at once, as PathSim's ``@mutable`` blocks do.

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
-from .._core.checks import must_be
+from .._core.checks import must_be, refuse
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister
 from .model import LinearModel
@@ -57,6 +58,12 @@ class LinearModelBlock(Parametric, StateSpace):
         self.op_dyn = DynamicOperator(self._slope, self._a, self._b)
         self.op_alg = DynamicOperator(self._output, self._c, self._d)
         self.outputs.update_from_array(model.y0)
+
+    def change(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            if np.any(value != getattr(self, name)):
+                why = f"{name} cannot change once the model is made: build another block"
+                refuse(name, value, why)
 
     # methods, because functions made here could not be pickled, nor copied with the block
     def _slope(self, x: Any, u: Any, t: float) -> Any:
