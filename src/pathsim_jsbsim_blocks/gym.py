@@ -19,9 +19,9 @@ from pathsim.blocks import Block
 
 from ._core.callers import frames, warn_user
 from ._core.checks import (
+    check_range,
     did_you_mean,
     flag,
-    limits,
     mapping,
     must_be,
     nearest,
@@ -485,7 +485,7 @@ def _ends(wire: Connection) -> list[tuple[Any, tuple[Block, int]]]:
 def _range(name: str, bounds: Any) -> tuple[float, float]:
     if not isinstance(bounds, (tuple, list)) or len(bounds) != 2:
         refuse(name, bounds, f"{name} needs a range (low, high), not {bounds!r}")
-    return limits(*bounds)
+    return check_range(*bounds)
 
 
 # the elevator is to follow the pitch angle that `PitchHold` commands

@@ -167,7 +167,7 @@ def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:
     return [number(f"{parameter}[{i}]", x, **bounds) for i, x in enumerate(value)]
 
 
-def limits(low: Any, high: Any) -> tuple[float, float]:
+def check_range(low: Any, high: Any) -> tuple[float, float]:
     """``low`` and ``high`` as floats, which may be infinite, the lower not above the upper."""
     least, most = number("low", low, infinite=True), number("high", high, infinite=True)
     if least > most:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
 
-from .._core.checks import limits, number, positive, refuse
+from .._core.checks import check_range, number, positive, refuse
 from .._core.parameters import parameter
-from .described import DescribedLaw
-from .signals import larger, limit, select, smaller
+from .._core.tunable import TunableLaw
+from .pid import clip
 
 
 class ActuatorState(NamedTuple):
@@ -24,7 +24,7 @@ class ActuatorState(NamedTuple):
 
 
 @dataclass(eq=False, repr=False)
-class Actuator(DescribedLaw):
+class Actuator(TunableLaw):
     """Second-order actuator with limits of rate and position.
 
     .. math::
@@ -90,7 +90,7 @@ class Actuator(DescribedLaw):
     def build(self) -> None:
         omega, zeta = self.checked.frequency, self.checked.damping
         self._max_rate = self.checked.max_rate
-        self._low, self._high = limits(self.low, self.high)
+        self._low, self._high = check_range(self.low, self.high)
         self._initial = number("initial", self.initial, low=self._low, high=self._high)
         # of the distance from the command, and of the rate
         motion = [[0.0, 1.0], [-omega * omega, -2 * zeta * omega]]
@@ -105,19 +105,21 @@ class Actuator(DescribedLaw):
         self._transition = transition.tolist()
         self._farthest = self._max_rate * period
 
-    START = ActuatorState()
+    def initial_state(self) -> ActuatorState:
+        return ActuatorState()
 
-    def describe(
-        self, u: list[Any], state: ActuatorState, form: Any
-    ) -> tuple[list[Any], ActuatorState]:
-        y, rate = select(state.known, state.y, self._initial), state.rate
-        command = limit(u[0], self._low, self._high)
+    def law(self, u: list[float], state: ActuatorState) -> tuple[list[float], ActuatorState]:
+        known, y, rate = state
+        if not known:
+            y = self._initial
+        command = clip(u[0], self._low, self._high)
         (a, b), (c, d) = self._transition
         distance = y - command
         moved = command + a * distance + b * rate
-        moved = limit(moved, y - self._farthest, y + self._farthest)
-        new_rate = limit(c * distance + d * rate, -self._max_rate, self._max_rate)
+        moved = clip(moved, y - self._farthest, y + self._farthest)
+        new_rate = clip(c * distance + d * rate, -self._max_rate, self._max_rate)
         # a limit that was moved past the position lets it come back with the motion
-        position = limit(moved, smaller(self._low, y), larger(self._high, y))
-        new_rate = select(position == moved, new_rate, 0.0)
+        position = clip(moved, min(self._low, y), max(self._high, y))
+        if position != moved:
+            new_rate = 0.0
         return [y, rate, u[0] - command], ActuatorState(True, position, new_rate)

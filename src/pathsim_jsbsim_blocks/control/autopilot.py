@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from .._core.checks import number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from .channels import ClimbState, Lateral, LateralState, Vertical, VerticalState
+from .channels import ClimbState, LateralState, Motion, Vertical, VerticalState
 from .controller import Authority, Hold, authority_limits, fill, reference_kind
 from .gains import Gains
 from .loops import (
     HeadingLoop,
-    Limits,
     Reference,
     ReferenceLoop,
     ReferenceState,
@@ -23,8 +22,8 @@ from .loops import (
     YawState,
     attitude_loop,
 )
-from .protection import true_airspeed
-from .signals import limit, select, smaller
+from .pid import clip
+from .protection import Allowed, share_of_climb
 
 
 class LeverState(NamedTuple):
@@ -39,7 +38,7 @@ class AutopilotState(NamedTuple):
     """State of an `Autopilot`."""
 
     vertical: VerticalState = Vertical.START
-    lateral: LateralState = Lateral.START
+    lateral: LateralState = LateralState()
     speed: ReferenceState = SpeedLoop.START
     yaw: YawState = YawLoop.START
     climb: ClimbState = ClimbState()
@@ -200,117 +199,124 @@ class Autopilot(Hold):
             "pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"
         )
         T, c, carry = self.clock.period, self.checked, self.scheduled
-        self.loops = {
-            "pitch": attitude_loop(T, pitch, c.elevator_authority, -1.0, carry),
-            "roll": attitude_loop(T, roll, c.aileron_authority, carry=carry),
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "altitude": self.altitude_loop(altitude),
-            "speed": SpeedLoop(T, speed, c.throttle_authority, carry),
-            "yaw": YawLoop(T, yaw, c.rudder_authority),
-            "envelope": self.protection_within(envelope),
-        }
-        self.loops["climb"] = SpeedOnPitchLoop(T, speed.ramp, self.loops["altitude"].pid)
-
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        theta, phi, psi, p, q, r, h, hdot, vc = u[:9]
-        named = zip(self.REFERENCES, [*u[9:14], *u[26:28]], strict=True)
-        references = [self.wanted(*x) for x in named]
-        theta_ref, h_ref, phi_ref, psi_ref, vc_ref, hdot_ref, thr_ref = references
-        pitching, rolling, *offs = (x != 0.0 for x in u[14:20])
-        pitch_off, roll_off, speed_off, yaw_off = offs
-        elev_sat, ail_sat, thr_sat, alpha, beta, v_mode = u[20:26]
-        h_agl, vt = u[28:]
-        mode = select(pitching, 0.0, v_mode)
-        captured = select(mode == state.climb.mode, state.climb.captured, False)
-        on_pitch = select(captured | pitch_off, False, mode == 2.0)
-
-        vertical = Vertical(
-            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, pitch_off, elev_sat
+        self.vertical = Vertical(
+            self.altitude_loop(altitude),
+            attitude_loop(T, pitch, c.elevator_authority, -1.0, carry),
+            self.protection_within(envelope),
         )
-        protection = vertical.protection
+        self.heading = HeadingLoop(T, heading, c.bank_max)
+        self.roll = attitude_loop(T, roll, c.aileron_authority, carry=carry)
+        self.speed = SpeedLoop(T, speed, c.throttle_authority, carry)
+        self.yaw = YawLoop(T, yaw, c.rudder_authority)
+        level = self.vertical.altitude
+        self.on_pitch = SpeedOnPitchLoop(T, speed.ramp, level.pid.low, level.theta_max)
+        self.follows(
+            pitch=self.vertical.pitch,
+            roll=self.roll,
+            heading=self.heading,
+            altitude=level,
+            speed=self.speed,
+            yaw=self.yaw,
+            envelope=self.vertical.envelope,
+        )
+
+    def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
+        theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref = u[:14]
+        pitching, rolling, pitch_off, roll_off, speed_off, yaw_off = [x != 0.0 for x in u[14:20]]
+        elev_sat, ail_sat, thr_sat, alpha, beta, v_mode, hdot_ref, thr_ref, h_agl, vt = u[20:30]
+        self.retune(vc, h)
+        vertical, before = self.vertical, state.vertical
+        now = Motion(theta, q, h, hdot, vc, alpha, pitch_off, elev_sat)
+        mode = 0.0 if pitching else v_mode
+        captured = mode == state.climb.mode and state.climb.captured
+        on_pitch = mode == 2.0 and not captured and not pitch_off
+
         # the loop of the throttle and that of the elevator hold one airspeed
-        held = select(state.pitched.law.engaged, state.pitched, state.speed)
-        vc_cmd = ReferenceLoop.reference(held, vc)
-        vertical.guard(vc, thr_sat > 0.0, vc_cmd, pitching, phi, h_agl)
-        limits, guard = vertical.limits, vertical.state.guard
-        wanted, keeps = ReferenceLoop.towards(held, vc, vc_ref)
-        wanted = protection.airspeed(guard, wanted, phi, h)
-        throttle, vc_cmd, speed = self.loops["speed"].sample(
-            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off | on_pitch, limits.boost
+        held = state.pitched if state.pitched.law.engaged else state.speed
+        vc_cmd = self.speed.loop.reference(held, vc)
+        full = thr_sat > 0.0
+        allowed, guard = vertical.guard(before, now, vc, full, vc_cmd, pitching, phi, h_agl)
+        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", vc_ref, vc))
+        wanted = max(min(wanted, allowed.vc_max), allowed.vc_min)
+        throttle, vc_cmd, speed = self.speed.sample(
+            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off or on_pitch, allowed.boost
         )
-        rate, vc_pitch, pitched = self.loops["climb"].sample(
-            state.pitched,
-            vc,
-            true_airspeed(1.0, h),
-            hdot,
-            wanted,
-            keeps,
-            state.climb.cut,
-            select(on_pitch, False, True),
-        )
-        vc_cmd = select(on_pitch, vc_pitch, vc_cmd)
-        by_elevator, by_throttle = state.pitched.law.engaged, state.speed.law.engaged
-        speed = speed._replace(found=select(by_elevator, held.found, speed.found))
-        pitched = pitched._replace(found=select(by_throttle, held.found, pitched.found))
-        thr_ref = self._allowed(thr_ref, limits, rate)
-        throttle, speed, lever = self._lever(
-            state, select(speed_off, False, on_pitch), throttle, speed, hdot, thr_sat, thr_ref
-        )
+        asked, pitched = self.wanted("hdot_ref", hdot_ref), ReferenceLoop.START
+        if on_pitch:
+            rate, vc_cmd, pitched = self.on_pitch.sample(
+                state.pitched, vc, h, hdot, wanted, keeps, state.climb.cut, False
+            )
+            asked = rate, 0.0
+        if state.pitched.law.engaged:
+            speed = speed._replace(found=held.found)
+        elif on_pitch and state.speed.law.engaged:
+            pitched = pitched._replace(found=held.found)
+        given = self._given(thr_ref, allowed, asked) if on_pitch and not speed_off else None
+        throttle, speed, lever = self._lever(state, throttle, speed, hdot, thr_sat, given)
 
-        share = protection.share_of_climb(vc, vc_cmd)
-        wanted, hdot_cmd, climb = vertical.for_climb(
-            state.climb, mode, hdot_ref, h_ref, pitch_off | pitching, share, (on_pitch, rate)
+        protection, idle = vertical.protection(alpha), pitch_off or pitching
+        share = 1.0 if protection else share_of_climb(vc, vc_cmd)
+        level = self.wanted("h_ref", h_ref, h)
+        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+            before, now, allowed, state.climb, mode, asked, level, idle, share
         )
-        direct, keeps = vertical.pitch.towards(state.vertical.pitch, theta, theta_ref)
-        elevator, theta_cmd, after = vertical.fly(
-            select(pitching, direct, wanted), select(pitching, keeps, False)
-        )
+        keeps = False
+        if pitching:
+            at = self.wanted("theta_ref", theta_ref)
+            wanted, keeps = vertical.pitch.towards(before.pitch, theta, at)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted, keeps)
 
-        lateral = Lateral(self.loops, state.lateral, psi, phi, p, roll_off, ail_sat, vt)
-        wanted = lateral.for_heading(psi_ref, roll_off | rolling)
-        direct, keeps = lateral.roll.towards(state.lateral.roll, phi, phi_ref)
-        bank = protection.bank(limits, guard, select(rolling, direct, wanted), phi)
-        aileron, phi_cmd, turned = lateral.fly(bank, select(rolling, keeps, False))
+        heading, roll, keeps = *state.lateral, False
+        at, idle = self.wanted("psi_ref", psi_ref), roll_off or rolling
+        bank, heading = self.heading.sample(heading, psi, at, idle, phi, vt)
+        if rolling:
+            bank, keeps = self.roll.towards(roll, phi, self.wanted("phi_ref", phi_ref))
+        if protection:
+            bank = protection.bank(allowed, guard, bank, phi)
+        aileron, phi_cmd, roll = self.roll.sample(roll, phi, p, bank, keeps, ail_sat, roll_off)
 
-        rudder, yaw = self.loops["yaw"].sample(state.yaw, r, yaw_off, beta, p, phi)
+        rudder, yaw = self.yaw.sample(state.yaw, r, yaw_off, beta, p, phi)
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
-        outputs.append(select(climb.captured, 1.0, 0.0))
-        return outputs, AutopilotState(after, turned, speed, yaw, climb, pitched, lever)
+        after = VerticalState(altitude, pitch, guard, cut)
+        lateral = LateralState(heading, roll)
+        state = AutopilotState(after, lateral, speed, yaw, climb, pitched, lever)
+        return [*outputs, float(climb.captured)], state
 
-    @staticmethod
-    def _allowed(given: Reference, limits: Limits, rate: Any) -> Reference:
+    def _given(self, thr_ref: float, allowed: Allowed, asked: Reference) -> Reference:
         """A throttle that is given, less above the highest airspeed; more near the lowest one where
         the rate of climb that holds the airspeed is forbidden.
         """
-        if limits.boost is None:
-            return given
-        boost = select(rate < limits.climb_min, limits.boost, smaller(limits.boost, 0.0))
-        return given._replace(increment=given.increment + boost)
+        target, increment = self.wanted("thr_ref", thr_ref)
+        rate, _ = asked
+        forbidden = rate is not None and rate < allowed.climb_min
+        return target, increment + (allowed.boost if forbidden else min(allowed.boost, 0.0))
 
     def _lever(
         self,
-        state: Any,
-        given: Any,
-        throttle: Any,
-        speed: Any,
-        hdot: Any,
-        sat: Any,
-        reference: Reference,
-    ) -> tuple[Any, Any, LeverState]:
+        state: AutopilotState,
+        throttle: float,
+        speed: ReferenceState,
+        hdot: float,
+        sat: float,
+        given: Reference | None,
+    ) -> tuple[float, ReferenceState, LeverState]:
         """Throttle, given while the elevator holds the airspeed, and the next states.
 
         Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
         goes as the rate of climb does.
         """
         found, spare, rate = state.lever
-        found = select(state.pitched.law.engaged, found, state.speed.law.u + spare)
-        target, increment = reference
-        lever = (found if target is None else target) + increment
-        share = limit(hdot / select(rate == 0.0, 1.0, rate), 0.0, 1.0)
-        spare = select(given, lever - sat - found, spare * share)
-        rate = select(given | (share < 1.0), hdot, rate)
-        throttle = select(given, lever, throttle + spare)
-        law = speed.law._replace(u=found, held=found)
-        speed = select(given, speed._replace(law=law), speed)
-        limited = limit(throttle, *self.checked.throttle_authority)
-        return limited, speed, LeverState(found, spare, rate)
+        if not state.pitched.law.engaged:
+            found = state.speed.law.u + spare
+        low, high = self.checked.throttle_authority
+        if given:
+            target, increment = given
+            throttle = (found if target is None else target) + increment
+            spare = throttle - sat - found
+            speed = speed._replace(law=speed.law._replace(u=found, held=found))
+            return clip(throttle, low, high), speed, LeverState(found, spare, hdot)
+        share = clip(hdot / (rate or 1.0), 0.0, 1.0)
+        spare *= share
+        if share < 1.0:
+            rate = hdot
+        return clip(throttle + spare, low, high), speed, LeverState(found, spare, rate)

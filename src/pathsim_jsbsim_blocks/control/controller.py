@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Hashable
-from typing import Any
+from typing import Any, ClassVar
 
 from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
-from .._core.pathsim_internals import port_names
-from .described import DescribedLaw, as_described
+from .._core.tunable import TunableLaw
+from .channels import Vertical
 from .gain_tables import loop_gains, schedule_of
-from .gains import AltitudeGains, EnvelopeLimits
-from .loops import AltitudeLoop, HeadingLoop, Reference, SpeedOnPitchLoop, attitude_loop
+from .gains import AltitudeGains, AttitudeGains, EnvelopeLimits
+from .loops import AltitudeLoop, HeadingLoop, Reference, ReferenceLoop, attitude_loop
 from .protection import Protection
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
 
-# ft and kt; below these an increment may well be larger than the measured value
-LEAST_ALTITUDE, LEAST_AIRSPEED = 1000.0, 30.0
+# increments that must be meant absolute: from this share of the measured value on, which is at
+# least so much
+MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, 30.0, "kt")}
 
 # docstring sections shared by the holds
 fill = filler(
@@ -123,33 +122,22 @@ def reference_kind(parameter: str, value: Any) -> str:
     return one_of(parameter, value, ("increment", "absolute"))
 
 
-class Hold(DescribedLaw):
+class Hold(TunableLaw):
     """Base of the holds: references by increment or absolute, and gains over the airspeed.
 
-    A port that asks by increment for more than the measured value, as 5500 on ``h_ref`` at 5000 ft
-    does, is warned of once: it is meant to be absolute.
+    A subclass has its first state as ``START``. `build` makes its loops, and names those that
+    follow a gain schedule in `follows`; `law` calls `retune` before it uses them.
 
-    `build` fills ``loops``, by the names of a gain table: loops with a method ``retune``, which
-    takes the gains of a schedule as signals.
+    A port that asks by increment for nearly the measured value, as 4500 on ``h_ref`` at 5000 ft
+    does, is warned of once: it is meant to be absolute.
     """
 
+    START: ClassVar[Any]
     reference = "increment"
     _warned_of_increment = False
 
-    def configure(self) -> None:
-        self.loops: dict[str, Any] = {}
-        super().configure()
-        ports = self.input_port_labels or {}
-        self._alpha = ports.get("alpha")
-        self._formed = self._alpha is not None or self.reference == "absolute"
-        # where the airspeed and the altitude that choose the gains come in
-        self._vc, self._h = ports.get("vc", 0), ports.get("h")
-        increments = ("h_ref", "h", LEAST_ALTITUDE, "ft"), ("vc_ref", "vc", LEAST_AIRSPEED, "kt")
-        self._increments = [
-            (ports[port], ports[measured], least, port, unit)
-            for port, measured, least, unit in increments
-            if port in ports and self.reference == "increment" and not self._warned_of_increment
-        ]
+    def initial_state(self) -> Any:
+        return self.START
 
     def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops, at the nominal point of a schedule."""
@@ -161,6 +149,25 @@ class Hold(DescribedLaw):
         """Whether gains follow the airspeed."""
         return self._schedule is not None
 
+    def follows(self, **loops: Any) -> None:
+        """Loops that take the gains of a schedule, by their names in it; None for one not made."""
+        self._following = {name: loop for name, loop in loops.items() if loop is not None}
+        # the airspeed and altitude of the present gains; changed in place at each sample
+        self._tuned_for: list[float | None] = []
+
+    def retune(self, vc: float, h: float | None = None) -> None:
+        """Give the loops the gains of the schedule at an airspeed and altitude.
+
+        Without an altitude they are those at the nominal one, without an airspeed (0) those of the
+        nominal point.
+        """
+        if self._schedule is None or self._tuned_for == [vc, h]:
+            return
+        place = self._schedule.place(vc, h)
+        for name, loop in self._following.items():
+            loop.retune(*self._schedule.numbers(name, place))
+        self._tuned_for[:] = vc, h
+
     def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
         """The altitude loop; its limits are checked at every point of a schedule."""
         T, c = self.clock.period, self.checked
@@ -169,27 +176,29 @@ class Hold(DescribedLaw):
             AltitudeLoop(T, point.gains.altitude, *limits)
         return AltitudeLoop(T, gains, *limits)
 
-    def vertical_loops(self, *speed: str) -> dict[str, Any]:
-        """The loops from the altitude, and with "speed" the airspeed, to the elevator."""
-        altitude, pitch, envelope, *others = self.gains_of("altitude", "pitch", "envelope", *speed)
-        T, level = self.clock.period, self.altitude_loop(altitude)
-        loops = {
-            "altitude": level,
-            "pitch": attitude_loop(T, pitch, self.checked.authority, -1.0, self.scheduled),
-            "envelope": self.protection_within(envelope),
-        }
-        for gains in others:
-            loops["climb"] = SpeedOnPitchLoop(T, gains.ramp, level.pid)
-        return loops
+    def vertical_loops(
+        self, altitude: AltitudeGains, pitch: AttitudeGains, envelope: EnvelopeLimits | None
+    ) -> Vertical:
+        """The loops from the altitude to the elevator; they follow a schedule."""
+        T, authority = self.clock.period, self.checked.authority
+        vertical = Vertical(
+            self.altitude_loop(altitude),
+            attitude_loop(T, pitch, authority, -1.0, self.scheduled),
+            self.protection_within(envelope),
+        )
+        self.follows(altitude=vertical.altitude, pitch=vertical.pitch, envelope=vertical.envelope)
+        return vertical
 
-    def lateral_loops(self) -> dict[str, Any]:
+    def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:
         """The loops from the heading to the bank, and from there to the ailerons."""
         T, c = self.clock.period, self.checked
         heading, roll = self.gains_of("heading", "roll")
-        return {
-            "heading": HeadingLoop(T, heading, c.bank_max),
-            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
-        }
+        loops = (
+            HeadingLoop(T, heading, c.bank_max),
+            attitude_loop(T, roll, c.authority, carry=self.scheduled),
+        )
+        self.follows(heading=loops[0], roll=loops[1])
+        return loops
 
     def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
         """The protection from the stall; None without an angle of attack to keep."""
@@ -198,60 +207,21 @@ class Hold(DescribedLaw):
             return None
         return Protection(self.clock.period, own, envelope)
 
-    def wanted(self, port: str, value: float) -> Reference:
+    def wanted(self, port: str, value: float, measured: float = 0.0) -> Reference:
         """Reference from the value at a port, which may be absolute."""
-        if self.reference == "absolute" and port_names(self.inputs)[port] in self.inputs.wired:
-            return Reference(value)
-        return Reference(getattr(self.checked, port), value)
+        if self.reference == "absolute" and self.input_port_labels[port] in self.inputs.wired:
+            return value, 0.0
+        if value > 0.0 and port in MEANT_ABSOLUTE and not self._warned_of_increment:
+            self._check_increment(port, value, measured)
+        return getattr(self.checked, port), value
 
-    @as_described
-    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        for port, measured, least, name, unit in self._increments:
-            if u[port] > u[measured] >= least:
-                self._warn_of_increment(name, u[port], u[measured], unit)
-        form = self.form(u) if self._formed else None
-        if self._schedule is None:
-            return self.flown(u, state, form, self._inputs)
-        h = None if self._h is None else u[self._h]
-        u = [*u[: self._inputs], *self.gains_at(u[self._vc], h)]
-        return self.flown(u, state, form, len(u))
-
-    def form(self, u: list[float]) -> Hashable:
-        """What decides on the law beside parameters.
-
-        Which absolute references are wired, and whether there is an angle of attack to protect.
-        """
-        wired = len(self.inputs.wired) if self.reference == "absolute" else None
-        return wired, self._alpha is not None and u[self._alpha] != 0.0
-
-    def gains_at(self, vc: float, h: float | None = None) -> list[float]:
-        """The gains of a schedule at an airspeed and altitude, loop by loop; none without one."""
-        return self._schedule.row(vc, h) if self._schedule else []
-
-    def follow(self, gains: list[Any]) -> None:
-        """Let the loops have the gains of `gains_at`."""
-        for name, start, end in self._schedule.columns if self._schedule else ():
-            if self.loops.get(name) is not None:
-                self.loops[name].retune(*gains[start:end])
-
-    def describe(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        size = self._schedule.columns[-1][2] if self._schedule else 0
-        loops, self.loops = self.loops, copy.deepcopy(self.loops)
-        try:
-            self.follow(u[len(u) - size :])
-            return self.channels(u[: len(u) - size], state, form)
-        finally:
-            self.loops = loops
-
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        """The law as of `describe`, with the loops as they are."""
-        raise NotImplementedError
-
-    def _warn_of_increment(self, port: str, value: float, measured: float, unit: str) -> None:
-        """Warn once of an increment that is larger than the measured value."""
-        self._warned_of_increment, self._increments = True, []
-        warn_user(
-            f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
-            f"{measured + value:.0f} {unit}; reference='absolute' makes the port the reference "
-            "itself"
-        )
+    def _check_increment(self, port: str, value: float, measured: float) -> None:
+        """Warn once of an increment that is nearly as large as the measured value."""
+        share, least, unit = MEANT_ABSOLUTE[port]
+        if measured >= least and value >= share * measured:
+            self._warned_of_increment = True
+            warn_user(
+                f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
+                f"{measured + value:.0f} {unit}; reference='absolute' makes the port the "
+                "reference itself"
+            )

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, get_type_hints
 
-import numpy as np
-
 from .._core.checks import known_keywords, number, positive, refuse, whole
 
 
@@ -334,90 +332,79 @@ class GainSchedule:
         for point in self.points:
             if (point.altitude, point.speed) == (h, vc):
                 return point.gains
-        row = self._interpolated(h, vc)
+        place = self.place(vc, h)
         return AircraftGains(
-            **{loop: LOOPS[loop](*row[start:end]) for loop, start, end in self.columns}
+            **{loop: LOOPS[loop](*self.numbers(loop, place)) for loop in self._numbers}
         )
 
-    def row(self, vc: float, h: float | None = None) -> list[float]:
-        """All numbers at an airspeed and altitude, loop by loop as in `columns`.
+    def place(self, vc: float, h: float | None = None) -> Place:
+        """Where an airspeed and altitude are among the points, for `numbers`.
 
         Without an altitude it is the nominal point's; at an airspeed of 0 the nominal point.
         """
-        nominal = self.points[self.nominal]
         if vc == 0.0:
-            return self._rows[self.nominal].tolist()
-        return self._interpolated(nominal.altitude if h is None else h, vc)
+            return self.nominal, self.nominal, 0.0, self.nominal, self.nominal, 0.0, 0.0
+        altitudes, levels = self._levels
+        below, above, up = _between(altitudes, self._nominal_altitude if h is None else h)
+        return (*_on(levels[below], vc), *_on(levels[above], vc), up)
 
-    def _interpolated(self, h: float, vc: float) -> list[float]:
-        # as JSBSim's tables do, which have the same rounding errors then
-        altitudes, speeds, numbers = self._varying_grid
-        i, upwards = _between(altitudes, h)
-        j, along = _between(speeds, vc)
-        slower, faster = numbers[j - 1 : j + 1, i - 1 : i + 1]
-        low, high = slower * (1.0 - along) + faster * along
-        row: np.ndarray = self._rows[0].copy()
-        row[self.varying] = low + upwards * (high - low)
-        return row.tolist()
-
-    @functools.cached_property
-    def varying(self) -> np.ndarray:
-        """Indices of the numbers that are not the same at all points."""
-        return np.flatnonzero((self._rows != self._rows[0]).any(axis=0))
+    def numbers(self, loop: str, place: Place) -> list[float]:
+        """The numbers of a loop at a place, in the order of its fields."""
+        slower, faster, along, slower_above, faster_above, along_above, up = place
+        rows = self._numbers[loop]
+        found = []
+        for a, b, c, d in zip(
+            rows[slower], rows[faster], rows[slower_above], rows[faster_above], strict=True
+        ):
+            low = a + along * (b - a)
+            found.append(low + up * (c + along_above * (d - c) - low))
+        return found
 
     @functools.cached_property
-    def _varying_grid(self) -> tuple[list[float], list[float], np.ndarray]:
-        altitudes, speeds, numbers = self.grid
-        return altitudes, speeds, numbers[:, :, self.varying]
+    def _nominal_altitude(self) -> float:
+        return self.points[self.nominal].altitude
 
     @functools.cached_property
-    def grid(self) -> tuple[list[float], list[float], np.ndarray]:
-        """Altitudes, airspeeds, and the numbers at each airspeed and altitude.
-
-        It has all airspeeds at each altitude, and two of both at least.
-        """
+    def _levels(self) -> tuple[list[float], list[tuple[int, list[float]]]]:
+        """The altitudes, and for each the index of its first point and the airspeeds."""
         altitudes = sorted({point.altitude for point in self.points})
-        speeds = sorted({point.speed for point in self.points})
         levels = []
         for altitude in altitudes:
             here = [i for i, point in enumerate(self.points) if point.altitude == altitude]
-            places = [self.points[i].speed for i in here]
-            columns = [np.interp(speeds, places, column) for column in self._rows[here].T]
-            levels.append(np.transpose(columns))
-        if len(altitudes) == 1:
-            altitudes, levels = [*altitudes, altitudes[0] + 1.0], levels * 2
-        numbers = np.stack(levels, axis=1)
-        if len(speeds) == 1:
-            speeds, numbers = [*speeds, speeds[0] + 1.0], np.repeat(numbers, 2, axis=0)
-        return altitudes, speeds, numbers
+            levels.append((here[0], [self.points[i].speed for i in here]))
+        return altitudes, levels
 
     @functools.cached_property
-    def columns(self) -> list[tuple[str, int, int]]:
-        """Where the numbers of each loop stand in a row."""
-        columns, end = [], 0
-        for loop, kind in LOOPS.items():
-            if getattr(self.points[0].gains, loop) is not None:
-                start, end = end, end + len(dataclasses.fields(kind))
-                columns.append((loop, start, end))
-        return columns
-
-    @functools.cached_property
-    def _rows(self) -> np.ndarray:
-        return np.array(
-            [
-                [x for loop, _, _ in self.columns for x in vars(getattr(p.gains, loop)).values()]
-                for p in self.points
-            ],
-            dtype=float,
-        )
+    def _numbers(self) -> dict[str, list[tuple[float, ...]]]:
+        """The numbers of each loop at all points."""
+        return {
+            loop: [tuple(vars(getattr(point.gains, loop)).values()) for point in self.points]
+            for loop in LOOPS
+            if getattr(self.points[0].gains, loop) is not None
+        }
 
 
 # name of a table or of a file, gains, or numbers by name
 Gains = str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 
 
-def _between(places: list[float], x: float) -> tuple[int, float]:
-    """Index of the place above x, and the share of the way to it; at the ends 0 or 1."""
-    above = min(max(bisect.bisect_left(places, x), 1), len(places) - 1)
-    share = (x - places[above - 1]) / (places[above] - places[above - 1])
-    return above, min(max(share, 0.0), 1.0)
+# of the points about it: slower, faster, share of the way between them, at the altitude below and
+# at the one above; share of the way up
+Place = tuple[int, int, float, int, int, float, float]
+
+
+def _between(places: list[float], x: float) -> tuple[int, int, float]:
+    """Indices of the places below and above x, and the share of the way; constant beyond."""
+    above = bisect.bisect_left(places, x)
+    if above == 0:
+        return 0, 0, 0.0
+    if above == len(places):
+        return above - 1, above - 1, 0.0
+    below = above - 1
+    return below, above, (x - places[below]) / (places[above] - places[below])
+
+
+def _on(level: tuple[int, list[float]], vc: float) -> tuple[int, int, float]:
+    first, speeds = level
+    slower, faster, along = _between(speeds, vc)
+    return first + slower, first + faster, along

@@ -1,43 +1,33 @@
 """The loops of the holds and the autopilot, as plain classes made of the sampled PI-D law.
 
-Every loop is a pure function of its state, and is written in the operations of `signals`.
+Every loop is a pure function of its state: `sample` takes the state and returns the next.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from .._core.checks import refuse
 from .._core.units import GRAVITY
+from .airspeeds import true_airspeed
 from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
-from .pid import PID, PIDState
-from .signals import atan, exp, expm1, larger, limit, select, sin, smaller, wrap
+from .pid import PID, PIDState, clip
 
 # of an airspeed error beyond its band, the share that does not count
 BEYOND = 0.8
 
+DEGREES, RADIANS = math.degrees(1.0), math.radians(1.0)
+
 _LEAST_RATE = 1e-9  # ft/s2 per deg, so that a loop without a gain is only very slow
 
-
-class Reference(NamedTuple):
-    """A target, None for the value found at engagement, and what is added to it."""
-
-    target: float | None = None
-    increment: float = 0.0
+# a target, None for the value found at engagement, and what is added to it
+Reference = tuple[float | None, float]
 
 
-class Limits(NamedTuple):
-    """What a `Protection` allows; None for what it does not limit."""
-
-    theta_max: float | None = None  # deg
-    theta_min: float | None = None
-    climb_max: float | None = None  # ft/s
-    climb_min: float | None = None
-    boost: float | None = None  # throttle to add, or to take where negative
-
-
-UNLIMITED = Limits()
+def wrap(angle: float) -> float:
+    """The same angle in [-180, 180) deg."""
+    return (angle + 180.0) % 360.0 - 180.0
 
 
 class ReferenceState(NamedTuple):
@@ -57,11 +47,11 @@ class ReferenceLoop:
 
     START = ReferenceState()
 
-    def __init__(self, pid: PID, ramp: float, sign: float = 1.0, carry: bool = False):
+    def __init__(self, pid: PID, ramp: float, sign: float = 1.0, band: float = math.inf):
         self.pid = pid
         self.ramp = ramp  # largest rate of the reference, unit per s
         self.sign = sign  # -1 where a positive actuator command lowers the measured value
-        self.carry = carry  # other gains, at any sample, leave the output where it is
+        self.band = band  # error beyond which only a part of it counts
 
     def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
         self.pid.retune(Kp, Ki, Kr=Kr, b=b)
@@ -70,14 +60,14 @@ class ReferenceLoop:
     @staticmethod
     def reference(state: ReferenceState, y: float) -> float:
         """Where the reference is: on its ramp, or at the measured value while off."""
-        return select(state.law.engaged, state.reference, y)
+        return state.reference if state.law.engaged else y
 
     @staticmethod
     def towards(state: ReferenceState, y: float, reference: Reference) -> tuple[float, bool]:
         """Where the reference is to move, and whether that is the value found at engagement."""
         target, increment = reference
         if target is None:
-            return select(state.law.engaged, state.found, y) + increment, True
+            return (state.found if state.law.engaged else y) + increment, True
         return target + increment, False
 
     def sample(
@@ -90,37 +80,46 @@ class ReferenceLoop:
         sat: float,  # actuator increment of the last period less what was applied
         off: bool,  # hold the output
         feed: float = 0.0,
-        highest: float | None = None,  # the reference gives way to this limit at once
-        fastest: float | None = None,  # rate of the reference beside the ramp, unit per s
+        highest: float = math.inf,  # the reference gives way to this limit at once
+        fastest: float = math.inf,  # rate of the reference beside the ramp, unit per s
     ) -> tuple[float, float, ReferenceState]:
         """Actuator increment, reference and next state, from a measured value and its rate."""
         found, before, law = state
-        engaged = select(off, False, law.engaged)
-        reference, step, push = before, self.ramp * self.pid.T, 0.0
-        if highest is not None:
-            # at full weight: with a b below 1 the output would lag behind a limit that falls
-            reference = smaller(before, highest)
-            push = select(engaged, reference - before, 0.0)
-        if fastest is not None:
-            step = smaller(step, fastest * self.pid.T)
-        reference += limit(wanted - reference, -step, step)
-        if highest is not None:
-            reference = smaller(reference, highest)
-        reference = select(engaged, reference, y)
-        u, law = self.pid.sample(
-            law,
-            reference,
-            y,
-            rate,
-            self.sign * sat,
-            off,
-            feed=feed,
-            r_last=before,
-            carry=self.carry,
-            push=push,
+        pid, push = self.pid, 0.0
+        if off or not law.engaged:
+            found = reference = y
+        else:
+            reference = before
+            if highest < reference:
+                # at full weight: with a b below 1 the output would lag behind a limit that falls
+                reference, push = highest, highest - before
+            step = (fastest if fastest < self.ramp else self.ramp) * pid.T
+            move = wanted - reference
+            reference += step if move > step else -step if move < -step else move
+            if highest < reference:
+                reference = highest
+            if not keeps:
+                found = y
+        seen, error = y, reference - y
+        if abs(error) > self.band:
+            seen += BEYOND * (error - math.copysign(self.band, error))
+        u, law = pid.sample(
+            law, reference, seen, rate, self.sign * sat, off, 0.0, feed, before, push
         )
-        found = select(engaged, select(keeps, found, y), y)
         return self.sign * u, reference, ReferenceState(found, reference, law)
+
+
+def attitude_loop(
+    T: float,
+    gains: AttitudeGains,
+    authority: tuple[float, float],
+    sign: float = 1.0,
+    carry: bool = False,
+) -> ReferenceLoop:
+    """Aileron from roll angle; elevator from pitch, with a sign of -1: positive is nose down."""
+    low, high = sorted(sign * x for x in authority)
+    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high, carry=carry)
+    return ReferenceLoop(pid, gains.ramp, sign)
 
 
 class HeadingState(NamedTuple):
@@ -154,6 +153,8 @@ class HeadingLoop:
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
         self.bank = gains.bank
+        self._share = -math.expm1(-T / self.RATE)
+        self._learning = -math.expm1(-T / self.STRAIGHT)
 
     def retune(self, Kp: float, Ki: float, bank: float) -> None:
         self.pid.retune(Kp, Ki)
@@ -161,36 +162,50 @@ class HeadingLoop:
 
     def lag(self, speed: float) -> float:
         """Time constant of a coordinated turn onto a heading at a speed in ft/s, s."""
-        return speed / larger(GRAVITY * abs(self.pid.Kp), _LEAST_RATE)
+        return speed / max(GRAVITY * abs(self.pid.Kp), _LEAST_RATE)
 
     def sample(
         self,
         state: HeadingState,
         psi: float,
         reference: Reference,
+        idle: bool,
         phi: float = 0.0,
         vt: float = 0.0,
     ) -> tuple[float, HeadingState]:
-        """Bank reference in deg and next state; a ``vt`` of 0, in ft/s, is not known."""
+        """Bank reference in deg and next state; while ``idle`` the loop waits to begin.
+
+        A ``vt`` of 0, in ft/s, is not known.
+        """
+        if idle:
+            return 0.0, self.START
         found, law, bank, slow_psi, slow_phi = state
-        # both as late as the rate of the filtered heading
-        share = -expm1(-self.pid.T / self.RATE)
-        slow_psi = select(law.engaged, slow_psi + share * wrap(psi - slow_psi), psi)
-        slow_phi = select(law.engaged, slow_phi + share * (phi - slow_phi), self.bank)
-        turn = vt / GRAVITY * math.radians(1.0) / self.RATE * wrap(psi - slow_psi)
-        turn = math.degrees(1.0) * atan(turn)
-        learns = select(abs(turn) < self.TURNS, -expm1(-self.pid.T / self.STRAIGHT), 0.0)
-        bank += learns * (slow_phi - turn - bank)
-        bank = select(law.engaged & (vt > 0.0), bank, self.bank)
         target, increment = reference
-        found = psi if target is not None else select(law.engaged, found, psi)
+        if target is not None or not law.engaged:
+            found = psi
+        if not law.engaged:
+            bank, slow_psi, slow_phi = self.bank, psi, self.bank
+        else:
+            # both as late as the rate of the filtered heading
+            slow_psi += self._share * wrap(psi - slow_psi)
+            slow_phi += self._share * (phi - slow_phi)
+            bank = self._straight(bank, wrap(psi - slow_psi), slow_phi, vt)
         error = wrap((found if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
-        # an integral of 0
-        afresh = PID.holding(proportional + bank)
-        law = select(law.engaged & (abs(proportional) < self.pid.high), law, afresh)
+        if not (law.engaged and abs(proportional) < self.pid.high):
+            # an integral of 0
+            law = PID.holding(proportional + bank)
         wanted, law = self.pid.sample(law, error, 0.0, feed=bank)
         return wanted, HeadingState(found, law, bank, slow_psi, slow_phi)
+
+    def _straight(self, bank: float, behind: float, phi: float, vt: float) -> float:
+        """The bank of straight flight; the filtered heading is ``behind`` deg late."""
+        if vt <= 0.0:
+            return self.bank
+        turn = DEGREES * math.atan(vt / GRAVITY * RADIANS / self.RATE * behind)
+        if abs(turn) < self.TURNS:
+            bank += self._learning * (phi - turn - bank)
+        return bank
 
 
 class AltitudeState(NamedTuple):
@@ -218,107 +233,79 @@ class AltitudeLoop:
         theta_min: float,
         theta_max: float | None,
     ):
-        self.Kh = gains.Kh
-        self._own_hdot_max, self._own_theta_max = hdot_max is not None, theta_max is not None
-        self.hdot_max = gains.hdot_max if hdot_max is None else hdot_max
-        self.sink_max = self.hdot_max
-        theta_max = gains.theta_max if theta_max is None else theta_max
-        if theta_min > theta_max:
-            whose = "" if self._own_theta_max else " of the gains"
+        self._own_hdot_max, self._own_theta_max = hdot_max, theta_max
+        self.pid = PID(T, low=theta_min)
+        self.retune(*vars(gains).values())
+        if theta_min > self.theta_max:
+            whose = " of the gains" if theta_max is None else ""
             refuse(
                 "theta_min",
                 theta_min,
                 f"theta_min, {theta_min:g} deg, must not be above theta_max{whose}, "
-                f"{theta_max:g} deg",
+                f"{self.theta_max:g} deg",
             )
-        self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=theta_min, high=theta_max)
 
     def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float, theta_max: float) -> None:
         self.Kh = Kh
         self.pid.retune(Kp, Ki)
-        if not self._own_hdot_max:
-            self.hdot_max = self.sink_max = hdot_max
-        if not self._own_theta_max:
-            self.pid.high = theta_max
+        own_hdot_max, own_theta_max = self._own_hdot_max, self._own_theta_max
+        self.hdot_max = self.sink_max = hdot_max if own_hdot_max is None else own_hdot_max
+        self.theta_max = self.pid.high = theta_max if own_theta_max is None else own_theta_max
 
     def allow(self, theta: float) -> None:
-        """A pitch angle that only a limit of one's own forbids."""
-        if not self._own_theta_max:
-            self.pid.high = larger(self.pid.high, theta)
+        """Allow this pitch angle at the next sample; only a limit of one's own forbids it."""
+        if self._own_theta_max is None:
+            self.pid.high = max(self.theta_max, theta)
 
     def descend(self, descent: float, vt: float) -> None:
         """Allow faster descents, from the sink rate at idle and the true airspeed, ft/s."""
-        most = smaller(self.STEEPEST * vt, self.OF_IDLE * descent)
-        if not self._own_hdot_max:
-            self.sink_max = larger(self.hdot_max, smaller(most, self.FASTEST))
+        if self._own_hdot_max is None:
+            most = min(self.STEEPEST * vt, self.OF_IDLE * descent, self.FASTEST)
+            self.sink_max = max(self.hdot_max, most)
 
     def climb_rate(self, error: float, share: float = 1.0) -> float:
-        """Rate of climb demanded in ft/s for an altitude error in ft; ``share`` as in `sample`."""
-        return smaller(larger(self.Kh * error, -self.sink_max), share * self.hdot_max)
+        """Rate of climb demanded in ft/s for an altitude error in ft.
+
+        ``share`` is that of ``hdot_max`` which is allowed upwards, negative to demand a descent.
+        """
+        return min(max(self.Kh * error, -self.sink_max), share * self.hdot_max)
 
     def capture_rate(self, error: float) -> float:
         """Rate of climb in ft/s at which the capture of an altitude begins, at an error in ft.
 
         Far away the rate falls with a constant acceleration, then in proportion to the error.
         """
-        Kh = larger(self.Kh, _LEAST_RATE)
+        Kh = max(self.Kh, _LEAST_RATE)
         near, away = self.CAPTURE / Kh**2, abs(error)
-        far = larger(self.CAPTURE * (2.0 * away - near), 0.0) ** 0.5
-        rate = select(away < near, Kh * away, far)
-        return select(error < 0.0, -rate, rate)
+        rate = Kh * away
+        if away >= near:
+            rate = max(self.CAPTURE * (2.0 * away - near), 0.0) ** 0.5
+        return -rate if error < 0.0 else rate
+
+    def error(self, state: AltitudeState, h: float, reference: Reference) -> tuple[float, float]:
+        """Altitude found at engagement, and the altitude error, in ft."""
+        target, increment = reference
+        found = state.found if target is None and state.law.engaged else h
+        return found, (found if target is None else target) + increment - h
 
     def climb(
         self, law: PIDState, hdot_cmd: float, hdot: float, theta: float, cut: float = 0.0
     ) -> tuple[float, PIDState]:
-        """Pitch reference for a rate of climb, and the next state of the law."""
-        law = select(law.engaged, law, PID.holding(theta))
-        return self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
+        """Pitch reference for a rate of climb, and the next state of the law.
 
-    def sample(
-        self,
-        state: AltitudeState,
-        h: float,
-        hdot: float,
-        reference: Reference,
-        theta: float,
-        share: float = 1.0,
-        limits: Limits = UNLIMITED,
-        cut: float = 0.0,
-        climb: tuple[bool, float] | None = None,
-    ) -> tuple[float, float, AltitudeState]:
-        """Pitch reference in deg, rate of climb demanded in ft/s, and next state.
-
-        ``theta`` is the pitch reference from which the loop continues at engagement; ``share`` is
-        that of ``hdot_max`` which is allowed upwards, negative to demand a descent; ``limits`` are
-        those of the rate of climb; ``cut`` is what was cut off the last pitch reference; ``climb``
-        says whether a rate of climb is flown instead of the altitude, and which.
+        The loop continues from the pitch reference ``theta`` at engagement; ``cut`` is what was cut
+        off the last pitch reference.
         """
-        found, law = state
-        target, increment = reference
-        found = h if target is not None else select(law.engaged, found, h)
-        error = (found if target is None else target) + increment - h
-        hdot_cmd = self.climb_rate(error, share)
-        if climb is not None:
-            hdot_cmd = select(*climb, hdot_cmd)
-        if limits.climb_max is not None:
-            hdot_cmd = limit(hdot_cmd, limits.climb_min, limits.climb_max)
-        theta_cmd, law = self.climb(law, hdot_cmd, hdot, theta, cut)
-        return theta_cmd, hdot_cmd, AltitudeState(found, law)
-
-
-class _AirspeedPID(PID):
-    """The law with less gain for large errors: gusts are large, the error after a step is small."""
-
-    band: float
-
-    def sample(self, state: PIDState, r: float, y: float, *signals: Any, **more: Any) -> Any:
-        error = r - y
-        y += BEYOND * (error - limit(error, -self.band, self.band))
-        return super().sample(state, r, y, *signals, **more)
+        if not law.engaged:
+            law = PID.holding(theta)
+        return self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
 
 
 class SpeedLoop:
-    """Throttle from airspeed, with the rate of climb fed forward, as in `AirspeedHold`."""
+    """Throttle from airspeed, with the rate of climb fed forward, as in `AirspeedHold`.
+
+    The gain is less for large errors: gusts are large, the error after a step is small.
+    """
 
     START = ReferenceLoop.START
 
@@ -326,12 +313,9 @@ class SpeedLoop:
         self, T: float, gains: SpeedGains, authority: tuple[float, float], carry: bool = False
     ):
         low, high = authority
-        self.Kc = gains.Kc
-        self.pid = _AirspeedPID(
-            T, Kp=gains.Kp, Ki=gains.Ki, Kd=gains.Kd, Tf=gains.Tf, b=gains.b, low=low, high=high
-        )
-        self.pid.band = gains.band
-        self.loop = ReferenceLoop(self.pid, gains.ramp, carry=carry)
+        self.pid = PID(T, low=low, high=high, carry=carry)
+        self.loop = ReferenceLoop(self.pid, gains.ramp)
+        self.retune(*vars(gains).values())
 
     def retune(
         self,
@@ -345,7 +329,7 @@ class SpeedLoop:
         band: float,
     ) -> None:
         self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
-        self.loop.ramp, self.Kc, self.pid.band = ramp, Kc, band
+        self.loop.ramp, self.loop.band, self.Kc = ramp, band, Kc
 
     def sample(
         self,
@@ -356,24 +340,23 @@ class SpeedLoop:
         keeps: bool,
         sat: float,
         off: bool,
-        boost: float | None = None,
+        boost: float = 0.0,
     ) -> tuple[float, float, ReferenceState]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
         ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
         boost would leave it no error to correct; at the aircraft's limit it stays.
         """
-        rest = sat
-        if boost is not None:
-            rest -= limit(sat, smaller(boost, 0.0), larger(boost, 0.0))
+        rest = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
         u, reference, state = self.loop.sample(
             state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot
         )
-        if boost is not None:
-            raised = limit(u + select(off, 0.0, boost), self.pid.low, self.pid.high)
-            taken = state.law.integral + select(sat == 0.0, self.pid.unwind * (raised - u), 0.0)
-            state = state._replace(law=state.law._replace(integral=taken, u=raised))
-            u = raised
+        if boost and not off:
+            pid, law = self.pid, state.law
+            raised = clip(u + boost, pid.low, pid.high)
+            taken = pid.unwind * (raised - u) if sat == 0.0 else 0.0
+            law = law._replace(integral=law.integral + taken, u=raised)
+            u, state = raised, state._replace(law=law)
         return u, reference, state
 
 
@@ -390,32 +373,32 @@ class SpeedOnPitchLoop:
     FREQUENCY = 0.15  # rad/s, below the crossover of the rate of climb
     DAMPING = 0.9
 
-    def __init__(self, T: float, ramp: float, pitch: PID):
+    def __init__(self, T: float, ramp: float, theta_min: float, theta_max: float):
         # the path is at most as steep as the pitch angle may be
-        self.steepest = math.radians(pitch.high), math.radians(pitch.low)
+        self.steepest = math.radians(theta_max), math.radians(theta_min)
         self.loop = ReferenceLoop(PID(T), ramp, -1.0)
 
     def sample(
         self,
         state: ReferenceState,
         vc: float,
-        per_knot: float,
+        h: float,
         hdot: float,
         wanted: float,
         keeps: bool,
         sat: float,
         off: bool,
     ) -> tuple[float, float, ReferenceState]:
-        """Rate of climb in ft/s, reference in kt and next state; as in `ReferenceLoop`.
-
-        ``per_knot`` is the true airspeed in ft/s for each kt of calibrated airspeed.
-        """
-        pid, v = self.loop.pid, vc * per_knot
+        """Rate of climb in ft/s, reference in kt and next state; as in `ReferenceLoop`."""
+        pid, per_knot = self.loop.pid, true_airspeed(1.0, h)
+        v = vc * per_knot
         gain = v * per_knot * self.FREQUENCY / GRAVITY
         pid.retune(2.0 * self.DAMPING * gain, self.FREQUENCY * gain)
-        pid.low, pid.high = (-v * angle for angle in self.steepest)
-        law = select(state.law.engaged, state.law, PID.holding(-hdot))
-        return self.loop.sample(state._replace(law=law), vc, 0.0, wanted, keeps, sat, off)
+        up, down = self.steepest
+        pid.low, pid.high = -v * up, -v * down
+        if not state.law.engaged:
+            state = state._replace(law=PID.holding(-hdot))
+        return self.loop.sample(state, vc, 0.0, wanted, keeps, sat, off)
 
 
 class YawState(NamedTuple):
@@ -438,13 +421,13 @@ class YawLoop:
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
         self.T = T
         self.low, self.high = authority
-        self.retune(gains.K, gains.tau, gains.Kp, gains.Ki, gains.Kroll, gains.Kbank)
+        self.retune(*vars(gains).values())
 
     def retune(
         self, K: float, tau: float, Kp: float, Ki: float, Kroll: float, Kbank: float
     ) -> None:
         self.K, self.Kp, self.Ki, self.Kroll, self.Kbank = K, Kp, Ki, Kroll, Kbank
-        self._fade = exp(-self.T / tau)
+        self._fade = math.exp(-self.T / tau)
 
     def sample(
         self,
@@ -457,31 +440,20 @@ class YawLoop:
     ) -> tuple[float, YawState]:
         """Rudder increment and next state, from rates in deg/s and angles in deg."""
         engaged, slow, u, integral = state
-        faded = u * self._fade
-        turn = self.Kroll * p + self.Kbank * math.degrees(1.0) * sin(math.radians(1.0) * phi)
-        before = select(self.K == 0.0, 0.0, u / select(self.K == 0.0, 1.0, self.K))
-        slow = select(engaged, slow, r - before)
-        integral = select(engaged, integral, self.Kp * beta - turn)
+        if off:
+            u *= self._fade
+            return u, YawState(u=u)
+        turn = self.Kroll * p + self.Kbank * DEGREES * math.sin(RADIANS * phi)
+        if not engaged:
+            slow = r - u / self.K if self.K else r
+            integral = self.Kp * beta - turn
         v = self.K * (r - slow) - (self.Kp * beta - integral) + turn
-        u = limit(v, self.low, self.high)
-        # where the rudder is at its limit the integral may only come back from it
-        change = -self.Ki * self.T * beta
-        learnt = integral + select(change * (v - u) <= 0.0, change, 0.0)
-        integral = select(self.Ki == 0.0, integral * self._fade, learnt)
-        slow += (1.0 - self._fade) * (r - slow)
-        on = YawState(True, slow, u, integral)
-        state = select(off, YawState(u=faded), on)
-        return state.u, state
-
-
-def attitude_loop(
-    T: float,
-    gains: AttitudeGains,
-    authority: tuple[float, float],
-    sign: float = 1.0,
-    carry: bool = False,
-) -> ReferenceLoop:
-    """Aileron from roll angle; elevator from pitch, with a sign of -1: positive is nose down."""
-    low, high = sorted(sign * x for x in authority)
-    pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high)
-    return ReferenceLoop(pid, gains.ramp, sign, carry)
+        u = clip(v, self.low, self.high)
+        if self.Ki == 0.0:
+            integral *= self._fade
+        else:
+            change = -self.Ki * self.T * beta
+            # where the rudder is at its limit the integral may only come back from it
+            if change * (v - u) <= 0.0:
+                integral += change
+        return u, YawState(True, slow + (1.0 - self._fade) * (r - slow), u, integral)

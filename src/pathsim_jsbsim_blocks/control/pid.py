@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from .._core.checks import limits, number, positive
+from .._core.checks import check_range, number, positive
 from .._core.parameters import parameter
-from .described import DescribedLaw
-from .signals import expm1, larger, limit, select
+from .._core.tunable import TunableLaw
+
+
+def clip(x: float, low: float, high: float) -> float:
+    """``x`` within a range."""
+    return high if x > high else low if x < low else x
 
 
 class PIDState(NamedTuple):
@@ -51,6 +55,9 @@ class PID:
     Kp, Ki, Kd, Kr, b, Tf, Tt, Te, low, high : float
         as of `DiscretePID`, by default without gains and limits. With the default Tt, Kp / Ki, and
         b = 1 the output leaves a limit as the error changes its sign; it is 2 T where that is less
+    carry : bool
+        leave the proportional part in the integral from sample to sample, so that other gains take
+        over without a jump
 
     References
     ----------
@@ -74,9 +81,11 @@ class PID:
         Te: float = 0.3,
         low: float = -math.inf,
         high: float = math.inf,
+        carry: bool = False,
     ):
         self.T = positive("T", T)
-        self.low, self.high = limits(low, high)
+        self.low, self.high = check_range(low, high)
+        self.carry = carry
         self._fade = math.exp(-self.T / positive("Te", Te))
         self.retune(
             number("Kp", Kp),
@@ -102,10 +111,9 @@ class PID:
         """Other gains, which are not checked, and the default of Tt for them."""
         self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
         # share of the way that the derivative's low-pass goes in T
-        self._filter = select(Tf == 0.0, 1.0, -expm1(-self.T / select(Tf == 0.0, 1.0, Tf)))
+        self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         # without integral action, back-calculation would leave a permanent offset
-        Tt = larger(Kp / select(Ki == 0.0, 1.0, Ki), 2 * self.T)
-        self.unwind = select(Ki == 0.0, 0.0, self.T / Tt)
+        self.unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
 
     @staticmethod
     def holding(u: float) -> PIDState:
@@ -123,7 +131,6 @@ class PID:
         track: float = 0.0,
         feed: float = 0.0,
         r_last: float = 0.0,
-        carry: bool = False,
         push: float = 0.0,
     ) -> tuple[float, PIDState]:
         """Output at one instant and the state after it.
@@ -145,45 +152,39 @@ class PID:
             feed-forward, added to the output while engaged
         r_last : float
             reference of the last sample, for a state that carries the proportional part
-        carry : bool
-            leave the proportional part in the integral, so that other gains take over without a
-            jump
         push : float
             of the change of r, what acts as if b were 1
         """
         sampled, engaged, carried, integral, u, held, y_last, slope = state
-        slope += select(sampled, self._filter * ((y - y_last) / self.T - slope), 0.0)
-        # while off
-        offset = select(sampled & engaged, u - track, held)
-        frozen = limit(offset + track, self.low, self.high)
-        # while engaged
+        if sampled:
+            slope += self._filter * ((y - y_last) / self.T - slope)
+        if off:
+            offset = u - track if sampled and engaged else held
+            u = clip(offset + track, self.low, self.high)
+            return u, PIDState(True, False, self.carry, 0.0, u, offset, y, slope)
+
         direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
-        integral -= select(carried, self.Kp * (self.b * r_last - y_last), 0.0)
-        integral += self.Kp * (1.0 - self.b) * push
-        # at engagement; without integral action, the held offset decays
-        found = select(self.Ki == 0.0, 0.0, u - direct)
-        faded = select(self.Ki == 0.0, u - direct + damping, damping)
-        integral, faded = select(engaged, integral, found), select(engaged, held, faded)
-        v = direct + integral + (faded - damping)
-        u = limit(v, self.low, self.high)
+        if engaged:
+            fading = held
+            if carried:
+                integral -= self.Kp * (self.b * r_last - y_last)
+            if push:
+                integral += self.Kp * (1.0 - self.b) * push
+        elif self.Ki:
+            integral, fading = u - direct, damping
+        else:  # no integral that could unwind what was held: let it decay
+            integral, fading = 0.0, u - direct + damping
+        v = direct + integral + (fading - damping)
+        u = self.high if v > self.high else self.low if v < self.low else v
         integral += self.Ki * self.T * (r - y) + self.unwind * (u - v - sat)
-        if carry:
+        if self.carry:
             integral += direct - feed
-        return select(off, frozen, u), PIDState(
-            True,
-            select(off, False, True),
-            carry,
-            select(off, 0.0, integral),
-            select(off, frozen, u),
-            select(off, offset, self._fade * faded),
-            y,
-            slope,
-        )
+        return u, PIDState(True, True, self.carry, integral, u, self._fade * fading, y, slope)
 
 
 @dataclass(eq=False, repr=False)
-class DiscretePID(DescribedLaw):
+class DiscretePID(TunableLaw):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
     .. math::
@@ -276,9 +277,10 @@ class DiscretePID(DescribedLaw):
         gains = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "T"}
         self._pid = PID(self.clock.period, **gains)
 
-    START = PID.FROM_REST
+    def initial_state(self) -> PIDState:
+        return PID.FROM_REST
 
-    def describe(self, u: list[Any], state: PIDState, form: Any) -> tuple[list[Any], PIDState]:
-        r, y, rate, sat, off, track, feed = u
+    def law(self, u: list[float], state: PIDState) -> tuple[list[float], PIDState]:
+        r, y, rate, sat, off, track, feed = u[:7]
         output, state = self._pid.sample(state, r, y, rate, sat, off != 0.0, track, feed)
         return [output], state

@@ -5,31 +5,34 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .._core.units import GRAVITY, KNOT
+from .._core.units import GRAVITY
+from .airspeeds import fastest_airspeed, true_airspeed
 from .gains import EnvelopeLimits
-from .loops import UNLIMITED, Limits
-from .signals import acos, cos, exp, expm1, larger, limit, select, smaller
-
-# ISA, troposphere: 1 / sqrt(density ratio) = (1 - L h)^-2.128, pressure ratio (1 - L h)^5.2559;
-# tropopause at 36,089 ft, above it the pressure falls by 1/e in 20,806 ft
-_LAPSE, _EXPONENT, _PRESSURE, _TROPOPAUSE, _SCALE = 6.8756e-6, -2.128, 5.2559, 36_089.0, 20_806.0
-_SONIC = 661.479  # kt, at sea level
+from .loops import DEGREES, RADIANS
+from .pid import clip
 
 
-def true_airspeed(vc: float, h: float) -> float:
-    """True airspeed in ft/s from calibrated airspeed (kt) and altitude (ft), for limits.
+def share_of_climb(vc: float, vc_cmd: float) -> float:
+    """Share of the climb that an airspeed leaves, without a protection that measures it.
 
-    Without compressibility and for ISA: 3 % high at Mach 0.5, 10 % at 0.8.
+    1 down to 90 % of the airspeed demanded, 0 (level) at 80 %, -1 (descent) at 70 %.
     """
-    return vc * KNOT * (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _EXPONENT
+    return clip((vc / vc_cmd - 0.8) / 0.1, -1.0, 1.0) if vc_cmd > 0.0 else 1.0
 
 
-def fastest_airspeed(vmo: float, mmo: float, h: float) -> float:
-    """The lower of two airspeeds in kt, one calibrated and one as a Mach number, for ISA."""
-    pressure = (1.0 - _LAPSE * smaller(h, _TROPOPAUSE)) ** _PRESSURE
-    pressure *= exp(-larger(h - _TROPOPAUSE, 0.0) / _SCALE)
-    impact = pressure * ((1.0 + 0.2 * mmo * mmo) ** 3.5 - 1.0)
-    return smaller(vmo, _SONIC * (5.0 * ((1.0 + impact) ** (2.0 / 7.0) - 1.0)) ** 0.5)
+class Allowed(NamedTuple):
+    """What a `Protection` allows; by default everything."""
+
+    theta_max: float = math.inf  # deg
+    theta_min: float = -math.inf
+    climb_max: float = math.inf  # ft/s
+    climb_min: float = -math.inf
+    boost: float = 0.0  # throttle to add, or to take where negative
+    vc_min: float = -math.inf  # kt
+    vc_max: float = math.inf
+
+
+EVERYTHING = Allowed()
 
 
 class ProtectionState(NamedTuple):
@@ -115,9 +118,9 @@ class Protection:
         self.alpha_zero = 0.0
         if envelope:
             self.retune(**vars(envelope))
-        self._alpha_filter = -expm1(-T / self.RATE)
-        self._slow_filter = -expm1(-T / self.SLOW)
-        self._adapt = -expm1(-T / self.ADAPT)
+        self._alpha_filter = -math.expm1(-T / self.RATE)
+        self._slow_filter = -math.expm1(-T / self.SLOW)
+        self._adapt = -math.expm1(-T / self.ADAPT)
 
     def retune(
         self,
@@ -150,7 +153,7 @@ class Protection:
         hold_pitch: bool = False,
         phi: float = 0.0,
         h_agl: float = 0.0,
-    ) -> tuple[Limits, ProtectionState]:
+    ) -> tuple[Allowed, ProtectionState]:
         """Limits of the references, and the next state.
 
         ``full_throttle`` and ``full_elevator`` say whether the excess and the angle of attack
@@ -158,93 +161,98 @@ class Protection:
         for none; ``hold_pitch`` limits the pitch reference to the path angles of the rates of climb
         too. A ``vc`` or ``h_agl`` of 0, without a wire, limits nothing.
         """
-        begun = state.v != 0.0
-        state = self._filtered(state, alpha, h, hdot, vc, phi, full_elevator)
+        per_knot = true_airspeed(1.0, h)
+        state = self._filtered(state, alpha, vc * per_knot, hdot, phi, full_elevator, full_throttle)
         theta_max = theta + self.alpha_max - alpha - self.LEAD * state.alpha_rate
         if not self.flies_envelope:
-            return Limits(theta_max), state
-        v, moving = state.v, vc > 0.0
-        # a gust changes the airspeed faster than thrust and drag can
-        excess = limit(hdot + v * state.acceleration / GRAVITY, -self.descent_max, self.climb_max)
-        available = select(begun, state.available, self.climb_max)
-        measured = select(begun, state.measured, excess)
-        measured += self._adapt * (excess - measured)
-        available += self._adapt * (select(full_throttle, excess, self.climb_max) - available)
-        state = state._replace(available=available, measured=measured)
+            return Allowed(theta_max), state
+        v, moving, used = state.v, vc > 0.0, self._used(state)
+        vc_max = fastest_airspeed(self.vmo, self.mmo, h)
+        fastest = max(vc_max * per_knot, 1.0)
         # the bank gives way before height is spent on airspeed
-        slowest = larger(self._slowest(state, 0.0), 1.0)
-        fastest = larger(true_airspeed(fastest_airspeed(self.vmo, self.mmo, h), h), 1.0)
+        slowest = max(state.airspeed * used**0.5, 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
-        sustained = larger(measured + spare, -self.descent_max)
+        sustained = max(state.measured + spare, -self.descent_max)
         most, boost = sustained, 0.0
         if vc_cmd is not None:
-            wanted = larger(true_airspeed(vc_cmd, h), 1.0)
+            wanted = max(vc_cmd * per_knot, 1.0)
             most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
             beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
-            boost -= limit(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
-        # level flight at idle is enough to slow down
-        least = select(moving, smaller(measured + stiffness * (v - fastest), 0.0), -math.inf)
-        ground = self.DECAY * (self.CLEARANCE - h_agl)
-        least = larger(least, select(h_agl > 0.0, ground, -math.inf))
-        most = select(moving, larger(most, least), math.inf)
-        sustained = larger(sustained, least)
-        path = math.degrees(1.0) / larger(v, self.SLOWEST)
-        lower = smaller(theta_max, alpha + path * smaller(sustained, v))
-        theta_min = select(hold_pitch, alpha + path * larger(least, -v), -math.inf)
-        theta_max = select(hold_pitch & moving, lower, theta_max)
-        return Limits(theta_max, theta_min, most, least, select(moving, boost, 0.0)), state
+            boost -= clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
+        least = -math.inf
+        if moving:
+            # level flight at idle is enough to slow down
+            least = min(state.measured + stiffness * (v - fastest), 0.0)
+        if h_agl > 0.0:
+            least = max(least, self.DECAY * (self.CLEARANCE - h_agl))
+        theta_min = -math.inf
+        if hold_pitch:
+            path = DEGREES / max(v, self.SLOWEST)
+            theta_min = alpha + path * max(least, -v)
+            if moving:
+                theta_max = min(theta_max, alpha + path * min(max(sustained, least), v))
+        # at the load factor of a turn
+        turning = used / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
+        vc_min = state.airspeed * turning**0.5 / per_knot
+        if moving:
+            most = max(most, least)
+        else:
+            most, boost = math.inf, 0.0
+        return Allowed(theta_max, theta_min, most, least, boost, vc_min, vc_max), state
 
     def _filtered(
         self,
         state: ProtectionState,
         alpha: float,
-        h: float,
+        v: float,
         hdot: float,
-        vc: float,
         phi: float,
         full_elevator: bool,
+        full_throttle: bool,
     ) -> ProtectionState:
         """The state with what has been measured."""
-        slow, known, moving = self._slow_filter, state.known, state.v != 0.0
-        v = true_airspeed(vc, h)
-        rate, acceleration = state.alpha_rate, state.acceleration
-        rate += self._alpha_filter * ((alpha - state.alpha) / self.T - rate)
-        acceleration += slow * ((v - state.v) / self.T - acceleration)
-        climb = select(known, state.climb + slow * (hdot - state.climb), hdot)
-        level = (alpha - self.alpha_zero) * cos(math.radians(1.0) * phi)
-        stopped = state.stopped + slow * (select(full_elevator, 1.0, 0.0) - state.stopped)
-        reach = smaller(state.reach + self.RELEARN * self.T, 90.0)
-        return state._replace(
-            known=True,
-            alpha=alpha,
-            alpha_rate=select(known, rate, 0.0),
-            v=v,
-            acceleration=select(moving, acceleration, 0.0),
-            airspeed=select(moving, state.airspeed + slow * (v - state.airspeed), v),
-            climb=climb,
-            load=limit(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS),
-            level=select(known, state.level + slow * (level - state.level), level),
-            stopped=stopped,
-            reach=select(
-                full_elevator & (stopped > self.STOPPED),
-                smaller(reach, larger(alpha, self.alpha_zero + 1.0)),
-                reach,
-            ),
-        )
+        slow, begun = self._slow_filter, state.v != 0.0
+        level = (alpha - self.alpha_zero) * math.cos(RADIANS * phi)
+        alpha_rate = acceleration = 0.0
+        airspeed, climb = v, hdot
+        if begun:
+            acceleration = state.acceleration
+            acceleration += slow * ((v - state.v) / self.T - acceleration)
+            airspeed = state.airspeed + slow * (v - state.airspeed)
+        if state.known:
+            alpha_rate = state.alpha_rate
+            alpha_rate += self._alpha_filter * ((alpha - state.alpha) / self.T - alpha_rate)
+            climb = state.climb + slow * (hdot - state.climb)
+            level = state.level + slow * (level - state.level)
 
-    def _slowest(self, state: ProtectionState, phi: float) -> float:
-        """Lowest true airspeed in ft/s at the present load factor of a turn."""
-        used = self._used(state) / cos(
-            math.radians(1.0) * limit(phi, -self.STEEPEST, self.STEEPEST)
+        available = measured = 0.0
+        if self.flies_envelope:
+            most = self.climb_max
+            # a gust changes the airspeed faster than thrust and drag can
+            excess = clip(hdot + v * acceleration / GRAVITY, -self.descent_max, most)
+            available, measured = most, excess
+            if begun:
+                available, measured = state.available, state.measured
+            available += self._adapt * ((excess if full_throttle else most) - available)
+            measured += self._adapt * (excess - measured)
+
+        low, high = self.LOADS
+        load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), low, high)
+        stopped = state.stopped + slow * ((1.0 if full_elevator else 0.0) - state.stopped)
+        reach = min(state.reach + self.RELEARN * self.T, 90.0)
+        if full_elevator and stopped > self.STOPPED:
+            reach = min(reach, max(alpha, self.alpha_zero + 1.0))
+        return ProtectionState(
+            *(True, alpha, alpha_rate, v, acceleration, airspeed),
+            *(available, measured, climb, load, level, stopped, reach),
         )
-        return state.airspeed * used**0.5
 
     def _used(self, state: ProtectionState) -> float:
         """Lift of straight and level flight, of the largest that it may take at this airspeed."""
         largest = self.lift_max * (self.alpha_max - self.alpha_zero)
-        largest = smaller(largest, (state.reach - self.alpha_zero) / self.MARGIN**2)
-        return larger(state.level / (largest * state.load), self.LEAST_LIFT)
+        largest = min(largest, (state.reach - self.alpha_zero) / self.MARGIN**2)
+        return max(state.level / (largest * state.load), self.LEAST_LIFT)
 
     def _for_airspeed(
         self, state: ProtectionState, wanted: float, slowest: float, stiffness: float, spare: float
@@ -253,33 +261,21 @@ class Protection:
         v, available, measured = state.v, state.available, state.measured
         # while it has the airspeed demanded, throttle is left for a climb
         kept = (v / wanted - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
-        climb = measured + limit(kept, 0.0, 1.0) * (available - measured)
+        climb = measured + clip(kept, 0.0, 1.0) * (available - measured)
         # behind the power curve the airspeed takes throttle and descent to recover
-        behind = limit((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
+        behind = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
         traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
-        most = smaller(larger(traded, -behind * self.descent_max), climb + spare)
-        rate = state.acceleration + GRAVITY * state.climb / larger(v, self.SLOWEST)
+        most = min(max(traded, -behind * self.descent_max), climb + spare)
+        rate = state.acceleration + GRAVITY * state.climb / max(v, self.SLOWEST)
         missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed - self.AHEAD * rate
-        boost = limit(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
-        return larger(most, -self.descent_max), boost
+        boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
+        return max(most, -self.descent_max), boost
 
     def pitch_rate(self, vc: float, h: float) -> float:
         """Rate of the pitch reference in deg/s that the load factor allows at an airspeed."""
-        return math.degrees(self.LOAD * GRAVITY) / larger(true_airspeed(vc, h), self.SLOWEST)
+        return math.degrees(self.LOAD * GRAVITY) / max(true_airspeed(vc, h), self.SLOWEST)
 
-    @staticmethod
-    def share_of_climb(vc: float, vc_cmd: float) -> float:
-        """1: the rate of climb from `sample` takes the airspeed into account."""
-        return 1.0
-
-    def airspeed(self, state: ProtectionState, wanted: float, phi: float, h: float) -> float:
-        """The airspeed demanded in kt, between the lowest and the highest; after `sample`."""
-        if not self.flies_envelope:
-            return wanted
-        slowest = self._slowest(state, phi) / true_airspeed(1.0, h)
-        return larger(smaller(wanted, fastest_airspeed(self.vmo, self.mmo, h)), slowest)
-
-    def bank(self, limits: Limits, state: ProtectionState, wanted: float, phi: float) -> float:
+    def bank(self, allowed: Allowed, state: ProtectionState, wanted: float, phi: float) -> float:
         """The bank demanded in deg, within its limit; after `sample`.
 
         The load factor of level flight is limited to what the airspeed allows, and to what the
@@ -287,46 +283,14 @@ class Protection:
         and where less than `CLIMB_KEPT` is left, before the height.
         """
         alpha = state.alpha + self.LEAD * state.alpha_rate - self.alpha_zero
-        left = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / larger(alpha, 1e-6)
-        load = left * state.load / cos(math.radians(1.0) * phi)
+        left = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / max(alpha, 1e-6)
+        load = left * state.load / math.cos(RADIANS * phi)
         if self.flies_envelope:
-            load = smaller(load, self.LIFT / self._used(state))
-        most = math.degrees(1.0) * acos(1.0 / larger(load, 1.0))
-        if limits.climb_max is not None and limits.climb_min is not None:
-            less = most * limit(limits.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
-            most = smaller(most, larger(less, self.GENTLE))
-            # a sink that ground or overspeed forbid is ended with the wings level
-            excess = limit(limits.climb_min - state.climb, 0.0, self.SINK)
-            most *= 1.0 - excess / self.SINK
-        return limit(wanted, -most, most)
-
-
-class Unprotected:
-    """Stands in for a `Protection` without limits or angle of attack; it limits nothing."""
-
-    @staticmethod
-    def sample(
-        state: ProtectionState, *signals: float, **more: bool
-    ) -> tuple[Limits, ProtectionState]:
-        return UNLIMITED, state
-
-    @staticmethod
-    def pitch_rate(vc: float, h: float) -> None:
-        return None
-
-    @staticmethod
-    def share_of_climb(vc: float, vc_cmd: float) -> float:
-        """1 down to 90 % of the airspeed demanded, 0 (level) at 80 %, -1 (descent) at 70 %."""
-        share = limit((vc / select(vc_cmd > 0.0, vc_cmd, 1.0) - 0.8) / 0.1, -1.0, 1.0)
-        return select(vc_cmd > 0.0, share, 1.0)
-
-    @staticmethod
-    def airspeed(state: ProtectionState, wanted: float, phi: float, h: float) -> float:
-        return wanted
-
-    @staticmethod
-    def bank(limits: Limits, state: ProtectionState, wanted: float, phi: float) -> float:
-        return wanted
-
-
-UNPROTECTED = Unprotected()
+            load = min(load, self.LIFT / self._used(state))
+        most = DEGREES * math.acos(1.0 / max(load, 1.0))
+        less = most * clip(allowed.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
+        most = min(most, max(less, self.GENTLE))
+        # a sink that ground or overspeed forbid is ended with the wings level
+        excess = clip(allowed.climb_min - state.climb, 0.0, self.SINK)
+        most *= 1.0 - excess / self.SINK
+        return clip(wanted, -most, most)

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._core.checks import flag, number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ...axes.navigation import distance, place_unchecked, point
-from ..channels import Lateral, LateralState, Vertical
+from ..channels import LateralState, Motion, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, AltitudeState, Reference
+from ..loops import DEGREES, AltitudeLoop, AltitudeState, wrap
+from ..pid import clip
 from ..receivers import above_path
-from ..signals import atan, flat, larger, limit, select, wrap
 from .course import SEPARATION, SMOOTHING
 
 __all__ = ["GlideslopeHold", "LocalizerHold"]
 
 SLOWEST = 30.0  # ft/s, for angles from speeds
 _FASTEST = 5000.0  # ft/s; beyond, a receiver was tuned to another station
-_DEGREES = math.degrees(1.0)
 _AWAY = 135.0  # deg off the course, from which an aircraft flies away from the station
 _ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
 _ON_GLIDE_PATH = 0.35  # deg above it: half of full scale on an ILS indicator
@@ -42,19 +41,18 @@ class BeamState(NamedTuple):
     ) -> tuple[BeamState, float, float, bool]:
         """The state at a sample; speeds across and along the course as measured, ft/s, if known."""
         across, along = (ft - self.ft) / T, (self.dist - dist) / T
-        share = select(self.along == 0.0, 1.0, -math.expm1(-T / smoothing))
-        known = self.known & (abs(along) < _FASTEST)
-        moves = [
-            select(known, smooth + share * (now - smooth), 0.0)
-            for smooth, now in ((self.aside, across), (self.along, along))
-        ]
-        return BeamState(True, ft, dist, *moves), across, along, known
+        if not self.known or abs(along) >= _FASTEST:
+            return BeamState(True, ft, dist), across, along, False
+        share = -math.expm1(-T / smoothing) if self.along else 1.0
+        aside = self.aside + share * (across - self.aside)
+        smooth = self.along + share * (along - self.along)
+        return BeamState(True, ft, dist, aside, smooth), across, along, True
 
 
 class LocalizerState(NamedTuple):
     """State of a `LocalizerHold`."""
 
-    lateral: LateralState = Lateral.START
+    lateral: LateralState = LateralState()
     beam: BeamState = BeamState()
     drift: float = 0.0  # deg, smoothed
     heading: float = 0.0  # found at engagement, deg
@@ -129,34 +127,48 @@ class LocalizerHold(Hold):
     START = LocalizerState()
 
     def build(self) -> None:
-        self.loops = self.lateral_loops()
+        self.heading, self.roll = self.lateral_loops()
+        self._share = -math.expm1(-self.clock.period / SMOOTHING)
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        psi, phi, p, ft, dist, off, ail_sat, _ = u
-        off, c = off != 0.0, self.checked
+    def law(self, u: list[float], state: LocalizerState) -> tuple[list[float], LocalizerState]:
+        psi, phi, p, ft, dist, off, ail_sat, vc = u[:8]
+        self.retune(vc)
+        idle, c = off != 0.0, self.checked
         beam, across, along, known = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
-        speed = larger(beam.along, SLOWEST)
-        drift = wrap(c.course + _DEGREES * atan(across / larger(along, SLOWEST)) - psi)
-        share = select(state.beam.along == 0.0, 1.0, -math.expm1(-self.clock.period / SMOOTHING))
-        drift = select(known, wrap(state.drift + share * wrap(drift - state.drift)), 0.0)
+        drift = 0.0
+        if known:
+            drift = wrap(c.course + DEGREES * math.atan(across / max(along, SLOWEST)) - psi)
+            share = self._share if state.beam.along else 1.0
+            drift = wrap(state.drift + share * wrap(drift - state.drift))
         chi = psi + drift
+        speed = max(beam.along, SLOWEST)
         tau = c.lookahead
         if tau is None:
-            tau = larger(SEPARATION * self.loops["heading"].lag(speed), 1.0)
-        closing = limit(_DEGREES * atan(ft / (tau * speed)), -c.intercept, c.intercept)
+            tau = max(SEPARATION * self.heading.lag(speed), 1.0)
+        closing = clip(DEGREES * math.atan(ft / (tau * speed)), -c.intercept, c.intercept)
         ahead = wrap(chi - c.course)
-        met = select(ft > 0.0, ahead <= -closing, ahead >= -closing) | (abs(closing) < _ON_COURSE)
-        met = met & (abs(wrap(psi - c.course)) < _AWAY)
-        captured = select(off, False, state.captured | (known & met))
+        met = ahead <= -closing if ft > 0.0 else ahead >= -closing
+        met = (met or abs(closing) < _ON_COURSE) and abs(wrap(psi - c.course)) < _AWAY
+        captured = not idle and (state.captured or (known and met))
 
-        measured = select(captured, chi, psi)
-        lateral = Lateral(self.loops, state.lateral, measured, phi, p, off, ail_sat)
-        found = select(state.lateral.heading.law.engaged, state.heading, psi)
-        target = select(captured, c.course - closing, found)
-        wanted = lateral.for_heading(Reference(target), idle=off)
-        aileron, phi_cmd, turned = lateral.fly(wanted)
-        outputs = [aileron, phi_cmd, target % 360.0, select(captured, 1.0, 0.0)]
-        return outputs, LocalizerState(turned, beam, drift, found, captured)
+        found = state.heading if state.lateral.heading.law.engaged else psi
+        measured, target = (chi, c.course - closing) if captured else (psi, found)
+        bank, heading = self.heading.sample(state.lateral.heading, measured, (target, 0.0), idle)
+        aileron, phi_cmd, roll = self.roll.sample(
+            state.lateral.roll, phi, p, bank, False, ail_sat, idle
+        )
+        outputs = [aileron, phi_cmd, target % 360.0, float(captured)]
+        lateral = LateralState(heading, roll)
+        return outputs, LocalizerState(lateral, beam, drift, found, captured)
+
+
+class GlideslopeState(NamedTuple):
+    """State of a `GlideslopeHold`; None for what is not known yet."""
+
+    dist: float | None = None  # ft
+    speed: float | None = None  # of closing, ft/s, smoothed
+    captured: bool = False
+    vertical: VerticalState = VerticalState()
 
 
 @fill
@@ -257,48 +269,65 @@ class GlideslopeHold(Hold):
     )
     output_port_labels = numbered("elevator theta_cmd hdot_cmd gs_deg gs_ft dist captured")
 
+    START = GlideslopeState()
+
     def build(self) -> None:
-        T, c = self.clock.period, self.checked
+        c = self.checked
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
         self._received = self.input_port_labels["gs_dist"]
-        self.loops = self.vertical_loops()
-        self._share = -math.expm1(-T / SMOOTHING)
+        self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
+        self._share = -math.expm1(-self.clock.period / SMOOTHING)
 
-    START = Vertical.START
-
-    def initial_state(self) -> tuple[Any, ...]:
-        # distance and speed of closing, None while unknown; captured; the vertical channel
-        return None, None, 0.0, flat(self.START)
-
-    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha = u[:10]
-        before, speed, captured, vertical = state
+    def law(self, u: list[float], state: GlideslopeState) -> tuple[list[float], GlideslopeState]:
+        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha, degrees, above, away = u[:13]
+        self.retune(vc, h)
         received = self._received in self.inputs.wired
-        if received:
-            degrees, above, away = u[10:13]
-        else:
+        if not received:
             away = distance(place_unchecked(lat, lon), self._threshold)
-        rate = 0.0 if before is None else (before - away) / self.clock.period
-        if abs(rate) > _FASTEST:
-            speed = None
-        elif before is not None:
-            speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
-        dist = -away if captured and rate < 0.0 else away
+        speed, rate = state.speed, 0.0
+        if state.dist is not None:
+            rate = (state.dist - away) / self.clock.period
+            if abs(rate) > _FASTEST:
+                speed = None
+            else:
+                speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
+        dist = -away if state.captured and rate < 0.0 else away
         if not received:
             height = h - self.checked.elevation
             degrees, above = above_path(height, dist + self._foot, self.checked.angle)
 
-        flown = [h, hdot, theta, q, off, elev_sat, vc, alpha]
-        flown += [above, speed or 0.0, rate, degrees, captured, *self.gains_at(vc, h)]
-        (elevator, theta_cmd, hdot_cmd, captured), vertical = self.flown(
-            flown, vertical, alpha != 0.0, len(flown)
+        vertical, before, idle = self.vertical, state.vertical, off != 0.0
+        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        # without the airspeed: its lowest is that of the clean aircraft
+        allowed, guard = vertical.guard(before, now, 0.0, True)
+        found, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
+        level = vertical.altitude.climb_rate(error)
+        descent, lower = self._descent(above, speed or 0.0, level)
+        # the speed is known once the distance has changed
+        met = lower and rate > 0.0 and (self.checked.from_above or degrees <= _ON_GLIDE_PATH)
+        captured = not idle and (state.captured or met)
+        hdot_cmd = descent if captured else level
+        reference = vertical.pitch.reference(before.pitch, theta)
+        wanted, climb = vertical.altitude.climb(
+            before.altitude.law, hdot_cmd, hdot, reference, before.cut
         )
+        altitude = AltitudeLoop.START if idle else AltitudeState(found, climb)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        hdot_cmd = 0.0 if idle else hdot_cmd
         return (
-            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, captured],
-            (away, speed, captured, vertical),
+            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
+            GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),
         )
+
+    def _descent(self, above: float, speed: float, level: float) -> tuple[float, bool]:
+        """Rate of climb that follows the path, ft/s, and whether it is at most that for level."""
+        altitude, sink = self.vertical.altitude, speed * self._slope
+        # a limit of the correction below this would end in a descent short of the path
+        most = max(altitude.hdot_max, sink)
+        back = -altitude.Kh * above
+        return clip(back, -altitude.hdot_max, most) - sink, back - sink <= level
 
     def needed(self) -> tuple[str, ...]:
         # a wire from a receiver asks for the others, and replaces the position
@@ -306,29 +335,3 @@ class GlideslopeHold(Hold):
         if self.inputs.wired.isdisjoint(seen.values()):
             return self.measured
         return (*(x for x in self.measured if x not in ("lat", "lon")), *seen)
-
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, off, elev_sat, vc, alpha, above, speed, rate, degrees, captured = u
-        off = off != 0.0
-        vertical = Vertical(self.loops, form, state, theta, q, h, hdot, vc, alpha, off, elev_sat)
-        # without the airspeed: its lowest is that of the clean aircraft
-        vertical.guard(0.0, True)
-        altitude, (found, climb) = vertical.altitude, state.altitude
-        found = select(climb.engaged, found, h)
-        level = altitude.climb_rate(found - h)
-        # a limit of the correction below this would end in a descent short of the path
-        sink = speed * self._slope
-        most = larger(altitude.hdot_max, sink)
-        descent = limit(-altitude.Kh * above, -altitude.hdot_max, most) - sink
-        met = True if self.checked.from_above else degrees <= _ON_GLIDE_PATH
-        # the speed is known once the distance has changed
-        lower = (rate > 0.0) & (-altitude.Kh * above - sink <= level) & met
-        captured = select(off, False, (captured != 0.0) | lower)
-        hdot_cmd = select(captured, descent, level)
-        reference = vertical.pitch.reference(state.pitch, theta)
-        wanted, climb = altitude.climb(climb, hdot_cmd, hdot, reference, state.cut)
-        vertical.state = vertical.state._replace(
-            altitude=select(off, AltitudeLoop.START, AltitudeState(found, climb))
-        )
-        *outputs, state = vertical.fly(wanted)
-        return [*outputs, select(off, 0.0, hdot_cmd), select(captured, 1.0, 0.0)], state

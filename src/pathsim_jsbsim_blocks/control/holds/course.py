@@ -26,11 +26,11 @@ from ...axes.navigation import (
     point,
 )
 from ...errors import ParameterError
-from ..channels import Lateral
+from ..channels import LateralState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import Reference
-from ..signals import flat, limit, select, wrap
+from ..loops import wrap
+from ..pid import clip
 
 __all__ = ["CourseHold"]
 
@@ -64,6 +64,16 @@ class _Ground(NamedTuple):
             self.speed + share * (speed - self.speed),
             True,
         )
+
+
+class CourseState(NamedTuple):
+    """State of a `CourseHold`; None for what is not known yet."""
+
+    ground: _Ground = _Ground()
+    found: float | None = None  # course at engagement, deg
+    leg: int | None = None
+    direct: GreatCircle | None = None  # leg 0
+    lateral: LateralState = LateralState()
 
 
 @fill
@@ -176,24 +186,19 @@ class CourseHold(Hold):
                 "give a course or waypoints, not both: along waypoints the course is that of the "
                 "leg",
             )
-        self.loops = self.lateral_loops()
+        self.heading, self.roll = self.lateral_loops()
         self._share = -math.expm1(-T / SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
-    START = Lateral.START
+    START = CourseState()
 
-    def initial_state(self) -> tuple[Any, ...]:
-        return _Ground(), None, None, None, flat(self.START)
-
-    def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
+    def law(self, u: list[float], state: CourseState) -> tuple[list[float], CourseState]:
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
         ground, found, leg, direct, lateral = state
         leg = self._route.start if leg is None else leg
         here = place_unchecked(lat, lon)
         ground = ground.next(here, psi, self._share, self.clock.period)
-        gains = self.gains_at(vc)
-        if gains:
-            self.follow(gains)
+        self.retune(vc)
         chi = (psi + ground.drift) % 360.0
         # the course is known from the second sample on
         engaged = not off and ground.known
@@ -202,32 +207,29 @@ class CourseHold(Hold):
         if self._route.waypoints:
             leg, direct, track = self._along(here, chi, ground, vt, leg, direct, engaged)
             across, to_go = track.across, track.to_go
-            tau = self.checked.lookahead or SEPARATION * self.loops["heading"].lag(ground.speed)
+            tau = self.checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
             most = self.checked.intercept
-            target = track.course - min(max(closing, -most), most)
+            target = track.course - clip(closing, -most, most)
             bend = self._route.bank(leg, ground)
         else:
             found = found if engaged and found is not None else chi
             target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
         if not engaged:
             found = None
-        flown = [chi, phi, p, target, bend, float(not ground.known), off, ail_sat, *gains]
-        (aileron, phi_cmd), lateral = self.flown(flown, lateral, None, len(flown))
-        return (
-            [aileron, phi_cmd, chi, target % 360.0 if engaged else chi, across, to_go, float(leg)],
-            (ground, found, leg, direct, lateral),
-        )
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        chi, phi, p, target, bend, unknown, off, ail_sat = u
-        off, unknown = off != 0.0, unknown != 0.0
-        lateral = Lateral(self.loops, state, chi, phi, p, off, ail_sat)
-        wanted = lateral.for_heading(Reference(target), idle=off | unknown) + bend
-        wanted = limit(wanted, -self.checked.bank_max, self.checked.bank_max)
-        found, keeps = lateral.roll.towards(state.roll, phi, Reference())
-        *outputs, state = lateral.fly(select(unknown, found, wanted), select(unknown, keeps, False))
-        return outputs, state
+        bank, heading = self.heading.sample(lateral.heading, chi, (target, 0.0), not engaged)
+        bank, keeps = clip(bank + bend, -self.checked.bank_max, self.checked.bank_max), False
+        if not ground.known:
+            bank, keeps = self.roll.towards(lateral.roll, phi, (None, 0.0))
+        aileron, phi_cmd, roll = self.roll.sample(
+            lateral.roll, phi, p, bank, keeps, ail_sat, off != 0.0
+        )
+        chi_cmd = target % 360.0 if engaged else chi
+        return (
+            [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
+            CourseState(ground, found, leg, direct, LateralState(heading, roll)),
+        )
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
@@ -291,14 +293,14 @@ class CourseHold(Hold):
         north = side * radius * (math.sin(settled) - math.sin(heading)) + north * seconds
         east = side * radius * (math.cos(heading) - math.cos(settled)) + east * seconds
         ends = (north * math.sin(new) - east * math.cos(new)) * side
-        lead = min(turn / most, 1.0) * (most / self._roll + self.loops["heading"].lag(speed))
+        lead = min(turn / most, 1.0) * (most / self._roll + self.heading.lag(speed))
         lead += abs(route.bank(after, ground) - route.bank(leg, ground)) / self._roll
         return ends / max(math.sin(math.radians(turn)), 1e-3) + lead * speed / 2
 
     @property
     def _roll(self) -> float:
         """Largest rate of the bank reference, deg/s."""
-        return self.loops["roll"].ramp
+        return self.roll.ramp
 
 
 class _Route:

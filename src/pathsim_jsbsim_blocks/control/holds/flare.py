@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
-from ..channels import Lateral, LateralState, Vertical, VerticalState
+from ..channels import LateralState, Motion, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import AltitudeLoop, ReferenceState, attitude_loop
-from ..pid import PID
-from ..signals import larger, limit, select, smaller, wrap
+from ..loops import DEGREES, AltitudeLoop, ReferenceState, attitude_loop, wrap
+from ..pid import PID, clip
 from .approach import SLOWEST, BeamState
 
 __all__ = ["FlareHold"]
-
-_DEGREES = math.degrees(1.0)
 
 _TREND = 2.0  # s, time constant of the acceleration
 
@@ -44,7 +41,6 @@ _RUDDER = 1.0  # 1/s, of the rudder
 _IDLE = 0.2  # 1/s, of the throttle
 _BALLOON = 10.0  # ft, climb in the flare that begins a go-around
 _CLEAR = 30.0  # ft, height above which no tail strikes
-_FREE = 90.0  # deg, no limit of the pitch reference
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
@@ -54,7 +50,7 @@ class FlareState(NamedTuple):
     """State of a `FlareHold`; what is not known yet follows from the first active sample."""
 
     vertical: VerticalState = Vertical.START
-    lateral: LateralState = Lateral.START
+    lateral: LateralState = LateralState()
     beam: BeamState = BeamState()
     phase: float = 0.0
     integral: float = 0.0  # of the climb law, deg
@@ -219,107 +215,137 @@ class FlareHold(Hold):
 
     def build(self) -> None:
         T, c = self.clock.period, self.checked
-        names = "altitude", "pitch", "roll", "envelope"
-        altitude, pitch, roll, envelope = self.gains_of(*names)
-        self.loops = {
-            "altitude": AltitudeLoop(T, altitude, None, _STEEPEST, None),
-            "pitch": attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
-            "roll": attitude_loop(T, roll, c.authority, carry=self.scheduled),
-            "envelope": self.protection_within(envelope),
-        }
+        altitude, pitch, roll, envelope = self.gains_of("altitude", "pitch", "roll", "envelope")
+        self.vertical = Vertical(
+            AltitudeLoop(T, altitude, None, _STEEPEST, None),
+            attitude_loop(T, pitch, c.authority, -1.0, self.scheduled),
+            self.protection_within(envelope),
+        )
+        self.roll = attitude_loop(T, roll, c.authority, carry=self.scheduled)
+        vertical = self.vertical
+        self.follows(
+            altitude=vertical.altitude,
+            pitch=vertical.pitch,
+            roll=self.roll,
+            envelope=vertical.envelope,
+        )
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u
+    def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
+        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
+        self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
-        state, height = state._replace(beam=beam), h - self.checked.gear_height
+        state, height, down = state._replace(beam=beam), h - self.checked.gear_height, wow != 0.0
         flew = state.phase != APPROACH
         across = abs(wrap(psi - self.checked.course)) > _ACROSS
-        state = self._phase(state, height, hdot, across, wow != 0.0, go_around != 0.0, off != 0.0)
-        state = self._in_air(state, hdot, theta, alpha if form[1] else None, vc)
-        state = self._begun(state, flew, hdot, theta, psi, given)
-        slow = (state.phase == GO_AROUND) & (wow != 0.0) & (state.v < state.kept)
-        rolls = (state.phase == ROLL_OUT) | slow
+        state = self._phase(state, height, hdot, across, down, go_around != 0.0, off != 0.0)
+        state = self._in_air(state, hdot, theta, alpha, vc)
+        if not flew:
+            state = self._begun(state, hdot, theta, psi, given)
+        slow = state.phase == GO_AROUND and down and state.v < state.kept
+        rolls = state.phase == ROLL_OUT or slow
 
-        vertical = Vertical(
-            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, False, 0.0
-        )
-        vertical.guard(0.0, True)
-        if (most := vertical.limits.theta_max) is not None:
+        vertical, now = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
+        allowed, guard = vertical.guard(state.vertical, now, 0.0, True)
+        if rolls and down:
             # on the wheels an angle of attack shows no stall
-            free = select(rolls & (wow != 0.0), _FREE, most)
-            vertical.limits = vertical.limits._replace(theta_max=free)
+            allowed = allowed._replace(theta_max=math.inf)
+        # after `retune`: the flare is flown faster than a climb
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
-        wanted, state = self._pitch(state, height, hdot, wow != 0.0, rolls)
-        elevator, theta_cmd, after = vertical.fly(wanted)
-        lateral = Lateral(self.loops, state.lateral, psi, phi, p, False, 0.0)
-        aileron, phi_cmd, turned = lateral.fly(self._bank(state, psi))
-        rudder, steering, state = self._yaw(state, height, hdot, psi, r, given[2], rolls)
-        throttle, brakes = self._power(state, wow != 0.0)
+        wanted, state = self._pitch(state, height, hdot, down, rolls)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, now, allowed, wanted)
+        bank = self._bank(state, psi)
+        aileron, phi_cmd, roll = self.roll.sample(
+            state.lateral.roll, phi, p, bank, False, 0.0, False
+        )
+        rudder, steering, psi_cmd = self._yaw(state, height, hdot, psi, r, given[2], rolls)
+        throttle, brakes = self._power(state, down)
 
-        approach = state.phase == APPROACH
-        commands = zip(given, (elevator, aileron, rudder, throttle), strict=True)
-        outputs = [select(approach, *x) for x in commands]
-        outputs += [select(approach, 0.0, x) for x in (brakes, steering)]
+        outputs = [elevator, aileron, rudder, throttle, brakes, steering]
+        if state.phase == APPROACH:
+            outputs = [*given, 0.0, 0.0]
         state = state._replace(
-            vertical=after, lateral=turned, rudder=rudder, throttle=throttle, brakes=brakes
+            vertical=state.vertical._replace(pitch=pitch, guard=guard, cut=cut),
+            lateral=state.lateral._replace(roll=roll),
+            psi=psi_cmd,
+            rudder=rudder,
+            throttle=throttle,
+            brakes=brakes,
         )
         return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
 
-    def _steepest(self, height: Any) -> Any:
+    def _steepest(self, height: float) -> float:
         """Lowest rate of climb of the flare at a height, ft/s."""
-        return smaller(-height / self.checked.tau, 0.0) - self.checked.sink
+        return min(-height / self.checked.tau, 0.0) - self.checked.sink
 
     def _phase(
-        self, state: Any, height: Any, hdot: Any, across: Any, down: Any, go_around: Any, off: Any
-    ) -> Any:
+        self,
+        state: FlareState,
+        height: float,
+        hdot: float,
+        across: bool,
+        down: bool,
+        go_around: bool,
+        off: bool,
+    ) -> FlareState:
         """The state in the phase that begins or goes on."""
-        c, before = self.checked, state.phase
-        low = (hdot <= self._steepest(height)) | (height <= c.sink * c.tau)
-        phase = select((before == APPROACH) & low, FLARE, before)
-        phase = select((phase == FLARE) & down, ROLL_OUT, phase)
-        floated = state.floated + select(before == FLARE, self.clock.period * state.beam.along, 0.0)
-        astray = (height < c.decide) & ((abs(state.beam.ft) > c.across_max) | across)
-        astray |= (before == APPROACH) & low & (hdot < -c.sink_max)
-        least = select(before == FLARE, smaller(state.least, height), height)
-        astray |= (floated > c.float_max) | (height > least + _BALLOON)
-        phase = select(go_around | ((phase < ROLL_OUT) & astray), GO_AROUND, phase)
-        phase, floated = select(off, APPROACH, phase), select(off, 0.0, floated)
+        c, before, phase = self.checked, state.phase, state.phase
+        low = hdot <= self._steepest(height) or height <= c.sink * c.tau
+        if phase == APPROACH and low:
+            phase = FLARE
+        if phase == FLARE and down:
+            phase = ROLL_OUT
+        floated, least = state.floated, height
+        if before == FLARE:
+            floated += self.clock.period * state.beam.along
+            least = min(state.least, height)
+        astray = (
+            (height < c.decide and (abs(state.beam.ft) > c.across_max or across))
+            or (before == APPROACH and low and hdot < -c.sink_max)
+            or floated > c.float_max
+            or height > least + _BALLOON
+        )
+        if go_around or (phase < ROLL_OUT and astray):
+            phase = GO_AROUND
+        if off:
+            phase, floated = APPROACH, 0.0
         return state._replace(phase=phase, floated=floated, least=least)
 
-    def _in_air(self, state: Any, hdot: Any, theta: Any, alpha: Any, vc: Any) -> Any:
+    def _in_air(
+        self, state: FlareState, hdot: float, theta: float, alpha: float, vc: float
+    ) -> FlareState:
         """The state with the airspeed and the vertical gust of the sample."""
         T, first = self.clock.period, state.v == 0.0
-        v = larger(vc * KNOT, SLOWEST)
-        gained = select(first, 0.0, v - state.v)
-        share = -math.expm1(-T / _TREND)
-        acceleration = state.acceleration + share * (gained / T - state.acceleration)
+        v = max(vc * KNOT, SLOWEST)
+        gained = 0.0 if first else v - state.v
+        acceleration = state.acceleration
+        acceleration += -math.expm1(-T / _TREND) * (gained / T - acceleration)
         gust = 0.0
-        if alpha is not None:
+        if alpha != 0.0:
             # what the aircraft climbs through the air less what it climbs
-            sinks = v / _DEGREES * (theta - alpha) - hdot
-            share = select(first, 1.0, -math.expm1(-T / _GUST))
+            sinks = v / DEGREES * (theta - alpha) - hdot
+            share = 1.0 if first else -math.expm1(-T / _GUST)
             gust = state.gust + share * (sinks - state.gust)
-        goes = state.phase == GO_AROUND
-        # the same lift takes an angle of attack inverse to the square of the airspeed
-        lost = select(goes, 0.0, -2.0 * _DEGREES / _LIFT_SLOPE * gained / v)
-        kept = select(state.phase >= ROLL_OUT, state.kept, v)
+        integral = state.integral
+        if state.phase != GO_AROUND:
+            # the same lift takes an angle of attack inverse to the square of the airspeed
+            integral -= 2.0 * DEGREES / _LIFT_SLOPE * gained / v
         return state._replace(
             v=v,
             acceleration=acceleration,
             gust=gust,
-            integral=state.integral + lost,
-            kept=kept,
+            integral=integral,
+            kept=state.kept if state.phase >= ROLL_OUT else v,
         )
 
     def _begun(
-        self, state: Any, flew: Any, hdot: Any, theta: Any, psi: Any, given: list[Any]
-    ) -> Any:
-        """The state of a flare that goes on from the commands of the approach, if it is new."""
+        self, state: FlareState, hdot: float, theta: float, psi: float, given: list[float]
+    ) -> FlareState:
+        """The state of a flare that goes on from the commands of the approach."""
         elevator, aileron, rudder, throttle = given
-        anew = state._replace(
+        return state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            integral=theta - _DEGREES * (hdot + state.gust) / state.v,
+            integral=theta - DEGREES * (hdot + state.gust) / state.v,
             hdot_cmd=hdot,
             theta=theta,
             lowest=theta,
@@ -327,79 +353,89 @@ class FlareHold(Hold):
             rudder=rudder,
             throttle=throttle,
         )
-        return select(flew, state, anew)
 
-    def _pitch(self, state: Any, height: Any, hdot: Any, down: Any, rolls: Any) -> tuple[Any, Any]:
+    def _pitch(
+        self, state: FlareState, height: float, hdot: float, down: bool, rolls: bool
+    ) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
         c, T, v = self.checked, self.clock.period, state.v
-        goes = state.phase == GO_AROUND
-        # the rate of climb at which the airspeed comes back to what it was
-        spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
-        fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.kept
-        steepest = self._steepest(height)
-        # a sink that ended early is not asked for again
-        flared = limit(hdot, steepest, -c.sink)
-        climb = limit(spare, 0.3 * c.climb, larger(fast, c.climb))
-        target = select(goes, climb, flared)
-        step = limit(target - state.hdot_cmd, -_PULL * T, _PULL * T)
+        goes, steepest = state.phase == GO_AROUND, self._steepest(height)
+        if goes:
+            # the rate of climb at which the airspeed comes back to what it was
+            spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
+            fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.kept
+            target = clip(spare, 0.3 * c.climb, max(fast, c.climb))
+        else:
+            # a sink that ended early is not asked for again
+            target = clip(hdot, steepest, -c.sink)
+        step = clip(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
-        error = hdot_cmd - hdot
-        share = -math.expm1(-T / _SMOOTH)
-        lift = state.lift + select(
-            state.hdot == 0.0, 0.0, share * ((hdot - state.hdot) / T - state.lift)
-        )
+        error, lift = hdot_cmd - hdot, state.lift
+        if state.hdot != 0.0:
+            lift += -math.expm1(-T / _SMOOTH) * ((hdot - state.hdot) / T - lift)
         lag = v / (GRAVITY * _LIFT_SLOPE)
-        slows = select(goes, False, hdot < steepest)
-        ahead = hdot_cmd + state.gust + select(slows, lag * -hdot / c.tau, 0.0)
+        ahead = hdot_cmd + state.gust
+        if not goes and hdot < steepest:
+            ahead += lag * -hdot / c.tau
         ahead += lag * (_BANDWIDTH * error + _DAMPING * (step / T - lift))
-        asked = state.integral + _DEGREES / v * ahead
-        limits = self.loops["altitude"].pid
-        highest = select(goes & (height > _CLEAR), limits.high, c.theta_max)
-        lowest = select(goes, limits.low, smaller(state.lowest, c.theta_max))
-        wanted = limit(asked, lowest, highest)
-        gained = _BANDWIDTH * T * (_DEGREES / v * error + wanted - asked)
-        lowered = larger(state.theta - select(down, _LOWER * T, 0.0), smaller(state.theta, 0.0))
-        theta = select(rolls, lowered, wanted)
-        state = state._replace(
+        asked = state.integral + DEGREES / v * ahead
+        altitude, highest = self.vertical.altitude, c.theta_max
+        lowest = min(state.lowest, c.theta_max)
+        if goes:
+            lowest = altitude.pid.low
+            if height > _CLEAR:
+                highest = altitude.theta_max
+        theta = clip(asked, lowest, highest)
+        gained = _BANDWIDTH * T * (DEGREES / v * error + theta - asked)
+        if rolls:
+            hdot_cmd = hdot
+            theta = max(state.theta - (_LOWER * T if down else 0.0), min(state.theta, 0.0))
+        return theta, state._replace(
             integral=state.integral + gained,
-            hdot_cmd=select(rolls, hdot, hdot_cmd),
+            hdot_cmd=hdot_cmd,
             theta=theta,
             hdot=hdot,
             lift=lift,
         )
-        return theta, state
 
-    def _bank(self, state: Any, psi: Any) -> Any:
+    def _bank(self, state: FlareState, psi: float) -> float:
         """Bank in deg: to the centre line in the flare, for the heading in a go-around."""
         most = self.checked.bank_max
-        pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
-        bank = limit(-_DEGREES / GRAVITY * pull, -most, most)
-        kept = limit(_KEEP * wrap(state.psi - psi), -most, most)
-        kept = select(state.phase == GO_AROUND, kept, 0.0)
-        return select(state.phase == FLARE, bank, kept)
+        if state.phase == FLARE:
+            pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
+            return clip(-DEGREES / GRAVITY * pull, -most, most)
+        if state.phase == GO_AROUND:
+            return clip(_KEEP * wrap(state.psi - psi), -most, most)
+        return 0.0
 
     def _yaw(
-        self, state: Any, height: Any, hdot: Any, psi: Any, r: Any, rudder: Any, rolls: Any
-    ) -> tuple[Any, Any, Any]:
-        """Rudder, steering of the nose wheel, and the next state."""
-        c, step = self.checked, _YAW * self.clock.period
-        flies = select(rolls, False, state.phase == GO_AROUND)
-        aside = limit(_DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
-        target = c.course - select(rolls, aside, 0.0)
-        near = rolls | (height < _DECRAB * larger(-hdot, c.sink))
-        turn = select(near, limit(wrap(target - state.psi), -step, step), 0.0)
-        psi_cmd = wrap(state.psi + turn)
-        error = select(flies, 0.0, c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r))
-        most = _RUDDER * self.clock.period
-        moved = state.rudder + limit(rudder + error - state.rudder, -most, most)
-        moved = limit(moved, -1.0, 1.0)
-        steering = select(rolls, limit(-error, -1.0, 1.0), 0.0)
-        return moved, steering, state._replace(psi=psi_cmd)
+        self,
+        state: FlareState,
+        height: float,
+        hdot: float,
+        psi: float,
+        r: float,
+        rudder: float,
+        rolls: bool,
+    ) -> tuple[float, float, float]:
+        """Rudder, steering of the nose wheel, and the reference of the heading."""
+        c, T = self.checked, self.clock.period
+        target, psi_cmd = c.course, state.psi
+        if rolls:
+            target -= clip(DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
+        if rolls or height < _DECRAB * max(-hdot, c.sink):
+            psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)
+        psi_cmd, error = wrap(psi_cmd), 0.0
+        if rolls or state.phase != GO_AROUND:
+            error = c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r)
+        moved = state.rudder + clip(rudder + error - state.rudder, -_RUDDER * T, _RUDDER * T)
+        steering = clip(-error, -1.0, 1.0) if rolls else 0.0
+        return clip(moved, -1.0, 1.0), steering, psi_cmd
 
-    def _power(self, state: Any, down: Any) -> tuple[Any, Any]:
+    def _power(self, state: FlareState, down: bool) -> tuple[float, float]:
         """Throttle and brakes."""
-        T = self.clock.period
-        idle = larger(state.throttle - _IDLE * T, -1.0)
-        braked = smaller(state.brakes + _BRAKE * T, 1.0)
-        braked = select((state.phase == ROLL_OUT) & down & (state.theta <= 0.0), braked, 0.0)
-        return select(state.phase == GO_AROUND, 1.0, idle), braked
+        T, brakes = self.clock.period, 0.0
+        if state.phase == ROLL_OUT and down and state.theta <= 0.0:
+            brakes = min(state.brakes + _BRAKE * T, 1.0)
+        throttle = 1.0 if state.phase == GO_AROUND else max(state.throttle - _IDLE * T, -1.0)
+        return throttle, brakes

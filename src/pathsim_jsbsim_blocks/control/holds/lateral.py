@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from ..._core.checks import optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..channels import Lateral
+from ..channels import LateralState
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import ReferenceLoop, YawLoop, attitude_loop
+from ..loops import ReferenceLoop, ReferenceState, YawLoop, YawState, attitude_loop
 
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 
@@ -74,16 +73,18 @@ class RollHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("roll")
-        c, T = self.checked, self.clock.period
-        self.loops = {"roll": attitude_loop(T, gains, c.authority, carry=self.scheduled)}
+        T, authority = self.clock.period, self.checked.authority
+        self.roll = attitude_loop(T, gains, authority, carry=self.scheduled)
+        self.follows(roll=self.roll)
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        phi, p, phi_ref, off, ail_sat, _ = u
-        loop, reference = self.loops["roll"], self.wanted("phi_ref", phi_ref)
-        *outputs, state = loop.sample(
-            state, phi, p, *loop.towards(state, phi, reference), ail_sat, off != 0.0
+    def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
+        phi, p, phi_ref, off, ail_sat, vc = u[:6]
+        self.retune(vc)
+        wanted, keeps = self.roll.towards(state, phi, self.wanted("phi_ref", phi_ref))
+        aileron, phi_cmd, state = self.roll.sample(
+            state, phi, p, wanted, keeps, ail_sat, off != 0.0
         )
-        return outputs, state
+        return [aileron, phi_cmd], state
 
 
 @fill
@@ -142,18 +143,18 @@ class HeadingHold(Hold):
     input_port_labels = numbered("psi phi p psi_ref off ail_sat vc vt")
     output_port_labels = {"aileron": 0, "phi_cmd": 1}
 
-    START = Lateral.START
+    START = LateralState()
 
     def build(self) -> None:
-        self.loops = self.lateral_loops()
+        self.heading, self.roll = self.lateral_loops()
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        psi, phi, p, psi_ref, off, ail_sat, _, vt = u
-        off = off != 0.0
-        lateral = Lateral(self.loops, state, psi, phi, p, off, ail_sat, vt)
-        wanted = lateral.for_heading(self.wanted("psi_ref", psi_ref), idle=off)
-        *outputs, state = lateral.fly(wanted)
-        return outputs, state
+    def law(self, u: list[float], state: LateralState) -> tuple[list[float], LateralState]:
+        psi, phi, p, psi_ref, off, ail_sat, vc, vt = u[:8]
+        self.retune(vc)
+        idle, reference = off != 0.0, self.wanted("psi_ref", psi_ref)
+        bank, heading = self.heading.sample(state.heading, psi, reference, idle, phi, vt)
+        aileron, phi_cmd, roll = self.roll.sample(state.roll, phi, p, bank, False, ail_sat, idle)
+        return [aileron, phi_cmd], LateralState(heading, roll)
 
 
 @fill
@@ -213,9 +214,11 @@ class YawDamper(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("yaw")
-        self.loops = {"yaw": YawLoop(self.clock.period, gains, self.checked.authority)}
+        self.yaw = YawLoop(self.clock.period, gains, self.checked.authority)
+        self.follows(yaw=self.yaw)
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        r, off, beta, _, p, phi = u
-        rudder, state = self.loops["yaw"].sample(state, r, off != 0.0, beta, p, phi)
+    def law(self, u: list[float], state: YawState) -> tuple[list[float], YawState]:
+        r, off, beta, vc, p, phi = u[:6]
+        self.retune(vc)
+        rudder, state = self.yaw.sample(state, r, off != 0.0, beta, p, phi)
         return [rudder], state

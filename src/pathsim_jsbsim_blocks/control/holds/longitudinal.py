@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..channels import ClimbState, Vertical, VerticalState
+from ..channels import ClimbState, Motion, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import (
-    Reference,
     ReferenceLoop,
     ReferenceState,
     SpeedLoop,
     SpeedOnPitchLoop,
     attitude_loop,
 )
-from ..protection import true_airspeed
-from ..signals import select
 
 __all__ = [
     "AirspeedHold",
@@ -90,16 +87,18 @@ class PitchHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("pitch")
-        c, T = self.checked, self.clock.period
-        self.loops = {"pitch": attitude_loop(T, gains, c.authority, -1.0, self.scheduled)}
+        T, authority = self.clock.period, self.checked.authority
+        self.pitch = attitude_loop(T, gains, authority, -1.0, self.scheduled)
+        self.follows(pitch=self.pitch)
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        theta, q, theta_ref, off, elev_sat, _ = u
-        loop, reference = self.loops["pitch"], self.wanted("theta_ref", theta_ref)
-        *outputs, state = loop.sample(
-            state, theta, q, *loop.towards(state, theta, reference), elev_sat, off != 0.0
+    def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
+        theta, q, theta_ref, off, elev_sat, vc = u[:6]
+        self.retune(vc)
+        wanted, keeps = self.pitch.towards(state, theta, self.wanted("theta_ref", theta_ref))
+        elevator, theta_cmd, state = self.pitch.sample(
+            state, theta, q, wanted, keeps, elev_sat, off != 0.0
         )
-        return outputs, state
+        return [elevator, theta_cmd], state
 
 
 @fill
@@ -174,16 +173,18 @@ class AltitudeHold(Hold):
     START = Vertical.START
 
     def build(self) -> None:
-        self.loops = self.vertical_loops()
+        self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u
-        off = off != 0.0
-        vertical = Vertical(self.loops, form[1], state, theta, q, h, hdot, vc, alpha, off, elev_sat)
-        vertical.guard(vc, True)
-        wanted, hdot_cmd = vertical.for_altitude(self.wanted("h_ref", h_ref), idle=off)
-        elevator, theta_cmd, state = vertical.fly(wanted)
-        return [elevator, theta_cmd, hdot_cmd], state
+    def law(self, u: list[float], state: VerticalState) -> tuple[list[float], VerticalState]:
+        h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
+        self.retune(vc, h)
+        vertical, idle = self.vertical, off != 0.0
+        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        allowed, guard = vertical.guard(state, now, vc, True)
+        reference = self.wanted("h_ref", h_ref, h)
+        wanted, hdot_cmd, altitude = vertical.for_altitude(state, now, allowed, reference, idle)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, wanted)
+        return [elevator, theta_cmd, hdot_cmd], VerticalState(altitude, pitch, guard, cut)
 
 
 class ClimbingState(NamedTuple):
@@ -254,22 +255,22 @@ class VerticalSpeedHold(Hold):
     START = ClimbingState()
 
     def build(self) -> None:
-        self.loops = self.vertical_loops()
+        self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        h, hdot, theta, q, hdot_ref, h_ref, off, elev_sat, vc, alpha = u
-        off = off != 0.0
-        vertical = Vertical(
-            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, off, elev_sat
+    def law(self, u: list[float], state: ClimbingState) -> tuple[list[float], ClimbingState]:
+        h, hdot, theta, q, hdot_ref, h_ref, off, elev_sat, vc, alpha = u[:10]
+        self.retune(vc, h)
+        vertical, idle = self.vertical, off != 0.0
+        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        before = state.vertical
+        allowed, guard = vertical.guard(before, now, vc, True)
+        asked, reference = self.wanted("hdot_ref", hdot_ref), self.wanted("h_ref", h_ref, h)
+        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+            before, now, allowed, state.climb, 1.0, asked, reference, idle
         )
-        vertical.guard(vc, True)
-        asked = self.wanted("hdot_ref", hdot_ref)
-        wanted, hdot_cmd, climb = vertical.for_climb(
-            state.climb, 1.0, asked, self.wanted("h_ref", h_ref), off
-        )
-        elevator, theta_cmd, after = vertical.fly(wanted)
-        captured = select(climb.captured, 1.0, 0.0)
-        return [elevator, theta_cmd, hdot_cmd, captured], ClimbingState(after, climb)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured)]
+        return outputs, ClimbingState(VerticalState(altitude, pitch, guard, cut), climb)
 
 
 @fill
@@ -337,35 +338,33 @@ class SpeedOnPitchHold(Hold):
     START = ClimbingState()
 
     def build(self) -> None:
-        self.loops = self.vertical_loops("speed")
+        *gains, speed = self.gains_of("altitude", "pitch", "envelope", "speed")
+        self.vertical = self.vertical_loops(*gains)
+        altitude = self.vertical.altitude
+        self.speed = SpeedOnPitchLoop(
+            self.clock.period, speed.ramp, altitude.pid.low, altitude.theta_max
+        )
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        vc, h, hdot, theta, q, vc_ref, h_ref, off, elev_sat, alpha = u
-        off = off != 0.0
-        vertical = Vertical(
-            self.loops, form[1], state.vertical, theta, q, h, hdot, vc, alpha, off, elev_sat
+    def law(self, u: list[float], state: ClimbingState) -> tuple[list[float], ClimbingState]:
+        vc, h, hdot, theta, q, vc_ref, h_ref, off, elev_sat, alpha = u[:10]
+        self.retune(vc, h)
+        vertical, idle = self.vertical, off != 0.0
+        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        before = state.vertical
+        allowed, guard = vertical.guard(before, now, vc, True)
+        wanted, keeps = self.speed.loop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref, vc))
+        wanted = max(min(wanted, allowed.vc_max), allowed.vc_min)
+        off = idle or state.climb.captured
+        rate, vc_cmd, speed = self.speed.sample(
+            state.speed, vc, h, hdot, wanted, keeps, state.climb.cut, off
         )
-        vertical.guard(vc, True)
-        wanted, keeps = ReferenceLoop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref))
-        wanted = vertical.protection.airspeed(vertical.state.guard, wanted, 0.0, h)
-        idle = off | state.climb.captured
-        asked, vc_cmd, speed = self.loops["climb"].sample(
-            state.speed,
-            vc,
-            true_airspeed(1.0, h),
-            hdot,
-            wanted,
-            keeps,
-            state.climb.cut,
-            idle,
+        reference = self.wanted("h_ref", h_ref, h)
+        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+            before, now, allowed, state.climb, 1.0, (rate, 0.0), reference, idle
         )
-        wanted, hdot_cmd, climb = vertical.for_climb(
-            state.climb, 1.0, Reference(asked), self.wanted("h_ref", h_ref), off
-        )
-        elevator, theta_cmd, after = vertical.fly(wanted)
-        captured = select(climb.captured, 1.0, 0.0)
-        outputs = [elevator, theta_cmd, hdot_cmd, captured, vc_cmd]
-        return outputs, ClimbingState(after, climb, speed)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured), vc_cmd]
+        return outputs, ClimbingState(VerticalState(altitude, pitch, guard, cut), climb, speed)
 
 
 @fill
@@ -433,11 +432,14 @@ class AirspeedHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("speed")
-        T, authority = self.clock.period, self.checked.authority
-        self.loops = {"speed": SpeedLoop(T, gains, authority, self.scheduled)}
+        self.speed = SpeedLoop(self.clock.period, gains, self.checked.authority, self.scheduled)
+        self.follows(speed=self.speed)
 
-    def channels(self, u: list[Any], state: Any, form: Any) -> tuple[list[Any], Any]:
-        vc, hdot, vc_ref, off, thr_sat = u
-        towards = ReferenceLoop.towards(state, vc, self.wanted("vc_ref", vc_ref))
-        *outputs, state = self.loops["speed"].sample(state, vc, hdot, *towards, thr_sat, off != 0.0)
-        return outputs, state
+    def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
+        vc, hdot, vc_ref, off, thr_sat = u[:5]
+        self.retune(vc)
+        wanted, keeps = self.speed.loop.towards(state, vc, self.wanted("vc_ref", vc_ref, vc))
+        throttle, vc_cmd, state = self.speed.sample(
+            state, vc, hdot, wanted, keeps, thr_sat, off != 0.0
+        )
+        return [throttle, vc_cmd], state
