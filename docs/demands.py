@@ -16,8 +16,8 @@ import numpy as np
 from gain_tables import flight_of, fuel, table_of
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
+from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed
 from pathsim_jsbsim_blocks.control.gain_tables import read_gains
-from pathsim_jsbsim_blocks.control.protection import fastest_airspeed
 from pathsim_jsbsim_blocks.errors import BlocksError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import aircraft_names, empty_weight_cg
 

@@ -28,8 +28,8 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control import holds
-from pathsim_jsbsim_blocks.control.protection import Unprotected
-from pathsim_jsbsim_blocks.control.signals import wrap
+from pathsim_jsbsim_blocks.control.loops import wrap
+from pathsim_jsbsim_blocks.control.protection import share_of_climb
 
 T = 1 / 20
 N = 900
@@ -926,7 +926,7 @@ def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     ],
 )
 def test_share_of_the_climb_that_the_airspeed_allows(vc, demanded, share):
-    assert Unprotected.share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
+    assert share_of_climb(vc, demanded) == pytest.approx(share, abs=1e-12)
 
 
 def test_the_autopilot_gives_up_a_climb_for_its_airspeed():

@@ -276,7 +276,7 @@ def test_beyond_the_threshold_the_distance_is_negative():
     for k in range(400):  # along the path at 100 ft/s, a second per sample, through the threshold
         north = -20_000.0 + 100.0 * k * T * 120
         h = max(-north * math.tan(math.radians(3.0)) + north**2 / (2 * 20.9e6), 0.0)
-        u = [h, -5.0, north / 362_700.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        u = [h, -5.0, north / 362_700.0] + [0.0] * 10
         y, state = hold.law(u, state)
         found.append(dict(zip(hold.output_port_labels, y, strict=True)))
     assert found[100]["dist"] == pytest.approx(10_000.0, rel=1e-3)

@@ -76,17 +76,18 @@ def test_gains_are_given_by_name():
 @pytest.mark.parametrize("carry", [False, True])
 def test_a_pushed_reference_acts_at_full_weight(b, carry):
     # r moves from 3 to 1: by Kp b (1 - 3) by itself, and by Kp (1 - b) (1 - 3) in the integral
-    pid = PID(T, Kp=0.5, Ki=0.3, b=b)
-    _, state = run(pid, np.full(9, 3.0), np.zeros(9), carry=[False] * 8 + [carry])
+    pid = PID(T, Kp=0.5, Ki=0.3, b=b, carry=carry)
+    _, state = run(pid, np.full(9, 3.0), np.zeros(9), r_last=np.full(9, 3.0))
     expected, _ = pid.sample(state, 3.0, 0.0, r_last=3.0)
     u, _ = pid.sample(state, 1.0, 0.0, r_last=3.0, push=-2.0)
     assert u == pytest.approx(expected - 0.5 * 2.0, abs=1e-15)
 
 
 def test_other_gains_take_over_where_the_proportional_part_is_carried():
-    pid, other = PID(T, Kp=0.5, Ki=0.3, b=0.4), PID(T, Kp=0.9, Ki=0.1, b=0.7)
     for carry, jump in ((True, 0.0), (False, 0.9 * (0.7 * 3.0 - 1.0) - 0.5 * (0.4 * 3.0 - 1.0))):
-        _, state = run(pid, np.full(9, 3.0), np.ones(9), carry=[False] * 8 + [carry])
+        pid = PID(T, Kp=0.5, Ki=0.3, b=0.4, carry=carry)
+        other = PID(T, Kp=0.9, Ki=0.1, b=0.7, carry=carry)
+        _, state = run(pid, np.full(9, 3.0), np.ones(9), r_last=np.full(9, 3.0))
         expected, _ = pid.sample(state, 3.0, 1.0, r_last=3.0)
         u, _ = other.sample(state, 3.0, 1.0, r_last=3.0)
         assert u - expected == pytest.approx(jump, abs=1e-15)

@@ -28,14 +28,11 @@ from pathsim_jsbsim_blocks import (
     TrimCondition,
     TrimError,
 )
+from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed, true_airspeed
 from pathsim_jsbsim_blocks.control.gain_tables import loop_gains
 from pathsim_jsbsim_blocks.control.gains import EnvelopeLimits
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
-from pathsim_jsbsim_blocks.control.protection import (
-    Protection,
-    fastest_airspeed,
-    true_airspeed,
-)
+from pathsim_jsbsim_blocks.control.protection import Protection
 
 T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
 REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")
@@ -540,8 +537,8 @@ def test_a_limit_of_ones_own_and_none():
     record = fly(start("c172p"), 60.0, mild, alpha_max=6.0)
     assert np.max(record["alpha"]) < 7.0
     numbers = {name: getattr(GAINS["c172p"], name) for name in ("altitude", "pitch")}
-    assert AltitudeHold(numbers).loops["envelope"] is None
-    assert AltitudeHold(numbers, alpha_max=10.0).loops["envelope"].alpha_max == 10.0
+    assert AltitudeHold(numbers).vertical.envelope is None
+    assert AltitudeHold(numbers, alpha_max=10.0).vertical.envelope.alpha_max == 10.0
     with pytest.raises(ParameterError, match="alpha_max"):
         Autopilot(alpha_max="high")
 

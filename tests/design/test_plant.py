@@ -9,7 +9,7 @@ from pathsim_jsbsim_blocks import Aircraft
 from pathsim_jsbsim_blocks.control.gains import AltitudeGains, AttitudeGains, SpeedGains, YawGains
 from pathsim_jsbsim_blocks.control.loops import (
     AltitudeLoop,
-    Reference,
+    AltitudeState,
     SpeedLoop,
     YawLoop,
     attitude_loop,
@@ -157,7 +157,9 @@ def test_a_closed_altitude_loop_is_the_law_that_is_flown(plant):
 
     def fly_law(k, y):
         nonlocal state
-        command, _, state = law.sample(state, y["h"], y["hdot"], Reference(0.0), 0.0)
+        found, error = law.error(state, y["h"], (0.0, 0.0))
+        command, pid = law.climb(state.law, law.climb_rate(error), y["hdot"], 0.0)
+        state = AltitudeState(found, pid)
         return command + nudge[k]
 
     expected = law_flown(held, "theta_cmd", fly_law, 1200)

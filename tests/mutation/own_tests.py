@@ -109,7 +109,6 @@ OWN_TESTS = {
     ],
     "control/protection": ["test_laws.py", "test_protection.py"],
     "control/response": ["test_response.py"],
-    "control/signals": ["test_signals.py", "test_laws.py"],
     "control/gain_tables": ["test_gains.py", "test_schedules.py"],
     "control/": ["test_laws.py", "test_promises.py", "test_gains.py"],
     "control/pid": ["test_laws.py", "test_pid.py", "test_promises.py"],

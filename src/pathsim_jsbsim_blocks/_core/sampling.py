@@ -601,13 +601,19 @@ class SampledLaw(SampledBlock):
             why += f"{type(self).__name__} keeps another state: fly to that time again"
             refuse("path", prefix, why)
         super().load_checkpoint(prefix, json_data, npz)
-        self.clock.results = {i: (y, _tuples(state)) for i, y, state in json_data["results"]}
+        form = self.initial_state()
+        self.clock.results = {i: (y, _like(form, state)) for i, y, state in json_data["results"]}
 
 
 # raised where a law keeps another state than in the version before
-_STATES = 2
+_STATES = 3
 
 
-def _tuples(state: Any) -> Any:
+def _like(form: Any, state: Any) -> Any:
     """JSON makes lists of the tuples that a law's state consists of."""
-    return tuple(map(_tuples, state)) if isinstance(state, list) else state
+    if not isinstance(state, list):
+        return state
+    if not isinstance(form, tuple) or len(form) != len(state):
+        return tuple(_like(None, part) for part in state)
+    parts = map(_like, form, state)
+    return type(form)(*parts) if hasattr(form, "_fields") else tuple(parts)

@@ -233,12 +233,12 @@ class CourseHold(Hold):
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         super().load_checkpoint(prefix, json_data, npz)
-        # what was saved are tuples without names
+        # what was not known at the start was saved as tuples without names
         for i, (y, state) in self.clock.results.items():
-            (here, *others), found, leg, direct, *loops = state
-            ground = _Ground(here and Place(*here), *others)
+            here, direct = state.ground.here, state.direct
+            ground = state.ground._replace(here=here and Place(*here))
             direct = direct and GreatCircle(*direct)
-            self.clock.results[i] = y, (ground, found, leg, direct, *loops)
+            self.clock.results[i] = y, state._replace(ground=ground, direct=direct)
 
     def _along(
         self,
