@@ -3,13 +3,16 @@
 Formulas become MathML, which browsers draw themselves: no script and no network.
 """
 
+import inspect
 import re
 
 from docutils import nodes
 from docutils.utils.math import MathError
 from docutils.utils.math.latex2mathml import tex2mathml
 from generate import DOCS, diagram_page
+from pathsim.blocks import Block
 from sphinx.util import logging
+from sphinx.util.inspect import stringify_signature
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names
 
@@ -63,8 +66,18 @@ def open_in_full(app, doctree):
             image["classes"].append("plot")
 
 
+def signature_of_block(app, what, name, thing, options, signature, returns):
+    """A block has the signature of its fields: Sphinx would show the `__new__` of their base."""
+    if what == "class" and issubclass(thing, Block):
+        of_fields = inspect.signature(thing)
+        return stringify_signature(
+            of_fields, show_annotation=False, show_return_annotation=False
+        ), None
+
+
 def setup(app):
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
+    app.connect("autodoc-process-signature", signature_of_block)
     app.connect("builder-inited", write_diagram_pages)
     app.connect("source-read", link_pages)
     app.connect("doctree-read", open_in_full)
