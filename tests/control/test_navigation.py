@@ -6,6 +6,7 @@ The limits are about twice what is measured (docs/navigation.md).
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
 from pymap3d import geodetic2aer, geodetic2ned
-from pymap3d.vincenty import vdist
+from pymap3d.vincenty import vdist, vreckon
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -23,9 +24,11 @@ from pathsim_jsbsim_blocks import (
     BlocksError,
     CourseHold,
     GlideslopeHold,
+    ParameterError,
     fly,
 )
 from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
+from pathsim_jsbsim_blocks.axes.navigation import place
 
 NMI = 1.0 / 60.0  # deg of latitude, nearly
 APPROACH = {
@@ -321,6 +324,8 @@ def test_a_hold_that_is_off_lets_go_of_the_glide_slope():
         (CourseHold, {"waypoints": [(0, 0), (0, 1)], "arcs": {1: (0, 0.5, "up")}}, "arcs"),
         (CourseHold, {"waypoints": [(0, 0)], "holding": (0.0, "right", 0.0, 1e4)}, "holding"),
         (CourseHold, {"holding": (0.0, "right", 3e3, 1e4)}, "holding"),
+        (CourseHold, {"waypoints": [(90, 0)], "holding": (90, "left", 6e3, 12e3)}, "holding"),
+        (CourseHold, {"waypoints": [(-89.96, 9)], "holding": (5, "left", 6e3, 12e3)}, "holding"),
         (GlideslopeHold, {"threshold": 47.0}, "threshold"),
         (GlideslopeHold, {"threshold": (-91.0, 0.0)}, "threshold: latitude"),
         (GlideslopeHold, {"angle": 0.0}, "angle"),
@@ -426,6 +431,64 @@ def test_an_arc_in_wind(side, east):
     after = flight["leg"] == 2.0
     assert np.max(np.abs(flight["across"][after])) < 80.0
     assert np.max(np.abs(flight["across"][-600:])) < 10.0
+
+
+def quarter(radius, **options):
+    """A right turn from north to east about 0 N 0 E."""
+    ends = [(0.0, -radius / 365_221), (radius / 362_779, 0.0)]
+    return CourseHold(waypoints=ends, arcs={1: (0.0, 0.0, "right")}, leg=1, **options)
+
+
+def test_radii_that_take_more_than_the_largest_bank_are_refused():
+    # c172p: gains for 90 KCAS at 5000 ft, 97 kt true in ISA: 163.5 ft/s, and 25 deg
+    least = 163.5**2 / (32.174 * math.tan(math.radians(25.0)))
+    quarter(1.01 * least)
+    said = r"arcs: a radius of 1764 ft takes 25 deg of bank at 97 kt true.*it is at least 178\d ft"
+    with pytest.raises(ParameterError, match=said):
+        quarter(0.99 * least)
+    quarter(0.99 * least, bank_max=26.0)
+    with pytest.raises(ParameterError, match="holding: a radius of 1000 ft takes 40 deg of bank"):
+        CourseHold(waypoints=[(0.0, 0.0)], holding=(0.0, "left", 1000.0, 3000.0))
+    # of a schedule the slowest point counts: 225 KCAS at 1000 ft, 385 ft/s
+    quarter(10_000.0, gains="A320")
+    with pytest.raises(ParameterError, match=r"takes 25 deg of bank at 228 kt true"):
+        quarter(9_800.0, gains="A320")
+    # numbers name no airspeed
+    quarter(1000.0, gains={"heading": {"Kp": 1.0}, "roll": {"Kp": 0.01, "Ki": 0.001}})
+
+
+def test_a_wind_that_makes_an_arc_too_tight_is_warned_of_once():
+    for speed, said in ((160.0, None), (231.0, "takes 33 deg of bank at 137 kt over the ground")):
+        hold = quarter(2600.0, gains="c172p")
+        state = hold.initial_state()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            for k in range(5):
+                given = {"lat": k * speed * T / 362_779, "lon": -2600.0 / 365_221}
+                u = [given.get(name, 0.0) for name in hold.input_port_labels]
+                _, state = hold.law(u, state)
+        assert [said in str(w.message) for w in caught] == ([True] if said else [])
+
+
+@pytest.mark.parametrize("lat", [-89.0, 60.0, 89.5])
+def test_a_holding_pattern_has_its_shape_at_any_latitude(lat):
+    course, radius, length = 70.0, 2600.0, 9000.0
+    hold = CourseHold(waypoints=[(lat, 20.0)], holding=(course, "right", radius, length))
+    turn, out, back, inbound = hold._route.legs
+
+    def there(ahead, right):
+        azimuth = course + math.degrees(math.atan2(right, ahead))
+        end = vreckon(lat, 20.0, math.hypot(ahead, right), azimuth, _ellipsoid())
+        return place(*(math.remainder(float(x), 360.0) for x in end))
+
+    # ft; from geodesics
+    for leg, ahead, right in (
+        (turn, radius * 0.5, radius * (1 - 0.75**0.5)),
+        (out, -0.3 * length, 2 * radius),
+        (back, -length - radius, radius),
+        (inbound, -0.5 * length, 0.0),
+    ):
+        assert leg.track(there(ahead, right)).across == pytest.approx(0.0, abs=5.0)
 
 
 @pytest.mark.long

@@ -104,20 +104,6 @@ def bearing_from(centre: Place, there: Place) -> float:
     return math.degrees(math.atan2(_dot(d, centre.east), _dot(d, centre.north)))
 
 
-def beside(
-    start: tuple[float, float], course: float, ahead: float, right: float
-) -> tuple[float, float]:
-    """Latitude and longitude in deg of a point ahead and to the right, some miles away, ft."""
-    chi, lat = math.radians(course), math.radians(start[0])
-    north = ahead * math.cos(chi) - right * math.sin(chi)
-    east = ahead * math.sin(chi) + right * math.cos(chi)
-    share = _A2 * math.cos(lat) ** 2 + _B2 * math.sin(lat) ** 2
-    return (
-        start[0] + math.degrees(north * share**1.5 / (_A2 * _B2)),
-        start[1] + math.degrees(east * math.sqrt(share) / (_A2 * math.cos(lat))),
-    )
-
-
 def place(lat: float, lon: float) -> Place:
     """The point of the surface at a geodetic latitude and longitude, deg.
 

@@ -14,6 +14,7 @@ from typing import Any
 from .._core.checks import as_path, did_you_mean, ending, nearest, one_of, refuse
 from .._core.files import write_whole
 from ..errors import FileError, ParameterError
+from .airspeeds import true_airspeed
 from .gains import LOOPS, AircraftGains, DesignPoint, GainSchedule
 
 FORMAT = "pathsim-jsbsim-blocks gains 1"
@@ -66,6 +67,15 @@ def schedule_of(gains: Any) -> GainSchedule | None:
     if isinstance(gains, str):
         gains = table(gains)
     return gains if isinstance(gains, GainSchedule) and len(gains.points) > 1 else None
+
+
+def slowest(gains: Any) -> float | None:
+    """True airspeed in ft/s of the slowest point that gains are for; None where they name none."""
+    if isinstance(gains, str):
+        gains = table(gains)
+    if not isinstance(gains, GainSchedule):
+        return None
+    return min(true_airspeed(point.speed, point.altitude) for point in gains.points)
 
 
 def tables() -> list[str]:

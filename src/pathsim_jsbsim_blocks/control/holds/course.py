@@ -7,17 +7,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from ..._core.callers import warn_user
 from ..._core.checks import must_be, number, one_of, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..._core.units import GRAVITY
+from ..._core.units import GRAVITY, KNOT
+from ...axes.earth import ned_to_geodetic
 from ...axes.navigation import (
     Arc,
     GreatCircle,
     Place,
     Track,
     arc_about,
-    beside,
     circle_through,
     distance,
     great_circle,
@@ -28,6 +29,7 @@ from ...axes.navigation import (
 from ...errors import ParameterError
 from ..channels import LateralState
 from ..controller import Authority, Hold, authority_limits, fill
+from ..gain_tables import slowest
 from ..gains import Gains
 from ..loops import wrap
 from ..pid import clip
@@ -122,10 +124,13 @@ class CourseHold(Hold):
         numbers of the waypoints, from 1 on, that are passed before the turn begins
     arcs : dict, optional
         {leg: (latitude, longitude, "left" or "right")}: the leg is an arc about that point, which
-        is equally far from both ends. The bank that it takes must be less than ``bank_max``
+        is equally far from both ends. The bank that it takes must be less than ``bank_max``: it is
+        checked at the slowest airspeed of the gains; where ground speed takes more in flight, the
+        block warns once
     holding : (float, str, float, float), optional
-        the pattern that is held at the last waypoint: inbound course in deg, "left" or "right"
-        turns, their radius and the length of the straight legs in ft
+        the pattern that is held at the last waypoint, not around a pole: inbound course in deg,
+        "left" or "right" turns, their radius (as of ``arcs``) and the length of the straight legs
+        in ft
 
     Inputs
     ------
@@ -187,10 +192,12 @@ class CourseHold(Hold):
                 "leg",
             )
         self.heading, self.roll = self.lateral_loops()
+        self._refuse_tight_arcs()
         self._share = -math.expm1(-T / SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
     START = CourseState()
+    _warned_of_bank = False
 
     def law(self, u: list[float], state: CourseState) -> tuple[list[float], CourseState]:
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
@@ -212,6 +219,8 @@ class CourseHold(Hold):
             most = self.checked.intercept
             target = track.course - clip(closing, -most, most)
             bend = self._route.bank(leg, ground)
+            if engaged and abs(bend) > self.checked.bank_max and not self._warned_of_bank:
+                self._warn_of_bank(bend, leg, ground.speed)
         else:
             found = found if engaged and found is not None else chi
             target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
@@ -229,6 +238,33 @@ class CourseHold(Hold):
         return (
             [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
             CourseState(ground, found, leg, direct, LateralState(heading, roll)),
+        )
+
+    def _refuse_tight_arcs(self) -> None:
+        """Refuse radii that take more than the largest bank at any airspeed of the gains."""
+        speed, most = slowest(self.gains), self.checked.bank_max
+        for leg, arc in enumerate(self._route.legs, 1):
+            if speed is None or not isinstance(arc, Arc):
+                continue
+            bank = math.degrees(math.atan2(speed**2, GRAVITY * arc.radius))
+            if bank > most:
+                name = "arcs" if leg <= self._route.last else "holding"
+                least = speed**2 / (GRAVITY * math.tan(math.radians(most)))
+                refuse(
+                    name,
+                    getattr(self, name),
+                    f"{name}: a radius of {arc.radius:.0f} ft takes {bank:.0f} deg of bank at "
+                    f"{speed / KNOT:.0f} kt true, the slowest of the gains; with bank_max "
+                    f"{most:g} it is at least {least:.0f} ft",
+                )
+
+    def _warn_of_bank(self, bank: float, leg: int, speed: float) -> None:
+        """Warn once where the wind makes an arc too tight."""
+        self._warned_of_bank = True
+        warn_user(
+            f"CourseHold: the arc of leg {leg} takes {abs(bank):.0f} deg of bank at "
+            f"{speed / KNOT:.0f} kt over the ground, more than bank_max "
+            f"{self.checked.bank_max:g}: the aircraft leaves it"
         )
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
@@ -377,10 +413,18 @@ class _Route:
         radius = number("holding", holding[2], above=0.0)
         length = number("holding", holding[3], above=0.0)
 
-        def corner(ahead: float, right: float) -> Place:
-            return place_unchecked(*beside(points[-1], course, ahead, side * right))
+        fix, (lat, lon) = self.waypoints[-1], points[-1]
+        pole = place_unchecked(math.copysign(90.0, lat), 0.0)
+        if distance(fix, pole) <= math.hypot(2 * radius, length):
+            refuse("holding", holding, f"the holding pattern at {lat:g} deg reaches the pole")
+        c, s = math.cos(math.radians(course)), math.sin(math.radians(course))
 
-        fix, abeam = self.waypoints[-1], corner(0.0, 2 * radius)
+        def corner(ahead: float, aside: float) -> Place:
+            right = side * aside
+            north, east = ahead * c - right * s, ahead * s + right * c
+            return place_unchecked(*map(float, ned_to_geodetic(north, east, 0.0, lat, lon)[:2]))
+
+        abeam = corner(0.0, 2 * radius)
         away, back = corner(-length, 2 * radius), corner(-length, 0.0)
         for leg in (
             arc_about(corner(0.0, radius), fix, abeam, side),
