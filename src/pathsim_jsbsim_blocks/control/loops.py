@@ -47,11 +47,12 @@ class ReferenceLoop:
 
     START = ReferenceState()
 
-    def __init__(self, pid: PID, ramp: float, sign: float = 1.0, band: float = math.inf):
+    band: float | None = None  # error beyond which only a part of it counts
+
+    def __init__(self, pid: PID, ramp: float, sign: float = 1.0):
         self.pid = pid
         self.ramp = ramp  # largest rate of the reference, unit per s
         self.sign = sign  # -1 where a positive actuator command lowers the measured value
-        self.band = band  # error beyond which only a part of it counts
 
     def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
         self.pid.retune(Kp, Ki, Kr=Kr, b=b)
@@ -100,9 +101,10 @@ class ReferenceLoop:
                 reference = highest
             if not keeps:
                 found = y
-        seen, error = y, reference - y
-        if abs(error) > self.band:
-            seen += BEYOND * (error - math.copysign(self.band, error))
+        seen = y
+        if self.band is not None:
+            error = reference - y
+            seen += BEYOND * (error - clip(error, -self.band, self.band))
         u, law = pid.sample(
             law, reference, seen, rate, self.sign * sat, off, 0.0, feed, before, push
         )
