@@ -44,11 +44,7 @@ class Aircraft(FlightBlock):
     Parameters
     ----------
     %(start)s
-    bank : float
-        bank angle in deg, right positive, with ``mode="turn"``
-    mode : str
-        "full", "longitudinal", "ground" (at rest on the gear, at any speed), "pull-up",
-        "turn" or "none"
+    %(turn)s
     %(configuration)s
     T : float
         sample period in s

@@ -59,13 +59,22 @@ class Airframe(PropertyTree):
     allow_files : bool
         let the model write the output files that its XML asks for (CSV)
     integrators : str or dict
-        as in the aircraft blocks: "default", "precise", or methods by state
+        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
+        the same T; less stable on the ground below 120 Hz), or methods by state:
+        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
+        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
+        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
+        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
+        "local linearization"
     planet : str or dict, optional
-        as in the aircraft blocks; default is the model's own, or WGS-84
+        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
+        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
     gravity : str, optional
-        as in the aircraft blocks: "J2" or "point mass"
+        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
     flightgear : str, optional
-        ``"HOST:PORT"`` where FlightGear listens
+        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
+        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
 
     Attributes
     ----------

@@ -37,16 +37,8 @@ class JSBSimFDM(FlightBlock):
     aircraft_model : str
         name of the model
     trim_airspeed : float
-        speed to trim at, KCAS
-    trim_altitude : float
-        altitude to trim at, ft above mean sea level
-    trim_gamma : float
-        flight path angle to trim at, deg
-    trim_heading : float
-        true heading to trim at, deg
-    trim_mode : str
-        "full", "longitudinal", "ground" (at rest on the gear, at any speed), "pull-up",
-        "turn" or "none"
+        calibrated airspeed to trim at, kt
+    %(trim)s
     %(configuration)s
     condition : TrimCondition, optional
         replaces the trim parameters above where they are not sufficient
