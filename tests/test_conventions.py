@@ -67,7 +67,10 @@ def test_every_block_is_public():
         for name, block in [
             (n, o)
             for n, o in here
-            if inspect.isclass(o) and issubclass(o, Block) and o.__module__ == part.name
+            if inspect.isclass(o)
+            and issubclass(o, Block)
+            and o.__module__ == part.name
+            and n[0] != "_"
         ]:
             base = any(c.__module__.startswith(package.__name__) for c in block.__subclasses__())
             assert base or BLOCKS.get(name) is block, f"{name} is missing in __all__"
