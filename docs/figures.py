@@ -248,7 +248,15 @@ def curve(ax, x, y, z, **style):
         ax.plot(np.where(visible, u, np.nan), np.where(visible, v, np.nan), **{**style, **look})
 
 
+def local(lat, lon):
+    """Unit vectors up, north and east at a latitude and longitude in rad, in ECEF."""
+    up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+    north = np.array([-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)])
+    return up, north, np.array([-np.sin(lon), np.cos(lon), 0.0])
+
+
 def earth():
+    """ECI and ECEF, the tangent plane of a place, and the local vertical frame of an aircraft."""
     figure, (ax,) = canvas(1, 7.6, 6.6)
 
     def ray(start, direction, colour, text, dashed=False, dx=0.0, dy=0.0):
@@ -295,9 +303,7 @@ def earth():
     u, v, _ = globe(1.3 * np.cos(turned_by[20]), 1.3 * np.sin(turned_by[20]), 0)
     ax.text(u, v - 0.02, r"$\omega_E t$", color=INERTIAL, ha="center", va="center")
     lat, lon = np.radians(42), np.radians(50)
-    up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
-    north = np.array([-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)])
-    east = np.array([-np.sin(lon), np.cos(lon), 0.0])
+    up, north, east = local(lat, lon)
     for line in (up, [np.cos(lon), np.sin(lon), 0]):
         u, v, _ = globe(*(np.outer(line, [0, 1])))
         ax.plot(u, v, color=AIR, lw=1.2, ls="--")
@@ -326,27 +332,64 @@ def earth():
     corners = [up + 0.36 * (i * north + j * east) for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
     u, v, _ = np.transpose([globe(*corner) for corner in corners])
     ax.fill(u, v, facecolor=EARTH, alpha=0.25, edgecolor=EARTH)
-    ax.text(u[0] + 0.05, v[0] + 0.08, "tangent plane", color=EARTH, ha="left", va="center")
-    ray(up, 0.62 * north, EARTH, "north", dx=0.12, dy=0.02)
-    ray(up, 0.62 * east, EARTH, "east", dx=0.12)
-    ray(up, -0.5 * up, EARTH, "down", dx=0.02, dy=-0.06)
+    ax.text(
+        u[0] + 0.05,
+        v[0] + 0.1,
+        "tangent plane,\nfixed to a place",
+        color=EARTH,
+        ha="left",
+        va="center",
+    )
     ax.plot(*globe(*up)[:2], "o", color=EARTH)
-    ax.set(xlim=(-1.55, 1.75), ylim=(-1.2, 1.6))
+    up, north, east = local(np.radians(52), np.radians(-22))
+    place = 1.12 * up
+    ray(place, 0.42 * north, STABILITY, "N", dy=0.03)
+    ray(place, 0.42 * east, STABILITY, "E", dx=0.05)
+    ray(place, -0.35 * up, STABILITY, "D", dy=-0.02)
+    u, v, _ = globe(*place)
+    ax.plot(u, v, "o", color=STABILITY)
+    ax.text(
+        u - 0.12,
+        v + 0.1,
+        "local vertical frame,\nmoves with the aircraft",
+        color=STABILITY,
+        ha="right",
+        va="bottom",
+    )
+    ax.set(xlim=(-1.75, 1.75), ylim=(-1.2, 1.6))
     return figure
 
 
 def climb():
-    figure, (ax,) = canvas(1, 6.5, 5.0)
-    gamma, alpha = 18, 6
-    aircraft(ax, outline(gamma + alpha))
+    """Forces in a climb with body and wind axes, from the right; the side force from above."""
+    figure, (ax, top) = canvas(2, 10.5, 5.2)
+    gamma, alpha, beta = 14, 12, 18
+    theta = gamma + alpha
+    aircraft(ax, outline(theta, 0.85))
     ax.plot([-1.1, 1.9], [0, 0], color=GRID, lw=0.8, ls=":")
-    arrow(ax, gamma, 1.75, AIR, "V")
+    ax.text(1.9, -0.09, "horizon", color=GRID, ha="right", va="center")
+    arrow(ax, gamma, 1.8, AIR, r"$x_W$: V", dx=0.08)
+    arrow(ax, gamma - 90, 0.8, AIR, r"$z_W$", dx=0.02)
+    arrow(ax, theta, 1.5, BODY, r"$x_B$", dy=0.03)
+    arrow(ax, theta - 90, 0.8, BODY, r"$z_B$", dx=0.05)
     arrow(ax, gamma + 90, 1.25, FORCE, "lift L")
     arrow(ax, gamma + 180, 1.3, FORCE, "drag D", dx=-0.03, dy=-0.08)
-    arrow(ax, gamma, 1.25, FORCE, "thrust T", dx=-0.2, dy=-0.26)
+    arrow(ax, theta, 0.95, FORCE, "thrust T", dx=-0.3, dy=0.13)
     arrow(ax, -90, 1.3, FORCE, "weight W")
-    arc(ax, 0, gamma, 1.5, r"$\gamma$", ink())
-    ax.set(xlim=(-1.5, 2.0), ylim=(-1.55, 1.45))
+    arc(ax, 0, gamma, 1.55, r"$\gamma$", ink())
+    arc(ax, gamma, theta, 1.25, r"$\alpha$", ink())
+    aircraft(top, plan(90, 0.78))
+    arrow(top, 90, 1.25, BODY, r"$x_B$")
+    arrow(top, 0, 1.1, BODY, r"$y_B$", dx=0.04)
+    arrow(top, 90 - beta, 1.25, AIR, r"$x_W$: V", dx=0.16)
+    arrow(top, -beta, 1.1, AIR, r"$y_W$", dx=0.04)
+    arrow(top, 270 - beta, 0.95, FORCE, "drag D", dx=-0.1, dy=-0.04)
+    arrow(top, 180 - beta, 0.7, FORCE, "side force\nY < 0", dx=-0.45, dy=0.28)
+    arc(top, 90 - beta, 90, 0.95, r"$\beta$", ink())
+    ax.set(xlim=(-1.5, 2.1), ylim=(-1.55, 1.75))
+    top.set(xlim=(-1.5, 1.6), ylim=(-1.55, 1.75))
+    titled(ax, "from the right side", 0.2, 1.55)
+    titled(top, "from above, in a sideslip", 0.05, 1.55)
     return figure
 
 
@@ -476,13 +519,15 @@ def points():
 
     for seat, (x, y, _) in zip(SEATS, found["point masses"], strict=True):
         name(cabin, seat, x, y, y < 0)
+    name(side, "aerodynamic reference point", x0, z0)
+    name(cabin, "aerodynamic reference point", x0, 0.0, below=True)
     for kind, text in NEAR.items():
         name(near, text, found[kind][0][0], found[kind][0][2])
     near.set(xlim=(40.2, 43.8), ylim=(35.8, 39.6), title="around the CG, from the left")
     near.set(xlabel="x [in]", ylabel="z [in]")
     cabin.set(xlim=(20, 112), ylim=(-34, 34), title="the cabin, from above")
     cabin.set(xlabel="x [in]", ylabel="y [in]", anchor="N")
-    side.set(ylabel="z, up [in]", title="from the left side", xlim=(-50, 200), ylim=(-30, 75))
+    side.set(ylabel="z, up [in]", title="from the left side", xlim=(-50, 200), ylim=(-30, 95))
     top.set(ylabel="y, right [in]", xlabel="x, aft [in]", title="from above")
     top.set(xlim=(-50, 200), ylim=(-230, 230))
     for ax in (side, top, cabin):

@@ -168,6 +168,8 @@ def diagram_page(name):
     summary, rest = docstring(name)
     shown = [n for n in (name, f"{name}_track", f"{name}_pathview") if pictured(n)]
     pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
+    if f"{name}_pathview" in shown:
+        pictures += "\n\nOf a tall diagram the picture has the upper part; ``view`` shows all of it."
     return f"""\
 {name}
 {"=" * len(name)}

@@ -62,7 +62,9 @@ def open_in_full(app, doctree):
     """Pictures are links to themselves, as Sphinx does it for those with a size."""
     for image in doctree.findall(nodes.image):
         image.setdefault("width", "100%")
-        if not re.search(r"_pathview|drawing_|flight_report|\.svg$", image["uri"]):
+        if re.search(r"_pathview|drawing_|flight_report", image["uri"]):
+            image["classes"].append("editor")
+        elif not image["uri"].endswith(".svg"):
             image["classes"].append("plot")
 
 

@@ -20,6 +20,7 @@ from pathsim_jsbsim_blocks.pathview.server import Server
 LEFT, TOP, MARGIN = 60, 40, 40  # px: PathView's side bar and top bar, room round the diagram
 SMALLEST = 1100, 700  # px
 WIDEST = 2400  # px
+TALLEST = 1.6  # height by width of a picture; what is below is left out
 ZOOM = 1.6  # at which port labels are easy to read; less where the diagram would get too wide
 
 REPORT = "autopilot_mission"  # the diagram whose flight report is shown
@@ -65,7 +66,8 @@ def take(page, target):
     page.wait_for_timeout(300)
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
-        page.screenshot(path=shot)
+        height = min(size[1], round(TALLEST * size[0]))
+        page.screenshot(path=shot, clip={"x": 0, "y": 0, "width": size[0], "height": height})
         shrink(shot, target, width=size[0])
 
 
@@ -74,7 +76,7 @@ def take_report(browser):
     with tempfile.TemporaryDirectory() as folder:
         file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
         cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
-        page = browser.new_page(viewport={"width": 1280, "height": 632})
+        page = browser.new_page(viewport={"width": 1280, "height": 760})
         page.goto(file.as_uri())
         page.wait_for_selector("body[data-ready]", timeout=60_000)
         page.evaluate(

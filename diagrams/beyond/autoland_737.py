@@ -155,11 +155,11 @@ def figure():
     _, (across, distance) = ground.read()
     _, (_, wheels) = landing.read()
     past = 8000.0 - distance
-    drawing, axes = subplots(3, 1, layout="constrained", figsize=(9, 9))
+    drawing, axes = subplots(4, 1, layout="constrained", figsize=(9, 11))
     axes[0].plot(past, above, label="height above the runway")
     axes[1].plot(past, across, label="right of the centre line")
-    axes[2].plot(time, climb, label="rate of climb [ft/s]")
-    axes[2].plot(time, vc, label="calibrated airspeed [kt]")
+    axes[2].plot(time, climb, label="rate of climb")
+    axes[3].plot(time, vc, label="calibrated airspeed")
     path = np.array([past.min(), 0.0])
     axes[0].plot(path, -path * np.tan(np.deg2rad(3.0)), "k:", linewidth=1.0, label="glide path")
     if wheels.any():
@@ -167,9 +167,11 @@ def figure():
         axes[0].plot(past[touch], above[touch], "o", label="touchdown")
         axes[1].plot(past[touch], across[touch], "o", label="touchdown")
         axes[2].plot(time[touch], climb[touch], "o", label="touchdown")
+        axes[3].plot(time[touch], vc[touch], "o", label="touchdown")
     axes[0].set(ylabel="height [ft]")
     axes[1].set(ylabel="distance [ft]", xlabel="distance past the aiming point [ft]")
-    axes[2].set(ylabel="rate of climb, airspeed", xlabel="time [s]")
+    axes[2].set(ylabel="rate of climb [ft/s]")
+    axes[3].set(ylabel="calibrated airspeed [kt]", xlabel="time [s]")
     for ax in axes:
         ax.grid(alpha=0.4)
         ax.legend(loc="best", fontsize="small")

@@ -51,7 +51,7 @@ def figure():
     for ax, value, place in zip(
         drawing.axes[:3],
         (aircraft.trim.theta, aircraft.trim.altitude, aircraft.trim.speed),
-        ((0.35, 0.58), "upper left", "center right"),
+        ((0.3, 0.58), "upper left", "center right"),
         strict=True,
     ):
         ax.axhline(value, color="0.4", linestyle=":", linewidth=1.2, label="trim")

@@ -10,8 +10,8 @@
 #
 # ## The aircraft, loaded and trimmed
 #
-# `setup` writes properties before the trim: half the payload, and the fuel in three tanks, in lb. A transport aircraft is
-# trimmed with other numbers when it weighs less.
+# `setup` writes properties before the trim: half the payload, and the fuel in three tanks, in lb. A lighter aircraft trims
+# at a smaller angle of attack, with less thrust.
 
 # %%
 import math

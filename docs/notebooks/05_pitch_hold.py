@@ -1,8 +1,7 @@
 # %% [markdown]
 # # 5. A pitch hold, and the standard atmosphere
 #
-# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there. The second part of the chapter is
-# about the air: the standard atmosphere, and what an airspeed indicator shows.
+# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there. The second part is about the air.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -28,7 +27,7 @@ plane = Aircraft("c172p", altitude=5000.0, speed=90.0)
 print(f"trimmed at {plane.trim.theta:.4f} deg")
 
 # %% [markdown]
-# `PitchHold` is the law above, sampled at 120 Hz. Its gains are named after the aircraft they were designed for.
+# `PitchHold` is this law, sampled at 120 Hz, with the gains of an aircraft.
 
 # %%
 from pathsim_jsbsim_blocks import PitchHold
@@ -129,14 +128,13 @@ for gain in (0.01, -0.01):
 # %% [markdown]
 # The published flight has the wrong sign, and its panel "Elevator command" shows the pitch error in degrees.
 #
-# With the right sign the pitch angle moves towards 3 deg, but so small a gain never gets it there: that takes the integral
-# action of [`PitchHold`](../autopilots.md).
+# With the right sign the pitch angle moves towards 3 deg; to get there takes the integral action of
+# [`PitchHold`](../autopilots.md).
 #
 # ## Why 1/120 s
 #
-# The published flight takes steps of 1/60 s. JSBSim's own step is 1/120 s, which this course keeps throughout: JSBSim
-# integrates the rotation by Euler's method, and the error of that halves with the step. The angle of attack in an elevator
-# doublet, at 60 and at 120 Hz, against 960 Hz:
+# The published flight takes steps of 1/60 s, JSBSim's own are 1/120 s. It integrates the rotation by Euler's method, whose
+# error halves with the step. The angle of attack in a doublet, against 960 Hz:
 
 # %%
 from pathsim_jsbsim_blocks import DoubletSource
@@ -222,9 +220,8 @@ figure
 # %% [markdown]
 # ## Calibrated and true airspeed
 #
-# An airspeed indicator measures an impact pressure $q_c$ and shows the speed that would cause it at sea level (CAS). The true
-# airspeed (TAS) follows from the same $q_c$ in the air around the aircraft, where the pressure is $p$ and the speed of sound
-# $a$:
+# An airspeed indicator shows the speed that would cause the measured impact pressure $q_c$ at sea level (CAS). The true
+# airspeed (TAS) causes the same $q_c$ where the pressure is $p$ and the speed of sound $a$:
 #
 # $$
 # q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
