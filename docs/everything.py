@@ -35,6 +35,7 @@ QUICK = {
         "docs/pictures",
     ],
     "notebooks": ["docs/notebooks.py"],
+    "learning": ["docs/learned_pitch_hold.py"],
 }
 FLIGHTS = {
     "performance": ["docs/performance_charts.py", "FOLDER"],

@@ -169,7 +169,9 @@ def diagram_page(name):
     shown = [n for n in (name, f"{name}_track", f"{name}_pathview") if pictured(n)]
     pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
     if f"{name}_pathview" in shown:
-        pictures += "\n\nOf a tall diagram the picture has the upper part; ``view`` shows all of it."
+        pictures += (
+            "\n\nOf a tall diagram the picture has the upper part; ``view`` shows all of it."
+        )
     return f"""\
 {name}
 {"=" * len(name)}

@@ -133,8 +133,8 @@ for (name, value), block in zip(
     print(f"{name:22} {value:9.4f} {block:9.4f}")
 
 # %% [markdown]
-# What the block adds to these lines: it keeps the clock of the diagram with any solver, flies the same flight again
-# after a reset, refuses names that do not exist, and lets no model open a socket, write a file or print.
+# What the block adds: it keeps the clock of the diagram with any solver, refuses names that do not exist, and lets no model
+# open a socket, write a file or print.
 
 # %%
 from pathsim_jsbsim_blocks.plots import time_histories

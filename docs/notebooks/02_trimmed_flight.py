@@ -28,8 +28,7 @@ true_airspeed = knots * plane.outputs["vt"]
 print(f"{trim.speed:.1f} KCAS are {true_airspeed:.1f} KTAS here")
 
 # %% [markdown]
-# The aircraft advances at 120 Hz; its motion is slow, so the scopes record at 10 Hz: `sampling_period=0.1`. Signals with
-# the same unit share a panel of the figure.
+# The aircraft advances at 120 Hz; its motion is slow, so the scopes record at 10 Hz: `sampling_period=0.1`.
 
 # %%
 from pathsim import Connection, Simulation

@@ -248,8 +248,7 @@ for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
 # %% [markdown]
 # ## The shorter way
 #
-# `pitch_hold`, `pitch_hold_primitives` (the loop from PathSim's own blocks, with the right sign and an integral) and
-# `isa_profile` (to 80 km) are in the catalogue.
+# `pitch_hold`, `pitch_hold_primitives` and `isa_profile` are in the catalogue.
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram

@@ -79,8 +79,8 @@ print(
 )
 
 # %% [markdown]
-# The published loop sums its time steps. The sum of rounded steps is still below its limit when the last step is done, so
-# the loop takes one step more: its commands end at 1.0028 and 0.9226, its bank at 17.9 deg
+# The published loop sums rounded time steps; the sum stays below its limit, and one step more is taken. Its commands end at
+# 1.0028 and 0.9226, its bank at 17.9 deg
 # ([what the published examples got wrong](../published-examples.md#what-the-published-examples-got-wrong)).
 #
 # ## The shorter way
