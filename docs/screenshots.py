@@ -76,7 +76,7 @@ def take_report(browser):
     with tempfile.TemporaryDirectory() as folder:
         file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
         cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
-        page = browser.new_page(viewport={"width": 1280, "height": 760})
+        page = browser.new_page(viewport={"width": 1280, "height": 632})
         page.goto(file.as_uri())
         page.wait_for_selector("body[data-ready]", timeout=60_000)
         page.evaluate(

@@ -177,8 +177,7 @@ def test_pages_are_short_enough_to_read():
     assert sum(words.values()) <= 36_000
     reference = ("evidence", "reference")
     how_to = {p: n for p, n in words.items() if not {*p.parts} & {*reference}}
-    # the trim's page and the conventions are partly reference
-    allowed = {Path("docs/trim.md"): 1350, Path("docs/conventions.md"): 1200}
+    allowed = {Path("docs/trim.md"): 1350}  # a table of conditions and one of two searches
     assert {p: n for p, n in how_to.items() if n > allowed.get(p, 1100)} == {}
 
 
