@@ -22,10 +22,12 @@ from pathsim_jsbsim_blocks.studies.performance import (
     COLUMNS,
     _burn,
     _ceilings,
+    _curve,
     _glides,
     _gusts,
     _load_factors,
     _stall,
+    _turns,
     _work,
 )
 
@@ -242,6 +244,86 @@ def test_bad_numbers_are_refused_at_once():
         performance_table("c172p", altitudes=[])
     with pytest.raises(ParameterError, match="altitude must be a number"):
         performance_table("c172p", altitudes=[[0.0]])
+
+
+def glides_of(aircraft):
+    """Glides of an aircraft at sea level from the stall on, and what is found in them."""
+    plane = Plane({**C172P, "aircraft": aircraft, "altitude": 0.0})
+    slow = plane.slowest().speed
+    _glides(plane, [plane.glide(factor * slow) for factor in (1.001, 1.12, 1.25, 1.4, 1.6, 2.0)])
+    best = next(row for row in plane.rows if row["quantity"] == "best glide ratio")
+    return plane, [plane.glide(factor * slow) for factor in np.arange(1.0, 2.0, 0.02)], best
+
+
+def lift_over_drag(aircraft, glide):
+    """Of a model's aerodynamics alone, with the angle of attack and the elevator of a glide."""
+    fdm = open_fdm(aircraft, 1 / 120, {"ic/terrain-elevation-ft": -5000.0})
+    fdm["ic/h-sl-ft"], fdm["ic/vc-kts"] = 0.0, glide.speed
+    fdm["ic/alpha-deg"], fdm["fcs/elevator-cmd-norm"] = glide.alpha, glide.elevator
+    fdm["fcs/pitch-trim-cmd-norm"] = glide.pitch_trim
+    fdm["gear/gear-pos-norm"] = fdm["gear/gear-cmd-norm"] = 0.0
+    fdm.set_trim_status(True)
+    fdm.run_ic()
+    return fdm["forces/fwz-aero-lbs"] / fdm["forces/fwx-aero-lbs"]
+
+
+def test_the_best_glide_is_the_largest_lift_over_drag_of_the_model():
+    """Not the flattest path of a 737, to which the thrust of its idling engines adds."""
+    _, glides, best = glides_of("737")
+    ratios = {glide.speed: lift_over_drag("737", glide) for glide in glides}
+    # the elevator moves in the first moment, which this leaves out
+    assert best["value"] == pytest.approx(max(ratios.values()), rel=0.01)
+    assert best["speed_kcas"] == pytest.approx(max(ratios, key=ratios.get), rel=0.03)
+    assert best["flown"] == pytest.approx(best["value"], rel=0.02)
+
+
+def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide():
+    """The drag of the T37's model grows with alpha itself, not with its square."""
+    _, glides, best = glides_of("T37")
+    ratios = [lift_over_drag("T37", glide) for glide in glides[::5]]
+    assert ratios == sorted(ratios, reverse=True)
+    assert math.isnan(best["value"])
+    assert best["reason"] == "lift over drag grows down to the stall"
+
+
+def test_an_instantaneous_turn_is_at_least_the_sustained_one():
+    plane = Plane({**C172P, "aircraft": "T37", "altitude": 300.0})
+    _turns(plane)
+    found = {(row["quantity"], row["speed_kcas"]): row["value"] for row in plane.rows}
+    speeds = {speed for _, speed in found}
+    assert len(speeds) == 6
+    compared = 0
+    for speed in speeds:
+        of = lambda kind, what: found.get((f"{kind} {what}", speed), math.nan)  # noqa: E731, B023
+        if math.isnan(of("sustained", "turn rate")):
+            continue
+        compared += 1
+        for what in ("load factor", "turn rate"):
+            assert of("instantaneous", what) >= of("sustained", what)
+        assert of("instantaneous", "turn radius") <= of("sustained", "turn radius")
+        for kind in ("sustained", "instantaneous"):
+            # v = omega r, and the force that bends the path, in any turn
+            rate = math.radians(of(kind, "turn rate"))
+            pull = rate**2 * of(kind, "turn radius") / 32.174
+            assert of(kind, "load factor") <= math.hypot(1.0, pull) + 1e-6
+    assert compared >= 4
+
+
+def test_a_point_without_trim_is_left_out_and_named():
+    plane = Plane(C172P)
+    plane.slowest()
+    find = lambda speed: None if 80.0 < speed < 90.0 else plane.climb(speed)  # noqa: E731
+    plane.reason = "thrust"
+    found = _curve(plane, find, [40.0, 70.0, 85.0, 95.0, 300.0], "rate of climb")
+    assert [round(state.speed) for state in found] == [70, 95]
+    (row,) = plane.rows
+    assert (row["quantity"], row["speed_kcas"]) == ("rate of climb", 85.0)
+    for state in found:
+        plane.put("rate of climb", climb_rate(state), state.speed)
+    figure = performance_chart(pandas.DataFrame(plane.rows, columns=list(COLUMNS)))
+    assert figure.get_supxlabel().startswith("without trim, left out: rate of climb at 85 KCAS (")
+    (line,) = figure.axes[3].lines
+    assert [round(x) for x in line.get_xdata()] == [70, 95]
 
 
 def test_an_aircraft_that_climbs_with_the_throttle_closed_has_no_glide_ratio():

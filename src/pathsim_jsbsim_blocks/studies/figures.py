@@ -316,12 +316,24 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         why = (failed if why.empty else why).reason.unique()
         ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
     axes[1, 2].invert_yaxis()
+    if holes := _holes(table):
+        figure.supxlabel(holes, fontsize="x-small", wrap=True)
     worst = table.difference_percent.abs()
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
     field = found[found.quantity.isin(["take-off distance", "landing distance"])]
     runs = [f"{row.quantity} {row.value:.0f} ft" for row in field.itertuples()]
     figure.suptitle(title or _named(table, f"performance; {'; '.join([*runs, checked])}"))
     return figure
+
+
+def _holes(table: pd.DataFrame) -> str:
+    """The airspeeds of curves that have no trim there, and are left out, with the reason."""
+    rows = table[table.value.isna() & table.speed_kcas.notna()]
+    parts = []
+    for (quantity, reason), points in rows.groupby(["quantity", "reason"], sort=False):
+        speeds = ", ".join(f"{speed:.0f}" for speed in points.speed_kcas)
+        parts.append(f"{quantity} at {speeds} KCAS ({reason})")
+    return "without trim, left out: " + "; ".join(parts) if parts else ""
 
 
 def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:

@@ -6,7 +6,6 @@ Both hold their true airspeed. Best values are searched by trims, not read off a
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -75,26 +74,38 @@ def _levels(plane: Plane) -> None:
     slow = plane.slowest()
     plane.put("stall speed, throttle closed", slow.tas / KNOT, slow.speed, reason=plane.reason)
     speeds = [1.001 * slow.speed * _GRID**i for i in range(_STEPS)]
-    levels = _curve(plane, plane.level, speeds, *_ENDS, "best specific range")
+    levels = _curve(plane, plane.level, speeds, "thrust required", *_ENDS, "best specific range")
     end = 1.01 * _GRID * levels[-1].speed if levels else speeds[_STEPS // 2]
     speeds = [speed for speed in speeds if speed < end]
-    glides = _curve(plane, plane.glide, speeds)
-    _climbs(plane, _curve(plane, plane.climb, speeds, "best rate of climb"))
+    glides = _curve(plane, plane.glide, speeds, "sink rate")
+    climbs = _curve(plane, plane.climb, speeds, "rate of climb", "best rate of climb")
+    _climbs(plane, climbs)
     _glides(plane, glides)
     _level(plane, levels)
 
 
-def _curve(plane: Plane, find: Find, speeds: Sequence[float], *wanted: str) -> list[TrimState]:
-    """States at these airspeeds; where there are none, the reason for what was wanted of them."""
+def _curve(
+    plane: Plane, find: Find, speeds: Sequence[float], drawn: str, *wanted: str
+) -> list[TrimState]:
+    """States at these airspeeds; where there are none, the reason for what was wanted of them.
+
+    An airspeed without trim between others is a row of what is drawn, with its reason.
+    """
     found: list[TrimState] = []
-    failures, plane.reason = 0, "no engine"
+    missed: list[tuple[float, str]] = []
+    plane.reason = "no engine"
     if plane.airframe.engines or find == plane.glide:
         for speed in speeds:
             state = find(speed)
-            found += [state] if state else []
-            failures = 0 if state else failures + 1
-            if failures == _FAILURES:
-                break
+            if state is None:
+                missed.append((speed, plane.reason))
+                if len(missed) == _FAILURES:
+                    break
+                continue
+            for other, reason in missed if found else ():
+                plane.put(drawn, None, other, reason=reason)
+            missed = []
+            found.append(state)
     for quantity in () if found else wanted:
         plane.put(quantity, None)
     return found
@@ -180,14 +191,15 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
         return
     for state in glides:
         plane.put("sink rate", -climb_rate(state), state.speed)
-    far = best_of(plane.glide, path_angle, max(glides, key=path_angle))
+    far = best_of(plane.glide, _lift_over_drag, max(glides, key=_lift_over_drag))
     slow = best_of(plane.glide, climb_rate, max(glides, key=climb_rate))
-    if far.gamma < 0.0:
+    why = "lift over drag grows down to the stall" if far.speed < 1.01 * glides[0].speed else ""
+    if far.gamma >= 0.0:
+        why = "it climbs with the throttle closed"
+    plane.put("best glide ratio", None if why else _lift_over_drag(far), far.speed, reason=why)
+    if not why:
         rate = plane.energy_rate(far)
-        plane.put("best glide ratio", -1.0 / math.tan(math.radians(far.gamma)), far.speed)
-        plane.flown(rate and 1.0 / math.tan(math.asin(-rate / 60.0 / far.tas)))
-    else:
-        plane.put("best glide ratio", None, reason="it climbs with the throttle closed")
+        plane.flown(rate and _lift_over_drag(far, math.degrees(math.asin(rate / 60.0 / far.tas))))
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
     used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
     if len(used) < 3 or plane.area <= 0.0:
@@ -201,6 +213,18 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
     plane.put("lift slope", float(np.polyfit(alpha, lift, 1)[0]))
     plane.put("drag at zero lift", float(zero))
     plane.put("induced drag factor", float(induced))
+
+
+def _lift_over_drag(state: TrimState, gamma: float | None = None) -> float:
+    """Lift over drag in a glide, or in one with this path angle in deg at its airspeed.
+
+    An idling jet's thrust is no part of it; a windmilling propeller's drag is.
+    """
+    alpha = math.radians(state.alpha)
+    path = math.radians(state.gamma if gamma is None else gamma)
+    thrust = max(state.thrust, 0.0) / state.weight
+    drag = thrust * math.cos(alpha) - math.sin(path)
+    return (math.cos(path) - thrust * math.sin(alpha)) / drag if drag > 0.0 else math.inf
 
 
 def _ceilings(plane: Plane) -> None:
@@ -255,31 +279,44 @@ def _turns(plane: Plane) -> None:
         return
     kinds: dict[str, Callable[..., TrimState | None]]
     kinds = {"sustained": plane.trim, "instantaneous": partial(plane.trim, throttle=1.0)}
-    for factor, (name, find) in itertools.product((1.2, 1.4, 1.6, 1.85, 2.1, 2.8), kinds.items()):
-        speed = factor * slow.speed
-        turn = _steepest(plane, partial(find, speed, mode="turn"))
-        at: Row = {"speed": speed, "reason": plane.reason}
-        load = 1.0 / math.cos(math.radians(turn.phi)) if turn else None
-        plane.put(f"{name} load factor", load, **at)
-        if turn is None:
-            continue
-        plane.put(f"{name} turn radius", turn.turn_radius, **at)
-        plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
-        if factor == 1.6 and name == "sustained":
-            flight = plane.fly(turn, _TURN)
-            psi = None if flight is None else np.unwrap(flight["psi"], period=360.0)
-            plane.flown(None if psi is None else abs(float(psi[-1] - psi[0])) / _TURN)
+    for factor in (1.2, 1.4, 1.6, 1.85, 2.1, 2.8):
+        speed, turn = factor * slow.speed, None
+        for name, find in kinds.items():
+            # a turn that is sustained can be flown for an instant too
+            turn = _steepest(plane, partial(find, speed, mode="turn"), turn)
+            at: Row = {"speed": speed, "reason": plane.reason}
+            plane.put(f"{name} load factor", _turn_load(turn) if turn else None, **at)
+            if turn is None:
+                continue
+            plane.put(f"{name} turn radius", turn.turn_radius, **at)
+            plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
+            if factor == 1.6 and name == "sustained":
+                flight = plane.fly(turn, _TURN)
+                psi = None if flight is None else np.unwrap(flight["psi"], period=360.0)
+                plane.flown(None if psi is None else abs(float(psi[-1] - psi[0])) / _TURN)
 
 
-def _steepest(plane: Plane, find: Callable[..., TrimState | None]) -> TrimState | None:
-    """The turn with the largest load factor, in steps of a ratio, ever finer."""
-    found, load, ratio = None, 1.02, 1.3
+def _turn_load(turn: TrimState) -> float:
+    """The force across the path over the weight, which its rate of turn and its path angle need."""
+    across = turn.tas * math.radians(turn.turn_rate) / GRAVITY
+    return math.cos(math.radians(turn.gamma)) * math.hypot(1.0, across)
+
+
+def _steepest(
+    plane: Plane, find: Callable[..., TrimState | None], level: TrimState | None
+) -> TrimState | None:
+    """The turn with the largest rate, its bank found in steps of a load factor, ever finer.
+
+    It begins at the ``level`` turn, if there is one, and is this where none turns faster.
+    """
+    found = level
+    load, ratio = (1.0 / math.cos(math.radians(level.phi)) if level else 1.02), 1.3
     while ratio > 1.01:
         n = load * ratio
         plane.reason = f"{_STEEPEST:g} g"
         turn = None if n > _STEEPEST else find(bank=math.degrees(math.acos(1.0 / n)))
         found, load, ratio = (turn, n, ratio) if turn else (found, load, math.sqrt(ratio))
-    return found
+    return max(filter(None, (level, found)), key=lambda s: abs(s.turn_rate), default=None)
 
 
 def _load_factors(plane: Plane) -> None:
