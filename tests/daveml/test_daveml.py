@@ -351,6 +351,11 @@ def test_large_whole_numbers_are_floats(tmp_path):
     assert formula(tmp_path, apply("floor", A), a=1e300) == 1e300
     with pytest.raises(DaveMLError, match="it is inf"):
         formula(tmp_path, apply("times", apply("floor", A), apply("floor", A)), a=1e300)
+    # a product of 200 flags' sums, to the 10th power: 2^2000
+    two = apply("plus", apply("eq", A, A), apply("eq", A, A))
+    big = apply("times", *[apply("times", *[two] * 200)] * 10)
+    with pytest.raises(DaveMLError, match="it is inf"):
+        formula(tmp_path, big, a=1.0)
     assert [formula(tmp_path, apply("floor", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-2, -2, 1]
     assert [formula(tmp_path, apply("ceiling", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-1, -2, 2]
 
@@ -382,6 +387,9 @@ def test_inputs_and_files_that_are_not_there(tmp_path):
         model.evaluate({"angleofattack": 1.0})
     with pytest.raises(ParameterError, match="the input 'alpha' must be a number, not None"):
         model.evaluate()
+    for values in ([], [1.0], [1.0, 2.0, 3.0]):
+        with pytest.raises(ParameterError, match="values must be 2 numbers, one for each input"):
+            model(values)
     with pytest.raises(FileError, match=r"cannot read '.*none.dml': No such file"):
         DaveModel(tmp_path / "none.dml")
     with pytest.raises(FileError, match="not a file"):

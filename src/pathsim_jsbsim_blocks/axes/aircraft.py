@@ -19,8 +19,8 @@ Angles are in degrees:
 
 A vector is given as its three components, and returned as a tuple of three: numbers or arrays. All
 arguments of a call broadcast to one shape, which the results have; numbers give floats. A rotation
-keeps the unit, and NaN gives NaN. Each function and its inverse cancel to rounding. A
-ParameterError is raised for values that are not real numbers, and for shapes that do not broadcast.
+keeps the unit; NaN and infinite angles give NaN. Each function and its inverse cancel to rounding.
+A ParameterError is raised for values that are not real numbers, and shapes that do not broadcast.
 
 References
 ----------

@@ -34,6 +34,7 @@ OPERATORS: dict[str, tuple[int, int, str]] = {
 # fmt: on
 _RECIPROCALS = {"sec": "cos", "csc": "sin", "cot": "tan"}
 _LOGIC = ("and", "or", "not")
+_COMPARISONS = (" < ", " <= ", " > ", " >= ", " == ", " != ")
 _CONSTANTS = {"pi": math.pi, "exponentiale": math.e, "true": 1.0, "false": 0.0}
 
 
@@ -138,4 +139,7 @@ def python_of(expression: Expression, name: Callable[[str], str]) -> str:
         last = parts[-1] if len(parts) % 2 else "undefined()"
         return "(" + "".join(f"{value} if {when} else " for value, when in pieces) + f"{last})"
     operator = OPERATORS[kind][2]
-    return f"({operator.join(parts)})" if operator[0] == " " else f"{operator}({', '.join(parts)})"
+    if operator[0] != " ":
+        return f"{operator}({', '.join(parts)})"
+    joined = f"({operator.join(parts)})"
+    return f"({joined} * 1.0)" if operator in _COMPARISONS else joined  # a bool is an integer

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple
 
-from .._core.checks import did_you_mean, nearest, number, refuse
+from .._core.checks import did_you_mean, must_be, nearest, number, refuse
 from ..errors import DaveMLError
 from .elements import Element, read_elements
 from .mathml import NAMES, Expression, python_of, read_expression, variables_of
@@ -111,9 +111,13 @@ class DaveModel:
 
         Raises
         ------
+        ParameterError
+            for another number of values
         DaveMLError
             if a variable has no value there, as after a division by zero
         """
+        if len(values) != len(self.inputs):
+            must_be("values", values, f"{len(self.inputs)} numbers, one for each input")
         found = self._evaluated(values)
         return [found[i] for i in self._shown]
 
