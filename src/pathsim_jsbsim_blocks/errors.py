@@ -137,7 +137,7 @@ class TrimError(BlocksError, RuntimeError):
 
 
 class LinearisationError(BlocksError, RuntimeError):
-    """There is no linear model: no steady trim, a response that is nothing or noise.
+    """There is no linear model: no steady trim, a zero or noisy response.
 
     Attributes
     ----------

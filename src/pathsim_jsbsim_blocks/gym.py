@@ -415,8 +415,8 @@ def make_env(
     ------
     ParameterError
         for a port, parameter or variable that does not exist, naming the nearest, a port that is
-        wired, an adaptive solver, a ``step`` that is no multiple of ``dt``, and a simulation that
-        is an environment already
+        wired, an adaptive solver, a ``step`` that is not a multiple of ``dt``, and a simulation
+        that is an environment already
     """
     given = {n: v for n, v in locals().items() if n not in ("diagram", "settings", "restart")}
     if one_of("restart", restart, ("trimmed", "restored")) != "trimmed":

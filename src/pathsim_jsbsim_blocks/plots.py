@@ -138,7 +138,7 @@ def time_histories(
     ------
     ParameterError
         for no scope, one that has recorded nothing, a reference of a signal that no scope has,
-        naming the nearest, and one that is no number for each time
+        naming the nearest, and one that is not a number for each time
     """
     if not scopes:
         refuse("scopes", scopes, "there is no scope to draw")

@@ -63,13 +63,13 @@ def test_an_unknown_table_names_the_nearest(hold):
 @pytest.mark.parametrize(
     ("hold", "gains", "words"),
     [
-        (PitchHold, {**PITCH, "ramps": 1.0}, "'ramps' is no pitch gain.*did you mean 'ramp'"),
+        (PitchHold, {**PITCH, "ramps": 1.0}, "there is no pitch gain 'ramps'.*did you mean 'ramp'"),
         (PitchHold, {"Kp": 0.1}, "pitch gain missing: Ki"),
         (PitchHold, 0.1, "pitch gains must be"),
         (RollHold, YawGains(K=0.1), "roll gains must be"),
         (AltitudeHold, {"altitudes": "737", "pitch": "737"}, "did you mean 'altitude'"),
         (AltitudeHold, {"altitude": "737"}, "loop missing: pitch"),
-        (AltitudeHold, PITCH, "'Kp' is no loop"),
+        (AltitudeHold, PITCH, "there is no loop 'Kp'"),
         (HeadingHold, AttitudeGains(0.1, 0.1), "heading, roll"),
         (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
         (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
@@ -81,7 +81,11 @@ def test_an_unknown_table_names_the_nearest(hold):
             (AirspeedHold, {**PITCH, "band": band}, "band must be")
             for band in (0.0, -4.0, float("nan"), float("inf"), "4", None, True, np.array([4.0]))
         ),
-        (AirspeedHold, {**PITCH, "bnad": 4.0}, "'bnad' is no speed gain.*did you mean 'band'"),
+        (
+            AirspeedHold,
+            {**PITCH, "bnad": 4.0},
+            "there is no speed gain 'bnad'.*did you mean 'band'",
+        ),
     ],
 )
 def test_what_gains_cannot_be(hold, gains, words):
@@ -226,11 +230,11 @@ def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monk
     with pytest.raises(ParameterError, match="null"):
         hold(gains="mi\0ne.json")
     Path("deep.json").write_text("[" * 100_000)
-    with pytest.raises(ParameterError, match=r"deep.json is no JSON file"):
+    with pytest.raises(ParameterError, match=r"deep.json is not a JSON file"):
         hold(gains="deep.json")
     document["points"][0]["gains"]["pitch"]["Kpp"] = 1.0
     path.write_text(json.dumps(document))
-    with pytest.raises(ParameterError, match=r"mine.json: 'Kpp' is no pitch gain.*'Kp'"):
+    with pytest.raises(ParameterError, match=r"mine.json: there is no pitch gain 'Kpp'.*'Kp'"):
         hold(gains="mine.json")
 
 
@@ -246,11 +250,11 @@ def test_a_file_of_an_older_version_has_no_band(schedule, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("{", "no JSON file"),
+        ("{", "not a JSON file"),
         ("[1]", "format must be 'pathsim-jsbsim-blocks gains 1'"),
         (
             '{"format": "pathsim-jsbsim-blocks gains 1"}',
-            "no complete gain table: KeyError.*aircraft",
+            "not a complete gain table: KeyError.*aircraft",
         ),
         (
             '{"format": "pathsim-jsbsim-blocks gains 1", "aircraft": "x", "nominal": 0, "points": []}',

@@ -94,7 +94,7 @@ def test_infinities_pass_where_they_may_and_no_number_never(value):
 def test_limits_may_touch_and_be_infinite():
     assert checks.check_range(-math.inf, math.inf) == (-math.inf, math.inf)
     assert checks.check_range(1, 1.0) == (1.0, 1.0)
-    error = refuse(checks.limits, 2, 1, text="lower limit 2 must not be above the upper, 1")
+    error = refuse(checks.check_range, 2, 1, text="lower limit 2 must not be above the upper, 1")
     assert (error.parameter, error.value) == ("low", 2)
 
 

@@ -278,7 +278,7 @@ MALFORMED = [
     (WING.replace(CN, "<cn>1_0</cn>"), r":7: cn: '1_0' is not a number"),
     (WING.replace(CN, "<cn>nan</cn>"), "'nan' is not a number"),
     (WING.replace(CN, "<cn>1e999</cn>"), "'1e999' is not a number"),
-    (WING.replace(CN, "<vector/>"), "'vector' is no expression"),
+    (WING.replace(CN, "<vector/>"), "'vector' is not an expression"),
     (WING.replace("<plus/>", "<divide/>").replace("<ci>CL0</ci>", ""), "'divide' takes 2 arguments, not 1"),
     (WING.replace('varID="el"', 'varID="alpha"'), "variable 'alpha': is in line 11 too"),
     (WING.replace('maxValue="25"', 'maxValue="-30"'), "variable 'el': minValue -25 is above maxValue -30"),

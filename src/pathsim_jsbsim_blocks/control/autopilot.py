@@ -180,7 +180,7 @@ class Autopilot(Hold):
     thr_ref: float | None = parameter(None, optional)
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
-    # an aircraft may have a yaw damper of its own
+    # an aircraft may have its own yaw damper
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
     input_port_labels = numbered(
         "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "

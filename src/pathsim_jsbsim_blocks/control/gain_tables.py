@@ -89,7 +89,7 @@ def table(name: str) -> GainSchedule:
     Raises
     ------
     ParameterError
-        for an unknown name, naming the nearest, and for a file that is no gain table
+        for an unknown name, naming the nearest, and for a file that is not a gain table
     FileError
         for a file that cannot be read
     """
@@ -104,7 +104,8 @@ def read_gains(path: str | Path) -> GainSchedule:
     Raises
     ------
     ParameterError
-        if the file is no gain table, or a gain is missing, unknown (naming the nearest) or invalid
+        if the file is not a gain table, or a gain is missing, unknown (naming the nearest) or
+        invalid
     FileError
         if the file cannot be read
     """
@@ -116,7 +117,7 @@ def read_gains(path: str | Path) -> GainSchedule:
         close = nearest(path.name, [*beside, *tables()], 1)
         raise FileError("read", path, cause, did_you_mean(close)) from cause
     except ValueError as cause:  # a null character
-        refuse("gains", str(path), f"{str(path)!r} is no path: {cause}")
+        refuse("gains", str(path), f"{str(path)!r} is not a path: {cause}")
     return _read(path.absolute(), written)
 
 
@@ -127,15 +128,15 @@ def _read(path: Path, written: int) -> GainSchedule:
     except OSError as cause:
         raise FileError("read", path, cause) from cause
     except (ValueError, RecursionError) as cause:
-        refuse("gains", str(path), f"{path} is no JSON file: {cause}")
+        refuse("gains", str(path), f"{path} is not a JSON file: {cause}")
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        refuse("gains", str(path), f"{path} is no gain table: its format must be {FORMAT!r}")
+        refuse("gains", str(path), f"{path} is not a gain table: its format must be {FORMAT!r}")
     try:
         return schedule_from(document)
     except ParameterError as error:
         refuse(error.parameter, error.value, f"{path}: {error}")
     except (KeyError, TypeError) as cause:
-        refuse("gains", str(path), f"{path} is no complete gain table: {cause!r}")
+        refuse("gains", str(path), f"{path} is not a complete gain table: {cause!r}")
 
 
 def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
@@ -245,7 +246,7 @@ def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
             refuse(
                 "gains",
                 gains,
-                f"{name!r} is no {what}; there are {', '.join(names)}"
+                f"there is no {what} {name!r}; there are {', '.join(names)}"
                 + did_you_mean(nearest(str(name), names, 1)),
             )
     missing = [name for name in needed if name not in gains]

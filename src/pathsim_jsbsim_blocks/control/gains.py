@@ -352,13 +352,13 @@ class GainSchedule:
         """The numbers of a loop at a place, in the order of its fields."""
         slower, faster, along, slower_above, faster_above, along_above, up = place
         rows = self._numbers[loop]
-        found = []
-        for a, b, c, d in zip(
+        corners = zip(
             rows[slower], rows[faster], rows[slower_above], rows[faster_above], strict=True
-        ):
-            low = a + along * (b - a)
-            found.append(low + up * (c + along_above * (d - c) - low))
-        return found
+        )
+        return [
+            (low := a + along * (b - a)) + up * (c + along_above * (d - c) - low)
+            for a, b, c, d in corners
+        ]
 
     @functools.cached_property
     def _nominal_altitude(self) -> float:

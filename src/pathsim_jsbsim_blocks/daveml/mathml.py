@@ -8,7 +8,7 @@ from typing import Any
 
 from .elements import Element
 
-# an operator and its arguments; of ("number", x) and ("variable", id) they are no expressions
+# an operator and its arguments; of ("number", x) and ("variable", id) they are not expressions
 Expression = tuple
 
 _ANY = 256
@@ -70,7 +70,7 @@ def read_expression(element: Element) -> Expression:
         return _piecewise(element)
     known = ("apply", "cn", "ci", "piecewise", *_CONSTANTS)
     if tag != "apply" or not children:
-        raise element.error(f"{tag!r} is no expression", name=tag, of=known)
+        raise element.error(f"{tag!r} is not an expression", name=tag, of=known)
     operator, *arguments = children
     if operator.tag == "piecewise" and not arguments:  # some files apply it to nothing
         return _piecewise(operator)

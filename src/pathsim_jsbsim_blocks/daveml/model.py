@@ -132,7 +132,7 @@ class DaveModel:
         Raises
         ------
         ParameterError
-            for a name that is no input, and an input without a value
+            for a name that is not an input, and an input without a value
         DaveMLError
             if a variable has no value there
         """

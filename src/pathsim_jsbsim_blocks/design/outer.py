@@ -465,7 +465,7 @@ def altitude_law(Kp: Any, Ki: Any, Kh: Any) -> Law:
 
 
 def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
-    """The plant with the altitude loop closed; ``theta_cmd`` is no input any more."""
+    """The plant with the altitude loop closed; ``theta_cmd`` is not an input any more."""
     return plant.close("theta_cmd", altitude_law(gains.Kp, gains.Ki, gains.Kh))
 
 

@@ -52,7 +52,7 @@ class StepRequirement:
     seconds: float  # of flight after the step
     settling: float = math.inf  # s, at the design point
     settling_off: float = math.inf  # and off it
-    quick: float = 0.0  # s; settling sooner is worth nothing
+    quick: float = 0.0  # s; no credit below this
     overshoot: float = math.inf
     final_error: float = math.inf  # largest in the last 5 s
     use: float = math.inf  # largest share of the command's remaining travel

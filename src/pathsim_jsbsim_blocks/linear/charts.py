@@ -39,7 +39,7 @@ def pole_map(*models: LinearModel, title: str = "") -> Figure:
     Raises
     ------
     ParameterError
-        for what is no linear model
+        for what is not a linear model
     """
     found = [_checked(model).modes() for model in models]
     figure, axes = _pole_axes(np.array([mode.pole for modes in found for mode in modes]), title)
@@ -118,7 +118,7 @@ def step_response(
     Raises
     ------
     ParameterError
-        for what is no linear model; for a name that it does not have, naming the nearest; for a
+        for what is not a linear model; for a name that it does not have, naming the nearest; for a
         duration or an amplitude that cannot be
     FlightError
         if the aircraft cannot be flown on
@@ -161,7 +161,7 @@ def root_locus(
     Raises
     ------
     ParameterError
-        without models, for what is no linear model, or for another number of values
+        without models, for what is not a linear model, or for another number of values
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
@@ -192,7 +192,7 @@ def bode(model: LinearModel, output: str, input: str, title: str = "") -> Figure
     Raises
     ------
     ParameterError
-        for what is no linear model; for a name that it does not have, naming the nearest
+        for what is not a linear model; for a name that it does not have, naming the nearest
     """
     part = _checked(model).select([input], [output])
     rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]

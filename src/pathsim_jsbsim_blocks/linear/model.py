@@ -193,7 +193,7 @@ class LinearModel:
         Raises
         ------
         ParameterError
-            for inputs of another shape, and for what is no finite number
+            for inputs of another shape, and for what is not a finite number
         """
         given = u
         try:

@@ -18,7 +18,7 @@ _INTEGRALS = {"h": "altitude", "psi": "heading", "lat": "position", "lon": "posi
 # 1/s; the density of the air changes slowly with the altitude
 _SLOW = 5e-3
 
-# 1/s; a faster motion is no spiral
+# 1/s; a faster motion is not a spiral
 _SPIRAL = 1.0
 
 # smallest share of a mode's own states, and of the sideslip in the Dutch roll

@@ -94,7 +94,7 @@ def flying_qualities(
     Raises
     ------
     ParameterError
-        for an unknown category or class, and for what is no model
+        for an unknown category or class, and for what is not a model
 
     References
     ----------
