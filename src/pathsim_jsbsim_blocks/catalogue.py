@@ -100,6 +100,10 @@ def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> Module
         for a diagram, block, parameter or variable that does not exist, naming the nearest, and for
         a setting that would have no effect
     """
+    from ._core.wiring import warn_of_wiring
     from .scripts.script import Script
 
-    return Script(find_diagram(name), mapping("settings", settings)).load()
+    diagram = Script(find_diagram(name), mapping("settings", settings)).load()
+    if hasattr(diagram, "sim"):
+        warn_of_wiring(diagram.sim)
+    return diagram

@@ -35,7 +35,7 @@ from ._core.extras import required
 from ._core.pathsim_internals import port_names, port_number, port_reader, show, values
 from ._core.running import Pieces
 from ._core.seeding import draws_from_shared, random_blocks, seed_blocks
-from ._core.wiring import contents
+from ._core.wiring import contents, warn_of_wiring
 from .catalogue import find_diagram
 from .errors import FlightError
 from .flight import Aircraft
@@ -190,6 +190,7 @@ class DiagramEnv(gymnasium.Env):
         at = port_names(outputs)
         self._place = [port_reader(outputs, at[name]) for name in POSITION if name in at]
         self._random = random_blocks(sim)
+        warn_of_wiring(sim)
 
     def _count_steps(self) -> None:
         step, dt = self._given["step"], self.simulation.dt

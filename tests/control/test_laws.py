@@ -525,7 +525,7 @@ def test_glideslope_hold(wires, from_above, hdot_max):
         T=T,
         from_above=from_above,
     )
-    block.inputs.wired = {block.input_port_labels["gs_dist"]}
+    block.inputs.wired = {"gs_dist"}
     u, reference = elevator_for(path, wires, limits)
     ours = laws(block, **wires, gs_deg=seen, gs_ft=above, gs_dist=dist)
     expected = {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded, "captured": captured}

@@ -4,9 +4,7 @@ A diagram of PathSim's own blocks must go on to work then; the last tests run on
 """
 
 import ast
-import logging
 import re
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -14,15 +12,14 @@ import pathsim
 import pytest
 from package_source import nodes
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Adder, Amplifier, Block, Constant, Integrator, Scope, Source
+from pathsim.blocks import Amplifier, Constant, Function, Scope, Source
 from pathsim.events import Condition, Event, ZeroCrossing
-from pathsim.solvers import EUB, EUF, RK4, SSPRK22
-from pathsim.utils.logger import LoggerManager
 from pathsim.utils.register import Register
 
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import pathsim_internals as seam
 from pathsim_jsbsim_blocks._core import running
+from pathsim_jsbsim_blocks._core.sampling import Settling
 from pathsim_jsbsim_blocks.scripts import runs
 
 pytestmark = pytest.mark.matrix
@@ -78,41 +75,7 @@ def test_a_connection_asks_the_register_for_the_port_that_it_leads_to():
         log=False,
     )
     sim.run(0.1)
-    assert pid.inputs.wired == {1}, "connections no longer look ports up by Register._map"
-
-
-class Stages(Event):
-    """Notes, at the end of a step, whether it had stages."""
-
-    def __init__(self, engine):
-        super().__init__()
-        self.engine, self.without = engine, []
-
-    def buffer(self, t):
-        seam.step_begins(self.engine)
-
-    def detect(self, t):
-        self.without.append(seam.without_stages(self.engine))
-        return super().detect(t)
-
-
-@pytest.mark.parametrize("solver", [SSPRK22, RK4, EUF, EUB])
-@pytest.mark.parametrize("states", [0, 1])
-def test_the_engine_counts_the_stages_of_a_step(solver, states):
-    sim = Simulation(
-        [Source(lambda t: t), Scope(), *(Integrator() for _ in range(states))],
-        dt=0.1,
-        Solver=solver,
-        log=False,
-    )
-    stages = Stages(sim.engine)
-    sim.add_event(stages)
-    sim.run(0.5)
-    steps = stages.without[1:]
-    assert len(steps) == 5
-    # an implicit solver counts from the start of the step, which is the safe answer
-    expected = not states and solver is not EUB
-    assert steps == [expected] * 5, "Solver.stage no longer counts from 0 within a step"
+    assert pid.inputs.wired == {"y"}, "connections no longer look ports up by Register._map"
 
 
 def test_blocks_are_given_the_engine_of_the_simulation():
@@ -121,20 +84,6 @@ def test_blocks_are_given_the_engine_of_the_simulation():
     inner = Subsystem([interface, pid], [Connection(interface, pid), Connection(pid, interface)])
     sim = Simulation([inner], dt=0.1, log=False)
     assert pid._engine is sim.engine, "set_solver is no longer given the simulation's engine"
-
-
-def test_a_subsystem_adds_one_pass_for_the_blocks_inside_it():
-    pid, wrapped = DiscretePID(T=0.1), None
-    wrapped = pid
-    for depth in (1, 2, 3):
-        interface = Interface()
-        wrapped = Subsystem(
-            [interface, wrapped], [Connection(interface, wrapped), Connection(wrapped, interface)]
-        )
-        settling = [e for e in wrapped.events if isinstance(e, seam.Settling)]
-        assert len(settling) == depth, "Subsystem.events no longer collects those of its blocks"
-        assert all(e.clocks == [pid.clock] for e in settling)
-    assert pid.clock.nested
 
 
 def test_a_subsystem_without_sampled_blocks_is_left_alone():
@@ -160,57 +109,9 @@ def test_the_loop_of_run_yields_after_every_step():
     loop = seam.run_loop(sim, 2.0, False, False, progress)
     next(loop)
     assert sim.time == 0.5, "Simulation._run_loop no longer yields after each step"
-    assert seam.is_running(sim)
-    sim.stop()
-    assert not seam.is_running(sim), "Simulation._active no longer says whether a run goes on"
-
-
-class Calls(Block):
-    """Notes the calls of a step, and raises an event in some of them."""
-
-    def __init__(self, name, calls, period=None):
-        super().__init__()
-        self.name, self.calls = name, calls
-        event = Event()
-        event.buffer = lambda t: calls.append((name, "buffer", t))
-        event.detect = lambda t: (calls.append((name, "detect", t)) or self.due(t), True, 0.5)
-        event.resolve = lambda t: calls.append((name, "resolve", t))
-        self.period, self.events = period, [event]
-
-    def due(self, t):
-        return self.period is not None and abs(t / self.period - round(t / self.period)) < 1e-9
-
-    def update(self, t):
-        self.calls.append((self.name, "update", t, self.inputs.to_array().tolist()))
-        self.outputs.update_from_array([t, 2.0 * t + self.inputs[0], 3.0])
-
-    def sample(self, t, dt):
-        self.calls.append((self.name, "sample", t, dt, self.inputs.to_array().tolist()))
-
-
-def test_a_step_makes_the_calls_of_timestep():
-    def steps(step_of):
-        calls = []
-        a, b, c = (Calls(n, calls, p) for n, p in (("a", 0.3), ("b", None), ("c", 0.2)))
-        sim = Simulation(
-            [a, b, c],
-            [Connection(a[0], b[0], c[1]), Connection(b[0, 1, 2], c[2, 0, 4])],
-            dt=0.1,
-            log=False,
-        )
-        sim.engine.buffer = lambda dt: calls.append(("engine", dt))
-        step = step_of(sim)
-        for _ in range(12):
-            step()
-        assert sim.time == pytest.approx(1.2)
-        return calls
-
-    expected = steps(lambda sim: lambda: sim.timestep(sim.dt, adaptive=False))
-    found = steps(lambda sim: seam.fixed_step(sim, sim.dt))
-    assert any(call[1] == "resolve" for call in found)
-    assert found == expected, (
-        "Simulation.timestep has changed: pathsim_internals.fixed_step must follow it"
-    )
+    assert not seam.is_dirty(sim)
+    sim.add_block(Scope())
+    assert seam.is_dirty(sim), "Simulation._graph_dirty no longer says that the diagram was changed"
 
 
 def test_the_truth_value_of_what_a_diagram_has_is_whether_it_is_active():
@@ -237,67 +138,6 @@ def test_a_piece_of_a_run_begins_as_a_run_does():
     assert len(calls) > 0
     for one, two in zip(scope.read(), again.read(), strict=True):
         assert np.array_equal(one, two)
-
-
-def test_a_step_samples_as_pathsim_does():
-    kept = []
-    own, switched, last = Calls("own", kept), Calls("switched off", kept), Scope()
-    sim = Simulation([own, switched, Amplifier(), last], [Connection(own, last)], dt=0.1, log=False)
-    last.sample = lambda t, dt: kept.append(("set on the block", "sample"))
-    step = seam.fixed_step(sim, 0.1)
-
-    def sampled():
-        kept.clear()
-        step()
-        return [name for name, call, *_ in kept if call == "sample"]
-
-    assert sampled() == ["own", "switched off", "set on the block"]
-    switched.off()
-    assert sampled() == ["own", "set on the block"]
-    added = Calls("added", kept)
-    sim.add_block(added)
-    assert sampled() == ["own", "set on the block", "added"]
-    # as while PathSim searches a periodic solution
-    sim._sampling_enabled = False
-    assert sampled() == []
-
-
-@pytest.mark.parametrize("nested", [False, True], ids=["simulation", "subsystem"])
-def test_loops_are_solved_after_the_levels_of_the_graph(nested):
-    one, total, half = Source(lambda t: 1.0 + t), Adder(), Amplifier(0.5)
-    blocks = [one, total, half]
-    wires = [Connection(one, total[0]), Connection(total, half), Connection(half, total[1])]
-    diagram = Subsystem([Interface(), *blocks], wires) if nested else Simulation(blocks, wires)
-    assert diagram.graph.has_loops
-    sim = Simulation([diagram], dt=0.1, log=False) if nested else diagram
-    sim.run(0.1)
-    assert total.outputs[0] == pytest.approx(2.0 * (1.0 + sim.time))
-    seam._show_again(sim, 1.0)
-    assert total.outputs[0] == pytest.approx(4.0)
-
-
-def test_pathsim_redirects_warnings_in_one_method():
-    assert hasattr(LoggerManager, "_setup_root_logger"), (
-        "LoggerManager._setup_root_logger is gone: keep_warnings_visible wraps it"
-    )
-    assert hasattr(LoggerManager, "_initialized")
-
-
-@pytest.mark.parametrize("by_pathsim", [True, False])
-def test_warnings_are_given_back_where_pathsim_took_them(by_pathsim, monkeypatch):
-    monkeypatch.setattr(LoggerManager, "_setup_root_logger", lambda self: None)
-    monkeypatch.setattr(LoggerManager, "_initialized", by_pathsim)
-    for logger in (logging.root, logging.getLogger("py.warnings")):
-        monkeypatch.setattr(logger, "handlers", [])
-    shown = warnings.showwarning
-    logging.captureWarnings(True)
-    try:
-        taken = warnings.showwarning
-        assert taken is not shown
-        seam.keep_warnings_visible()
-        assert warnings.showwarning is (shown if by_pathsim else taken)
-    finally:
-        logging.captureWarnings(False)
 
 
 def test_a_diagram_of_scopes_runs():
@@ -344,3 +184,41 @@ def test_the_blocks_of_a_level_come_as_the_diagram_lists_them():
     with seam.in_listed_order():
         sim = Simulation(blocks, log=False)
     assert [b for _, level, _ in sim.graph.dag() for b in level] == blocks
+
+
+def test_a_block_in_subsystems_is_told_the_solver_by_each_of_them():
+    pid = wrapped = DiscretePID(T=0.1)
+    for depth in (1, 2, 3):
+        interface = Interface()
+        wires = [Connection(interface, wrapped), Connection(wrapped, interface)]
+        wrapped = Subsystem([interface, wrapped], wires)
+        Simulation([wrapped], dt=0.1, log=False)
+        found = [event for event in pid.events if isinstance(event, Settling)]
+        assert len(found) == depth, "set_solver is no longer handed down by the subsystems"
+    alone = DiscretePID(T=0.1)
+    Simulation([alone], dt=0.1, log=False)
+    assert alone.events == [alone.clock]
+
+
+def test_an_evaluation_is_that_of_pathsim():
+    def diagram():
+        source, mux = Source(lambda t: 3.0 * t), Function(lambda a, b: (a + b, a - b, a * b))
+        off, gain, scope = Amplifier(7.0), Amplifier(2.0), Scope()
+        wires = [
+            Connection(source, gain, mux[1], scope[5]),
+            Connection(gain, mux[0], off),
+            Connection(mux[0, 1, 2], scope[2, 0, 4]),
+            Connection(mux[1, 2], scope[6, 7]),
+            Connection(off, scope[3]),
+            Connection(source, scope[1]),
+        ]
+        sim = Simulation([source, mux, off, gain, scope], wires, log=False)
+        off.off()
+        wires[-1].off()
+        return sim, scope
+
+    (one, seen), (other, expected) = diagram(), diagram()
+    seam.evaluate(seam.levels(one), 0.7)
+    other._update(0.7)
+    assert np.array_equal(seen.inputs.to_array(), expected.inputs.to_array())
+    assert np.count_nonzero(seen.inputs.to_array()) == 6

@@ -4,18 +4,18 @@ import warnings
 
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Adder, Amplifier, Constant, Scope, Source
+from pathsim.blocks import Adder, Amplifier, Constant, Scope
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
     AltitudeHold,
     Autopilot,
     DiscretePID,
+    DrydenTurbulence,
     FlightRecorder,
     ISAtmosphere,
     JSBSimFDM,
     Microburst,
-    ParameterError,
     PitchHold,
     WindShear,
     YawDamper,
@@ -32,14 +32,9 @@ def said(sim, run=None):
     """The warnings of a run."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        (run or (lambda: sim.run(0.05)))()
+        (run or (lambda: fly(sim, 0.05)))()
     assert all(w.category is RuntimeWarning for w in caught)
     return [str(w.message) for w in caught]
-
-
-def inside(blocks, connections):
-    """A subsystem of these blocks."""
-    return Subsystem([Interface(), *blocks], connections)
 
 
 def test_the_command_of_a_hold_that_goes_nowhere():
@@ -53,20 +48,15 @@ def test_the_command_of_a_hold_that_goes_nowhere():
     )
     assert said(sim) == ["hold['elevator'] goes nowhere: no wire leads from it"]
     assert said(sim) == []
-    assert said(sim, lambda: sim.run(0.05, reset=True)) == []
+    assert said(sim, lambda: fly(sim, 0.05, reset=True)) == []
 
 
 def test_the_warning_is_at_the_line_that_runs():
     source, amplifier = Constant(1.0), Amplifier(2.0)
-    for run in (
-        lambda sim: sim.run(0.1),
-        lambda sim: fly(sim, 0.1),
-        lambda sim: list(sim.run_streaming(0.1)),
-    ):
-        sim = Simulation([amplifier], [Connection(source, amplifier)], log=False)
-        with pytest.warns(RuntimeWarning, match="source is wired") as caught:
-            run(sim)
-        assert [w.filename for w in caught] == [__file__]
+    sim = Simulation([amplifier], [Connection(source, amplifier)], log=False)
+    with pytest.warns(RuntimeWarning, match="source is wired") as caught:
+        fly(sim, 0.1)
+    assert [w.filename for w in caught] == [__file__]
 
 
 def test_warnings_in_flight_are_at_the_line_that_runs():
@@ -105,20 +95,6 @@ def test_blocks_that_are_added_before_the_run_are_in_it():
     assert said(sim) == []
 
 
-def test_two_wires_into_one_port():
-    plane, kick, other = Aircraft(), Constant(0.01), Constant(0.02)
-    for port in ("elevator", 0):
-        with pytest.raises(ParameterError) as caught:
-            Simulation(
-                [plane, kick, other],
-                [Connection(kick, plane[port]), Connection(other, plane[port])],
-                log=False,
-            )
-        assert str(caught.value) == (
-            "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder"
-        )
-
-
 def test_two_wires_into_one_port_by_name_and_by_number():
     plane, kick, other = Aircraft(), Constant(0.01), Constant(0.02)
     sim = Simulation(
@@ -133,67 +109,6 @@ def test_two_wires_into_one_port_by_name_and_by_number():
     ]
 
 
-@pytest.mark.parametrize("build", [Simulation, inside], ids=["simulation", "subsystem"])
-def test_what_is_no_block_or_no_connection(build):
-    plane, kick = Aircraft(), Constant(0.01)
-    wire = Connection(kick, plane["elevator"])
-    flat = "are one list, without lists in it"
-    for blocks, wires, said in (
-        ([[plane, kick]], [wire], f"[plane, kick] among the blocks is no Block: blocks {flat}"),
-        (
-            [plane, kick],
-            [[wire]],
-            "[Connection(kick[0], plane['elevator'])] among the connections is no Connection: "
-            f"connections {flat}",
-        ),
-        (
-            [plane["theta"], kick],
-            [wire],
-            "plane['theta'] among the blocks is no Block: the list has the blocks themselves",
-        ),
-        (
-            [plane, Constant],
-            [wire],
-            "Constant among the blocks is no Block: build one with Constant(...)",
-        ),
-        (
-            [wire],
-            [plane],
-            "Connection(kick[0], plane['elevator']) among the blocks is no Block",
-        ),
-    ):
-        with pytest.raises(ParameterError) as caught:
-            build(blocks, wires)
-        assert str(caught.value) == said
-
-
-def test_a_block_alone_in_place_of_the_list():
-    plane = Aircraft()
-    with pytest.raises(ParameterError, match=r"^plane\[0\] among the blocks is no Block"):
-        Simulation(plane, [])
-
-
-@pytest.mark.parametrize("end", [5, None, PitchHold])
-def test_a_wire_to_what_is_no_block(end):
-    for ends in ((Constant(0.0), end), (end, Scope())):
-        with pytest.raises(ParameterError, match="is no Block: a connection joins"):
-            Connection(*ends)
-
-
-def test_a_wire_between_different_numbers_of_ports():
-    plane, scope, hold = Aircraft(), Scope(), PitchHold()
-    for source, targets, said in (
-        (plane["theta", "q"], [scope], "plane['theta', 'q'] has 2 ports and scope[0] has 1"),
-        (plane["theta"], [scope[:3]], "plane['theta'] has 1 port and scope[0, 1, 2] has 3"),
-        (plane[:2], [scope[:2], hold["q"]], "plane[0, 1] has 2 ports and hold['q'] has 1"),
-    ):
-        with pytest.raises(ParameterError) as caught:
-            Connection(source, *targets)
-        assert str(caught.value) == (
-            f"{said}: each target of a connection needs as many ports as its source"
-        )
-
-
 def test_a_place_without_a_wire():
     plane, recorder = Aircraft(), FlightRecorder(signals=["calibrated airspeed [kt]"])
     shear, burst = WindShear(), Microburst()
@@ -202,6 +117,7 @@ def test_a_place_without_a_wire():
         Connection(plane["h", "theta", "phi", "psi"], recorder["h", "theta", "phi", "psi"]),
         Connection(plane["lon"], burst["lon"]),
         Connection(shear["north"], plane["wind_north"]),
+        Connection(burst["east"], plane["wind_east"]),
     ]
     sim = Simulation([plane, recorder, shear, burst], wires, dt=1 / 120, log=False)
     assert said(sim) == [
@@ -232,13 +148,6 @@ def test_an_input_of_the_fdm_that_leaves_its_trim_without_a_wire():
     assert said(sim) == []
 
 
-def test_in_vector_wires():
-    one, mux, scope = Constant(1.0), Source(lambda t: (t, t)), Scope()
-    wires = [Connection(mux[0, 1], scope[0, 1]), Connection(one, scope[1])]
-    with pytest.raises(ValueError, match=r"into scope\[1\], from mux\[1\] and one\['out'\]"):
-        Simulation([one, mux, scope], wires, log=False)
-
-
 def test_inside_a_subsystem():
     inside, first, second = Interface(), Amplifier(1.0), Amplifier(2.0)
     box = Subsystem(
@@ -251,15 +160,6 @@ def test_inside_a_subsystem():
         "second is wired (second[0] to inside[1]), but it is not among the blocks of the "
         "simulation: it does nothing"
     ]
-    with pytest.raises(ParameterError, match=r"into inside\[0\], from first\[0\] and second\[0\]"):
-        Subsystem([inside, first, second], [Connection(first, inside), Connection(second, inside)])
-
-
-def test_a_block_without_a_variable_is_called_by_its_class():
-    blocks = [Constant(1.0), Constant(2.0), Scope()]
-    wires = [Connection(blocks[0], blocks[2]), Connection(blocks[1], blocks[2])]
-    with pytest.raises(ParameterError, match=r"Scope\[0\], from Constant\['out'\] and Constant"):
-        Simulation(blocks, wires, log=False)
 
 
 def test_a_wire_added_later_is_seen_at_the_next_run():
@@ -268,12 +168,6 @@ def test_a_wire_added_later_is_seen_at_the_next_run():
     assert said(sim) == []
     sim.add_connection(Connection(stranger, scope[1]))
     assert len(said(sim)) == 1
-    sim.add_connection(Connection(stranger, scope[0]))
-    with (
-        pytest.warns(RuntimeWarning, match=r"two wires lead into scope\[0\]"),
-        pytest.raises(ParameterError, match=r"into scope\[0\]"),
-    ):
-        sim.run(0.1)
 
 
 def test_what_is_switched_off_leaves_its_place():
@@ -338,4 +232,24 @@ def test_looking_at_the_wiring_wires_nothing():
     sim = Simulation(
         [plane, hold, adder], [Connection(hold["elevator"], adder)], dt=1 / 120, log=False
     )
-    assert said(sim) == ["PitchHold measures 0 where no wire comes in: theta, q"]
+    assert said(sim, lambda: sim.run(0.05)) == [
+        "PitchHold measures 0 where no wire comes in: theta, q"
+    ]
+
+
+def test_a_wind_that_blows_nowhere():
+    plane, air, burst = Aircraft(), DrydenTurbulence(), Microburst()
+    wires = [Connection(plane[port], air[port]) for port in ("h", "vt", "psi")]
+    wires += [Connection(plane[port], burst[port]) for port in ("lat", "lon", "h")]
+    wires += [Connection(burst["north"], plane["wind_north"])]
+    sim = Simulation([plane, air, burst], wires, dt=1 / 120, log=False)
+    assert said(sim) == ["air blows nowhere: no wire leads from it"]
+
+
+def test_a_plain_run_warns_of_what_a_block_sees_itself():
+    source, hold = Constant(1.0), PitchHold()
+    wires = [Connection(source, hold["q"])]
+    sim = Simulation([hold], wires, dt=1 / 50, log=False)
+    measured, jumps = said(sim, lambda: sim.run(0.05))
+    assert measured == "PitchHold measures 0 where no wire comes in: theta"
+    assert "jumps over a sample instant" in jumps

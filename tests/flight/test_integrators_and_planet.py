@@ -1,6 +1,5 @@
 """Integrators, planet and gravity of a flight: kept through its life, and worth what they claim."""
 
-import json
 import tempfile
 
 import numpy as np
@@ -9,7 +8,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 from plain_jsbsim import fly, trimmed
 
-from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, ParameterError, TrimCondition
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, TrimCondition
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 
 pytestmark = pytest.mark.matrix
@@ -98,29 +97,6 @@ def test_integrators_stay_through_reset_trim_and_renewal():
     assert airframe.fdm["simulation/gravity-model"] == 0
     airframe.run_ic()
     assert airframe.fdm["position/radius-to-vehicle-ft"] == pytest.approx(20902254.5305)
-
-
-def test_a_checkpoint_is_of_one_choice_of_integrators(tmp_path):
-    sim, _, scope = diagram(integrators="precise", planet="round", record_inputs=True)
-    sim.run(2.0)
-    sim.save_checkpoint(str(tmp_path / "stop"))
-    sim.run(2.0)
-    again, _, same = diagram(integrators="precise", planet="round", record_inputs=True)
-    again.load_checkpoint(str(tmp_path / "stop"))
-    again.run(2.0)
-    assert np.array_equal(same.read()[1], scope.read()[1])
-    other, _, _ = diagram(planet="round", record_inputs=True)
-    with pytest.raises(ParameterError, match="another flight"):
-        other.load_checkpoint(str(tmp_path / "stop"))
-
-
-def test_checkpoints_from_before_there_was_a_choice_are_of_the_default(tmp_path):
-    sim, _, _ = diagram(record_inputs=True)
-    sim.save_checkpoint(str(tmp_path / "stop"))
-    saved = json.dumps(json.loads((tmp_path / "stop.json").read_text()))
-    assert "c172p at" in saved
-    for name in ("integrators", "planet", "gravity"):
-        assert name not in saved
 
 
 @pytest.fixture(scope="module")

@@ -116,31 +116,6 @@ def test_it_flies_the_same_after_a_reset():
     assert np.array_equal(scope.read()[1][:, : first.shape[1]], first)
 
 
-def test_a_checkpoint_goes_on(tmp_path):
-    def diagram():
-        plane = airliner(
-            input_properties=["flaps"], output_properties=["flaps"], record_inputs=True
-        )
-        return plane, flown(plane, {"flaps": Source(lambda t: 0.5 * t)}, ["h"], 0.5)[1]
-
-    plane, sim = diagram()
-    sim.save_checkpoint(str(tmp_path / "here"))
-    sim.run(0.5)
-    same, later = diagram()
-    later.run(0.1)
-    later.load_checkpoint(str(tmp_path / "here"))
-    later.run(0.5)
-    assert np.array_equal(same.outputs.to_array(), plane.outputs.to_array())
-    assert same.outputs["flaps"] > 0.02
-    other = airliner(output_properties=["flaps"], record_inputs=True)
-    sim = flown(other, {}, ["h"], 0.1)[1]
-    sim.save_checkpoint(str(tmp_path / "other"))
-    with pytest.raises(ParameterError, match="of another flight"):
-        flown(airliner(record_inputs=True), {}, ["h"], 0.1)[1].load_checkpoint(
-            str(tmp_path / "other")
-        )
-
-
 @pytest.mark.parametrize("method", ["algebraic", "flown"])
 def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(method):
     plane = Aircraft(

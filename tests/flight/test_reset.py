@@ -17,7 +17,7 @@ from pathsim.blocks import Integrator, Scope
 from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, TrimCondition
-from pathsim_jsbsim_blocks.errors import BlocksError, FlightError, ParameterError
+from pathsim_jsbsim_blocks.errors import BlocksError, FlightError
 from pathsim_jsbsim_blocks.flight import has_retractable_gear
 
 OUTPUTS = [
@@ -386,25 +386,6 @@ def test_what_is_refused_at_a_reset_is_refused_at_the_next(restored):
         setattr(block, name, right)
         block.reset()
         assert [block.advance(k, 7 * [0.1]) for k in range(1, 100)] == first
-
-
-def test_a_checkpoint_of_a_restored_flight_is_of_that(tmp_path):
-    def flight(restored):
-        block = Aircraft("c172p", altitude=5000, speed=90, record_inputs=True)
-        block.restored = restored
-        sim = Simulation([block], [], dt=1 / 120, log=False)
-        sim.run(0.5, reset=True)
-        return sim, block
-
-    sim, block = flight(restored=True)
-    sim.save_checkpoint(tmp_path / "flight")
-    with pytest.raises(ParameterError, match="restored=True"):
-        flight(restored=False)[0].load_checkpoint(tmp_path / "flight")
-    again, other = flight(restored=True)
-    again.load_checkpoint(tmp_path / "flight")
-    for each in (sim, again):
-        each.run(0.5)
-    assert np.array_equal(other.outputs.to_array(), block.outputs.to_array())
 
 
 def test_an_edited_model_is_loaded_at_a_reset(tmp_path):

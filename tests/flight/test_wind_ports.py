@@ -109,21 +109,6 @@ def test_a_reset_is_without_wind_again_and_flies_the_same():
     assert first[1].min() < first[1][0] - 25.0  # a tailwind takes airspeed
 
 
-def test_a_checkpoint_goes_on_in_the_same_wind(tmp_path):
-    def diagram():
-        plane = Aircraft("c172p", speed=90.0, record_inputs=True)
-        return recorded(plane, ["h", "vt"], *winds(5)[1], duration=0.5)[0], plane
-
-    sim, plane = diagram()
-    sim.run(0.5)
-    sim.save_checkpoint(str(tmp_path / "windy"))
-    sim.run(0.5)
-    later, same = diagram()
-    later.load_checkpoint(str(tmp_path / "windy"))
-    later.run(0.5)
-    assert np.array_equal(same.outputs.to_array(), plane.outputs.to_array())
-
-
 @pytest.mark.parametrize("port", PORTS)
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_wind_that_is_not_finite_ends_the_flight_by_name(port, value):

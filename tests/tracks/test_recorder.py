@@ -71,19 +71,6 @@ def test_google_earth_gets_every_sample_of_a_sampling_period_that_is_given(tmp_p
         assert (tmp_path / "flight.kml").read_text(encoding="utf-8").count("<when>") == points
 
 
-def test_a_checkpoint_keeps_the_recording(tmp_path):
-    sim, recorder, _ = diagram()
-    sim.blocks[0].record_inputs = True
-    sim.run(0.2)
-    sim.save_checkpoint(str(tmp_path / "half"))
-    sim.run(0.2)
-    other, again, _ = diagram()
-    other.blocks[0].record_inputs = True
-    other.load_checkpoint(str(tmp_path / "half"))
-    other.run(0.2)
-    assert np.array_equal(again.to_frame(), recorder.to_frame())
-
-
 def test_it_saves_by_the_ending(tmp_path):
     sim, recorder, _ = diagram(name="the one")
     sim.run(0.1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import traceback
 import warnings
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ _OURS = (__name__.partition(".")[0], "pathsim")
 
 def warn_user(message: str, *, once: bool = False) -> None:
     """Warn at the line of the user's that the calls come from; ``once`` for each line."""
+    keep_warnings_visible()
     callers = list(frames())
     user = next(filter(is_users, callers), callers[-1])
     registry = user.f_globals.setdefault("__warningregistry__", {}) if once else None
@@ -27,3 +29,40 @@ def frames() -> Iterator[FrameType]:
 
 def is_users(frame: FrameType) -> bool:
     return str(frame.f_globals.get("__name__", "")).partition(".")[0] not in _OURS
+
+
+def depth_in_subsystems() -> int:
+    """Number of subsystems around a block whose ``set_solver`` PathSim is calling.
+
+    PathSim does not tell a block; the subsystems hand the solver down from one to the next.
+    """
+    from pathsim import Simulation, Subsystem  # a trim does without PathSim
+
+    inside: set[int] = set()
+    for frame in frames():
+        found = list(frame.f_locals.values())
+        inside |= {id(x) for x in found if isinstance(x, Subsystem)}
+        if any(isinstance(x, Simulation) for x in found):
+            break
+    return len(inside)
+
+
+def _captured() -> bool:
+    """Whether warnings go to `logging`."""
+    return warnings.showwarning.__module__ == logging.__name__
+
+
+# by the application, before PathSim's first `Simulation`, which makes this logger
+_CAPTURED_BY_APPLICATION = _captured() and logging.getLogger("pathsim").propagate
+
+
+def keep_warnings_visible() -> None:
+    """Undo PathSim's capture of warnings where no handler shows them.
+
+    The first `Simulation` of a process redirects all warnings to `logging`.
+    """
+    if _captured() and not _CAPTURED_BY_APPLICATION:
+        loggers = (logging.getLogger("py.warnings"), logging.root)
+        handlers = [handler for logger in loggers for handler in logger.handlers]
+        if all(isinstance(handler, logging.NullHandler) for handler in handlers):
+            logging.captureWarnings(False)

@@ -22,7 +22,7 @@ from typing import Any
 from pathsim.blocks import Block
 
 from ..errors import BlocksError, ParameterError
-from . import wiring  # noqa: F401  (warns of mistakes in the wiring)
+from .callers import keep_warnings_visible
 from .checks import did_you_mean, nearest_ports, refuse_unknown
 from .pathsim_internals import NamedRegister, port_names
 from .ports import label
@@ -94,6 +94,11 @@ class Parametric(Block):
         self.checked = SimpleNamespace(**values)
         self.build()
         self._built = True
+
+    def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
+        """PathSim calls this when the block comes into a simulation."""
+        keep_warnings_visible()
+        super().set_solver(Solver, parent, **solver_args)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self.__dataclass_fields__ and self._built:

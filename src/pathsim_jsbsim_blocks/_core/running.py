@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from pathsim import Simulation, StopSimulation
+from pathsim import Connection, Simulation, StopSimulation
+from pathsim.blocks import Block
+from pathsim.events import Schedule
 
 from . import pathsim_internals
 from .checks import must_be, number, positive
 from .progress import progress_bar
-
-if TYPE_CHECKING:
-    from tqdm import tqdm
+from .sampling import SampleClock, SampledBlock
+from .wiring import warn_of_wiring
 
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
+
+# steps between two looks at the progress
+_AT_ONCE = 100
 
 # ``fly``: what is called in place of `fly` in this thread, with it and its arguments
 in_place = threading.local()
@@ -30,9 +32,10 @@ def fly(
     """Run a diagram as ``sim.run(duration, reset)`` does, in less time.
 
     The trajectory is the same, bit for bit. Fixed steps are counted: 3600 s at 120 Hz are 432,000
-    steps, and rounding makes ``run`` take one more. Most is saved in a diagram without continuous
-    states and algebraic loops, where the order of blocks and connections is worked out once and not
-    at every step. With an adaptive solver this is PathSim's own loop.
+    steps, and rounding makes ``run`` take one more. A step of a diagram without continuous states,
+    algebraic loops and other events than those of a schedule is made by one loop over the sampled
+    blocks, the levels of the graph and the recorders; all others are PathSim's own. That loop
+    evaluates each block once per step, ``run`` twice: functions that count their calls see that.
 
     Parameters
     ----------
@@ -51,6 +54,11 @@ def fly(
     dict
         what ``run`` returns: "total_steps", "successful_steps", "runtime_ms"
 
+    Warns
+    -----
+    RuntimeWarning
+        of what looks like a mistake in the wiring
+
     Raises
     ------
     ParameterError
@@ -59,6 +67,8 @@ def fly(
     if not isinstance(sim, Simulation):
         must_be("sim", sim, "a Simulation")
     duration = number("duration", positive("duration", duration))
+    if sim.dt is not None:
+        number("dt", positive("dt", sim.dt))
     call = getattr(in_place, "fly", None)
     if call is not None:
         return call(_fly, sim, duration=duration, reset=reset, progress=progress)
@@ -66,6 +76,7 @@ def fly(
 
 
 def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -> dict[str, Any]:
+    warn_of_wiring(sim)
     start = 0.0 if reset else sim.time
     tracker = pathsim_internals.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
@@ -76,98 +87,135 @@ def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -
             if not adaptive:
                 # PathSim's loop has made the start and the first step, with the step of the run:
                 # sim.dt may be another one since
-                dt = made["dt"]
                 loop.close()
-                count = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
-                _fixed_steps(loop, sim, dt, count, start, duration, tracker, bar)
+                dt, stats = made["dt"], tracker.stats
+                left = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
+                steps = Steps(sim, dt)
+                while left and sim:
+                    # PathSim logs the progress of each step
+                    count = steps.make(1 if sim.log else min(left, _AT_ONCE))
+                    left -= count
+                    if sim.log and count:
+                        tracker.update((sim.time - start) / duration)
+                    else:
+                        stats["total_steps"] += count
+                        stats["successful_steps"] += count
+                    bar.update(sim.time - start - bar.n)
+        if not sim:
+            tracker.interrupt()
     return tracker.stats
 
 
-class Pieces:
-    """A run from the initial state, made in pieces; in between, values may be edited.
-
-    Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit, without the checks with which
-    a run begins. The simulation, with a fixed step, is reset.
-    """
-
-    def __init__(self, sim: Simulation):
-        self._sim, self._dt = sim, number("dt", positive("dt", sim.dt))
-        self._steps = pathsim_internals.run_loop(
-            sim, sim.dt, True, False, pathsim_internals.tracker(sim, sim.dt)
-        )
-        self._steps.close()
-        sim.reset()
-        self._step = pathsim_internals.fixed_step(sim, self._dt)
-
-    def show(self) -> None:
-        """Show what follows from the values as they are now."""
-        with self._steps:
-            self._steps.go_on()
-            pathsim_internals.show_edited(self._sim, self._dt)
-
-    def run(self, count: int) -> bool:
-        """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""
-        sim, steps, step = self._sim, self._steps, self._step
-        try:
-            with steps:
-                steps.go_on()
-                pathsim_internals.show_edited(sim, self._dt)
-                for _ in range(count):
-                    if not steps.go_on():
-                        break
-                    step()
-        except StopSimulation:
-            sim.stop()
-        return pathsim_internals.is_running(sim)
-
-
 def watched_run(
-    sim: Simulation,
-    duration: float,
-    reset: bool,
-    adaptive: bool,
-    after: Callable[[float], object] = lambda passed: None,
+    sim: Simulation, duration: float = 10.0, reset: bool = False, adaptive: bool = True
 ) -> dict[str, Any]:
-    """``Simulation.run`` with a progress bar; ``after`` each step gets the simulated time in s."""
+    """``Simulation.run`` with a progress bar."""
     start = 0.0 if reset else sim.time
     tracker = pathsim_internals.tracker(sim, duration)
     with tracker, progress_bar(duration) as bar:
         for _ in pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker):
             bar.update(sim.time - start - bar.n)
-            after(sim.time - start)
     return tracker.stats
 
 
-def _fixed_steps(
-    steps: pathsim_internals.Steps,
-    sim: Simulation,
-    dt: float,
-    count: int,
-    start: float,
-    duration: float,
-    tracker: Any,
-    bar: tqdm,
-) -> None:
-    step, shown = pathsim_internals.fixed_step(sim, dt), not bar.disable
-    update = tracker.update if sim.log else functools.partial(_count, tracker.stats)
-    try:
-        with steps:
-            for _ in range(count):
-                if not steps.go_on():
-                    break
-                success = step()
-                passed = sim.time - start
-                update(passed / duration, success)
-                if shown:
-                    bar.update(passed - bar.n)
-    except StopSimulation as stop:
-        sim.logger.info(f"STOP (StopSimulation: '{stop}')")
-        sim.stop()
-    if not pathsim_internals.is_running(sim):
-        tracker.interrupt()
+class Steps:
+    """Fixed steps of a simulation, made as `Simulation.timestep` makes them."""
+
+    def __init__(self, sim: Simulation, dt: float):
+        self._sim, self._dt = sim, dt
+        self._look()
+
+    def make(self, count: int) -> int:
+        """Make so many steps; tells how many were made before the simulation was stopped."""
+        sim, made = self._sim, 0
+        try:
+            while made < count and sim:
+                if sim.graph is self._graph and self._flat:
+                    made += self._make_flat(count - made)
+                    if made == count or not sim:
+                        break
+                sim.timestep(self._dt, adaptive=False)
+                made += 1
+                if sim.graph is not self._graph:
+                    self._look()
+        except StopSimulation as stop:
+            sim.logger.info(f"STOP (StopSimulation: '{stop}')")
+            sim.stop()
+        return made
+
+    def _look(self) -> None:
+        """Take the order of blocks and connections from the simulation's graph."""
+        sim = self._sim
+        self._graph = sim.graph
+        self._sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
+        others = [b for b in sim.blocks if not isinstance(b, SampledBlock)]
+        self._eventful = [b for b in others if b.events]
+        self._recorders = [
+            b for b in sim.blocks if getattr(b.sample, "__func__", None) is not Block.sample
+        ]
+        self._flat = (
+            type(sim) is Simulation
+            and not sim.graph.has_loops
+            and sim.engine.is_explicit
+            and not any(b.engine for b in sim.blocks)
+            and not any(isinstance(e, SampleClock) for b in self._eventful for e in b.events)
+            and all(type(wire) is Connection for wire in sim.connections)
+        )
+        self._levels = pathsim_internals.levels(sim) if self._flat else []
+
+    def _make_flat(self, count: int) -> int:
+        """Make steps until there is something else in one; tells how many were made."""
+        sim, dt, graph, made = self._sim, self._dt, self._graph, 0
+        sampled, levels, recorders = self._sampled, self._levels, self._recorders
+        while made < count and sim and sim.graph is graph and not pathsim_internals.is_dirty(sim):
+            t = sim.time + dt
+            if sim.diagnostics is not None or self._other_due(sim.time):
+                break
+            for block, clock in sampled:
+                if t >= clock.due_from and block:
+                    if not clock.counting:
+                        # it was switched off and on
+                        return made
+                    block.act(t)
+            pathsim_internals.evaluate(levels, t)
+            for block in recorders:
+                if block:
+                    block.sample(t, dt)
+            sim.time = t
+            made += 1
+        return made
+
+    def _other_due(self, t: float) -> bool:
+        """Whether an event may come in the step from ``t``, or must be watched."""
+        until = self._dt + 1e-6 * self._dt + 1e-9 * abs(t)
+        return any(
+            event and not (isinstance(event, Schedule) and event.estimate(t) > until)
+            for events in (self._sim.events, *(block.events for block in self._eventful))
+            for event in events
+        )
 
 
-def _count(stats: dict[str, Any], progress: float, success: bool) -> None:
-    """What remains of the tracker's update where nothing is logged."""
-    stats["total_steps"] += 1
-    stats["successful_steps"] += success
+class Pieces:
+    """A run from the initial state, made in pieces; in between, values may be edited.
+
+    Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit. The simulation, with a fixed
+    step, is reset.
+    """
+
+    def __init__(self, sim: Simulation):
+        self._sim, self._dt = sim, number("dt", positive("dt", sim.dt))
+        sim.reset()
+        self._steps = Steps(sim, self._dt)
+
+    def show(self) -> None:
+        """Show what follows from the values as they are now."""
+        pathsim_internals.show_edited(self._sim, self._dt)
+
+    def run(self, count: int) -> bool:
+        """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""
+        try:
+            self.show()
+        except StopSimulation:
+            self._sim.stop()
+        self._steps.make(count)
+        return bool(self._sim)

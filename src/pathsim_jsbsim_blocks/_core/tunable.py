@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from .callers import warn_user
 from .parameters import Parametric
-from .pathsim_internals import port_names
 from .sampling import SampledLaw
 
 
@@ -27,23 +26,21 @@ class TunableLaw(Parametric, SampledLaw):
     def begin(self) -> None:
         SampledLaw.__init__(self, self.T)
 
-    def start_step(self, t: float) -> None:
-        super().start_step(t)
-        if not self._wires_seen:
-            self._wires_seen = True
-            self._warn_of_missing_wires()
+    def run_begins(self) -> None:
+        """Warn once of inputs that must be connected and are not."""
+        if self._wires_seen:
+            return
+        self._wires_seen = True
 
-    def needed(self) -> tuple[str, ...]:
-        """Inputs that must be connected, given the others that are."""
-        return self.measured
-
-    def _warn_of_missing_wires(self) -> None:
-        ports = port_names(self.inputs)
-        missing = [name for name in self.needed() if ports[name] not in self.inputs.wired]
+        missing = [name for name in self.needed() if name not in self.inputs.wired]
         if missing:
             warn_user(
                 f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
             )
+
+    def needed(self) -> tuple[str, ...]:
+        """Inputs that must be connected, given the others that are."""
+        return self.measured
 
     def reset(self) -> None:
         period = self.clock.period

@@ -1,37 +1,43 @@
 """Mistakes in the wiring of a diagram, named by block and port.
 
-PathSim refuses some without a name, or fails on them elsewhere, and runs on with the others.
+PathSim runs on with these.
 """
 
 from __future__ import annotations
 
-import reprlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
-from weakref import WeakKeyDictionary
+from weakref import WeakSet
 
 from pathsim import Connection, Simulation, Subsystem
 from pathsim.blocks import Block
-from pathsim.utils.portreference import PortReference
+from pathsim.utils.graph import Graph
 from pathsim.utils.register import Register
 
 from .callers import frames, is_users, warn_user
-from .checks import refuse
-from .pathsim_internals import before_runs, check_diagrams, port_names
+from .pathsim_internals import is_dirty, port_names
 
-_warned: WeakKeyDictionary[Simulation, set[str]] = WeakKeyDictionary()
+# those of which nothing has to be said again; a changed diagram has another
+_checked: WeakSet[Graph] = WeakSet()
 
 
-def warn_of_wiring(sim: Simulation, reset: bool) -> None:
-    """Warn of each mistake once in the life of a diagram, at the user's line."""
-    warned = _warned.setdefault(sim, set())
+def warn_of_wiring(sim: Simulation) -> None:
+    """Warn, at the user's line, of what looks like a mistake in the wiring of a diagram.
+
+    That is a wired block that is not in the simulation, two wires into one port, an input without
+    a wire whose 0 is a value of its own, and a command or a wind that goes nowhere. `fly`, the
+    command line, ``load_diagram``, batches, environments and the export call this.
+
+    Warns
+    -----
+    RuntimeWarning
+        for each mistake; again only after the diagram was changed
+    """
+    if sim.graph in _checked and not is_dirty(sim):
+        return
+    _checked.add(sim.graph)
     for message in dict.fromkeys(_mistakes(sim)):
-        if message not in warned:
-            warned.add(message)
-            warn_user(message)
-
-
-before_runs.append(warn_of_wiring)
+        warn_user(message)
 
 
 def _mistakes(sim: Simulation) -> Iterator[str]:
@@ -40,7 +46,7 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
     for connection in connections:
-        for source, i, target, _, j in _wires(connection):
+        for source, i, target, j in _wires(connection):
             starts.add((id(source), i))
             if not (connection and source):
                 continue  # switched off: another wire may take its place
@@ -57,7 +63,11 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             other, k = ends.setdefault((id(target), j), (source, i))
             if (other, k) != (source, i):
                 # by name and by number; the same words twice PathSim refuses
-                yield f"{_conflict(other, k, source, i, target, j)}. One of them has no effect"
+                yield (
+                    f"two wires lead into {_port(target, j, target.inputs)}, from "
+                    f"{_port(other, k, other.outputs)} and {_port(source, i, source.outputs)}: "
+                    "use an Adder. One of them has no effect"
+                )
     for block in blocks:
         for i in _numbers(getattr(block, "places", ()), block.inputs):
             if (id(block), i) not in ends:
@@ -67,82 +77,17 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
             if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
                 yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
+        if getattr(block, "is_wind", False) and not any(b == id(block) for b, _ in starts):
+            yield f"{name_of(block)} blows nowhere: no wire leads from it"
 
 
-def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int | str, int]]:
-    """Source and output, target and input, as it is written and by number, of each wire."""
+def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:
+    """Source and output, target and input, of each wire."""
     source = connection.source.block
     outputs = _numbers(connection.source.ports, source.outputs)
-    for target, ports in ((end.block, end.ports) for end in connection.targets):
-        for i, port, j in zip(outputs, ports, _numbers(ports, target.inputs), strict=True):
-            yield source, i, target, port, j
-
-
-def _conflict(one: Block, i: int, other: Block, k: int, target: Block, j: int) -> str:
-    return (
-        f"two wires lead into {_port(target, j, target.inputs)}, from "
-        f"{_port(one, i, one.outputs)} and {_port(other, k, other.outputs)}: use an Adder"
-    )
-
-
-def _check_wires(connections: Sequence[Connection]) -> None:
-    """Refuse two wires into one port."""
-    ends: dict[tuple[int, int | str], tuple[Block, int]] = {}
-    for connection in connections:
-        for source, i, target, port, j in _wires(connection):
-            if (id(target), port) in ends:
-                message = _conflict(*ends[id(target), port], source, i, target, j)
-                refuse("connections", connection, message)
-            ends[id(target), port] = source, i
-
-
-def _check_ends(_: Connection, *ends: Any, **named: Any) -> None:
-    """Refuse a wire to or from what is no block."""
-    for end in (*ends, *named.values()):
-        if not isinstance(end, (Block, PortReference)):
-            why = f"{_called(end)} is no Block: a connection joins ports of blocks"
-            refuse("connections", end, why)
-
-
-def _check_wire(connection: Connection) -> None:
-    """Refuse a wire whose ends have different numbers of ports."""
-    for target in connection.targets:
-        if len(target) != len(connection.source):
-            start, end = connection.source, target
-            why = f"{_called(start)} has {len(start)} port{'s' * (len(start) > 1)} and "
-            why += f"{_called(end)} has {len(end)}: each target of a connection needs as many "
-            refuse("targets", connection, f"{why}ports as its source")
-
-
-def _check_part(part: Any, kind: type) -> None:
-    """Refuse what is no block, or no connection, in the list of them."""
-    if isinstance(part, kind):
-        return
-    parameter = "blocks" if kind is Block else "connections"
-    hint = ""
-    if isinstance(part, (list, tuple)):
-        hint = f": {parameter} are one list, without lists in it"
-    elif isinstance(part, type):
-        hint = f": build one with {part.__name__}(...)"
-    elif isinstance(part, PortReference):
-        hint = ": the list has the blocks themselves"
-    refuse(parameter, part, f"{_called(part)} among the {parameter} is no {kind.__name__}{hint}")
-
-
-def _called(part: Any) -> str:
-    """What the user calls a part of a diagram."""
-    if isinstance(part, (list, tuple)):
-        return f"[{', '.join(map(_called, part))}]"
-    if isinstance(part, PortReference):
-        return f"{name_of(part.block)}[{', '.join(map(repr, part.ports))}]"
-    if isinstance(part, Connection):
-        return f"Connection({', '.join(map(_called, [part.source, *part.targets]))})"
-    if isinstance(part, type):
-        return part.__name__
-    return name_of(part) if isinstance(part, Block) else reprlib.repr(part)
-
-
-check_diagrams(_check_part, _check_ends, _check_wire, _check_wires)
+    for end in connection.targets:
+        inputs = _numbers(end.ports, end.block.inputs)
+        yield from ((source, i, end.block, j) for i, j in zip(outputs, inputs, strict=True))
 
 
 def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connection]]:

@@ -73,8 +73,8 @@ def list_(args: argparse.Namespace) -> None:
     TOOLBOX,
 )
 def run(args: argparse.Namespace) -> int:
+    from .._core.callers import keep_warnings_visible
     from .._core.checks import positive, refuse
-    from .._core.pathsim_internals import keep_warnings_visible
     from ..catalogue import find_diagram
     from ..scripts.runs import with_duration, with_progress
     from ..scripts.script import Script, main_program

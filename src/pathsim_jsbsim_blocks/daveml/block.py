@@ -77,18 +77,16 @@ class DaveML(TunableLaw):
             side: [v.id for v in variables]
             for side, variables in (("input", model.inputs), ("output", model.outputs))
         }
-        self._initial = [
-            (i, v.initial) for i, v in enumerate(model.inputs) if v.initial is not None
-        ]
-        known = dict(self._initial)
-        missing = (n for n, i in port_names(self.inputs).items() if i not in known)
+        initial = [v.initial for v in model.inputs]
+        names = [*port_names(self.inputs)]
+        self._initial = [(i, names[i], x) for i, x in enumerate(initial) if x is not None]
+        missing = (name for name, x in zip(names, initial, strict=True) if x is None)
         self.measured = tuple(missing)  # type: ignore[misc]
 
     def sample(self, t: float, dt: float) -> None:
         super().sample(t, dt)
-        if not self._wires_seen:
-            self._wires_seen = True
-            self._warn_of_missing_wires()
+        # without T it has no events, which tell that a run begins
+        self.run_begins()
 
     def update(self, t: float) -> None:
         self._time = t
@@ -104,8 +102,8 @@ class DaveML(TunableLaw):
         return self._evaluated(u), state
 
     def _evaluated(self, u: list[float]) -> list[float]:
-        for i, initial in self._initial:
-            if i not in self.inputs.wired:
+        for i, name, initial in self._initial:
+            if name not in self.inputs.wired:
                 u[i] = initial
         name, value, reason = "", math.nan, ""
         if math.isfinite(sum(u)):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import time
-from array import array
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import inf, isfinite, nan
@@ -22,7 +20,7 @@ from .._core.callers import warn_user
 from .._core.checks import flag, number, one_of, positive, refuse, whole
 from .._core.continuous import Matrices
 from .._core.parameters import Parametric
-from .._core.pathsim_internals import NamedRegister, port_names, show, values
+from .._core.pathsim_internals import NamedRegister, port_names, values
 from .._core.sampling import SHORTEST_PERIOD, SampledPlant
 from .._core.wiring import name_of
 from ..errors import (
@@ -35,7 +33,7 @@ from ..errors import (
 from ..linear.model import LinearModel, find
 from .airframe import Airframe
 from .channels import Channel
-from .console import capture_console, log
+from .console import capture_console
 from .contact import GroundContact
 from .flightgear import next_address, sending_to
 from .linearise.algebraic import algebraic_model
@@ -125,7 +123,8 @@ class FlightBlock(Parametric, SampledPlant):
 
     def begin(self) -> None:
         SampledPlant.__init__(self, self.T)
-        self.record_inputs = flag("record_inputs", self.record_inputs)
+        if flag("record_inputs", self.record_inputs):
+            warn_user("record_inputs is gone and does nothing: JSBSim cannot save its state")
         if self.flightgear is None:
             self.flightgear = next_address()
         self.input_properties = listed("input_properties", self.input_properties)
@@ -367,7 +366,6 @@ class FlightBlock(Parametric, SampledPlant):
         contact = GroundContact(self.airframe, *limits)
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
-        self._flown = array("d")
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
@@ -456,8 +454,7 @@ class FlightBlock(Parametric, SampledPlant):
         # copy.copy and copy.deepcopy ask here too
         name, aircraft = type(self).__name__, self.airframe.aircraft
         why = f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
-        why += f"process. Build another {name} with the same parameters; to go on from here, save "
-        why += "the diagram with save_checkpoint and load it there"
+        why += f"process. Build another {name} with the same parameters"
         raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
@@ -505,10 +502,6 @@ class FlightBlock(Parametric, SampledPlant):
             self._check(y, self._time(index))
         if index >= self._fuel_at:
             self._check_fuel(index)
-        if self.__dict__["record_inputs"] is True:
-            before = (index - 1) * self._n_inputs
-            if len(self._flown) >= before:
-                self._flown[before:] = array("d", u)
         return y
 
     def _time(self, index: int) -> float:
@@ -577,43 +570,6 @@ class FlightBlock(Parametric, SampledPlant):
         )
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
-        """Save the flight as the inputs flown: JSBSim's state itself cannot be saved."""
-        flown = max(self.clock.results)
-        if len(self._flown) != flown * self._n_inputs:
-            why = f"the flight of {self.airframe.aircraft!r} cannot be saved: not all of its "
-            why += "inputs were recorded. Build the block with record_inputs=True"
-            refuse("record_inputs", self.record_inputs, why)
-        json_data, npz_data = super().to_checkpoint(prefix, recordings)
-        latched, u = self.clock.latched
-        json_data.update(flight=self._flying, samples=flown, latched=latched)
-        npz_data[f"{prefix}/flown"] = np.array(self._flown)
-        npz_data[f"{prefix}/latched"] = np.array(u)
-        return json_data, npz_data
-
-    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        """Fly a saved flight again on a fresh aircraft, with the inputs recorded."""
-        flight = json_data.get("flight")
-        if flight != self._flight_key():
-            there, here = str(flight).split(", "), self._flight_key().split(", ")
-            theirs = ", ".join(x for x in there if x not in here) or flight
-            ours = ", ".join(x for x in here if x not in there) or self._flight_key()
-            why = f"the checkpoint is of another flight: it has {theirs}; this block has {ours}"
-            refuse("checkpoint", flight, why)
-        super().load_checkpoint(prefix, json_data, npz)
-        start = time.perf_counter()
-        saved = self.outputs.to_array()
-        self.take_off()
-        samples, kept = json_data["samples"], json_data["index"] - 1
-        rows = npz[f"{prefix}/flown"].reshape(samples, self._n_inputs).tolist()
-        self.clock.results = results = {0: self.clock.results[kept]}
-        for index, row in enumerate(rows, 1):
-            results[index] = self.advance(index, row)
-            if index <= kept:
-                del results[index - 1]
-        self._flown = array("d", npz[f"{prefix}/flown"].tolist())
-        self.clock.latched = json_data["latched"], npz[f"{prefix}/latched"].tolist()
-        if not any(np.array_equal(y, saved) for y in results.values()):
-            why = "the recorded inputs lead to another state than the one saved: is it the same "
-            refuse("checkpoint", flight, f"{why}version of jsbsim?")
-        show(self.outputs, saved)
-        log.info("flew %d recorded samples again in %.2f s", samples, time.perf_counter() - start)
+        """Refused: JSBSim cannot save its state."""
+        why = f"the flight of {self.airframe.aircraft!r} cannot be saved in a checkpoint: JSBSim "
+        refuse("checkpoint", prefix, f"{why}cannot save its state")

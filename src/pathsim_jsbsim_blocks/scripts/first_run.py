@@ -25,6 +25,7 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from .._core.running import fly
+from .._core.wiring import warn_of_wiring
 from ..errors import DiagramError
 from .libraries import Libraries
 from .names import arguments, assignments, bound, root
@@ -117,6 +118,7 @@ class FirstRun(Script):
         self._capturing = True
         try:
             self.simulation = self._the_simulation()
+            warn_of_wiring(self.simulation)
             self.run_call = self._find_run()
             self.statements = self._before_run()
             if self._capture_with is not None:

@@ -19,10 +19,12 @@ from unittest.mock import patch
 
 from pathsim import Simulation
 
+from .._core.callers import keep_warnings_visible
 from .._core.checks import number, positive, refuse
 from .._core.pathsim_internals import ON
 from .._core.progress import progress_bar
 from .._core.running import in_place, watched_run
+from .._core.wiring import warn_of_wiring
 
 # gets a run as it would be, the simulation, the method's name or "fly", and the arguments
 Around = Callable[[Callable[..., Any], Simulation, str, dict[str, Any]], Any]
@@ -130,9 +132,11 @@ def with_duration(duration: float | None) -> Iterator[Runs]:
 
 
 def with_progress() -> contextlib.AbstractContextManager[None]:
-    """Context in which ``Simulation.run`` shows the progress bar of `fly`."""
+    """Context in which ``Simulation.run`` warns of the wiring and shows progress as `fly` does."""
 
     def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
+        keep_warnings_visible()
+        warn_of_wiring(sim)
         # where it logs, PathSim itself shows the progress
         return (usual if name == "fly" or sim.log else watched_run)(sim, **given)
 

@@ -115,6 +115,7 @@ class OneMinusCosineGust(_EdgeSource):
     start: float = parameter(1.0, number, low=0.0)
     polarity: float = parameter(1, polarity_of)
 
+    is_wind = True
     output_port_labels = {"gust": 0}
 
     @property

@@ -131,6 +131,7 @@ class Microburst(NamedFunction):
     height: float = parameter(150.0, _length)
     terrain: float = parameter(0.0, number)
 
+    is_wind = True
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
     # inputs that must be connected

@@ -99,6 +99,7 @@ class WindShear(NamedFunction):
     roughness: float = parameter(0.15, _roughness)
     terrain: float = parameter(0.0, number)
 
+    is_wind = True
     input_port_labels = {"h": 0}
     output_port_labels = {"north": 0, "east": 1}
     # inputs that must be connected

@@ -385,6 +385,7 @@ class DrydenTurbulence(TunableLaw):
     seed: int = parameter(0, whole, low=0)
     T: float = parameter(1 / 120, positive)
 
+    is_wind = True
     measured = ("h", "vt")
     input_port_labels = {"h": 0, "vt": 1, "psi": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2, "p": 3, "q": 4, "r": 5}
