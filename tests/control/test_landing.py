@@ -386,7 +386,7 @@ def test_a_receiver_tuned_to_another_station_captures_nothing(hold):
     # 3 nmi from one on the ground ahead, then 500 ft below and beside the beams of a nearer one
     block = hold("c172p")
     ports = block.input_port_labels
-    block.inputs.wired = set(ports.values())
+    block.inputs.wired = set(ports)
     state, captured = block.initial_state(), []
     for k in range(480):
         dist = 18_000.0 - k + (8000.0 if k < 240 else 0.0)

@@ -209,7 +209,7 @@ class Hold(TunableLaw):
 
     def wanted(self, port: str, value: float, measured: float = 0.0) -> Reference:
         """Reference from the value at a port, which may be absolute."""
-        if self.reference == "absolute" and self.input_port_labels[port] in self.inputs.wired:
+        if self.reference == "absolute" and port in self.inputs.wired:
             return value, 0.0
         if value > 0.0 and port in MEANT_ABSOLUTE and not self._warned_of_increment:
             self._check_increment(port, value, measured)

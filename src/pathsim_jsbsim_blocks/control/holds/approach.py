@@ -276,14 +276,13 @@ class GlideslopeHold(Hold):
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
-        self._received = self.input_port_labels["gs_dist"]
         self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
         self._share = -math.expm1(-self.clock.period / SMOOTHING)
 
     def law(self, u: list[float], state: GlideslopeState) -> tuple[list[float], GlideslopeState]:
         h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha, degrees, above, away = u[:13]
         self.retune(vc, h)
-        received = self._received in self.inputs.wired
+        received = "gs_dist" in self.inputs.wired
         if not received:
             away = distance(place_unchecked(lat, lon), self._threshold)
         speed, rate = state.speed, 0.0
@@ -331,7 +330,7 @@ class GlideslopeHold(Hold):
 
     def needed(self) -> tuple[str, ...]:
         # a wire from a receiver asks for the others, and replaces the position
-        seen = {name: self.input_port_labels[name] for name in ("gs_deg", "gs_ft", "gs_dist")}
-        if self.inputs.wired.isdisjoint(seen.values()):
+        seen = "gs_deg", "gs_ft", "gs_dist"
+        if self.inputs.wired.isdisjoint(seen):
             return self.measured
         return (*(x for x in self.measured if x not in ("lat", "lon")), *seen)

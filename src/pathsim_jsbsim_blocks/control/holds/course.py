@@ -267,15 +267,6 @@ class CourseHold(Hold):
             f"{self.checked.bank_max:g}: the aircraft leaves it"
         )
 
-    def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
-        super().load_checkpoint(prefix, json_data, npz)
-        # what was not known at the start was saved as tuples without names
-        for i, (y, state) in self.clock.results.items():
-            here, direct = state.ground.here, state.direct
-            ground = state.ground._replace(here=here and Place(*here))
-            direct = direct and GreatCircle(*direct)
-            self.clock.results[i] = y, state._replace(ground=ground, direct=direct)
-
     def _along(
         self,
         here: Place,
