@@ -210,15 +210,8 @@ class Autopilot(Hold):
         self.yaw = YawLoop(T, yaw, c.rudder_authority)
         level = self.vertical.altitude
         self.on_pitch = SpeedOnPitchLoop(T, speed.ramp, level.pid.low, level.theta_max)
-        self.follows(
-            pitch=self.vertical.pitch,
-            roll=self.roll,
-            heading=self.heading,
-            altitude=level,
-            speed=self.speed,
-            yaw=self.yaw,
-            envelope=self.vertical.envelope,
-        )
+        lateral = {"roll": self.roll, "heading": self.heading, "yaw": self.yaw}
+        self.follows(speed=self.speed, **lateral, **self.vertical.loops)
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
         theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref = u[:14]

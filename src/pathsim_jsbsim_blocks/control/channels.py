@@ -6,7 +6,7 @@ Throttle and rudder have one loop each, `SpeedLoop` and `YawLoop`.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .airspeeds import true_airspeed
 from .loops import (
@@ -69,6 +69,8 @@ class Vertical:
 
     def __init__(self, altitude: AltitudeLoop, pitch: ReferenceLoop, envelope: Protection | None):
         self.altitude, self.pitch, self.envelope = altitude, pitch, envelope
+        # by their names in a gain table
+        self.loops = {"altitude": altitude, "pitch": pitch, "envelope": envelope}
 
     def protection(self, alpha: float) -> Protection | None:
         """The protection, where there is an angle of attack to protect."""
@@ -79,13 +81,9 @@ class Vertical:
         state: VerticalState,
         now: Motion,
         vc: float,  # the airspeed to protect; 0 for none
-        full_throttle: bool,
-        vc_cmd: float | None = None,
-        hold_pitch: bool = False,
-        phi: float = 0.0,
-        h_agl: float = 0.0,
+        *signals: Any,  # of `Protection.sample`, from ``full_throttle`` on
     ) -> tuple[Allowed, ProtectionState]:
-        """What the protection allows, and its next state; arguments as of `Protection.sample`."""
+        """What the protection allows, and its next state."""
         if self.envelope and self.envelope.flies_envelope:
             self.altitude.descend(self.envelope.descent_max, true_airspeed(now.vc, now.h))
         protection = self.protection(now.alpha)
@@ -93,20 +91,8 @@ class Vertical:
             return EVERYTHING, state.guard
         # positive elevator is nose down
         stop = not now.off and (now.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
-        return protection.sample(
-            state.guard,
-            now.theta,
-            now.alpha,
-            now.h,
-            now.hdot,
-            vc,
-            stop,
-            full_throttle,
-            vc_cmd,
-            hold_pitch,
-            phi,
-            h_agl,
-        )
+        measured = now.theta, now.alpha, now.h, now.hdot, vc
+        return protection.sample(state.guard, *measured, stop, *signals)
 
     def for_altitude(
         self,

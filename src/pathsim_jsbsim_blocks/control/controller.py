@@ -186,7 +186,7 @@ class Hold(TunableLaw):
             attitude_loop(T, pitch, authority, -1.0, self.scheduled),
             self.protection_within(envelope),
         )
-        self.follows(altitude=vertical.altitude, pitch=vertical.pitch, envelope=vertical.envelope)
+        self.follows(**vertical.loops)
         return vertical
 
     def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:

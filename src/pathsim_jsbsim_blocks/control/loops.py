@@ -319,19 +319,10 @@ class SpeedLoop:
         self.loop = ReferenceLoop(self.pid, gains.ramp)
         self.retune(*vars(gains).values())
 
-    def retune(
-        self,
-        Kp: float,
-        Ki: float,
-        Kd: float,
-        Tf: float,
-        b: float,
-        ramp: float,
-        Kc: float,
-        band: float,
-    ) -> None:
+    def retune(self, *gains: float) -> None:
+        """Take gains, in the order of `SpeedGains`."""
+        Kp, Ki, Kd, Tf, b, self.loop.ramp, self.Kc, self.loop.band = gains
         self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
-        self.loop.ramp, self.loop.band, self.Kc = ramp, band, Kc
 
     def sample(
         self,
@@ -425,10 +416,9 @@ class YawLoop:
         self.low, self.high = authority
         self.retune(*vars(gains).values())
 
-    def retune(
-        self, K: float, tau: float, Kp: float, Ki: float, Kroll: float, Kbank: float
-    ) -> None:
-        self.K, self.Kp, self.Ki, self.Kroll, self.Kbank = K, Kp, Ki, Kroll, Kbank
+    def retune(self, *gains: float) -> None:
+        """Take gains, in the order of `YawGains`."""
+        self.K, tau, self.Kp, self.Ki, self.Kroll, self.Kbank = gains
         self._fade = math.exp(-self.T / tau)
 
     def sample(

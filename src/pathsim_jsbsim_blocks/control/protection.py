@@ -117,27 +117,17 @@ class Protection:
         self.flies_envelope = envelope is not None
         self.alpha_zero = 0.0
         if envelope:
-            self.retune(**vars(envelope))
+            self.retune(*vars(envelope).values())
         self._alpha_filter = -math.expm1(-T / self.RATE)
         self._slow_filter = -math.expm1(-T / self.SLOW)
         self._adapt = -math.expm1(-T / self.ADAPT)
 
-    def retune(
-        self,
-        alpha_max: float,
-        vc_min: float,
-        climb_max: float,
-        descent_max: float,
-        vmo: float,
-        mmo: float,
-        alpha_zero: float,
-        lift_max: float,
-    ) -> None:
+    def retune(self, *limits: float) -> None:
+        """Take limits of the envelope, in the order of `EnvelopeLimits`."""
+        alpha_max, _, self.climb_max, self.descent_max, *others = limits
+        self.vmo, self.mmo, self.alpha_zero, self.lift_max = others
         if not self._own:
             self.alpha_max = alpha_max
-        self.climb_max, self.descent_max = climb_max, descent_max
-        self.vmo, self.mmo = vmo, mmo
-        self.alpha_zero, self.lift_max = alpha_zero, lift_max
 
     def sample(
         self,

@@ -74,6 +74,22 @@ class FlareState(NamedTuple):
 APPROACH, FLARE, ROLL_OUT, GO_AROUND = 0.0, 1.0, 2.0, 3.0
 
 
+class Seen(NamedTuple):
+    """What a `FlareHold` measures and is told at a sample, in the units of its ports."""
+
+    height: float  # of the wheels
+    hdot: float
+    theta: float
+    alpha: float
+    psi: float
+    r: float
+    vc: float
+    given: list[float]  # commands of the approach
+    down: bool
+    go_around: bool
+    off: bool
+
+
 @fill
 @dataclass(eq=False, repr=False)
 class FlareHold(Hold):
@@ -222,43 +238,36 @@ class FlareHold(Hold):
             self.protection_within(envelope),
         )
         self.roll = attitude_loop(T, roll, c.authority, carry=self.scheduled)
-        vertical = self.vertical
-        self.follows(
-            altitude=vertical.altitude,
-            pitch=vertical.pitch,
-            roll=self.roll,
-            envelope=vertical.envelope,
-        )
+        self.follows(roll=self.roll, **self.vertical.loops)
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
         self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
-        state, height, down = state._replace(beam=beam), h - self.checked.gear_height, wow != 0.0
+        height, switches = h - self.checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
+        seen = Seen(height, hdot, theta, alpha, psi, r, vc, given, *switches)
         flew = state.phase != APPROACH
-        across = abs(wrap(psi - self.checked.course)) > _ACROSS
-        state = self._phase(state, height, hdot, across, down, go_around != 0.0, off != 0.0)
-        state = self._in_air(state, hdot, theta, alpha, vc)
+        state = self._in_air(self._phase(state._replace(beam=beam), seen), seen)
         if not flew:
-            state = self._begun(state, hdot, theta, psi, given)
-        slow = state.phase == GO_AROUND and down and state.v < state.kept
+            state = self._begun(state, seen)
+        slow = state.phase == GO_AROUND and seen.down and state.v < state.kept
         rolls = state.phase == ROLL_OUT or slow
 
         vertical, now = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
         allowed, guard = vertical.guard(state.vertical, now, 0.0, True)
-        if rolls and down:
+        if rolls and seen.down:
             # on the wheels an angle of attack shows no stall
             allowed = allowed._replace(theta_max=math.inf)
         # after `retune`: the flare is flown faster than a climb
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
-        wanted, state = self._pitch(state, height, hdot, down, rolls)
+        wanted, state = self._pitch(state, seen, rolls)
         elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, now, allowed, wanted)
         bank = self._bank(state, psi)
         aileron, phi_cmd, roll = self.roll.sample(
             state.lateral.roll, phi, p, bank, False, 0.0, False
         )
-        rudder, steering, psi_cmd = self._yaw(state, height, hdot, psi, r, given[2], rolls)
-        throttle, brakes = self._power(state, down)
+        rudder, steering, psi_cmd = self._yaw(state, seen, rolls)
+        throttle, brakes = self._power(state, seen.down)
 
         outputs = [elevator, aileron, rudder, throttle, brakes, steering]
         if state.phase == APPROACH:
@@ -277,22 +286,15 @@ class FlareHold(Hold):
         """Lowest rate of climb of the flare at a height, ft/s."""
         return min(-height / self.checked.tau, 0.0) - self.checked.sink
 
-    def _phase(
-        self,
-        state: FlareState,
-        height: float,
-        hdot: float,
-        across: bool,
-        down: bool,
-        go_around: bool,
-        off: bool,
-    ) -> FlareState:
+    def _phase(self, state: FlareState, seen: Seen) -> FlareState:
         """The state in the phase that begins or goes on."""
         c, before, phase = self.checked, state.phase, state.phase
+        height, hdot = seen.height, seen.hdot
+        across = abs(wrap(seen.psi - c.course)) > _ACROSS
         low = hdot <= self._steepest(height) or height <= c.sink * c.tau
         if phase == APPROACH and low:
             phase = FLARE
-        if phase == FLARE and down:
+        if phase == FLARE and seen.down:
             phase = ROLL_OUT
         floated, least = state.floated, height
         if before == FLARE:
@@ -304,25 +306,23 @@ class FlareHold(Hold):
             or floated > c.float_max
             or height > least + _BALLOON
         )
-        if go_around or (phase < ROLL_OUT and astray):
+        if seen.go_around or (phase < ROLL_OUT and astray):
             phase = GO_AROUND
-        if off:
+        if seen.off:
             phase, floated = APPROACH, 0.0
         return state._replace(phase=phase, floated=floated, least=least)
 
-    def _in_air(
-        self, state: FlareState, hdot: float, theta: float, alpha: float, vc: float
-    ) -> FlareState:
+    def _in_air(self, state: FlareState, seen: Seen) -> FlareState:
         """The state with the airspeed and the vertical gust of the sample."""
         T, first = self.clock.period, state.v == 0.0
-        v = max(vc * KNOT, SLOWEST)
+        v = max(seen.vc * KNOT, SLOWEST)
         gained = 0.0 if first else v - state.v
         acceleration = state.acceleration
         acceleration += -math.expm1(-T / _TREND) * (gained / T - acceleration)
         gust = 0.0
-        if alpha != 0.0:
+        if seen.alpha != 0.0:
             # what the aircraft climbs through the air less what it climbs
-            sinks = v / DEGREES * (theta - alpha) - hdot
+            sinks = v / DEGREES * (seen.theta - seen.alpha) - seen.hdot
             share = 1.0 if first else -math.expm1(-T / _GUST)
             gust = state.gust + share * (sinks - state.gust)
         integral = state.integral
@@ -337,28 +337,24 @@ class FlareHold(Hold):
             kept=state.kept if state.phase >= ROLL_OUT else v,
         )
 
-    def _begun(
-        self, state: FlareState, hdot: float, theta: float, psi: float, given: list[float]
-    ) -> FlareState:
+    def _begun(self, state: FlareState, seen: Seen) -> FlareState:
         """The state of a flare that goes on from the commands of the approach."""
-        elevator, aileron, rudder, throttle = given
+        elevator, aileron, rudder, throttle = seen.given
         return state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            integral=theta - DEGREES * (hdot + state.gust) / state.v,
-            hdot_cmd=hdot,
-            theta=theta,
-            lowest=theta,
-            psi=psi,
+            integral=seen.theta - DEGREES * (seen.hdot + state.gust) / state.v,
+            hdot_cmd=seen.hdot,
+            theta=seen.theta,
+            lowest=seen.theta,
+            psi=seen.psi,
             rudder=rudder,
             throttle=throttle,
         )
 
-    def _pitch(
-        self, state: FlareState, height: float, hdot: float, down: bool, rolls: bool
-    ) -> tuple[float, FlareState]:
+    def _pitch(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
-        c, T, v = self.checked, self.clock.period, state.v
+        c, T, v, height, hdot = self.checked, self.clock.period, state.v, seen.height, seen.hdot
         goes, steepest = state.phase == GO_AROUND, self._steepest(height)
         if goes:
             # the rate of climb at which the airspeed comes back to what it was
@@ -389,7 +385,7 @@ class FlareHold(Hold):
         gained = _BANDWIDTH * T * (DEGREES / v * error + theta - asked)
         if rolls:
             hdot_cmd = hdot
-            theta = max(state.theta - (_LOWER * T if down else 0.0), min(state.theta, 0.0))
+            theta = max(state.theta - (_LOWER * T if seen.down else 0.0), min(state.theta, 0.0))
         return theta, state._replace(
             integral=state.integral + gained,
             hdot_cmd=hdot_cmd,
@@ -408,27 +404,18 @@ class FlareHold(Hold):
             return clip(_KEEP * wrap(state.psi - psi), -most, most)
         return 0.0
 
-    def _yaw(
-        self,
-        state: FlareState,
-        height: float,
-        hdot: float,
-        psi: float,
-        r: float,
-        rudder: float,
-        rolls: bool,
-    ) -> tuple[float, float, float]:
+    def _yaw(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, float, float]:
         """Rudder, steering of the nose wheel, and the reference of the heading."""
         c, T = self.checked, self.clock.period
         target, psi_cmd = c.course, state.psi
         if rolls:
             target -= clip(DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
-        if rolls or height < _DECRAB * max(-hdot, c.sink):
+        if rolls or seen.height < _DECRAB * max(-seen.hdot, c.sink):
             psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)
         psi_cmd, error = wrap(psi_cmd), 0.0
         if rolls or state.phase != GO_AROUND:
-            error = c.align * (wrap(psi - psi_cmd) + _YAW_DAMPING * r)
-        moved = state.rudder + clip(rudder + error - state.rudder, -_RUDDER * T, _RUDDER * T)
+            error = c.align * (wrap(seen.psi - psi_cmd) + _YAW_DAMPING * seen.r)
+        moved = state.rudder + clip(seen.given[2] + error - state.rudder, -_RUDDER * T, _RUDDER * T)
         steering = clip(-error, -1.0, 1.0) if rolls else 0.0
         return clip(moved, -1.0, 1.0), steering, psi_cmd
 
