@@ -1,240 +1,615 @@
-"""The code of a model: the imports, parameters and functions that a diagram needs."""
+"""The code of a model: what the expressions of its diagram need, written from live values.
+
+Names and expressions of the script are kept where they give the live value.
+"""
 
 from __future__ import annotations
 
 import ast
-import contextlib
-import copy
+import builtins
+import collections
+import copyreg
+import functools
+import math
 import re
 import sys
-from collections.abc import Collection, Iterable, Mapping
-from textwrap import dedent
+import types
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from ..scripts.first_run import FirstRun
-from ..scripts.names import bound, own, references, root, used
-from .plain import PARTS, text_of
+import numpy as np
+from pathsim import Connection, Simulation
+from pathsim.blocks import Block
+from pathsim.events import Event
 
-# what sees the names of the script, of which the code has only those that it needs
-_MEANINGLESS = {"__file__", "__name__", "globals", "eval", "exec"}
-_RANDOM = ("np.random.", "numpy.random.", "random.")
+from ..scripts.first_run import FirstRun
+from ..scripts.names import references
+from ..scripts.script import FOLLOWING
+from .expressions import Expressions
+from .shape import shortened
+from .sources import Found, of_class, of_function, one_line, text_of
+from .variables import unique
+
+PARTS = (Block, Event, Simulation)
+_STAND_IN = re.compile(r"__part_(\d+)")
+# names that PathView's own script binds
+TAKEN = re.compile(r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64")
+_SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
+_LOCALS = {"globals", "locals", "vars", "eval", "exec"}
+
+
+class Unwritable(Exception):
+    """A value that cannot be written as Python; the text says why."""
+
+
+@dataclass
+class Piece:
+    """A definition, with stand-ins for parts of the diagram."""
+
+    text: str = ""
+    line: float = math.inf  # of the script
+    end: float = math.inf
+    needs: set[str] = field(default_factory=set)
 
 
 class Code:
-    """The statements of a script that the expressions of its diagram need.
+    """Writes values as expressions, and what these need as definitions."""
 
-    These are the statements, as written, that bind a needed name or stand alone with it
-    (``table.append(1)``), and neither build nor use a part of the diagram. ``without`` are lines of
-    statements that PathView cannot execute.
-    """
-
-    def __init__(self, script: FirstRun, without: Collection[int] = ()):
+    def __init__(self, script: FirstRun):
         self.script = script
-        self.parts: set[str] = set()  # parts of the diagram to which functions refer
-        self.made: dict[str, ast.stmt] = {}  # functions and values to add, by their name
-        self.places: dict[int, int] = {}  # lines of the script by lines of the text
-        usable = [s for s in script.statements if not self._has_parts(s)]
-        self._of_parts = bound(s for s in script.statements if s not in usable)
-        self._statements = [s for s in usable if s.lineno not in without]
-        self._touched = {s: self._touches(s) for s in self._statements}
-        self._needed: set[str] = {"np"}  # which PathView provides; a seed belongs to the diagram
-        self._kept: set[ast.stmt] = set()
-
-    def need(self, node: ast.AST) -> None:
-        """Add all that an expression or a function needs; refuse what PathView lacks."""
-        todo = used(node)
-        while todo:
-            for name in sorted(todo - self._needed):
-                self._check(name, node)
-            self._needed |= todo
-            new = {s for s in self._statements if self._touched[s] & self._needed} - self._kept
-            self._kept |= new
-            todo = {name for s in new for name in used(s)}
+        self.expressions = Expressions(script)
+        self.parts: dict[int, Any] = {}  # to which functions refer, by id
+        self._pieces: dict[str, Piece] = {}
+        self._states: list[Piece] = []
+        self._texts: dict[int, tuple[str, Any]] = {}  # by id of a value or cell, which is kept
+        self._variables: dict[tuple[int, str], str] = {}  # by namespace and name
+        self._needs: list[set[str]] = [set()]
+        self.inner: set[str] = set()  # variables of functions, which would hide a part of that name
+        self._late: set[tuple[int, str]] = set()  # classes, and their attributes that are blocks
 
     @property
     def names(self) -> set[str]:
         """The names that the code binds."""
-        inner = (n for s in self._kept for n in ast.walk(s))
-        declared = {n for g in inner if isinstance(g, ast.Global) for n in g.names}
-        return self._needed & (declared | bound(self._kept)) | self.made.keys()
+        return self._pieces.keys() | {"np"}
 
-    def values(self) -> dict[str, str]:
-        """What the script has under the names that the code needs, as texts."""
-        found = {}
-        for name in sorted(self._needed & self.script.namespace.keys()):
-            value = self.script.namespace[name]
-            if not isinstance(value, PARTS):
-                # the text of a function does not tell one from another
-                unlike = name in self._of_parts and callable(value)
-                found[name] = "made from blocks" if unlike else text_of(value)
-        return found
+    def text(self, variables: Mapping[str, str], first: list[str]) -> str:
+        """The source: definitions in the order of the script, each after those that it needs."""
+        order: list[Piece] = []
 
-    def nodes(self) -> list[ast.AST]:
-        """All of the code."""
-        return [*self._kept, *self.made.values()]
+        def add(piece: Piece) -> None:
+            if piece.text and piece not in order and piece not in begun:
+                begun.append(piece)
+                for name in sorted(piece.needs, key=lambda n: (self._pieces[n].line, n)):
+                    add(self._pieces[name])
+                order.append(piece)
 
-    def _check(self, name: str, where: ast.AST) -> None:
-        value = self.script.namespace.get(name)
-        if isinstance(value, PARTS):
-            self.parts.add(name)
-        elif _is_part(value):
-            self.script.refuse(f"{name!r} holds blocks; PathView's code has no such name", where)
-        elif name in _MEANINGLESS:
-            self.script.refuse(f"{name} has no meaning in PathView", where)
+        begun: list[Piece] = []
+        for piece in sorted(self._pieces.values(), key=lambda p: p.line):
+            add(piece)
+        lines, end = list(first), 0.0
+        for piece in [*order, *self._states]:
+            apart = lines and (piece.line > end + 1 or piece.text.startswith(("def ", "class ")))
+            lines.append(("\n" if apart and piece.line != math.inf else "") + piece.text)
+            end = piece.end
+        return self.filled("\n".join(lines).lstrip("\n"), variables)
 
-    def _has_parts(self, statement: ast.stmt) -> bool:
-        """Whether a statement builds or changes parts of the diagram."""
-        names = set(bound([statement]))
-        if not isinstance(statement, (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)):
-            names |= used(statement)
-        return any(_is_part(self.script.namespace.get(n)) for n in names)
+    def filled(self, text: str, variables: Mapping[str, str]) -> str:
+        return _STAND_IN.sub(lambda match: variables[match[0]], text)
 
-    def _touches(self, statement: ast.stmt) -> set[str]:
-        """Names that a statement binds, or may change where it stands alone."""
-        names = set(bound([statement]))
-        if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
-            module = vars(sys.modules.get(statement.module or "", ast))
-            return {n for n in module if not n.startswith("_")} - {"np"}
-        for node in own([statement]):
-            if isinstance(node, ast.Expr):
-                for call in (n for n in ast.walk(node) if isinstance(n, ast.Call)):
-                    names |= self._changed_by(call)
-            elif isinstance(node, (ast.Attribute, ast.Subscript)) and not isinstance(
-                node.ctx, ast.Load
-            ):
-                names.add(root(node) or "")
-        return names
+    # expressions ----------------------------------------------------------------------------------
 
-    def _changed_by(self, call: ast.Call) -> set[str]:
-        """Names that a call that stands alone may change."""
-        function, name = ast.unparse(call.func), root(call.func)
-        if function.startswith(_RANDOM):
-            return {"np"}
-        owner = self.script.namespace.get(name or "")
-        module = getattr(owner, "__name__", "") or type(owner).__module__
-        if name == "print" or module.partition(".")[0] == "matplotlib":
-            return set()
-        functions = {s.name: s for s in self.script.statements if isinstance(s, ast.FunctionDef)}
-        names, todo = used(call), [function]
-        while todo:
-            inside = functions.pop(todo.pop(), None)
-            if inside is not None:
-                declared = (n.names for n in ast.walk(inside) if isinstance(n, ast.Global))
-                names |= used(inside).union(*declared)
-                todo += used(inside)
-        return names - {"np"}
-
-    def text(self, renamed: Mapping[str, str], extra: Iterable[str] = ()) -> str:
-        """Source of the context, as written, with parts of the diagram under their new names."""
-        statements = sorted(self._kept, key=lambda s: (s.lineno, s.col_offset))
-        pieces = [*extra]
-        end = 0
-        for statement in statements:
-            text = self._statement(statement, renamed)
-            if not text:
-                continue
-            start = self._first_line(statement)
-            separate = pieces and start > end + 1
-            pieces.append(("\n" if separate else "") + text)
-            for line in range(len(text.split("\n"))):
-                self.places["\n".join(pieces).count("\n") - line + 1] = statement.lineno
-            end = statement.end_lineno or 0
-        for made in self.made.values():
-            pieces.append("\n" + ast.unparse(_renamed(made, renamed)))
-        return "\n".join(pieces).lstrip("\n")
-
-    def expression(self, node: ast.expr, renamed: Mapping[str, str]) -> str:
-        """Source of an expression as written, in one line."""
-        if not hasattr(node, "lineno") or isinstance(node, ast.GeneratorExp):
-            return ast.unparse(_renamed(node, renamed))
-        return _one_line(self._written(node, renamed) or ast.unparse(_renamed(node, renamed)))
-
-    def _statement(self, statement: ast.stmt, renamed: Mapping[str, str]) -> str:
-        if isinstance(statement, (ast.Import, ast.ImportFrom)):
-            return self._import(statement)
-        lines = self.script.source.split("\n")
-        above = lines[self._first_line(statement) - 1 : statement.lineno - 1]
-        text = self._written(statement, renamed)
-        if not text:
-            comments = [line.strip() for line in above if line.lstrip().startswith("#")]
-            return "\n".join([*comments, ast.unparse(_renamed(statement, renamed))])
-        before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
-        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
-        if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
-            return text
-        return "".join(line[len(before) :] + "\n" for line in above) + dedent(before + text) + after
-
-    def _written(self, node: ast.AST, renamed: Mapping[str, str]) -> str:
-        """Source of a node as written; empty where names change, or a text spans lines.
-
-        PathView indents the code before running it, which would change such a text.
-        """
-        docstrings = {
-            id(n.body[0].value)
-            for n in ast.walk(node)
-            if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
-            and isinstance(n.body[0], ast.Expr)
-        }
-        texts = (
-            n
-            for n in ast.walk(node)
-            if isinstance(n, ast.JoinedStr)
-            or (isinstance(n, ast.Constant) and isinstance(n.value, (str, bytes)))
-        )
-        if any(n.id in renamed for n in references(node)) or any(
-            n.lineno != n.end_lineno and id(n) not in docstrings for n in texts
-        ):
+    def kept(self, node: ast.expr, value: Any) -> str:
+        """An expression of the script if it is plain and gives the value; else empty."""
+        if not self.expressions.gives(node, value):
             return ""
-        return ast.get_source_segment(self.script.source, node) or ""
+        return one_line(self._spliced(Found(node, self.script.source), node))
 
-    def _first_line(self, statement: ast.stmt) -> int:
-        """First line of a statement with its decorators and the comments right above it."""
-        decorators = getattr(statement, "decorator_list", [])
-        line = min([statement.lineno, *(d.lineno for d in decorators)])
-        lines = self.script.source.split("\n")
-        while line > 1 and lines[line - 2].lstrip().startswith("#"):
-            line -= 1
-        return line
+    def parameter(self, value: Any, wish: str) -> str:
+        """An expression for a value that the code alone can evaluate."""
+        text = self.expression(value, wish)
+        if _STAND_IN.search(text) and not text.startswith("lambda"):
+            if isinstance(value, types.MethodType):
+                return f"lambda *args: {text}(*args)"
+            raise Unwritable(f"{_short(value)} holds blocks")
+        return one_line(text)
 
-    def _import(self, statement: ast.Import | ast.ImportFrom) -> str:
-        """The part of an import that is needed; numpy as np is there already."""
-        names = [
-            a
-            for a in statement.names
-            if a.name == "*" or (a.asname or a.name).partition(".")[0] in self._needed
-        ]
-        if isinstance(statement, ast.Import):
-            names = [a for a in names if (a.name, a.asname) != ("numpy", "np")]
-        return ast.unparse(type(statement)(**{**vars(statement), "names": names})) if names else ""
+    def expression(self, value: Any, wish: str) -> str:
+        """An expression for a value; what has an identity is defined, with a name like ``wish``."""
+        if id(value) in self._texts:
+            text = self._texts[id(value)][0]
+            self._need(text)
+            return text
+        if part := self._part(value):
+            return part
+        if (text := _scalar(value)) or (text := self._container(value, wish)):
+            return text
+        if isinstance(value, Connection):
+            raise Unwritable("PathView has no names for connections")
+        if isinstance(value, types.ModuleType):
+            return self._module(value, wish)
+        if isinstance(value, types.MethodType):
+            name = value.__func__.__name__
+            return (
+                f"{self.expression(value.__self__, type(value.__self__).__name__.lower())}.{name}"
+            )
+        if text := self._imported(value):
+            return text
+        if isinstance(value, types.FunctionType) and value.__name__ == "<lambda>":
+            return self._function(value)
+        return self._defined(value, getattr(value, "__name__", wish))
 
+    def _part(self, value: Any) -> str:
+        """A stand-in for a part of the diagram, or for what belongs to one."""
+        for owner, more in ((value, ""), *self.script.belongings.get(id(value), ())):
+            if isinstance(owner, PARTS):
+                self.parts[id(owner)] = owner
+                return f"__part_{id(owner)}{more}"
+        return ""
 
-def _is_part(value: Any) -> bool:
-    """Whether a value is a part of a diagram, or a collection that holds one."""
-    inside = value.values() if isinstance(value, Mapping) else value
-    collection = isinstance(value, (Mapping, list, tuple, set))
-    return isinstance(value, PARTS) or (collection and any(isinstance(v, PARTS) for v in inside))
+    def _container(self, value: Any, wish: str) -> str:
+        def each(items: Any) -> str:
+            return ", ".join(self.expression(item, wish) for item in items)
 
+        if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype != object:
+            if value.dtype.kind not in "biufcU":
+                raise Unwritable(f"an array of {value.dtype} cannot be written")
+            same = value.size and np.array(value.tolist()).dtype == value.dtype
+            shape = "" if value.size else f".reshape({value.shape})"
+            dtype = "" if same else f", dtype={str(value.dtype)!r}"
+            return f"np.array({_numbers(value.tolist())}{dtype}){shape}"
+        if type(value) is list:
+            return f"[{each(value)}]"
+        if type(value) is tuple:
+            return f"({each(value)}{',' * (len(value) == 1)})"
+        if type(value) is set:
+            return f"{{{each(value)}}}" if value else "set()"
+        if type(value) is dict:
+            pairs = value.items()
+            text = (f"{self.expression(k, wish)}: {self.expression(v, wish)}" for k, v in pairs)
+            return f"{{{', '.join(text)}}}"
+        return ""
 
-def _one_line(text: str) -> str:
-    """An expression without line breaks and comments, otherwise as written where that will do."""
-    if "\n" not in text:
+    def variable(self, name: str, namespace: dict[str, Any], own: bool = False) -> str:
+        """The model's name for a variable of a module; ``own`` if functions assign it."""
+        if name in FOLLOWING or name not in namespace:
+            if name in _LOCALS:
+                raise Unwritable(f"{name}() sees names that the model does not have")
+            return name
+        value, key = namespace[name], (id(namespace), name)
+        if part := self._part(value):
+            return part
+        if value is np:
+            return "np"
+        if key in self._variables:
+            self._need(self._variables[key])
+            return self._variables[key]
+        ours = namespace is self.script.namespace
+        if ours and not own and self._as_written(name):
+            self._variables[key] = name
+            self._need(name)
+        elif _holds_parts(value):
+            return self._container(value, name)
+        else:
+            self._variables[key] = self._stored(value, name, own, ours)
+        return self._variables[key]
+
+    def _stored(self, value: Any, name: str, own: bool, ours: bool = False) -> str:
+        """The name of a variable that has a value."""
+        if not own and not _scalar(value) and not isinstance(value, types.ModuleType):
+            if id(value) in self._texts or self._imported(value) or not _is_lambda(value):
+                named = isinstance(value, (type, types.FunctionType, types.MethodType))
+                if named or id(value) in self._texts:
+                    return self.expression(value, name)
+        elif isinstance(value, types.ModuleType):
+            return self._module(value, name)
+        return self._defined(value, name, self.expressions.line(name) if ours else math.inf)
+
+    def _need(self, text: str) -> None:
+        if text in self._pieces:
+            self._needs[-1].add(text)
+
+    # definitions ----------------------------------------------------------------------------------
+
+    def _free(self, wish: str, mine: Any = ...) -> str:
+        """A name that nothing else has; the script's own name of a value is free for it."""
+        namespace = self.script.namespace
+
+        def taken(name: str) -> bool:
+            other = name in namespace and namespace[name] is not mine
+            return other or name in self._pieces or bool(TAKEN.fullmatch(name))
+
+        return unique(wish.strip("_") or "value", taken)
+
+    def _defined(self, value: Any, wish: str, line: float = math.inf) -> str:
+        """The name of a value, which gets a definition."""
+        if wish.isidentifier() and isinstance(self.script.namespace.get(wish), PARTS):
+            wish = f"{wish}_{'function' if callable(value) else 'value'}"
+        held = [n for n in self.script.names_of(value) if not _scalar(value)]
+        wish = held[0] if held else wish
+        name = self._free(wish if wish.isidentifier() else "value", value)
+        piece = self._pieces[name] = Piece(line=line)
+        if not _scalar(value):
+            self._texts[id(value)] = name, value
+        self._needs.append(piece.needs)
+        if isinstance(value, types.FunctionType) and not _is_lambda(value):
+            self._located(piece, value)
+            piece.text = self._function(value, name)
+        elif isinstance(value, type):
+            self._class(value, name, piece)
+        elif _scalar(value) or _is_lambda(value) or type(value) in (list, dict, set, np.ndarray):
+            text = _scalar(value) or self._container(value, name) or self._function(value)
+            piece.text = f"{name} = {text}"
+        else:
+            self._object(value, name, piece)
+        self._needs.pop()
+        self._need(name)
+        return name
+
+    def _located(self, piece: Piece, value: Any) -> None:
+        code = value.__code__
+        if code.co_filename == str(self.script.path):
+            piece.line = code.co_firstlineno
+            found = of_function(value)
+            piece.end = (found.node.end_lineno if found else 0) or 0
+
+    def _as_written(self, name: str) -> bool:
+        """Define a variable by its statement in the script, if this gives the live value."""
+        if text := self.expressions.imported(name):
+            self._pieces[name] = Piece(
+                text, self.expressions.line(name), self.expressions.line(name)
+            )
+            self._keep(name)
+            return True
+        statement = self.expressions.statement(name)
+        if statement is None or TAKEN.fullmatch(name):
+            return False
+        names = sorted(self.expressions.bound_by(statement))
+        if any(n in self._pieces for n in names):
+            return False
+        piece = Piece(line=self.expressions.first_line(statement), end=statement.end_lineno or 0)
+        self._pieces.update(dict.fromkeys(names, piece))
+        for n in names:
+            self._keep(n)
+        self._needs.append(piece.needs)
+        inner = self._spliced(Found(statement, self.script.source), statement)
+        piece.text = self.expressions.with_comments(statement, inner)
+        self._needs.pop()
+        return True
+
+    def _keep(self, name: str) -> None:
+        """Use a name of the script for its value."""
+        value = self.script.namespace[name]
+        if not _scalar(value):
+            self._texts.setdefault(id(value), (name, value))
+        self._variables[id(self.script.namespace), name] = name
+
+    def _spliced(self, found: Found, node: Any, new: Mapping[ast.AST, str] = {}) -> str:
+        """A node of the script with the model's names."""
+        both = dict(new)
+        for name in references(node):
+            if isinstance(name.ctx, ast.Load):
+                text = self.variable(name.id, self.script.namespace)
+                both.update({name: text} if text != name.id else {})
+        return text_of(found, both)
+
+    def _module(self, module: types.ModuleType, wish: str) -> str:
+        if self.script.is_beside(module.__name__):
+            raise Unwritable(f"the module {module.__name__!r} beside the script, as an object")
+        for name, piece in self._pieces.items():
+            if piece.text in (f"import {module.__name__}", f"import {module.__name__} as {name}"):
+                self._need(name)
+                return name
+        name = self._free(wish, module)
+        own = module.__name__ == name
+        self._pieces[name] = Piece(f"import {module.__name__}" + ("" if own else f" as {name}"), -1)
+        self._need(name)
+        return name
+
+    def _imported(self, value: Any) -> str:
+        """An expression for a function or class that can be imported; else empty."""
+        path = getattr(value, "__qualname__", None) or getattr(value, "__name__", None)
+        name = getattr(value, "__module__", None)
+        if isinstance(value, np.ufunc):
+            name, path = "numpy", value.__name__
+        if isinstance(value, types.BuiltinMethodType) and name is None:
+            owner = getattr(value, "__self__", None)
+            name = owner.__name__ if isinstance(owner, types.ModuleType) else None
+        module = sys.modules.get(name or "")
+        for held in self.script.names_of(value) if not _scalar(value) else ():
+            if self.expressions.imported(held) and self._as_written(held):
+                self._need(held)
+                return held
+        if not isinstance(path, str) or module is None or self.script.is_beside(name or ""):
+            return ""
+        top, *rest = path.split(".")
+        if functools.reduce(lambda o, n: getattr(o, n, None), [top, *rest], module) is not value:
+            return ""
+        if module is builtins:
+            return path
+        if str(name).partition(".")[0] == "numpy" and getattr(np, path, None) is value:
+            return f"np.{path}"
+        first = getattr(module, top)
+        known, _ = self._texts.get(id(first), ("", None))
+        if not known:
+            known = self._free(top, first)
+            text = f"from {name} import {top}" + ("" if known == top else f" as {known}")
+            self._pieces[known] = Piece(text, -1)
+            self._texts[id(first)] = known, first
+        self._need(known)
+        return ".".join([known, *rest])
+
+    # functions and classes ------------------------------------------------------------------------
+
+    def _function(self, function: types.FunctionType, name: str = "") -> str:
+        """The source of a function, with the model's names and live default values."""
+        found, code = of_function(function), function.__code__
+        if found is None:
+            what = "a lambda" if not name else f"function {function.__name__!r}"
+            raise Unwritable(f"the source of {what} cannot be told; give it lines of its own")
+        self.script.note_files(function)
+        cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
+        new: dict[ast.AST, str] = {}
+        # a default value that is a block is found when it is used
+        for argument, text in self._defaults(function, found.node, new).items():
+            body = found.node.body if isinstance(found.node.body, list) else [found.node.body]
+            for node in (n for statement in body for n in ast.walk(statement)):
+                if isinstance(node, ast.Name) and node.id == argument:
+                    new[node] = text
+        decorators = [n for d in getattr(found.node, "decorator_list", ()) for n in ast.walk(d)]
+        without = {n for replaced in new for n in ast.walk(replaced)}.union(decorators)
+        _Names(self, found.node, function.__globals__, cells).put(new, without)
+        text = text_of(found, new)
+        if _STAND_IN.search(text):
+            self.inner |= {n.id for n in ast.walk(found.node) if _is_stored(n)}
+            self.inner |= {n.arg for n in ast.walk(found.node) if isinstance(n, ast.arg)}
+        if name:
+            text = re.sub(rf"(def\s+){code.co_name}\b", rf"\g<1>{name}", text, count=1)
+        return one_line(text) if isinstance(found.node, ast.Lambda) else text
+
+    def _defaults(
+        self, function: types.FunctionType, node: Any, new: dict[ast.AST, str]
+    ) -> dict[str, str]:
+        """Write live default values; returns those that are parts, by argument."""
+        arguments, given = node.args, function.__kwdefaults__ or {}
+        positional = [*arguments.posonlyargs, *arguments.args]
+        live = function.__defaults__ or ()
+        pairs = [
+            *zip(positional[len(positional) - len(live) :], arguments.defaults, live, strict=False),
+            *((a, d, given[a.arg]) for a, d in zip(arguments.kwonlyargs, arguments.kw_defaults,
+                                                    strict=True) if d and a.arg in given),
+        ]  # fmt: skip
+        parts: dict[str, str] = {}
+        for argument, default, value in pairs:
+            if _holds_parts(value):
+                parts[argument.arg] = self.expression(value, argument.arg)
+                new[default] = "None"
+            elif not (
+                isinstance(default, ast.Constant) and _scalar(default.value) == _scalar(value)
+            ):
+                new[default] = self.expression(value, argument.arg)
+        return parts
+
+    def cell(self, cell: Any, name: str, own: bool) -> str:
+        """The model's name for a variable of the function around a function."""
+        try:
+            value = cell.cell_contents
+        except ValueError:
+            raise Unwritable(f"{name!r} has no value when the run begins") from None
+        if id(cell) not in self._texts:
+            if part := self._part(value):
+                return part
+            if _holds_parts(value):
+                return self._container(value, name)
+            if isinstance(value, types.MethodType):
+                return self.expression(value, name)
+            self._texts[id(cell)] = self._stored(value, name, own), cell
+        text = self._texts[id(cell)][0]
+        self._need(text)
         return text
-    out = re.sub(r"[ \t]*#.*", "", text)
-    out = re.sub(r"([\[({])\s*\n\s*", r"\1", out)
-    out = re.sub(r",?\s*\n\s*([\]}])", r"\1", out)
-    out = re.sub(r"\s*\n\s*", " ", out).replace(" )", ")")
-    meant = ast.parse(f"({text}\n)", mode="eval")
-    with contextlib.suppress(SyntaxError):
-        if ast.dump(ast.parse(out, mode="eval")) == ast.dump(meant):
-            return out
-    return ast.unparse(meant)
+
+    def _class(self, kind: type, name: str, piece: Piece) -> None:
+        """The source of a class, and its attributes that have changed."""
+        path, namespace = self.script.file_of(kind.__module__)
+        functions = dict(_functions_of(kind, path))
+        if issubclass(kind, tuple) and hasattr(kind, "_fields") and not functions:
+            fields = list(kind._fields)
+            make = self.expression(collections.namedtuple, "namedtuple")
+            piece.text = f"{name} = {make}({kind.__name__!r}, {fields!r})"
+            return
+        lines = [f.__code__.co_firstlineno for f in functions.values()]
+        tree = of_class(kind.__name__, path, lines)
+        if tree is None:
+            raise Unwritable(f"the source of class {kind.__name__!r} cannot be told")
+        cells = {
+            n: c
+            for f in functions.values()
+            for n, c in zip(f.__code__.co_freevars, f.__closure__ or (), strict=True)
+            if n != "__class__"
+        }
+        new: dict[ast.AST, str] = {}
+        _Names(self, tree.node, namespace, cells).put(new)
+        text = re.sub(rf"(class\s+){kind.__name__}\b", rf"\g<1>{name}",
+                      text_of(tree, new, decorated=True), count=1)  # fmt: skip
+        if path == str(self.script.path):
+            piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
+        piece.text = "\n".join([text, *self._changed(kind, name, tree.node, path)])
+
+    def _changed(self, kind: type, name: str, node: ast.ClassDef, path: str) -> Iterator[str]:
+        """Assignments of attributes of a class that are not as its source has them."""
+        here = range(node.lineno, (node.end_lineno or 0) + 1)
+        written = {
+            t.id: s.value
+            for s in node.body
+            if isinstance(s, (ast.Assign, ast.AnnAssign))
+            for t in (s.targets if isinstance(s, ast.Assign) else [s.target])
+            if isinstance(t, ast.Name)
+        }
+        for attribute, value in list(vars(kind).items()):
+            function = getattr(value, "__func__", value)
+            if isinstance(function, types.FunctionType):
+                code = function.__code__
+                if code.co_filename != path or code.co_firstlineno in here:
+                    continue
+            elif attribute.startswith("__") or not _scalar(value):
+                continue
+            elif isinstance(default := written.get(attribute), ast.Constant):
+                if _scalar(default.value) == _scalar(value):
+                    continue
+            elif attribute in written and self.expressions.gives(written[attribute], value):
+                continue
+            yield f"{name}.{attribute} = {self.expression(value, attribute)}"
+
+    # objects --------------------------------------------------------------------------------------
+
+    def _object(self, value: Any, name: str, piece: Piece) -> None:
+        """An object as pickle would rebuild it."""
+        try:
+            reduced = value.__reduce_ex__(4)
+        except Exception as error:
+            raise Unwritable(f"{_short(value)} cannot be written ({error})") from None
+        wrapped = getattr(value, "__wrapped__", None)
+        if isinstance(reduced, str):
+            if not isinstance(wrapped, types.FunctionType):
+                raise Unwritable(f"{_short(value)} cannot be written")
+            self._decorated(value, wrapped, name, piece)
+            return
+        make, given, state, items, pairs = (*reduced, None, None, None)[:5]
+        if make is copyreg.__newobj__:  # type: ignore[attr-defined]
+            kind, *given = given
+            text = f"{self.expression(kind, kind.__name__)}.__new__"
+            given = (kind, *given)
+        else:
+            text = self.expression(make, getattr(make, "__name__", "make"))
+        arguments = ", ".join(self.expression(a, name) for a in given)
+        piece.text = f"{name} = {text}({arguments})"
+        later = Piece()
+        self._needs.append(set())  # states come last
+        lines = [*self._state(value, name, state)]
+        lines += [f"{name}.append({self.expression(i, name)})" for i in items or ()]
+        for k, v in pairs or ():
+            lines.append(f"{name}[{self.expression(k, name)}] = {self.expression(v, name)}")
+        self._needs.pop()
+        later.text = "\n".join(lines)
+        if _STAND_IN.search(piece.text):
+            raise Unwritable(f"{_short(value)} holds blocks")
+        if lines:
+            self._states.append(later)
+
+    def _state(self, value: Any, name: str, state: Any) -> Iterator[str]:
+        if state is None:
+            return
+        slots: dict[str, Any] = {}
+        if isinstance(state, tuple) and len(state) == 2 and isinstance(state[1], dict):
+            state, slots = state[0] or {}, state[1]
+        if hasattr(value, "__setstate__") or not isinstance(state, dict):
+            yield f"{name}.__setstate__({self.expression(state, name)})"
+            return
+        late = {k: v for k, v in state.items() if _holds_parts(v)}
+        now = {k: self._attribute(v, k) for k, v in state.items() if k not in late}
+        if now:
+            inside = ", ".join(f"{k}={v}" for k, v in now.items() if str(k).isidentifier())
+            yield f"{name}.__dict__.update({inside})"
+        for k, v in slots.items():
+            yield f"{name}.{k} = {self._attribute(v, k)}"
+        if late:
+            kind = type(value)
+            found = ", ".join(f"{k!r}: lambda: {self.expression(v, k)}" for k, v in late.items())
+            yield f"{name}._blocks = {{{found}}}"
+            for k in late:
+                if (id(kind), k) not in self._late:
+                    self._late.add((id(kind), k))
+                    owner = self.expression(kind, kind.__name__)
+                    yield f"{owner}.{k} = property(lambda self: self._blocks[{k!r}]())"
+
+    def _attribute(self, value: Any, name: str) -> str:
+        if type(value) in (list, dict, set, np.ndarray) and id(value) not in self._texts:
+            return self._defined(value, name)
+        return self.expression(value, name)
+
+    def _decorated(self, value: Any, wrapped: Any, name: str, piece: Piece) -> None:
+        """A function behind a decorator that is no function itself, such as a cache."""
+        text = self._function(wrapped, f"{name}_inside")
+        self._located(piece, wrapped)
+        found = of_function(wrapped)
+        decorators = [] if found is None else found.node.decorator_list
+        source = self.script.source if found is None else found.source
+        made = f"{name}_inside"
+        for decorator in reversed(decorators):
+            made = f"{self._spliced(Found(decorator, source), decorator)}({made})"
+        piece.text = f"{text}\n{name} = {made}"
 
 
-def _renamed(node: Any, renamed: Mapping[str, str]) -> Any:
-    node = copy.deepcopy(node)
-    for name in list(references(node)):
-        name.id = renamed.get(name.id, name.id)
-    for inner in ast.walk(node):
-        if isinstance(inner, ast.Global):
-            inner.names = [renamed.get(n, n) for n in inner.names]
-    return ast.fix_missing_locations(node)
+class _Names:
+    """The model's names for those in a function or class."""
+
+    def __init__(
+        self, code: Code, node: Any, namespace: dict[str, Any], cells: Mapping[str, Any]
+    ):  # fmt: skip
+        self.code, self.node, self.namespace, self.cells = code, node, namespace, cells
+        self.declared = [n for n in ast.walk(node) if isinstance(n, (ast.Global, ast.Nonlocal))]
+        self.own = {name for n in self.declared for name in n.names}  # they are assigned
+
+    def text(self, name: str) -> str:
+        if name in self.cells:
+            return self.code.cell(self.cells[name], name, name in self.own)
+        return self.code.variable(name, self.namespace, name in self.own)
+
+    def put(self, new: dict[ast.AST, str], without: Container[ast.AST] = ()) -> None:
+        """Add the names that the model has others for."""
+        for reference in references(self.node):
+            if reference not in without and (text := self.text(reference.id)) != reference.id:
+                new[reference] = text
+        for node in self.declared:
+            if isinstance(node, ast.Global) or self.cells.keys() >= {*node.names}:
+                new[node] = "global " + ", ".join(map(self.text, node.names))
+
+
+def _scalar(value: Any) -> str:
+    """A literal of a number, text or the like; else empty."""
+    if type(value) in _SCALARS:
+        return f"np.{type(value).__name__}({_scalar(value.item())})"
+    if value is None or value is ... or type(value) in (bool, int, str, bytes):
+        return repr(value)
+    if type(value) in (float, complex):
+        text = repr(value).replace("inf", "np.inf").replace("nan", "np.nan")
+        if type(value) is complex and "np." in text:
+            return f"complex({_scalar(value.real)}, {_scalar(value.imag)})"
+        return text
+    return ""
+
+
+def _numbers(value: Any) -> str:
+    """A literal of nested lists, as `numpy.ndarray.tolist` gives them."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_numbers, value))}]"
+    return _scalar(value)
+
+
+def _is_stored(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+
+
+def _is_lambda(value: Any) -> bool:
+    return isinstance(value, types.FunctionType) and value.__name__ == "<lambda>"
+
+
+def _holds_parts(value: Any) -> bool:
+    """Whether a value is a part of a diagram, or a collection with one."""
+    if isinstance(value, (list, tuple, set)):
+        return any(map(_holds_parts, value))
+    if isinstance(value, dict):
+        return any(map(_holds_parts, value.values()))
+    return isinstance(value, PARTS)
+
+
+def _functions_of(kind: type, path: str) -> Iterator[tuple[str, Any]]:
+    """The functions of a class that are written in a file."""
+    for name, value in vars(kind).items():
+        for part in (value, *(getattr(value, n, None) for n in ("__func__", "fget", "fset"))):
+            if isinstance(part, types.FunctionType) and part.__code__.co_filename == path:
+                yield name, part
+
+
+def _short(value: Any) -> str:
+    return shortened(" ".join(repr(value).split()))

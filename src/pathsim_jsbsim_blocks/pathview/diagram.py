@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -73,8 +72,7 @@ class Part:
     value: Any
     kind: type  # the class that PathView knows
     parent: Part | None = None  # the subsystem around it
-    known: Sequence[str] = ()  # parameters that PathView knows
-    arguments: dict[str, ast.expr] = field(default_factory=dict)  # for the model
+    arguments: dict[str, Any] = field(default_factory=dict)  # values with which it is built
     variable: str = ""  # in PathView's script
 
 
@@ -89,8 +87,6 @@ class Diagram:
     settings: dict[str, str]
     toolboxes: list[Toolbox]
     log: bool = True  # whether the simulation logs
-    code_values: dict[str, str] = field(default_factory=dict)  # of the code's names, as texts
-    places: dict[int, int] = field(default_factory=dict)  # lines of the script by those of context
     parts: dict[str, Part] = field(default_factory=dict)  # by their variables
 
     @property

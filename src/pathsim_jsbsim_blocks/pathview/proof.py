@@ -9,18 +9,17 @@ import os
 import sys
 import time
 import types
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 from pathsim import Simulation
-from pathsim.blocks import Block
 
 from .._core.pathsim_internals import each_sample
 from ..errors import DiagramError
-from .rehearsal import Difference, Ended, Job, Parting, Row, rehearse, row
+from .rehearsal import Difference, Ended, Job, Row, rehearse, row
 
 _AT_ONCE = 200  # rows
 
@@ -33,17 +32,20 @@ class Proof:
     signals: int  # outputs of blocks
     time: float  # until when, s
     whole: bool  # the run was flown to its end
+    lost: str = ""  # a signal that is NaN at the end
 
     def __str__(self) -> str:
-        return f"same for {self.steps:,} steps, {self.signals} signals" + (
-            "" if self.whole else f", to t = {self.time:.6g} s only (--check all: to the end)"
+        return (
+            f"same for {self.steps:,} steps, {self.signals} signals"
+            + ("" if self.whole else f", to t = {self.time:.6g} s only (--check all: to the end)")
+            + (f"; the run ends with NaN in {self.lost}" if self.lost else "")
         )
 
 
 class Rehearsal:
-    """Builds the models of a script and flies the last beside it, each in a process of its own.
+    """A process in which a script's model flies; it knows nothing of the script but the model.
 
-    These know nothing of the script but the model. As a context: they end with it.
+    As a context: it ends with it.
     """
 
     def __init__(self, script: str | Path) -> None:
@@ -60,17 +62,13 @@ class Rehearsal:
         return self
 
     def __exit__(self, *_: Any) -> None:
-        self._end()
-
-    def _end(self) -> None:
         if self._process is not None:
             self._process.kill()
             self._process.join()
             self._pipe.close()
 
-    def differences(self, job: Job) -> list[Difference]:
-        """Build a model; where it is not as its script's diagram is."""
-        self._end()
+    def build(self, job: Job) -> Difference | None:
+        """Build the model; where it is not as its script's diagram is."""
         self._pipe, theirs = _processes().Pipe()
         self._process = _processes().Process(target=rehearse, args=(theirs, job))
         # the process would import the main program
@@ -80,15 +78,15 @@ class Rehearsal:
         return self._answer()
 
     def fly(
-        self, simulation: Simulation, run: Mapping[str, Any], blocks: Sequence[Block], limit: float
-    ) -> Proof | Parting:
-        """Fly a simulation beside the model built last, for ``limit`` s of processing at most."""
+        self, simulation: Simulation, run: dict[str, Any], blocks: dict[str, Any], limit: float
+    ) -> Proof | Difference:
+        """Fly a simulation beside the model, for ``limit`` s of processing at most."""
         rows: list[Row] = []
         reached, steps, end = 0.0, -1, time.process_time() + limit
 
         def take(t: float) -> None:
             nonlocal reached, steps
-            rows.append(row(t, blocks))
+            rows.append(row(t, blocks.values()))
             reached, steps = t, steps + 1
             if len(rows) >= _AT_ONCE:
                 self._send(rows)
@@ -105,9 +103,9 @@ class Rehearsal:
         if rows:
             self._send(rows)
         self._send(whole)
-        parting = self._answer()
-        signals = sum(len(block.outputs) for block in blocks)
-        return parting or Proof(steps, signals, reached, whole)
+        signals = sum(len(block.outputs) for block in blocks.values())
+        lost = (n for n, b in blocks.items() if np.isnan(b.outputs.to_array()).any())
+        return self._answer() or Proof(steps, signals, reached, whole, next(lost, ""))
 
     def _send(self, value: Any) -> None:
         with contextlib.suppress(ConnectionError):  # its answer is missing then

@@ -1,8 +1,4 @@
-"""Read a diagram script: structure from the live diagram, expressions from the source.
-
-A parameter keeps its expression if the model's code can evaluate it. Otherwise, or if the result
-differs from the diagram's value (``ByValue``), that value is written.
-"""
+"""Read a diagram script: all from the live diagram; names and expressions from the source."""
 
 from __future__ import annotations
 
@@ -12,48 +8,36 @@ import inspect
 import itertools
 import keyword
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
+import numpy as np
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
 from .._core.pathsim_internals import own_events, port_names
 from ..scripts.first_run import FirstRun, named_arguments
 from ..scripts.names import used
-from .code import Code
+from .code import TAKEN, Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
-from .literals import Unwritable, definition, literal, memories, top_level
+from .expressions import same
 from .settings import setting_expressions, setting_values
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
-from .variables import plain, prefix_inside
+from .variables import plain, prefix_inside, unique
 
-# variables of PathView's own script
-_OWN = "np plt blocks connections events sim json gc sys traceback base64"
-_TAKEN = {*_OWN.split(), *dir(builtins)}
 _BY_NAME = "PathView knows blocks by class name only"
-_GENERATED = re.compile(r"blocks|connections|events|sim|conn_\d+")
 
 
-# parameters to write with their values: the ``id`` of a part, or None for a setting, and the name
-ByValue = set[tuple[int | None, str]]
-
-
-def read_diagram(script: FirstRun, by_value: ByValue, without: Collection[int] = ()) -> Diagram:
+def read_diagram(script: FirstRun) -> Diagram:
     """Everything in a diagram script; a `DiagramError` names what PathView cannot represent."""
-    return _Reader(script, by_value, without).diagram()
+    return _Reader(script).diagram()
 
 
 class _Reader:
-    def __init__(self, script: FirstRun, by_value: ByValue, without: Collection[int]):
+    def __init__(self, script: FirstRun):
         self.script = script
         self.refuse, self._called = script.refuse, script.called
-        self.by_value = by_value
-        self.code = Code(script, without)
-        self.stand_ins: dict[str, Any] = {}
-        self.values: dict[int, str] = {}  # of functions' variables: what can change, by id
-        self.memories: dict[int, Any] = {}
-        self.literals: list[tuple[Part, str, Any]] = []  # parameters written with their values
+        self.code = Code(script)
         self.registry = core_registry()
         self.parts: dict[int, Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
@@ -64,48 +48,29 @@ class _Reader:
             where = f"the simulation is at t = {sim.time:g} when its first run begins"
             self.refuse(f"{where}; PathView starts at 0", self.script.run_call)
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
+        todo = [(p, n, v) for p in self.parts.values() for n, v in p.arguments.items()]
+        # functions first: a table that one of them uses is the same in a parameter
+        for part, name, value in sorted(todo, key=lambda item: not callable(item[2])):
+            part.target.params[name] = self._expression(part, name, value)
         for part in self.parts.values():
-            self._settle(part)
-        for part, name, value in self.literals:  # a function may change them
-            held = [n for n in self.script.names_of(value) if n in self.code.names]
-            if held or id(value) in self.values:
-                known = held[0] if held else self.values[id(value)]
-                part.arguments[name] = ast.Name(known, ast.Load())
-        settings = self._settings()
-        code = self.code
-        for name in sorted(code.names):
-            if _GENERATED.fullmatch(name):
-                self.refuse(f"PathView's own code uses the name {name!r}; rename it")
-        renamed = self._name_parts(code)
-        for name in sorted(code.parts - renamed.keys()):
-            self.refuse(f"a function refers to {name!r}, which is not in the simulation")
-        renamed = {old: new for old, new in renamed.items() if old != new}
-        for part in self.parts.values():
-            part.target.params = {k: code.expression(e, renamed) for k, e in part.arguments.items()}
-        imports = self._event_imports(graph)
+            part.target.params = {n: part.target.params[n] for n in part.arguments}
         values = setting_values(self.script)
-        values.update({k: code.expression(e, renamed) for k, e in settings.items()})
+        for name, node in setting_expressions(self.script).items():
+            values[name] = self._setting(node, values[name])
+        variables = self._name_parts()
+        for part in self.parts.values():
+            params = part.target.params.items()
+            part.target.params = {n: self.code.filled(e, variables) for n, e in params}
         return Diagram(
             path=self.script.path,
             docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph,
-            context=code.text(renamed, imports),
+            context=self.code.text(variables, self._event_imports(graph)),
             settings=values,
             toolboxes=self._toolboxes(),
             log=bool(sim.log),
-            code_values=code.values(),
-            places=self.code.places,
             parts={part.variable: part for part in self.parts.values()},
         )
-
-    def _settings(self) -> dict[str, ast.expr]:
-        found = {}
-        for name, node in setting_expressions(self.script).items():
-            local = self.script.local_names(node)
-            if (None, name) not in self.by_value and self._stands_alone(node, local):
-                found[name] = node
-                self.code.need(node)
-        return found
 
     # structure ----------------------------------------------------------------------------------
 
@@ -131,6 +96,9 @@ class _Reader:
                 if id(block) not in index:
                     reason = f"{self._called(block)} is wired but not in the list of blocks"
                     self._refuse(block, reason)
+            if not connection:
+                reason = "is switched off when the run begins; PathView cannot represent that"
+                self._refuse(source, f"a connection of {self._called(source)} {reason}")
             yield Wire(index[id(source)], out, index[id(target)], into)
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: Part | None) -> Node:
@@ -144,8 +112,6 @@ class _Reader:
         if kind is Interface:
             return node
         if kind is Subsystem:
-            self._construction(part, ["blocks", "connections", "events"])
-            part.known, part.arguments = (), {}  # they are read from the live subsystem
             inside = [block.interface, *block.blocks]
             node.graph = self._graph(inside, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
@@ -208,157 +174,98 @@ class _Reader:
         self.refuse(reason, node)
 
     def _construction(self, part: Part, known: Sequence[str]) -> None:
-        """The arguments of a part, by parameter name, as the source gives them."""
-        part.known = known
+        """The values with which a part is to be built, by parameter name."""
         made, parameters = self.script.construction(part.value), _parameters(part.kind)
-        arguments = None
-        if made and made.given is not None and part.kind is type(part.value):
-            arguments = _plain_arguments(made.node, parameters)
-        if made is None or made.given is None or arguments is None:
-            for name in known:
-                default = parameters[name].default if name in parameters else ...
-                if not _is_default(getattr(part.value, name, default), default):
-                    self.by_value.add((id(part.value), name))
-            return
-        for name, node in arguments.items():
+        whole = made is not None and made.given is not None and part.kind is type(part.value)
+        given, values = (made.given, made.values) if made and whole else (frozenset(), {})
+        for name in given or ():
             if name not in known or name.startswith("_"):
                 reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
                 self._refuse(part.value, reason)
-            now = getattr(part.value, name, None)
-            if self._is_own(now) and made.given.get(name, now) is not now:
-                self.by_value.add((id(part.value), name))  # replaced
-            else:
-                part.arguments[name] = node
+        for name in known:
+            default = parameters[name].default if name in parameters else ...
+            value, before = values.get(name, (default, default))
+            live = getattr(part.value, name, before)
+            if name == "initial_value":
+                live = _state(part.value, live)
+            if not same(live, before):  # changed since the part was built
+                value = live
+            if name in (given or ()) or not same(value, default):
+                part.arguments[name] = value
 
-    def _is_own(self, value: Any) -> bool:
-        """Whether a value is a function of the script."""
-        return inspect.isfunction(value) and value.__code__.co_filename == str(self.script.path)
-
-    def _definition(self, function: Any) -> Any:
-        return definition(function, self.script.tree) if self._is_own(function) else None
-
-    def _settle(self, part: Part) -> None:
-        """Give every parameter an expression that the model's code can evaluate."""
-        for name in part.known:
-            if (id(part.value), name) in self.by_value:
-                part.arguments[name] = self._written(part, name)
-        made = self.script.construction(part.value)
-        local = self.script.local_names(made.node) if made else set[str]()
-        for name, node in part.arguments.items():
-            if not self._stands_alone(node, local):
-                part.arguments[name] = node = self._written(part, name)
-            self.code.need(node)
-
-    @staticmethod
-    def _stands_alone(node: ast.expr, local: set[str]) -> bool:
-        """Whether an expression of the source may mean the same at the top level."""
-        active = (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)
-        return not used(node) & local and not any(isinstance(n, active) for n in ast.walk(node))
-
-    def _written(self, part: Part, name: str) -> ast.expr:
-        """An expression for the value of a parameter."""
-        node, made = part.arguments.get(name), self.script.construction(part.value)
-        value = getattr(part.value, name, ((made and made.given) or {}).get(name, ...))
+    def _expression(self, part: Part, name: str, value: Any) -> str:
+        """An expression for a parameter, as the script has it where that gives the value."""
+        node = self._node(part, name)
         what = f"parameter {name!r} of {self._called(part.value)}"
-        where = node if hasattr(node, "lineno") else None
-        if value is ...:
-            self._refuse(part.value, f"{what} cannot be read from the block", where)
+        if value is inspect.Parameter.empty:
+            self._refuse(part.value, f"{what} cannot be read from the block")
         try:
-            if not inspect.isfunction(value):
-                if any(memories(value)):
-                    self.literals.append((part, name, value))
-                return _without_places(ast.parse(literal(value), mode="eval").body)
-            source = node if isinstance(node, ast.Lambda) else self._definition(value)
-            function = _without_places(top_level(value, source, self._stand_in, self._value))
+            kept = node is not None and self.code.kept(node, value)
+            return kept or self.code.parameter(value, name)
         except Unwritable as unwritable:
-            reason = f"{what}: {unwritable}; write it at the top level, under a name"
-            self._refuse(part.value, reason, where)
-        if isinstance(function, ast.Lambda):
-            return function
-        function.name = self._free(function.name, "_function")
-        function.decorator_list, function.returns = [], None
-        return self._made(function.name, function)
+            where = node if hasattr(node, "lineno") else None
+            self._refuse(part.value, f"{what}: {unwritable}", where)
 
-    def _free(self, name: str, more: str = "_") -> str:
-        while name in self.script.namespace or name in self.code.made:
-            name += more
-        return name
+    def _node(self, part: Part, name: str) -> ast.expr | None:
+        """The expression that the script gives for a parameter, outside of functions."""
+        made = self.script.construction(part.value)
+        if made is None or made.given is None or not isinstance(made.node, ast.Call):
+            return None
+        node = named_arguments(made.node, list(_parameters(part.kind))).get(name)
+        return node if node is not None and self._is_global(node) else None
 
-    def _made(self, name: str, statement: ast.stmt) -> ast.Name:
-        self.code.made[name] = statement
-        self.code.need(statement)
-        return ast.Name(name, ast.Load())
+    def _is_global(self, node: ast.expr) -> bool:
+        """Whether an expression means the same at the top level."""
+        return not used(node) & self.script.local_names(node)
 
-    def _value(self, variable: str, value: Any) -> ast.expr:
-        """An expression for the value of a function's variable.
-
-        What can change gets a name, because another function may have it too.
-        """
-        if value is None or isinstance(value, (bool, int, float, complex, str, tuple)):
-            return ast.parse(literal(value), mode="eval").body
-        held = [n for n, v in self.script.namespace.items() if v is value]
-        if held:
-            return ast.Name(held[0], ast.Load())
-        if id(value) not in self.values:
-            for memory in memories(value):
-                if self.memories.setdefault(memory, value) is not value:
-                    raise Unwritable(
-                        f"{variable!r} shares memory with a variable of another function"
-                    )
-            name = self.values[id(value)] = self._free(variable)
-            self._made(name, _without_places(ast.parse(f"{name} = {literal(value)}").body[0]))
-        return ast.Name(self.values[id(value)], ast.Load())
-
-    def _stand_in(self, value: Any) -> str | None:
-        """A name for a part to which a function refers, until the parts are named."""
-        if value is self.script.simulation or id(value) in self.parts:
-            self.stand_ins[f"__part_{id(value)}"] = value
-            return f"__part_{id(value)}"
-        return None
+    def _setting(self, node: ast.expr, value: str) -> str:
+        for live in (float(value or "nan"), int(float(value)) if value else 0):
+            if self._is_global(node) and (kept := self.code.kept(node, live)):
+                return kept
+        return value
 
     # names --------------------------------------------------------------------------------------
 
-    def _name_parts(self, code: Code) -> dict[str, str]:
-        """Name every part; returns the new names of the script's variables."""
-        given: set[str] = set()
-        other = _TAKEN | code.names | self._locals(code)
-        renamed = {n: "sim" for n in self.script.names_of(self.script.simulation)}
+    def _name_parts(self) -> dict[str, str]:
+        """Name every part; returns their variables by the stand-ins in the code."""
+        variables = {f"__part_{id(self.script.simulation)}": "sim"}
+        code = self.code.names | self.code.inner | {*dir(builtins)}
+
+        def is_of_code(name: str) -> bool:
+            variable = prefix + plain(name)
+            reserved = TAKEN.fullmatch(variable) or keyword.iskeyword(variable)
+            return variable in code or bool(reserved)
+
+        def taken(name: str) -> bool:
+            return is_of_code(name) or prefix + plain(name) in variables.values()
+
         for part in self.parts.values():
             prefix = _prefix(part.parent)
-            variables = self.script.names_of(part.value)
             if isinstance(part.value, Interface):
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
-                wish = variables[0] if variables else self._original_name(part)
-                wish = wish or part.kind.__name__
-                for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
-                    wish = wish.removeprefix(start) or wish
-                for name in _display_names(wish, part.kind.__name__, other):
-                    # PathView does not prefix the variable of a subsystem in a subsystem
-                    part.variable = ("" if part.kind is Subsystem else prefix) + plain(name)
-                    if part.variable not in given and _is_free(part.variable, other):
-                        part.target.name = name
-                        break
-            given.add(part.variable)
-            renamed.update({n: part.variable for n in variables})
-        for name, value in self.stand_ins.items():
-            whole = value is self.script.simulation
-            renamed[name] = "sim" if whole else self.parts[id(value)].variable
-        return renamed
+                wish = self._wish(part, prefix)
+                if part.kind is Subsystem:  # PathView does not prefix one in another
+                    prefix = ""
+                wish += " block" if is_of_code(wish) else ""
+                part.target.name = unique(wish, taken, " ")
+                part.variable = prefix + plain(part.target.name)
+            variables[f"__part_{id(part.value)}"] = part.variable
+        for value in self.code.parts.values():
+            if f"__part_{id(value)}" not in variables:
+                called = self._called(value)
+                self.refuse(f"a function refers to {called}, which is not in the simulation")
+        return variables
 
-    def _locals(self, code: Code) -> set[str]:
-        """Variables of the functions that refer to parts; they would shadow a part of that name."""
-        expressions = (e for p in self.parts.values() for e in p.arguments.values())
-        parts = code.parts | self.stand_ins.keys()
-        functions = [
-            node
-            for top in (*code.nodes(), *expressions)
-            for node in ast.walk(top)
-            if isinstance(node, (ast.FunctionDef, ast.Lambda)) and used(node) & parts
-        ]
-        inside = [n for function in functions for n in ast.walk(function)]
-        stored = {n.id for n in inside if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        return stored | {n.arg for n in inside if isinstance(n, ast.arg)}
+    def _wish(self, part: Part, prefix: str) -> str:
+        """How a part is to be shown; ``pitch_rate`` as "pitch rate"."""
+        variables = self.script.names_of(part.value)
+        wish = variables[0] if variables else self._original_name(part)
+        wish = wish or part.kind.__name__
+        for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
+            wish = wish.removeprefix(start) or wish
+        shown = re.sub("_+", " ", wish).strip()
+        return shown if plain(shown) else part.kind.__name__
 
     def _original_name(self, part: Part) -> str:
         """A name for a part that no variable of the module holds: its key or its original name."""
@@ -442,28 +349,13 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
     return inspect.signature(kind).parameters
 
 
-def _plain_arguments(
-    call: ast.expr, parameters: Mapping[str, inspect.Parameter]
-) -> dict[str, ast.expr] | None:
-    """The arguments of a call in which each corresponds to one parameter; None of others."""
-    if not isinstance(call, ast.Call):
-        return None
-    names = [
-        n for n, p in parameters.items() if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
-    ]
-    starred = [a for a in call.args if isinstance(a, ast.Starred)]
-    if starred or len(call.args) > len(names) or any(k.arg is None for k in call.keywords):
-        return None
-    return named_arguments(call, names)
-
-
-def _is_default(value: Any, default: Any) -> bool:
-    if value is default:
-        return True
-    try:
-        return type(value) is type(default) and bool(value == default)
-    except ValueError:  # arrays
-        return False
+def _state(block: Any, initial: Any) -> Any:
+    """The state of a block, if it is not its initial value: `steadystate` before the run, say."""
+    engine = getattr(block, "engine", None)
+    if engine is None or same(np.ravel(engine.state), np.ravel(np.asarray(initial, float))):
+        return initial
+    state = engine.state
+    return float(state) if np.ndim(initial) == 0 and np.size(state) == 1 else np.array(state)
 
 
 def _prefix(parent: Part | None) -> str:
@@ -471,27 +363,3 @@ def _prefix(parent: Part | None) -> str:
     if parent is None:
         return ""
     return prefix_inside(parent.target.name, _prefix(parent.parent))
-
-
-def _is_free(variable: str, other: Collection[str]) -> bool:
-    return not (keyword.iskeyword(variable) or variable in other or _GENERATED.fullmatch(variable))
-
-
-def _display_names(variable: str, kind: str, other: Collection[str]) -> Iterator[str]:
-    """Names for a block, the best first; ``pitch_rate`` is shown as "pitch rate"."""
-    name = re.sub("_+", " ", variable).strip()
-    if not plain(name):
-        name = kind
-    yield name
-    if not _is_free(plain(name), other):
-        name += " block"
-        yield name
-    yield from (f"{name} {i}" for i in itertools.count(2))
-
-
-def _without_places(node: Any) -> Any:
-    """A node that is not in the script's source."""
-    for inner in ast.walk(node):
-        for name in ("lineno", "end_lineno", "col_offset", "end_col_offset"):
-            inner.__dict__.pop(name, None)
-    return node

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Callable
 
 
 def plain(name: str) -> str:
@@ -22,3 +24,9 @@ def printable(name: str) -> str:
     Its variable is the same.
     """
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in name)
+
+
+def unique(wish: str, taken: Callable[[str], bool], mark: str = "_") -> str:
+    """A name that is not taken: ``wish``, or with a number behind it."""
+    numbered = (f"{wish}{mark}{i}" for i in itertools.count(2))
+    return next(name for name in itertools.chain([wish], numbered) if not taken(name))

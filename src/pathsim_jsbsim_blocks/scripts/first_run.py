@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import functools
 import inspect
 import itertools
 import logging
@@ -25,12 +26,11 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from .._core.running import fly
-from .._core.wiring import warn_of_wiring
+from .._core.wiring import contents, warn_of_wiring
 from ..errors import DiagramError
-from .libraries import Libraries
-from .names import arguments, assignments, bound, root
+from .names import arguments, assignments, bound, own, root
 from .runs import Beginning, intercepted_runs
-from .script import Script, main_program
+from .script import Script, is_beside, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")
 _STEPS = ("timestep", "step")
@@ -63,6 +63,7 @@ class FirstRun(Script):
         self.lines: list[int] = []  # of the script in the frames around the run, outermost first
         # method and line of calls before the run that change the simulation's state
         self.states: list[tuple[str, int | None]] = []
+        self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
@@ -82,7 +83,6 @@ class FirstRun(Script):
                 main_program(self.path) as module,
                 _undone(),
                 intercepted_runs(self._begin, *_RUNS[1:], *_STEPS, *_STATES),
-                Libraries(self.tree) as self._libraries,
             ):
                 self.namespace = vars(module)
                 self.run(module)
@@ -181,18 +181,30 @@ class FirstRun(Script):
     def _own_lines(self, frames: Iterator[tuple[FrameType, int]]) -> list[int]:
         return [line for frame, line in frames if frame.f_code.co_filename == str(self.path)]
 
-    def changed_libraries(self) -> list[str]:
-        """What the script has changed in PathSim, its toolboxes and numpy so far."""
-        return self._libraries.changed()
-
     def names_of(self, value: Any) -> list[str]:
-        """The script's variables for an object."""
-        return [n for n, v in self.namespace.items() if v is value]
+        """The script's variables for an object, without those of loops."""
+        return [n for n, v in self.namespace.items() if v is value and n not in self._of_loops]
+
+    @functools.cached_property
+    def _of_loops(self) -> frozenset[str]:
+        loops = [n for n in own(self.tree.body) if isinstance(n, ast.For)]
+        assigned = {target.id for n in own(self.tree.body) for target, _ in assignments(n)}
+        return bound(n.target for n in loops) - assigned
 
     def called(self, part: Any) -> str:
         """What an error message calls a part of the diagram."""
         names = self.names_of(part)
         return repr(names[0]) if names else f"this {type(part).__name__}"
+
+    def holders(self, part: Any) -> set[str]:
+        """The script's names for a part, and those of collections that hold it."""
+
+        def has(value: Any) -> bool:
+            held = value.values() if isinstance(value, dict) else value
+            return isinstance(value, (dict, list, tuple)) and any(v is part for v in held)
+
+        names = {n for n, v in self.namespace.items() if v is part or has(v)}
+        return names | {self.target(part)} - {""}
 
     def built_at(self, part: Any) -> ast.AST | None:
         """The expression that builds a part."""
@@ -213,16 +225,33 @@ class FirstRun(Script):
         ]
         return max(found, key=lambda n: n.lineno, default=None)
 
-    def storing(self, attribute: str) -> ast.AST | None:
-        """Where an attribute of this name is assigned, or named in a text."""
-        for node in ast.walk(self.tree):
-            if getattr(node, "value", None) == attribute or (
-                isinstance(node, ast.Attribute)
-                and node.attr == attribute
-                and isinstance(node.ctx, ast.Store)
-            ):
-                return node
-        return None
+    def is_beside(self, module: str) -> bool:
+        """Whether a module is the script, or a file beside it, which a model does not have."""
+        return module == "__main__" or is_beside(self.path.resolve().parent, module)
+
+    def file_of(self, module: str) -> tuple[str, dict[str, Any]]:
+        """The file of a module, and its names."""
+        if module == "__main__":
+            return str(self.path), self.namespace
+        found = sys.modules[module]
+        return str(found.__file__), vars(found)
+
+    @functools.cached_property
+    def belongings(self) -> dict[int, list[tuple[Any, str]]]:
+        """What belongs to a block, by id: the block, and the attribute."""
+        blocks = contents(self.simulation)[0]
+        owned = [
+            (b, n, getattr(b, n, None)) for b in blocks for n in ("engine", "inputs", "outputs")
+        ]
+        return {id(value): [(b, f".{n}")] for b, n, value in owned if value is not None}
+
+    def note_files(self, function: Any) -> None:
+        """Note the files that a function of the model finds only in this directory."""
+        for text in function.__code__.co_consts:
+            if isinstance(text, str) and "." in text and "\0" not in text:
+                path = Path(text)
+                if not path.is_absolute() and path.is_file():
+                    self.files[text] = function.__code__.co_firstlineno
 
     def local_names(self, node: ast.AST) -> set[str]:
         """Names that belong to the functions around a node."""

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
@@ -35,8 +36,9 @@ class Construction:
 
     node: ast.expr  # or the decorator of a function
     value: Any
-    # the arguments by parameter; None where a function of the script builds the object
-    given: dict[str, Any] | None
+    # parameters that the call gives; None where a function of the script builds the object
+    given: frozenset[str] | None
+    values: dict[str, tuple[Any, Any]]  # of all parameters, each with the object's attribute then
 
 
 class Script:
@@ -98,11 +100,25 @@ class Script:
         if node in settings.seeding:
             self.seeded.append(made)
         if self._recorded and isinstance(made, (Block, Event, Simulation)):
-            given = None
+            given, values = None, {}
             if make is type(made):
-                given = inspect.signature(make).bind(*args, **kwargs).arguments
-            self._built.setdefault(id(made), Construction(node, made, given))
+                bound = inspect.signature(make).bind(*args, **kwargs)
+                given = frozenset(bound.arguments)
+                bound.apply_defaults()
+                values = {
+                    n: (copied(v), copied(getattr(made, n, v))) for n, v in bound.arguments.items()
+                }
+            self._built.setdefault(id(made), Construction(node, made, given, values))
         return made
+
+
+def copied(value: Any) -> Any:
+    """A value as it is now, if it is an array or a collection."""
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    if type(value) in (list, tuple, set):
+        return type(value)(map(copied, value))
+    return {k: copied(v) for k, v in value.items()} if type(value) is dict else value
 
 
 class _Rewriter(ast.NodeTransformer):
@@ -164,14 +180,16 @@ def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleTyp
         finally:
             sys.modules.pop(name, None)
             # another script may have other modules of the same names beside it
-            for imported, value in list(sys.modules.items()):
-                package = imported.partition(".")[0]
-                file = Path(getattr(value, "__file__", "") or "")
-                # below the folder there may also be an environment with its libraries
-                if package not in before and folder / package in (
-                    file.parent / file.stem,
-                    *file.parents,
-                ):
+            for imported in list(sys.modules):
+                if imported.partition(".")[0] not in before and is_beside(folder, imported):
                     del sys.modules[imported]
             if name in before:
                 sys.modules[name] = before[name]
+
+
+def is_beside(folder: Path, module: str) -> bool:
+    """Whether a loaded module is a file or package in the folder of a script."""
+    package = module.partition(".")[0]
+    file = Path(getattr(sys.modules.get(module), "__file__", "") or "")
+    # below the folder there may also be an environment with its libraries
+    return folder / package in (file.parent / file.stem, *file.parents)

@@ -1,0 +1,188 @@
+"""Expressions of a script that its model keeps: plain ones, which give the live values."""
+
+from __future__ import annotations
+
+import ast
+import cmath
+import functools
+import math
+import types
+from typing import Any
+
+import numpy as np
+
+from ..scripts.first_run import FirstRun
+from ..scripts.names import bound
+
+_PLAIN = (
+    ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.keyword, ast.Starred, ast.Subscript,
+    ast.Slice, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp, ast.List, ast.Tuple,
+    ast.Dict, ast.Set, ast.JoinedStr, ast.FormattedValue, ast.operator, ast.unaryop, ast.boolop,
+    ast.cmpop, ast.expr_context,
+)  # fmt: skip
+_BUILTINS = (abs, bool, complex, dict, float, int, len, list, max, min, range, round, set, sorted,
+             str, sum, tuple)  # fmt: skip
+# functions of numpy that read files: their results are written
+_READERS = ("load", "loadtxt", "genfromtxt", "fromfile", "fromregex", "memmap")
+_DATA = (bool, int, float, complex, str, bytes, type(None), np.generic)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are the same to the last bit; NaN is equal to NaN."""
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        if a.dtype != b.dtype or a.shape != b.shape:
+            return False
+        return a.tobytes() == b.tobytes() if a.dtype != object else same(a.tolist(), b.tolist())
+    if isinstance(a, (list, tuple)):
+        return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, dict):
+        return list(a) == list(b) and all(same(a[k], b[k]) for k in a)
+    if isinstance(a, (float, complex, np.generic)):
+        return repr(a) == repr(b)
+    return isinstance(a, (int, str, bytes, set, range)) and a == b
+
+
+def is_data(value: Any) -> bool:
+    """Whether a value is a number, a text, an array or a collection of these."""
+    if isinstance(value, dict):
+        return type(value) is dict and is_data([*value, *value.values()])
+    if isinstance(value, (list, tuple, set)):
+        return type(value) in (list, tuple, set) and all(map(is_data, value))
+    return isinstance(value, (*_DATA, range)) or (
+        isinstance(value, np.ndarray) and value.dtype != object
+    )
+
+
+class Expressions:
+    """Which expressions and assignments of a script may stand in its model."""
+
+    def __init__(self, script: FirstRun):
+        self._script = script
+        self._statements: dict[str, ast.stmt] = {}
+        for statement in script.statements:
+            for name in bound([statement]):
+                self._statements[name] = statement
+
+    def gives(self, node: ast.expr, value: Any) -> bool:
+        """Whether an expression is plain, and gives a value."""
+        if not all(map(self._is_plain, ast.walk(node))):
+            return False
+        try:
+            return same(self._value(node), value)
+        except Exception:
+            return False
+
+    def statement(self, name: str) -> ast.stmt | None:
+        """The assignment that gives a name its live value, if it is plain."""
+        statement = self._statements.get(name)
+        if not isinstance(statement, (ast.Assign, ast.AnnAssign)) or statement.value is None:
+            return None
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        namespace = self._script.namespace
+        for target in targets:
+            for inner in ast.walk(target):
+                if not isinstance(inner, (ast.Name, ast.Tuple, ast.List, ast.expr_context)):
+                    return None
+            names = [n.id for n in ast.walk(target) if isinstance(n, ast.Name)]
+            if any(self._statements.get(n) is not statement for n in names):
+                return None
+            live: Any = tuple(namespace.get(n) for n in names)
+            if not all(map(self._is_value, live)):
+                return None
+            if isinstance(target, ast.Name):
+                good = self.gives(statement.value, live[0])
+            else:
+                value = statement.value
+                parts = value.elts if isinstance(value, (ast.Tuple, ast.List)) else []
+                good = len(parts) == len(live) and all(map(self.gives, parts, live))
+            if not good:
+                return None
+        return statement
+
+    def imported(self, name: str) -> str:
+        """The import that gives a name its live value, without other names."""
+        statement = self._statements.get(name)
+        if not isinstance(statement, (ast.Import, ast.ImportFrom)):
+            return ""
+        module = getattr(statement, "module", "") or ""
+        for alias in statement.names:
+            beside = self._script.is_beside(module or alias.name)
+            if name == (alias.asname or alias.name.partition(".")[0]) and not beside:
+                return ast.unparse(type(statement)(**{**vars(statement), "names": [alias]}))
+        return ""
+
+    def bound_by(self, statement: ast.stmt) -> frozenset[str]:
+        return bound([statement])
+
+    def line(self, name: str) -> float:
+        """Where a script binds a name."""
+        statement = self._statements.get(name)
+        return math.inf if statement is None else statement.lineno
+
+    def first_line(self, statement: ast.stmt) -> int:
+        """First line of a statement with the comments right above it."""
+        lines, line = self._script.source.split("\n"), statement.lineno
+        while line > 1 and lines[line - 2].lstrip().startswith("#"):
+            line -= 1
+        return line
+
+    def with_comments(self, statement: ast.stmt, text: str) -> str:
+        """The text of a statement with the comments above and beside it."""
+        lines = self._script.source.split("\n")
+        before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
+        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
+        if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
+            return text
+        above = lines[self.first_line(statement) - 1 : statement.lineno - 1]
+        return "".join(f"{line.strip()}\n" for line in above) + text + after.rstrip()
+
+    def _is_plain(self, node: ast.AST) -> bool:
+        if isinstance(node, ast.Call):
+            return self._is_pure(node.func)
+        if isinstance(node, ast.Attribute):
+            owner = self._found(node.value)
+            return isinstance(owner, (types.ModuleType, *_DATA, np.ndarray)) or owner is None
+        if isinstance(node, ast.Name):
+            return self._is_value(self._found(node))
+        return isinstance(node, _PLAIN)
+
+    def _is_value(self, value: Any) -> bool:
+        return is_data(value) or isinstance(value, types.ModuleType) or _is_mathematical(value)
+
+    def _is_pure(self, function: ast.expr) -> bool:
+        value = self._found(function)
+        if value is None and isinstance(function, ast.Attribute):  # a method of an array
+            return all(map(self._is_plain, ast.walk(function.value)))
+        return _is_mathematical(value)
+
+    def _found(self, node: ast.AST) -> Any:
+        """What a name, or attributes of one, stand for; None of anything else."""
+        if isinstance(node, ast.Attribute):
+            return getattr(self._found(node.value), node.attr, None)
+        if not isinstance(node, ast.Name):
+            return None
+        return self._script.namespace.get(node.id, _known().get(node.id))
+
+    def _value(self, node: ast.expr) -> Any:
+        code = compile(ast.Expression(node), "expression", "eval", dont_inherit=True)
+        return eval(code, dict(self._script.namespace))
+
+
+@functools.cache
+def _known() -> dict[str, Any]:
+    return {f.__name__: f for f in _BUILTINS}
+
+
+def _is_mathematical(value: Any) -> bool:
+    """Whether a function computes and does nothing else."""
+    if isinstance(value, np.ufunc) or any(value is f for f in _BUILTINS):
+        return True
+    module, name = getattr(value, "__module__", None) or "", getattr(value, "__name__", "")
+    of_numpy = module.partition(".")[0] == "numpy" and getattr(np, name, None) is value
+    return callable(value) and (
+        module in (math.__name__, cmath.__name__) or (of_numpy and name not in _READERS)
+    )
