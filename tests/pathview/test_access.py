@@ -3,6 +3,8 @@
 import json
 import os
 import re
+import select
+import socket
 import subprocess
 import sys
 import threading
@@ -428,3 +430,36 @@ def test_a_note_with_a_link_that_runs_something_is_refused(address, tmp_path):
     )
     with pytest.raises(DiagramError, match="not a web address"):
         view(path, browser=False)
+
+
+def sent(server, headers, pieces):
+    """Status of a request whose body comes in pieces, and how many were sent before the answer."""
+    place = urlsplit(server.address)
+    kind = "Content-Type: application/json"
+    lines = ["POST /api/exec HTTP/1.1", f"Host: {place.netloc}", kind, *headers, "", ""]
+    count = 0
+    with socket.create_connection((place.hostname, place.port), timeout=30) as connection:
+        connection.sendall("\r\n".join(lines).encode())
+        for count, piece in enumerate(pieces):
+            if select.select([connection], [], [], 0.5 if count == 0 else 0)[0]:
+                break
+            connection.sendall(piece)
+        return connection.recv(100).decode().split(" ")[1], count
+
+
+def test_a_request_without_a_secret_is_refused_before_its_body_is_read(server, cookie):
+    size = 30 * 2**20
+    pieces = [b"x" * 2**20] * 30
+    assert sent(server, [f"Content-Length: {size}"], pieces) == ("403", 0)
+    assert sent(server, ["Transfer-Encoding: chunked"], [b"5\r\nhello\r\n"] * 9) == ("403", 0)
+    asked = [f"Cookie: {cookie}", "Sec-Fetch-Site: same-origin", f"Origin: {server.address}"]
+    # with the secrets PathView reads it, and misses the session
+    assert sent(server, [*asked, f"Content-Length: {size}"], pieces)[0] == "400"
+
+
+def test_a_body_is_at_most_32_mib(server, cookie):
+    asked = [f"Cookie: {cookie}", "Sec-Fetch-Site: same-origin", f"Origin: {server.address}"]
+    assert sent(server, [*asked, f"Content-Length: {2**25 + 1}"], [b"x"]) == ("413", 0)
+    chunk = b"100000\r\n" + b"x" * 2**20 + b"\r\n"
+    status, pieces = sent(server, [*asked, "Transfer-Encoding: chunked"], [chunk] * 100)
+    assert (status, pieces <= 40) == ("413", True)

@@ -11,7 +11,6 @@ import warnings
 import numpy as np
 import pytest
 from pathsim import Simulation
-from pathsim.blocks import Amplifier
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import editor, main
@@ -265,17 +264,9 @@ needed\"\"\"
         )
     )
     code = code["codeContext"]["code"]
-    for text in (
-        "import math",
-        "scale = 2.0",
-        "table = []",
-        "table.append(scale * i)",
-        "@np.vectorize\ndef gain(x):",
-        "root = math.sqrt",
-        "np.random.seed(1)",
-    ):
+    for text in ("table = [0.0, 2.0, 4.0, 6.0]",):
         assert text in code
-    for text in ("unused", "sep", "note", "import numpy"):
+    for text in ("unused", "sep", "note", "import numpy", "seed", "scale", "gain", "append"):
         assert text not in code
 
 
@@ -508,45 +499,15 @@ REFUSED = {
         9,
         "does not know the block 'Comparator'(?!.*runs ahead)",
     ),
-    "state": (
-        script("a = Integrator()", after="a.engine.set(3.0)"),
-        10,
-        "'a' flies otherwise in the model: port 0 at t = 0.0 s is 3.0, and 0.0 in the model; line 10",
-    ),
-    "state, through a list": (
-        script("a = Integrator()", after="parts = [a]\nparts[0].engine.set(3.0)"),
-        11,
-        "'a' flies otherwise in the model: .*line 11 may change it",
-    ),
-    "state, through a dictionary": (
-        script("a = Integrator()", after="parts = {'a': a}\nparts['a'].engine.set(3.0)"),
-        11,
-        "'a' flies otherwise in the model: .*line 11 may change it",
-    ),
-    "steady state": (
-        script(
-            "a = Integrator(1.0)\nb = Amplifier(-1.0)",
-            after="sim.steadystate()",
-            wires="Connection(a, b), Connection(b, a)",
-        ),
-        8,
-        r"'a' flies otherwise .*steadystate\(\) in line 11 changes its state",
-    ),
     "switched off": (
         script(BLOCK + "\nb = Scope()\nc = Connection(a, b)\nc.off()", "c", names="a, b"),
-        11,
-        "connections",
+        8,
+        "a connection of 'a' is switched off when the run begins",
     ),
     "event switched off": (
         script(f"{BLOCK}\ne = ZeroCrossing(len, None)\ne.off()", names="a", events="[e]"),
         10,
         "'e' is changed after it is built",
-    ),
-    "file": (script("a = Source(lambda t: len(__file__))"), 8, "__file__ has no meaning"),
-    "blocks in a function": (
-        script(f"{BLOCK}\nall_ = [a]\ns = Source(lambda t: len(all_))", names="a, s"),
-        10,
-        "'all_' holds blocks",
     ),
     "absent block": (
         script(f"{BLOCK}\nb = Constant(1)\ns = Source(lambda t: b.value)", names="a, s"),
@@ -570,68 +531,11 @@ REFUSED = {
         10,
         "adaptive",
     ),
-    "reserved name": (
-        script("a = Amplifier(events)", before="events = 3"),
-        None,
-        "uses the name 'events'",
-    ),
     "relative import": ("from . import x", 1, "script fails: ImportError"),
     "error": ("x = 1\ny = x / 0", 2, "script fails: ZeroDivisionError"),
     "exit": ("import sys\nsys.exit(3)", 2, "script fails: SystemExit"),
     "syntax": ("x = (", 1, "not Python"),
     "no simulation": ("x = 1", None, "runs no Simulation"),
-    "nameless object": (
-        script(
-            "class Model:\n    k = 1.0\n    def build(self):\n        return Source(lambda t: self.k)\n"
-            "a = Model().build()",
-            names="a",
-        ),
-        11,
-        "parameter 'func' of 'a': .*Model object.* is not a plain value; write it at the top",
-    ),
-    "a class that holds blocks": (
-        HEAD
-        + """
-class Model:
-    def __init__(self, k):
-        self.k = k
-        self.src, self.s = Source(lambda t: np.sin(self.k * t)), Scope()
-        self.sim = Simulation([self.src, self.s], [Connection(self.src, self.s)], log=False)
-
-Model(3.0).sim.run(1)
-""",
-        11,
-        "'func' of this Source: .*Model object.* is not a plain value",
-    ),
-    "variables of a function that functions in it change": (
-        HEAD
-        + """
-def build():
-    n = 0
-    def wave(t):
-        nonlocal n
-        n += 1
-        return n
-    return Simulation([Source(wave)], [], log=False)
-
-build().run(1)
-""",
-        14,
-        "'wave' changes a variable of the function around it",
-    ),
-    "arguments of the command line": (
-        HEAD
-        + """
-import argparse
-parser = argparse.ArgumentParser()
-parser.add_argument("--gain", type=float, default=1.5)
-args = parser.parse_args()
-src = Source(lambda t: args.gain * t)
-sim = Simulation([src], [], log=False)
-""",
-        11,
-        "cannot execute this line: SystemExit",
-    ),
     "several simulations": (
         "from pathsim import Simulation\na = Simulation(log=False)\nb = Simulation(log=False)",
         None,
@@ -669,43 +573,44 @@ def test_settings_are_those_of_the_simulation_that_a_function_returns(export):
 
 
 def test_a_value_that_a_function_of_the_script_changes(export):
-    code = export(
+    model = export(
         script(
-            "a = Amplifier(k[0])",
-            before="""
-k = [1.0]
-n = 0
-def more(x):
-    global n
-    n = 2
-    k.append(x)
-more(5)
-""",
+            "a = Source(lambda t: k[-1] * t)",
+            before="k = [1.0]\ndef more(x):\n    k.append(x)\nmore(5)\n",
         )
-    )["codeContext"]["code"]
-    assert code.endswith("    k.append(x)\nmore(5)")
-    assert code.startswith("k = [1.0]")
+    )
+    assert model["codeContext"]["code"] == "k = [1.0, 5]"
 
 
-def test_a_module_beside_the_script_is_refused(export, tmp_path):
-    (tmp_path / "beside_the_script.py").write_text("K = 2.0\ndef wave(t):\n    return K * t")
-    with pytest.raises(
-        DiagramError, match=r"cannot execute this line: .*'beside_the_script'"
-    ) as caught:
-        export(script("a = Source(wave)", before="from beside_the_script import wave"))
-    assert caught.value.line == 7
+def test_functions_of_a_module_beside_the_script_are_copied(export, tmp_path):
+    (tmp_path / "beside_the_script.py").write_text(
+        "K = 2.0\nN = [0]\ndef wave(t):\n    N[0] += 1\n    return K * t"
+    )
+    model = export(script("a = Source(wave)", before="from beside_the_script import wave"))
+    assert node(model, "a")["params"]["func"] == "wave"
+    assert "def wave(t):\n    N[0] += 1" in model["codeContext"]["code"]
+    assert "beside_the_script" not in model["codeContext"]["code"]
     model = export(script("a = Amplifier(K)", before="from beside_the_script import K"))
-    assert node(model, "a")["params"]["gain"] == "2.0"
+    assert node(model, "a")["params"]["gain"] == "K"
+    assert model["codeContext"]["code"] == "K = 2.0"
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "beside_the_script.py").write_text("K = 3.0")
     model = export(script("a = Amplifier(K)", before="from beside_the_script import K"), "other/a")
-    assert node(model, "a")["params"]["gain"] == "3.0"
+    assert model["codeContext"]["code"] == "K = 3.0"
 
 
 def test_a_run_whose_end_the_script_does_not_hear_of(export):
     run = "try:\n    sim.run(0.05)\nexcept BaseException:\n    pass"
     model = export(script("a = Amplifier(2.0)", after=run))
     assert model["simulationSettings"]["duration"] == "0.05"
+
+
+def test_a_run_in_another_thread_is_not_taken_over(export):
+    run = (
+        "import threading\nt = threading.Thread(target=sim.run, args=(0.05,))\nt.start()\nt.join()"
+    )
+    with pytest.raises(DiagramError, match=r"at t = 0\.0\d* when its first run begins"):
+        export(script("a = Amplifier(2.0)", after=run))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the pool is of forks")
@@ -744,48 +649,76 @@ def test_ordinary_python_becomes_a_model(law, value, export):
 
 
 @pytest.mark.parametrize(
-    ("before", "late"),
+    ("before", "late", "value"),
     [
-        ("laws = {'f': lambda: 1.0}\n_ = laws.__setitem__('f', lambda: 2.0)", "laws['f']()"),
+        ("laws = {'f': lambda: 1.0}\n_ = laws.__setitem__('f', lambda: 2.0)", "laws['f']()", 2.0),
         (
             "class C:\n    @property\n    def k(self):\n        return 1.0\nc = C()\n"
             "_ = setattr(C, 'k', property(lambda self: 9.0))",
             "c.k",
+            9.0,
         ),
-        ("laws = {'f': lambda: np.sin(1)}\n_ = laws.update(f=lambda: np.cos(1))", "laws['f']()"),
-        ("laws = [lambda: 1]\n_ = laws.__setitem__(0, lambda: 2)", "laws[0]()"),
-        ("laws = [lambda t: -t]\n_ = laws.__setitem__(0, lambda t: +t)", "laws[0](t)"),
-        ("laws = [lambda: max((1, 2))]\n_ = laws.__setitem__(0, lambda: max((1, 3)))", "laws[0]()"),
+        ("class C:\n    k = 1.0\nc = C()\n_ = setattr(C, 'k', 9.0)", "c.k", 9.0),
+        ("laws = [lambda t: -t]\n_ = laws.__setitem__(0, lambda t: +t)", "laws[0](t)", 7.0),
+        ("laws = [lambda: max((1, 2)), lambda: max((1, 3))]", "laws[1]() - laws[0]()", 1.0),
         (
             "class C:\n    def __call__(self):\n        return 1.0\nc = C()\n"
             "_ = setattr(C, '__call__', lambda self: 9.0)",
             "c()",
+            9.0,
         ),
         (
-            "from contextvars import ContextVar\nk = ContextVar('k', default=1.0)\n_ = k.set(2.0)",
-            "k.get()",
+            "def counter():\n    n = 0\n    def up():\n        nonlocal n\n        n += 1\n"
+            "        return n\n    return up\nup = counter()\nup()",
+            "up()",
+            2.0,
         ),
-        (
-            "import os\n_ = os.environ.setdefault('LIMIT_8', '2')",
-            "float(os.environ.get('LIMIT_8', 1))",
-        ),
-        (
-            "from os import getenv, environ\n_ = environ.setdefault('K_8', '2')",
-            "len(getenv('K_8'))",
-        ),
+        ("class C:\n    k = 3.0\n    def f(self, t):\n        return self.k\n", "C().f(t)", 3.0),
+        ("def parent():\n    return len(__file__) * 0 + 4.0", "parent()", 4.0),
+        ("import argparse\nargs = argparse.Namespace(gain=1.5)", "args.gain", 1.5),
+        ("from functools import lru_cache\n@lru_cache\ndef f(x):\n    return 2 * x", "f(4)", 8),
+        ("from functools import partial\nf = partial(max, 3.0)", "f(1.0)", 3.0),
+        ("from collections import deque\nq = deque([1.0, 2.0], 3)", "q[1] + q.maxlen", 5.0),
+        ("from enum import Enum\nclass M(Enum):\n    A = 1\nm = M.A", "m.value", 1.0),
+        ("rng = np.random.default_rng(3)\nrng.normal()", "rng.normal() * 0 + 1", 1.0),
+        ("events = 6.0", "events", 6.0),
     ],
 )
-def test_a_function_exchanged_by_an_assigned_call_is_refused(before, late, export):
-    with pytest.raises(DiagramError, match="is changed by a statement that the model does not"):
-        export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
+def test_what_functions_need_is_written_as_it_is_when_the_run_begins(
+    before, late, value, export, tmp_path
+):
+    export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
+    again = convert_model(tmp_path / "script.pvm", tmp_path / "again.py")
+    assert runpy.run_path(str(again), run_name="again")["a"].func(7.0) == value
 
 
-@pytest.mark.parametrize("module", ["builtins", "math"])
-def test_a_name_added_to_a_library_is_refused(module, export):
-    late = "LIMIT" if module == "builtins" else "math.LIMIT"
-    before = f"import {module}\n_ = setattr({module}, 'LIMIT', 2.0)"
-    with pytest.raises(DiagramError, match=f"{module}.LIMIT is changed"):
-        export(script(f"a = Source(lambda t: t if t < 5 else {late})", before=before))
+@pytest.mark.parametrize(
+    ("after", "state"),
+    [
+        ("a.engine.set(3.0)", "3.0"),
+        ("parts = {'a': a}\nparts['a'].engine.set(3.0)", "3.0"),
+        ("sim.steadystate()", None),
+    ],
+)
+def test_a_state_before_the_run_is_the_initial_value(after, state, export):
+    wires = "Connection(a, b), Connection(b, a[0]), Connection(one, a[1])"
+    model = export(
+        script("one = Constant(1.0)\nb = Amplifier(-1.0)\na = ODE(lambda x, u, t: u[0:1] + u[1], 0.0)",
+               wires, after=after + "\nsim.run(0.5)")
+    )  # fmt: skip
+    value = eval(node(model, "a")["params"]["initial_value"], {"np": np})
+    np.testing.assert_allclose(value, 1.0 if state is None else float(state), atol=1e-6)
+
+
+def test_a_state_that_no_initial_value_gives_is_refused_naming_the_call(export):
+    with pytest.raises(DiagramError, match=r"steadystate\(\) in line 12 changes its state"):
+        export(
+            script(
+                "one = Constant(1.0)\na = TransferFunctionNumDen([1.0], [1.0, 1.0])\ns = Scope()",
+                "Connection(one, a), Connection(a, s)",
+                after="sim.steadystate()\nsim.run(0.5)",
+            )
+        )
 
 
 def test_an_array_that_an_event_changes_later_stays_the_parameter(export):
@@ -804,11 +737,6 @@ def test_an_array_that_an_event_changes_later_stays_the_parameter(export):
 def test_a_parameter_changed_before_the_flight_needs_it_is_seen(export):
     model = export(script("a = Delay(5.0)\na.tau = 3.0", names="a", after="sim.run(0.05)"))
     assert node(model, "a")["params"] == {"tau": "3.0"}
-
-
-def test_numpy_that_raises_is_refused(export):
-    with pytest.raises(DiagramError, match=r"'np.seterr' changes .*'divide'"):
-        export(script("a = Amplifier(2.0)", before="old = np.seterr(all='raise')"))
 
 
 def test_a_failed_export_leaves_the_old_file_alone(export, tmp_path):
@@ -848,9 +776,6 @@ sys.stdout = None
             script("a = Amplifier(2.0)", before=changes, after="sim.run(0.05)\nsim.run(0.05)"),
             "left_over",
         )
-    with pytest.raises(DiagramError, match=r"Amplifier.sample is changed"):
-        export(script("a = Amplifier(2.0)", before="Amplifier.sample = lambda *a: None"))
-    assert "sample" not in vars(Amplifier)
     assert world == (sys.stdout, list(warnings.filters), np.get_printoptions())
     assert (list(sys.path), list(sys.argv)) == before[:2]
     assert not [m for m in set(sys.modules) - before[2] if "left_over" in m]
@@ -1233,22 +1158,23 @@ def test_encodings_that_python_knows(data, name, tmp_path):
     assert "spring" in str(content) or "sp\xe9ring" in content["graph"]["annotations"][0]["content"]
 
 
-def test_unseeded_draws_stay_as_written(export):
+def test_draws_before_the_run_are_numbers_and_blocks_without_a_seed_fly_alike(export):
     model = export(
-        HEAD + "k = np.random.rand()\na = Amplifier(k)\nw = WhiteNoise()\n"
-        "sim = Simulation([a, w], [], log=False)\nsim.run(1)"
+        HEAD + "k = np.random.rand()\na = Amplifier(k)\nw, p = WhiteNoise(), PinkNoise()\n"
+        "sim = Simulation([a, w, p], [Connection(w, a)], log=False)\nsim.run(1)"
     )
-    assert model["codeContext"]["code"] == "k = np.random.rand()"
+    assert 0 < float(model["codeContext"]["code"].removeprefix("k = ")) < 1
+    assert "seed" not in node(model, "w")["params"]
 
 
-def test_functions_that_draw_from_a_seeded_generator_in_another_state_are_refused(export):
-    with pytest.raises(DiagramError, match="draws from a global random generator") as caught:
+def test_functions_that_draw_from_the_global_generator_are_refused(export):
+    with pytest.raises(DiagramError, match="such as random numbers without a seed") as caught:
         export(
-            HEAD + "np.random.seed(2)\nunused = np.random.rand()\n"
+            HEAD + "np.random.seed(2)\n"
             "a = Source(lambda t: np.random.rand())\n"
             "sim = Simulation([a], [], log=False)\nsim.run(1)"
         )
-    assert caught.value.line == 9
+    assert caught.value.line == 8
 
 
 def test_the_script_runs_in_no_other_way_than_as_the_main_program(export, tmp_path):

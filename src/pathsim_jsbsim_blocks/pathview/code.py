@@ -9,8 +9,9 @@ import ast
 import builtins
 import collections
 import copyreg
-import functools
+import dataclasses
 import math
+import operator
 import re
 import sys
 import types
@@ -24,9 +25,9 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from ..scripts.first_run import FirstRun
-from ..scripts.names import references
+from ..scripts.names import assignments, references
 from ..scripts.script import FOLLOWING
-from .expressions import Expressions
+from .expressions import Expressions, same
 from .shape import shortened
 from .sources import Found, of_class, of_function, one_line, text_of
 from .variables import unique
@@ -323,7 +324,10 @@ class Code:
         if not isinstance(path, str) or module is None or self.script.is_beside(name or ""):
             return ""
         top, *rest = path.split(".")
-        if functools.reduce(lambda o, n: getattr(o, n, None), [top, *rest], module) is not value:
+        try:
+            if operator.attrgetter(path)(module) is not value:
+                return ""
+        except AttributeError:
             return ""
         if module is builtins:
             return path
@@ -361,8 +365,11 @@ class Code:
         _Names(self, found.node, function.__globals__, cells).put(new, without)
         text = text_of(found, new)
         if _STAND_IN.search(text):
-            self.inner |= {n.id for n in ast.walk(found.node) if _is_stored(n)}
-            self.inner |= {n.arg for n in ast.walk(found.node) if isinstance(n, ast.arg)}
+            for node in ast.walk(found.node):
+                if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                    self.inner.add(node.id)
+                elif isinstance(node, ast.arg):
+                    self.inner.add(node.arg)
         if name:
             text = re.sub(rf"(def\s+){code.co_name}\b", rf"\g<1>{name}", text, count=1)
         return one_line(text) if isinstance(found.node, ast.Lambda) else text
@@ -435,35 +442,34 @@ class Code:
             piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
         piece.text = "\n".join([text, *self._changed(kind, name, tree.node, path)])
 
-    def _changed(self, kind: type, name: str, node: ast.ClassDef, path: str) -> Iterator[str]:
+    def _changed(self, kind: type, name: str, source: ast.ClassDef, path: str) -> Iterator[str]:
         """Assignments of attributes of a class that are not as its source has them."""
-        here = range(node.lineno, (node.end_lineno or 0) + 1)
-        written = {
-            t.id: s.value
-            for s in node.body
-            if isinstance(s, (ast.Assign, ast.AnnAssign))
-            for t in (s.targets if isinstance(s, ast.Assign) else [s.target])
-            if isinstance(t, ast.Name)
-        }
+        here = range(source.lineno, (source.end_lineno or 0) + 1)
+        written = {target.id: value for s in source.body for target, value in assignments(s)}
         for attribute, value in list(vars(kind).items()):
-            function = getattr(value, "__func__", value)
-            if isinstance(function, types.FunctionType):
-                code = function.__code__
-                if code.co_filename != path or code.co_firstlineno in here:
-                    continue
-            elif attribute.startswith("__") or not _scalar(value):
-                continue
-            elif isinstance(default := written.get(attribute), ast.Constant):
-                if _scalar(default.value) == _scalar(value):
-                    continue
-            elif attribute in written and self.expressions.gives(written[attribute], value):
-                continue
-            yield f"{name}.{attribute} = {self.expression(value, attribute)}"
+            accessors = [value.fget, value.fset] if isinstance(value, property) else [value]
+            functions = [getattr(a, "__func__", a) for a in accessors if a is not None]
+            if all(isinstance(f, types.FunctionType) for f in functions):
+                codes = [f.__code__ for f in functions]
+                if any(c.co_filename == path and c.co_firstlineno not in here for c in codes):
+                    made = [self.expression(f, attribute) for f in functions]
+                    text = f"property({', '.join(made)})" if accessors[0] is not value else made[0]
+                    yield f"{name}.{attribute} = {text}"
+            elif _scalar(value) and not attribute.startswith("__"):
+                node = written.get(attribute)
+                if node is None or not self.expressions.gives(node, value):
+                    yield f"{name}.{attribute} = {self.expression(value, attribute)}"
 
     # objects --------------------------------------------------------------------------------------
 
     def _object(self, value: Any, name: str, piece: Piece) -> None:
         """An object as pickle would rebuild it."""
+        if made := _built_from_fields(value):
+            kind = self.expression(type(value), type(value).__name__)
+            given = ", ".join(f"{k}={self._attribute(v, k)}" for k, v in made.items())
+            piece.text = f"{name} = {kind}({given})"
+            if not _STAND_IN.search(given):
+                return
         try:
             reduced = value.__reduce_ex__(4)
         except Exception as error:
@@ -474,14 +480,12 @@ class Code:
                 raise Unwritable(f"{_short(value)} cannot be written")
             self._decorated(value, wrapped, name, piece)
             return
-        make, given, state, items, pairs = (*reduced, None, None, None)[:5]
+        make, arguments, state, items, pairs = (*reduced, None, None, None)[:5]
         if make is copyreg.__newobj__:  # type: ignore[attr-defined]
-            kind, *given = given
-            text = f"{self.expression(kind, kind.__name__)}.__new__"
-            given = (kind, *given)
+            text = f"{self.expression(type(value), type(value).__name__)}.__new__"
         else:
             text = self.expression(make, getattr(make, "__name__", "make"))
-        arguments = ", ".join(self.expression(a, name) for a in given)
+        arguments = ", ".join(self.expression(a, name) for a in arguments)
         piece.text = f"{name} = {text}({arguments})"
         later = Piece()
         self._needs.append(set())  # states come last
@@ -586,8 +590,18 @@ def _numbers(value: Any) -> str:
     return _scalar(value)
 
 
-def _is_stored(node: ast.AST) -> bool:
-    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+def _built_from_fields(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass that differ from their defaults, if they give the value."""
+    if not dataclasses.is_dataclass(value) or isinstance(value, type):
+        return {}
+    fields = [f for f in dataclasses.fields(value) if f.init and hasattr(value, f.name)]
+    given = {f.name: getattr(value, f.name) for f in fields}
+    given = {f.name: v for f, v in zip(fields, given.values(), strict=True)
+             if not same(v, f.default)}  # fmt: skip
+    try:
+        return given if same(type(value)(**given), value) else {}
+    except Exception:
+        return {}
 
 
 def _is_lambda(value: Any) -> bool:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import ast
 import cmath
+import dataclasses
 import functools
 import math
 import types
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from pathsim.blocks import Block
 
 from ..scripts.first_run import FirstRun
 from ..scripts.names import bound
@@ -39,8 +42,10 @@ def same(a: Any, b: Any) -> bool:
         return a.tobytes() == b.tobytes() if a.dtype != object else same(a.tolist(), b.tolist())
     if isinstance(a, (list, tuple)):
         return len(a) == len(b) and all(map(same, a, b))
-    if isinstance(a, dict):
+    if isinstance(a, Mapping):
         return list(a) == list(b) and all(same(a[k], b[k]) for k in a)
+    if dataclasses.is_dataclass(a):
+        return same(vars(a), vars(b))
     if isinstance(a, (float, complex, np.generic)):
         return repr(a) == repr(b)
     return isinstance(a, (int, str, bytes, set, range)) and a == b
@@ -151,13 +156,15 @@ class Expressions:
         return isinstance(node, _PLAIN)
 
     def _is_value(self, value: Any) -> bool:
-        return is_data(value) or isinstance(value, types.ModuleType) or _is_mathematical(value)
+        known = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
+        return known or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
 
     def _is_pure(self, function: ast.expr) -> bool:
         value = self._found(function)
         if value is None and isinstance(function, ast.Attribute):  # a method of an array
             return all(map(self._is_plain, ast.walk(function.value)))
-        return _is_mathematical(value)
+        described = dataclasses.is_dataclass(value) and not self._script.is_beside(value.__module__)
+        return _is_mathematical(value) or (described and not issubclass(value, Block))
 
     def _found(self, node: ast.AST) -> Any:
         """What a name, or attributes of one, stand for; None of anything else."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import builtins
+import json
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ from .check import BUSES, NUMBERS, Check, compiling, complete
 from .clashes import without_clashes
 from .diagram import NOTE
 from .shape import Json, with_parts
-from .variables import printable
+from .variables import plain, prefix_inside, printable
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
@@ -35,7 +37,38 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
         raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
     except (RecursionError, MemoryError) as error:
         raise DiagramError("too deep or too large for a script", path=path) from error
-    return _finished(code, content, path)
+    return _with_names_of_ports(_finished(code, content, path), content, registry)
+
+
+def _with_names_of_ports(code: str, content: Json, registry: Json) -> str:
+    """PathView's script with the names of ports that a block's class gives, if it has several."""
+    labels: dict[tuple[str, bool], dict[str, str]] = {}  # by variable, and whether of inputs
+
+    def add(graph: Json, prefix: str) -> None:
+        for node in graph["nodes"]:
+            if "graph" in node:
+                add(node["graph"], prefix_inside(node["name"], prefix))
+            entry = registry["blocks"].get(node["type"])
+            kind = entry and getattr(
+                sys.modules.get(entry["importPath"]), entry["blockClass"], None
+            )
+            for inputs in (False, True):
+                known = getattr(kind, f"{'input' if inputs else 'output'}_port_labels", None)
+                if known and len(known) > 1:
+                    numbers = {str(i): name for name, i in known.items()}
+                    labels[prefix + plain(node["name"]), inputs] = numbers
+
+    add(content["graph"], "")
+    lines = code.split("\n")
+    for i, line in enumerate(lines):
+        if re.fullmatch(r"\s+Connection\((\w+\[\d+\](, )?)+\),", line):
+            ends = re.findall(r"(\w+)\[(\d+)\]", line)
+            texts = []
+            for k, (variable, port) in enumerate(ends):
+                name = labels.get((variable, k > 0), {}).get(port)
+                texts.append(f"{variable}[{port if name is None else json.dumps(name)}]")
+            lines[i] = line[: line.index("(") + 1] + ", ".join(texts) + "),"
+    return "\n".join(lines)
 
 
 def _finished(code: str, content: Json, path: Path) -> str:

@@ -19,7 +19,7 @@ from .variables import plain
 VERSION = "1.0.0"
 # a fixed time, so that the same script always gives the same file
 _TIME = "1970-01-01T00:00:00.000Z"
-_PINNED, _PINNED_LENGTH = 3, 18  # fields shown on a block, characters that fit into one
+_PINNED = 3  # fields shown on a block
 _EVENT = 80  # px
 _NOTE_WIDTH = (420, 760)  # px
 # px at PathView's default font size: character, line, space after a paragraph, title and margins
@@ -206,11 +206,8 @@ def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, An
 
 
 def _pinned(node: Node) -> list[str]:
-    """The parameters shown on the block: those that the script gives, if short."""
-    if node.type in RECORDERS:
-        return []
-    short = [k for k, v in node.params.items() if len(v) <= _PINNED_LENGTH]
-    return short[:_PINNED]
+    """The parameters shown on the block: the first given; PathView shortens their values."""
+    return [] if node.type in RECORDERS else list(node.params)[:_PINNED]
 
 
 def _events(

@@ -354,8 +354,8 @@ def _state(block: Any, initial: Any) -> Any:
     engine = getattr(block, "engine", None)
     if engine is None or same(np.ravel(engine.state), np.ravel(np.asarray(initial, float))):
         return initial
-    state = engine.state
-    return float(state) if np.ndim(initial) == 0 and np.size(state) == 1 else np.array(state)
+    state = np.array(engine.state)
+    return state.item() if np.ndim(initial) == 0 and state.size == 1 else state
 
 
 def _prefix(parent: Part | None) -> str:

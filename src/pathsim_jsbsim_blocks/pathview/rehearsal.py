@@ -23,7 +23,7 @@ from unittest.mock import patch
 import numpy as np
 from pathsim.blocks import Block
 
-from .._core.pathsim_internals import each_sample, port_names
+from .._core.pathsim_internals import ON, each_sample, port_names
 from .generate import to_python
 from .toolboxes import registry_for
 
@@ -70,11 +70,13 @@ def row(t: float, blocks: Iterable[Block]) -> Row:
 
 def plain_values(part: Any) -> dict[str, str]:
     """Numbers, texts and arrays of a block or an event: a limit that no flight reaches, say."""
+    if getattr(part, "seed", 0) is None:  # it has drawn already
+        return {}
     return {
         name.removeprefix("_p_"): _text(value)
         for name, value in vars(part).items()
         # the flight compares states; the other private attributes are those of a run
-        if name not in _OF_A_RUN and (name[0] != "_" or name.startswith("_p_") or name == "_active")
+        if name not in _OF_A_RUN and (name[0] != "_" or name.startswith("_p_") or name == ON)
         if isinstance(value, _PLAIN)
     }
 

@@ -18,6 +18,7 @@ from .toolboxes import required_toolboxes
 
 # a constant address, because the browser stores the user's settings by address
 PORT = 8360
+_LARGEST = 32 * 2**20  # bytes of a request's body
 _SILENT = 10.0  # s; a page with a run asks for results every second, even if it is hidden
 
 _HEADERS = {
@@ -43,6 +44,7 @@ class Server:
         self._access = Access(self._served)
         self.app = self._app()
         self._server = _bound(self.app, port)
+        self._server.channel_class = _channels(self._access)
         self.address = f"http://{HOST}:{self._server.effective_port}"
 
     def url(self, name: str = "") -> str:
@@ -168,6 +170,37 @@ def _end_run(session: str) -> None:
         remove_session(session)
 
 
+def _channels(access: Access) -> type:
+    """Connections on which a request is refused before its body is read."""
+    from flask import Request
+    from waitress.channel import HTTPChannel
+    from waitress.parser import HTTPRequestParser
+    from waitress.task import WSGITask
+    from waitress.utilities import Error
+
+    class Forbidden(Error):
+        code, reason = 403, "Forbidden"
+
+    class Parser(HTTPRequestParser):
+        def __init__(self, adj: Any, channel: Any):
+            super().__init__(adj)
+            self.channel = channel
+
+        def parse_header(self, header_plus: bytes) -> None:
+            super().parse_header(header_plus)
+            if self.body_rcv is not None:
+                request = Request(WSGITask(self.channel, self).get_environment())
+                if reason := access.refusal(request, page=False):
+                    self.error, self.body_rcv = Forbidden(reason), None
+                    self.content_length, self.expect_continue = 0, False
+
+    class Channel(HTTPChannel):
+        def parser_class(self, adj: Any) -> Parser:
+            return Parser(adj, self)
+
+    return Channel
+
+
 def _bound(app: Any, port: int | None) -> Any:
     from waitress import create_server
 
@@ -176,7 +209,14 @@ def _bound(app: Any, port: int | None) -> Any:
     if port is not None and whole("port", port, low=0) > 65535:
         refuse("port", port, f"port must be at most 65535, not {port}")
     try:
-        return create_server(app, map={}, host=HOST, threads=8, port=PORT if port is None else port)
+        return create_server(
+            app,
+            map={},
+            host=HOST,
+            threads=8,
+            port=PORT if port is None else port,
+            max_request_body_size=_LARGEST,
+        )
     except OSError as error:
         if port is None:
             return _bound(app, 0)

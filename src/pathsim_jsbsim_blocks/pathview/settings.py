@@ -35,7 +35,10 @@ def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
     if "duration" in given:
         found["duration"] = given["duration"]
     elif script.begun is None and "DURATION" in script.namespace:
-        found["duration"] = ast.Name("DURATION", ast.Load())
+        names = (n for n in ast.walk(script.tree) if isinstance(n, ast.Name))
+        place = next((n for n in names if n.id == "DURATION"), None)
+        if place is not None:
+            found["duration"] = ast.copy_location(ast.Name("DURATION", ast.Load()), place)
     stays = script.begun is not None and script.begun.arguments.get("adaptive") is False
     if stays and script.simulation.engine.is_adaptive:
         script.refuse(

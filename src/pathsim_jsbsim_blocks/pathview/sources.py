@@ -60,7 +60,7 @@ def of_class(name: str, path: str, lines: list[int]) -> Found | None:
     source, found = _definitions(path)
     named = [n for n in found if isinstance(n, ast.ClassDef) and n.name == name]
     around = [n for n in named if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)]
-    return _the_one(source, around if lines else named)
+    return _the_one(source, around or named)
 
 
 def _span(code: types.CodeType) -> tuple[int, ...]:
@@ -83,7 +83,9 @@ def text_of(found: Found, new: Mapping[ast.AST, str] = {}, decorated: bool = Fal
     which would change such a text.
     """
     node, source = found
-    bare = {} if decorated or isinstance(node, ast.Lambda) else {"decorator_list": []}
+    bare: dict[str, Any] = (
+        {} if decorated or isinstance(node, ast.Lambda) else {"decorator_list": []}
+    )
     if _spans_lines(node) or any(_in_formatted(node, inner) for inner in new):
         return ast.unparse(ast.fix_missing_locations(_rebuilt(node, new, bare)))
     raw, starts = source.encode(), [0]
