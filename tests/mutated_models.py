@@ -6,6 +6,7 @@ nothing else that the model says; and none of it runs while it is converted.
 
 import ast
 import copy
+import importlib
 import json
 import random
 import re
@@ -478,6 +479,15 @@ def _read(statements, registry):
     }
 
 
+def _number(kind, port, is_input):
+    """The number of a port that a script gives by number or name."""
+    if isinstance(port, int):
+        return port
+    module = with_toolboxes(core_registry(), [FLIGHT, OURS])["blocks"][kind]["importPath"]
+    block = getattr(importlib.import_module(module), kind)
+    return (block.input_port_labels if is_input else block.output_port_labels)[port]
+
+
 def _list(node, built):
     out = []
     for item in node.elts:
@@ -486,7 +496,10 @@ def _list(node, built):
         else:
             assert item.func.id == "Connection"
             assert not item.keywords
-            source, *targets = [(built[a.value.id], a.slice.value) for a in item.args]
+            source, *targets = [
+                (built[a.value.id], _number(built[a.value.id][0][0], a.slice.value, k > 0))
+                for k, a in enumerate(item.args)
+            ]
             out += [(*source, *target) for target in targets]
     return out
 

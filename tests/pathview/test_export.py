@@ -1167,14 +1167,14 @@ def test_draws_before_the_run_are_numbers_and_blocks_without_a_seed_fly_alike(ex
     assert "seed" not in node(model, "w")["params"]
 
 
-def test_functions_that_draw_from_the_global_generator_are_refused(export):
-    with pytest.raises(DiagramError, match="such as random numbers without a seed") as caught:
-        export(
-            HEAD + "np.random.seed(2)\n"
-            "a = Source(lambda t: np.random.rand())\n"
-            "sim = Simulation([a], [], log=False)\nsim.run(1)"
-        )
-    assert caught.value.line == 8
+def test_functions_that_draw_from_a_seeded_generator(export):
+    text = HEAD + (
+        "np.random.seed(2)\na = Source(lambda t: np.random.rand())\n"
+        "sim = Simulation([a], [], log=False)\nsim.run(1)"
+    )
+    assert export(text)["codeContext"]["code"] == "np.random.seed(2)"
+    with pytest.raises(DiagramError, match=r"np.random.* its state is another one"):
+        export(text.replace("a = ", "unused = np.random.rand()\na = "))
 
 
 def test_the_script_runs_in_no_other_way_than_as_the_main_program(export, tmp_path):

@@ -84,7 +84,14 @@ def random_blocks(sim: Simulation) -> list[Block]:
     return [b for b in contents(sim)[0] if hasattr(b, "seed") or _sources(b)]
 
 
-def draws_from_shared(block: Block) -> bool:
+def is_random(block: Any) -> bool:
+    """Whether a block has a seed or a generator, or draws from NumPy's global one."""
+    return isinstance(block, Block) and bool(
+        hasattr(block, "seed") or _sources(block) or draws_from_shared(block)
+    )
+
+
+def draws_from_shared(block: Any) -> bool:
     """Whether a block draws from NumPy's global generator."""
     return isinstance(block, _SHARED)
 

@@ -87,6 +87,8 @@ class Diagram:
     settings: dict[str, str]
     toolboxes: list[Toolbox]
     log: bool = True  # whether the simulation logs
+    seeded: bool = False  # whether the code seeds NumPy's global generator
+    unseeded: list[str] = field(default_factory=list)  # blocks that draw without a seed
     parts: dict[str, Part] = field(default_factory=dict)  # by their variables
 
     @property

@@ -15,7 +15,7 @@ from . import pvm
 from .diagram import Diagram
 from .proof import Proof, Rehearsal
 from .reader import read_diagram
-from .rehearsal import Difference, Job, plain_values, seed_unseeded
+from .rehearsal import Difference, Job, plain_values, seed_unseeded, state_of_random
 from .settings import setting_values
 from .shape import Json, shortened
 
@@ -125,11 +125,18 @@ def _proven(
             process=rehearsal.surroundings,
             blocks=list(blocks),
             parameters={name: diagram.parts[name].target.params for name in blocks},
-            values={name: plain_values(part.value) for name, part in diagram.parts.items()},
+            # what a block without a seed has drawn when it is built differs
+            values={
+                name: plain_values(part.value)
+                for name, part in diagram.parts.items()
+                if name not in diagram.unseeded
+            },
+            random=state_of_random() if diagram.seeded else "",
+            unseeded=diagram.unseeded,
             run=run,
         )
     )
-    seed_unseeded(blocks.values())
+    seed_unseeded([blocks[n] for n in diagram.unseeded], diagram.seeded)
     outcome = difference or rehearsal.fly(script.simulation, run, blocks, check)
     if isinstance(outcome, Difference):
         _refuse(outcome, script, diagram)

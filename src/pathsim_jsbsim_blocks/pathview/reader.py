@@ -16,6 +16,7 @@ from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block
 
 from .._core.pathsim_internals import own_events, port_names
+from .._core.seeding import draws_from_shared, is_random
 from ..scripts.first_run import FirstRun, named_arguments
 from ..scripts.names import used
 from .code import TAKEN, Code, Unwritable
@@ -61,16 +62,30 @@ class _Reader:
         for part in self.parts.values():
             params = part.target.params.items()
             part.target.params = {n: self.code.filled(e, variables) for n, e in params}
+        context, seeded = self._context(variables, graph)
         return Diagram(
             path=self.script.path,
             docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph,
-            context=self.code.text(variables, self._event_imports(graph)),
+            context=context,
+            seeded=seeded,
             settings=values,
             toolboxes=self._toolboxes(),
             log=bool(sim.log),
+            unseeded=[
+                part.variable
+                for part in self.parts.values()
+                if is_random(part.value) and part.arguments.get("seed") is None
+            ],
             parts={part.variable: part for part in self.parts.values()},
         )
+
+    def _context(self, variables: Mapping[str, str], graph: Graph) -> tuple[str, bool]:
+        """The model's code; it seeds NumPy's global generator if something draws from it."""
+        text, seeding = self.code.text(variables, self._event_imports(graph)), ""
+        if "random." in text or any(draws_from_shared(p.value) for p in self.parts.values()):
+            seeding = self.script.seeding()
+        return "\n".join(filter(None, [text, seeding])), bool(seeding)
 
     # structure ----------------------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ import numpy as np
 from pathsim.blocks import Block
 
 from .._core.pathsim_internals import ON, each_sample, port_names
+from .._core.seeding import seed_blocks
 from .generate import to_python
 from .toolboxes import registry_for
 
@@ -42,6 +43,8 @@ class Job:
     blocks: list[str]  # PathView's variables
     parameters: dict[str, dict[str, str]]  # expressions by PathView's variables, and name
     values: dict[str, dict[str, str]]  # plain values of blocks and events, by variable
+    random: str  # the state of NumPy's global generator, if the script has seeded it
+    unseeded: list[str]  # blocks that draw random numbers without a seed, by variable
     run: dict[str, Any]  # arguments of the run
 
 
@@ -70,8 +73,6 @@ def row(t: float, blocks: Iterable[Block]) -> Row:
 
 def plain_values(part: Any) -> dict[str, str]:
     """Numbers, texts and arrays of a block or an event: a limit that no flight reaches, say."""
-    if getattr(part, "seed", 0) is None:  # it has drawn already
-        return {}
     return {
         name.removeprefix("_p_"): _text(value)
         for name, value in vars(part).items()
@@ -98,13 +99,20 @@ def _text(value: Any) -> str:
     return repr(value) if isinstance(value, _PLAIN) else type(value).__name__
 
 
-def seed_unseeded(blocks: Iterable[Block]) -> None:
-    """Give blocks without a seed the same random numbers on both sides."""
-    from .._core.seeding import seed_blocks
+def seed_unseeded(blocks: Iterable[Block], seeded: bool) -> None:
+    """Give blocks without a seed the same random numbers on both sides.
 
-    unseeded = [b for b in blocks if getattr(b, "seed", 0) is None]
-    for number, block in enumerate(unseeded):
+    NumPy's global generator, too, unless the script has seeded it.
+    """
+    for number, block in enumerate(blocks):
         seed_blocks([block], number)
+    if not seeded:
+        np.random.seed(0)  # noqa: NPY002
+
+
+def state_of_random() -> str:
+    """The state of NumPy's global generator."""
+    return repr([np.array(part).tolist() for part in np.random.get_state()])  # noqa: NPY002
 
 
 # the model's side ---------------------------------------------------------------------------------
@@ -172,13 +180,17 @@ def _compared(namespace: dict[str, Any], job: Job) -> Difference | None:
             if here.get(name) != there.get(name):
                 values = here.get(name, "absent"), there.get(name, "absent")
                 return Difference(variable, name, *values)
+    if job.random and job.random != state_of_random():
+        return Difference(
+            name="np.random", error="its state is another one; give what draws its own"
+        )
     return None
 
 
 def _flown(namespace: dict[str, Any], job: Job, rows: Iterator[Row]) -> Difference | None:
     """Fly the model beside the script; where they part."""
     simulation, blocks = namespace["sim"], {name: namespace[name] for name in job.blocks}
-    seed_unseeded(blocks.values())
+    seed_unseeded([blocks[name] for name in job.unseeded], bool(job.random))
 
     def take(t: float) -> None:
         theirs, mine = next(rows, None), row(t, blocks.values())

@@ -10,6 +10,7 @@ import itertools
 import logging
 import math
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -65,6 +66,7 @@ class FirstRun(Script):
         self.states: list[tuple[str, int | None]] = []
         self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
+        self.drawn = np.array(np.random.get_state()[1])  # type: ignore[index]  # noqa: NPY002
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
         }
@@ -224,6 +226,20 @@ class FirstRun(Script):
             and {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & {*names}
         ]
         return max(found, key=lambda n: n.lineno, default=None)
+
+    def seeding(self) -> str:
+        """The statement with which the script seeds NumPy's global generator, or its state."""
+        state: Any = np.random.get_state()  # noqa: NPY002
+        if np.array_equal(state[1], self.drawn):
+            return ""
+        calls = (ast.unparse(n) for n in ast.walk(self.tree) if isinstance(n, ast.Call))
+        seeds = [
+            m[1] for m in map(re.compile(r"(?:np|numpy)\.random\.seed\((\d+)\)").match, calls) if m
+        ]
+        if len(seeds) == 1:
+            return f"np.random.seed({seeds[0]})"
+        key = ", ".join(map(str, state[1]))
+        return f"np.random.set_state(({state[0]!r}, [{key}], {state[2]}, {state[3]}, {state[4]!r}))"
 
     def is_beside(self, module: str) -> bool:
         """Whether a module is the script, or a file beside it, which a model does not have."""
