@@ -37,6 +37,7 @@ _STAND_IN = re.compile(r"__part_(\d+)")
 # names that PathView's own script binds
 TAKEN = re.compile(r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64")
 _SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
+_CONTAINERS = (list, tuple, dict, set, np.ndarray)
 _LOCALS = {"globals", "locals", "vars", "eval", "exec"}
 
 
@@ -238,9 +239,14 @@ class Code:
             piece.text = self._function(value, name)
         elif isinstance(value, type):
             self._class(value, name, piece)
-        elif _scalar(value) or _is_lambda(value) or type(value) in (list, dict, set, np.ndarray):
+        elif _scalar(value) or _is_lambda(value) or type(value) in _CONTAINERS:
             text = _scalar(value) or self._container(value, name) or self._function(value)
             piece.text = f"{name} = {text}"
+        elif isinstance(value, types.ModuleType):
+            kind = self.expression(types.SimpleNamespace, "SimpleNamespace")
+            used = self.script.attributes_of(wish)
+            inside = (f"{n}={self._attribute(getattr(value, n), n)}" for n in used)
+            piece.text = f"{name} = {kind}({', '.join(inside)})"
         else:
             self._object(value, name, piece)
         self._needs.pop()
@@ -296,7 +302,7 @@ class Code:
 
     def _module(self, module: types.ModuleType, wish: str) -> str:
         if self.script.is_beside(module.__name__):
-            raise Unwritable(f"the module {module.__name__!r} beside the script, as an object")
+            return self._defined(module, wish)
         for name, piece in self._pieces.items():
             if piece.text in (f"import {module.__name__}", f"import {module.__name__} as {name}"):
                 self._need(name)
@@ -527,7 +533,7 @@ class Code:
                     yield f"{owner}.{k} = property(lambda self: self._blocks[{k!r}]())"
 
     def _attribute(self, value: Any, name: str) -> str:
-        if type(value) in (list, dict, set, np.ndarray) and id(value) not in self._texts:
+        if type(value) in _CONTAINERS and id(value) not in self._texts:
             return self._defined(value, name)
         return self.expression(value, name)
 

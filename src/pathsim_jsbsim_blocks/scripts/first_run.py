@@ -252,6 +252,11 @@ class FirstRun(Script):
         found = sys.modules[module]
         return str(found.__file__), vars(found)
 
+    def attributes_of(self, name: str) -> list[str]:
+        """The attributes of a module that the script uses."""
+        nodes = (n for n in ast.walk(self.tree) if isinstance(n, ast.Attribute))
+        return sorted({n.attr for n in nodes if getattr(n.value, "id", "") == name})
+
     @functools.cached_property
     def belongings(self) -> dict[int, list[tuple[Any, str]]]:
         """What belongs to a block, by id: the block, and the attribute."""
