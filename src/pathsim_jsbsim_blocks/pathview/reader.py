@@ -83,7 +83,9 @@ class _Reader:
     def _context(self, variables: Mapping[str, str], graph: Graph) -> tuple[str, bool]:
         """The model's code; it seeds NumPy's global generator if something draws from it."""
         text, seeding = self.code.text(variables, self._event_imports(graph)), ""
-        if "random." in text or any(draws_from_shared(p.value) for p in self.parts.values()):
+        parts = self.parts.values()
+        every = [text, *(e for part in parts for e in part.target.params.values())]
+        if any("random." in e for e in every) or any(draws_from_shared(p.value) for p in parts):
             seeding = self.script.seeding()
         return "\n".join(filter(None, [text, seeding])), bool(seeding)
 

@@ -66,7 +66,7 @@ class FirstRun(Script):
         self.states: list[tuple[str, int | None]] = []
         self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
-        self.drawn = np.array(np.random.get_state()[1])  # type: ignore[index]  # noqa: NPY002
+        self.drawn: Any = None  # from NumPy's global generator, when the script begins
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
         }
@@ -87,6 +87,7 @@ class FirstRun(Script):
                 intercepted_runs(self._begin, *_RUNS[1:], *_STEPS, *_STATES),
             ):
                 self.namespace = vars(module)
+                self.drawn = np.random.get_state()[1]  # type: ignore[index]  # noqa: NPY002
                 self.run(module)
                 if self.begun is None:  # the script may have caught what ends it
                     self._capture()
@@ -370,6 +371,8 @@ def _undone() -> Iterator[None]:
         stack.enter_context(warnings.catch_warnings())
         stack.enter_context(np.printoptions())
         stack.enter_context(np.errstate())
+        stack.callback(np.random.set_state, np.random.get_state())  # noqa: NPY002
+        np.random.seed()  # noqa: NPY002
         stack.callback(logging.disable, before)
         logging.disable(max(before, logging.INFO))
         yield
