@@ -544,6 +544,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.*not among the blocks")
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, export, tmp_path):
     text, line, reason = REFUSED[case]

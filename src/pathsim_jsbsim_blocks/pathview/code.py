@@ -131,10 +131,9 @@ class Code:
         if isinstance(value, types.ModuleType):
             return self._module(value, wish)
         if isinstance(value, types.MethodType):
-            name = value.__func__.__name__
-            return (
-                f"{self.expression(value.__self__, type(value.__self__).__name__.lower())}.{name}"
-            )
+            owner = value.__self__
+            text = self.expression(owner, type(owner).__name__.lower())
+            return f"{text}.{value.__func__.__name__}"
         if text := self._imported(value):
             return text
         if isinstance(value, types.FunctionType) and value.__name__ == "<lambda>":
@@ -198,13 +197,12 @@ class Code:
 
     def _stored(self, value: Any, name: str, own: bool, ours: bool = False) -> str:
         """The name of a variable that has a value."""
-        if not own and not _scalar(value) and not isinstance(value, types.ModuleType):
-            if id(value) in self._texts or self._imported(value) or not _is_lambda(value):
-                named = isinstance(value, (type, types.FunctionType, types.MethodType))
-                if named or id(value) in self._texts:
-                    return self.expression(value, name)
-        elif isinstance(value, types.ModuleType):
+        if isinstance(value, types.ModuleType):
             return self._module(value, name)
+        has_name = isinstance(value, (type, types.FunctionType, types.MethodType))
+        known = id(value) in self._texts or (has_name and not _is_lambda(value))
+        if not own and (known or self._imported(value)):
+            return self.expression(value, name)
         return self._defined(value, name, self.expressions.line(name) if ours else math.inf)
 
     def _need(self, text: str) -> None:
@@ -236,7 +234,9 @@ class Code:
         self._needs.append(piece.needs)
         if isinstance(value, types.FunctionType) and not _is_lambda(value):
             self._located(piece, value)
-            piece.text = self._function(value, name)
+            lines = [self._function(value, name)]
+            lines += [f"{name}.{k} = {self._attribute(v, k)}" for k, v in vars(value).items()]
+            piece.text = "\n".join(lines)
         elif isinstance(value, type):
             self._class(value, name, piece)
         elif _scalar(value) or _is_lambda(value) or type(value) in _CONTAINERS:
@@ -263,9 +263,8 @@ class Code:
     def _as_written(self, name: str) -> bool:
         """Define a variable by its statement in the script, if this gives the live value."""
         if text := self.expressions.imported(name):
-            self._pieces[name] = Piece(
-                text, self.expressions.line(name), self.expressions.line(name)
-            )
+            line = self.expressions.line(name)
+            self._pieces[name] = Piece(text, line, line)
             self._keep(name)
             return True
         statement = self.expressions.statement(name)

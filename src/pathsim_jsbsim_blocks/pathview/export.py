@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 from pathlib import Path
 from typing import NoReturn
@@ -20,6 +21,7 @@ from .settings import setting_values
 from .shape import Json, shortened
 
 _CHECKED = 60.0  # s of processing
+_ONE_AT_A_TIME = threading.RLock()  # a script may change the directory and the environment
 
 
 def export_script(
@@ -73,10 +75,11 @@ def export_with_proof(
     """`export_script`, and what was compared."""
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
-    existing = pvm.read(out) if out.is_file() else None
     check = number("check", check, above=0.0, infinite=True)
-    content, proof = script_model(script, existing, check)
-    pvm.write(out, pvm.text(content))
+    with _ONE_AT_A_TIME:
+        existing = pvm.read(out) if out.is_file() else None
+        content, proof = script_model(script, existing, check)
+        pvm.write(out, pvm.text(content))
     return out, proof
 
 
@@ -87,7 +90,7 @@ def script_model(
 
     A warning names what the script does after its first run, which is not in the model.
     """
-    with Rehearsal(script) as rehearsal:
+    with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal:
         first_run = FirstRun(script, lambda s: _proven(s, rehearsal, existing, check))
     found = [(line, f"the model opens {name!r}, which it finds only if it is started in the "
               "script's directory") for name, line in first_run.files.items()]  # fmt: skip
