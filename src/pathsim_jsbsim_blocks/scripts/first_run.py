@@ -66,7 +66,6 @@ class FirstRun(Script):
         self.states: list[tuple[str, int | None]] = []
         self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
-        self.drawn: Any = None  # from NumPy's global generator, when the script begins
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
         }
@@ -87,7 +86,6 @@ class FirstRun(Script):
                 intercepted_runs(self._begin, *_RUNS[1:], *_STEPS, *_STATES),
             ):
                 self.namespace = vars(module)
-                self.drawn = np.random.get_state()[1]  # type: ignore[index]  # noqa: NPY002
                 self.run(module)
                 if self.begun is None:  # the script may have caught what ends it
                     self._capture()
@@ -230,15 +228,13 @@ class FirstRun(Script):
 
     def seeding(self) -> str:
         """The statement with which the script seeds NumPy's global generator, or its state."""
-        state: Any = np.random.get_state()  # noqa: NPY002
-        if np.array_equal(state[1], self.drawn):
+        calls = [ast.unparse(n) for n in ast.walk(self.tree) if isinstance(n, ast.Call)]
+        seeds = [c for c in calls if re.match(r"(np|numpy)\.random\.(seed|set_state)\(", c)]
+        if len(seeds) == 1 and re.fullmatch(r"\w+\.random\.seed\(\d+\)", seeds[0]):
+            return "np" + seeds[0][seeds[0].index(".") :]
+        if not seeds:
             return ""
-        calls = (ast.unparse(n) for n in ast.walk(self.tree) if isinstance(n, ast.Call))
-        seeds = [
-            m[1] for m in map(re.compile(r"(?:np|numpy)\.random\.seed\((\d+)\)").match, calls) if m
-        ]
-        if len(seeds) == 1:
-            return f"np.random.seed({seeds[0]})"
+        state: Any = np.random.get_state()  # noqa: NPY002
         key = ", ".join(map(str, state[1]))
         return f"np.random.set_state(({state[0]!r}, [{key}], {state[2]}, {state[3]}, {state[4]!r}))"
 
