@@ -107,6 +107,7 @@ OWN_TESTS = {
         "test_autopilot.py",
         "test_protection.py",
     ],
+    "control/airspeeds": ["test_protection.py"],
     "control/protection": ["test_laws.py", "test_protection.py"],
     "control/response": ["test_response.py"],
     "control/gain_tables": ["test_gains.py", "test_schedules.py"],

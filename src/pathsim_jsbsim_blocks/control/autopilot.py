@@ -191,7 +191,6 @@ class Autopilot(Hold):
         "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd captured"
     )
 
-    REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref", "hdot_ref", "thr_ref")
     START = AutopilotState()
 
     def build(self) -> None:
@@ -234,20 +233,21 @@ class Autopilot(Hold):
         throttle, vc_cmd, speed = self.speed.sample(
             state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off or on_pitch, allowed.boost
         )
-        asked, pitched = self.wanted("hdot_ref", hdot_ref), ReferenceLoop.START
+        asked, given, pitched = self.wanted("hdot_ref", hdot_ref), None, ReferenceLoop.START
         if on_pitch:
             rate, vc_cmd, pitched = self.on_pitch.sample(
                 state.pitched, vc, h, hdot, wanted, keeps, state.climb.cut, False
             )
-            asked = rate, 0.0
+            asked, given = (rate, 0.0), None if speed_off else self._given(thr_ref, allowed, rate)
+        # what was found at engagement goes along from one loop to the other
         if state.pitched.law.engaged:
             speed = speed._replace(found=held.found)
         elif on_pitch and state.speed.law.engaged:
             pitched = pitched._replace(found=held.found)
-        given = self._given(thr_ref, allowed, asked) if on_pitch and not speed_off else None
         throttle, speed, lever = self._lever(state, throttle, speed, hdot, thr_sat, given)
 
         protection, idle = vertical.protection(alpha), pitch_off or pitching
+        # the protection's limit of the climb counts the airspeed itself
         share = 1.0 if protection else share_of_climb(vc, vc_cmd)
         level = self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
@@ -275,14 +275,13 @@ class Autopilot(Hold):
         state = AutopilotState(after, lateral, speed, yaw, climb, pitched, lever)
         return [*outputs, float(climb.captured)], state
 
-    def _given(self, thr_ref: float, allowed: Allowed, asked: Reference) -> Reference:
+    def _given(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:
         """A throttle that is given, less above the highest airspeed; more near the lowest one where
         the rate of climb that holds the airspeed is forbidden.
         """
         target, increment = self.wanted("thr_ref", thr_ref)
-        rate, _ = asked
-        forbidden = rate is not None and rate < allowed.climb_min
-        return target, increment + (allowed.boost if forbidden else min(allowed.boost, 0.0))
+        boost = allowed.boost if rate < allowed.climb_min else min(allowed.boost, 0.0)
+        return target, increment + boost
 
     def _lever(
         self,

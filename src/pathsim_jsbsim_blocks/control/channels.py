@@ -117,9 +117,11 @@ class Vertical:
         idle: bool,
     ) -> tuple[float, float, AltitudeState]:
         altitude, protection = self.altitude, self.protection(now.alpha)
-        # it limits the climb; level flight may take all of the angle of attack
-        flies = protection is not None and protection.flies_envelope
-        altitude.allow(protection.alpha_max if protection and flies else -math.inf)
+        most = -math.inf
+        if protection and protection.flies_envelope:
+            # it limits the climb; level flight may take all of the angle of attack
+            most = protection.alpha_max
+        altitude.allow(most)
         hdot_cmd = min(max(hdot_cmd, allowed.climb_min), allowed.climb_max)
         theta = self.pitch.reference(state.pitch, now.theta)
         wanted, law = altitude.climb(state.altitude.law, hdot_cmd, now.hdot, theta, state.cut)
