@@ -107,7 +107,7 @@ def fly(case):
     for port in (name for name in Autopilot.input_port_labels if name.endswith("_ref")):
         autopilot[port].get_inputs()  # as a connection does
     fails = rng.uniform(0.0, SECONDS) if plane.airframe.engines > 1 and rng.random() < 0.2 else 1e9
-    ports, state = [*plane.output_port_labels, "h_agl"], autopilot.initial_state()
+    ports, state = list(plane.output_port_labels), autopilot.initial_state()
     seen, asked, rows = dict(zip(ports, map(float, plane.outputs.to_array()), strict=True)), {}, []
     for k in range(round(SECONDS / T)):
         if k % round(SECONDS / CHANGES / T) == 0:
