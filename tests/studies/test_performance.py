@@ -321,7 +321,7 @@ def test_a_point_without_trim_is_left_out_and_named():
     for state in found:
         plane.put("rate of climb", climb_rate(state), state.speed)
     figure = performance_chart(pandas.DataFrame(plane.rows, columns=list(COLUMNS)))
-    assert figure.get_supxlabel().startswith("without trim, left out: rate of climb at 85 KCAS (")
+    assert figure.get_supxlabel().startswith("left out: rate of climb at 85 KCAS (")
     (line,) = figure.axes[3].lines
     assert [round(x) for x in line.get_xdata()] == [70, 95]
 

@@ -327,13 +327,13 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
 
 
 def _holes(table: pd.DataFrame) -> str:
-    """The airspeeds of curves that have no trim there, and are left out, with the reason."""
+    """The airspeeds of curves that have no value there, and are left out, with the reason."""
     rows = table[table.value.isna() & table.speed_kcas.notna()]
     parts = []
     for (quantity, reason), points in rows.groupby(["quantity", "reason"], sort=False):
         speeds = ", ".join(f"{speed:.0f}" for speed in points.speed_kcas)
         parts.append(f"{quantity} at {speeds} KCAS ({reason})")
-    return "without trim, left out: " + "; ".join(parts) if parts else ""
+    return "left out: " + "; ".join(parts) if parts else ""
 
 
 def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
@@ -342,7 +342,7 @@ def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> Non
         rows = found[found.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
             label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
-            ax.plot(line.speed_kcas, line.value, style, color=f"C{i}", label=label)
+            ax.plot(line.speed_kcas, line.value, f"{style}.", color=f"C{i}", label=label)
         for unit in rows.unit[:1]:
             ax.set_ylabel(",\ndotted: ".join(quantities) + f" [{unit}]")
     ax.set_xlabel("calibrated airspeed [kt]")

@@ -125,7 +125,7 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
         _thrust(plane, "required", state)
         _burn(plane, state)
     for name, best, choose in (("specific range", "best", max), ("fuel flow", "least", min)):
-        rows = [row for row in plane.rows if row["quantity"] == name]
+        rows = [row for row in plane.rows if row["quantity"] == name and row["value"] > 0.0]
         if rows:
             row = choose(rows, key=lambda row: row["value"])
             plane.rows.append({**row, "quantity": f"{best} {name}"})
@@ -150,13 +150,18 @@ def _burn(plane: Plane, level: TrimState) -> None:
     """Fuel flow and specific range in level flight, from the engines and from the weight lost."""
     setup = {**level.condition.setup, "propulsion/fuel_freeze": 0.0}
     flight = plane.fly(level, _BURN, setup=setup)
-    if flight is None or flight["fuel"][-1] <= 0.0:
+    if flight is None:
+        plane.put("specific range", None, level.speed, reason="the flight fails")
+        return
+    if flight["fuel"][-1] <= 0.0:
         return
     weight, step = flight["w"], _BURN / len(flight["w"])
     # up to where a tank runs dry (Concorde) or the aircraft leaves its airspeed (XB-70)
     stays = abs(flight["vc"][1:] / level.speed - 1.0) < 0.01
     fed = np.flatnonzero(stays & (-np.diff(weight) > 0.9 * step * flight["fuel"][1:]))
     if not len(fed):
+        why = "the flight does not stay at the condition"
+        plane.put("specific range", None, level.speed, reason=why)
         return
     end = int(fed[-1]) + 1
     begin = (end + 1) // 2
@@ -196,9 +201,11 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
     why = "lift over drag grows down to the stall" if far.speed < 1.01 * glides[0].speed else ""
     if far.gamma >= 0.0:
         why = "it climbs with the throttle closed"
-    plane.put("best glide ratio", None if why else _lift_over_drag(far), far.speed, reason=why)
-    if not why:
+    if why:
+        plane.put("best glide ratio", None, reason=why)
+    else:
         rate = plane.energy_rate(far)
+        plane.put("best glide ratio", _lift_over_drag(far), far.speed)
         plane.flown(rate and _lift_over_drag(far, math.degrees(math.asin(rate / 60.0 / far.tas))))
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
     used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
