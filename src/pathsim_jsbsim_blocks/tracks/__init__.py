@@ -2,7 +2,6 @@
 
 from .files import save_tracks
 from .recorder import FlightRecorder
-from .table import to_frame
-from .track import Track
+from .track import Track, to_frame
 
 __all__ = ["FlightRecorder", "Track", "save_tracks", "to_frame"]

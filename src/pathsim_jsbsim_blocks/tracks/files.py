@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import os
 import platform
@@ -9,7 +10,7 @@ import reprlib
 from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,13 +22,32 @@ from .acmi import write_acmi
 from .czml import write_czml
 from .kml import write_kml
 from .report import write_report
-from .table import write_csv, write_parquet
 from .track import Track
+
+if TYPE_CHECKING:
+    import pandas
+
+
+def _table(tracks: Sequence[Track]) -> pandas.DataFrame:
+    """A row for each sample; with several aircraft, the first column is the aircraft's name."""
+    if len(tracks) == 1:
+        return tracks[0].to_frame()
+    pandas = required("pandas", "tracks")
+    return pandas.concat({track.name: track.to_frame() for track in tracks}, names=["aircraft"])
+
+
+def _write_csv(path: Path, tracks: Sequence[Track], start: Any, about: str) -> None:
+    _table(tracks).to_csv(path, lineterminator="\n")
+
+
+def _write_parquet(path: Path, tracks: Sequence[Track], start: Any, about: str) -> None:
+    _table(tracks).to_parquet(path)
+
 
 # by ending: the writer and the packages that it needs
 _FORMATS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
-    ".csv": (write_csv, ("pandas",)),
-    ".parquet": (write_parquet, ("pandas", "pyarrow")),
+    ".csv": (_write_csv, ("pandas",)),
+    ".parquet": (_write_parquet, ("pandas", "pyarrow")),
     ".acmi": (write_acmi, ()),
     ".kml": (write_kml, ()),
     ".czml": (write_czml, ("czml3",)),
@@ -111,10 +131,8 @@ def _utc(start: Any) -> datetime.datetime:
 
 
 def _versions() -> str:
-    found = []
-    for package in ("pathsim-jsbsim-blocks", "jsbsim", "pathsim"):
-        try:
-            found.append(f"{package} {version(package)}")
-        except PackageNotFoundError:
-            continue
-    return ", ".join([*found, f"Python {platform.python_version()}"])
+    found = [f"Python {platform.python_version()}"]
+    for package in ("pathsim", "jsbsim", "pathsim-jsbsim-blocks"):
+        with contextlib.suppress(PackageNotFoundError):
+            found.insert(0, f"{package} {version(package)}")
+    return ", ".join(found)

@@ -14,9 +14,11 @@ import numpy as np
 
 from .._core.checks import finite, flag, mapping, must_be, refuse
 from .._core.extras import required
+from .._core.scopes import recording, signal_label
 
 if TYPE_CHECKING:
     import pandas
+    from pathsim.blocks import Scope
 
 # what a track needs at least: field and the column's label
 POSITION = {
@@ -163,6 +165,30 @@ def frame(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> pandas.DataFra
     """A pandas table of columns over time."""
     pandas = required("pandas", "tracks")
     return pandas.DataFrame(dict(columns), index=pandas.Index(time, name="time [s]"))
+
+
+def to_frame(scope: Scope) -> pandas.DataFrame:
+    """What a scope has recorded as a pandas table; its labels are the columns' names.
+
+    Parameters
+    ----------
+    scope : pathsim.blocks.Scope
+        with recorded data
+
+    Returns
+    -------
+    pandas.DataFrame
+        one column for each signal; the index is the time in s
+
+    Raises
+    ------
+    ParameterError
+        if nothing was recorded
+    MissingExtraError
+        without pandas
+    """
+    time, data = recording(scope)
+    return frame(time, {signal_label(scope, i): values for i, values in enumerate(data)})
 
 
 def _signal(label: Any, values: Any) -> np.ndarray:
