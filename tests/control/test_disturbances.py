@@ -5,6 +5,8 @@ Step tolerances and times are those of the table in docs/evidence/autopilots.md.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from flights import POINTS, STATES, TURBULENCE, T, fly, on, start, step, wrap
@@ -32,7 +34,10 @@ def plain_pid(name, reference, seconds):
     plane, gains = start(name), GAINS[name].pitch
     law = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, low=-0.1, high=0.1, Tt=1e12)
 
+    @dataclass(eq=False)
     class Plain(SampledLaw):
+        T: float
+
         input_port_labels = {"theta": 0, "q": 1, "time": 2}
         output_port_labels = {"elevator": 0}
 
@@ -220,7 +225,8 @@ class Sensors(SampledLaw):
     }
 
     def __init__(self, samples):
-        super().__init__(T)
+        self.T = T
+        super().__init__()
         sigma = np.array([self.SIGMA.get(name, 0.0) for name in STATES])
         self.noise = (sigma * np.random.default_rng(7).normal(size=(samples, len(STATES)))).tolist()
 

@@ -72,7 +72,7 @@ def flown(block, duration, start=0.0):
     "make",
     [
         lambda: PitchHold("c172p", theta_ref=3.0, T=T),
-        lambda: Autopilot("737", h_ref=120.0, T=T),
+        lambda: Autopilot("737", h_ref=120.0, T=T, reference="absolute"),
         lambda: Sensor(bias=0.5, noise=0.2, lag=0.3, seed=7, T=T),
         lambda: Actuator(frequency=8.0, max_rate=20.0, high=130.0, T=T),
         lambda: DrydenTurbulence(seed=3, T=T),
@@ -99,11 +99,11 @@ def test_a_copy_made_in_flight_goes_on_as_the_block_does(make, by):
 
 @BY
 def test_a_copy_has_parameters_of_its_own(by):
-    block = PitchHold("c172p", theta_ref=3.0)
+    block = PitchHold("c172p", theta_ref=3.0, T=T)
     other = by(block)
     other.set(theta_ref=-2.0, gains="737")
     assert (block.theta_ref, block.checked.theta_ref) == (3.0, 3.0)
-    fresh = PitchHold("737", theta_ref=-2.0)
+    fresh = PitchHold("737", theta_ref=-2.0, T=T)
     assert flown(other, 1.0)[0].tolist() == flown(fresh, 1.0)[0].tolist()
 
 

@@ -1,5 +1,7 @@
 """When a sampled block acts: instants met by adaptive steps, clocks that round, far from 0."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from pathsim import Connection, Simulation
@@ -11,8 +13,11 @@ from pathsim_jsbsim_blocks._core.sampling import SampledLaw
 pytestmark = pytest.mark.matrix
 
 
+@dataclass(eq=False)
 class Count(SampledLaw):
     """y[k] = k + 1, whatever comes in."""
+
+    T: float
 
     def initial_state(self):
         return 0.0

@@ -2,6 +2,7 @@
 
 import math
 import random
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -39,8 +40,11 @@ class Mass(SampledPlant):
         return [self.x[0]]
 
 
+@dataclass(eq=False)
 class Integral(SampledLaw):
     """PI on the difference of two inputs."""
+
+    T: float
 
     input_port_labels = {"r": 0, "y": 1}
 

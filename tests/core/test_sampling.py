@@ -1,6 +1,7 @@
 """Sampled blocks: each acts once at each instant, whatever happens in a step or between two."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -18,8 +19,11 @@ pytestmark = pytest.mark.matrix
 T = 0.1
 
 
+@dataclass(eq=False)
 class Total(SampledLaw):
     """y[k] = u[0] + ... + u[k]"""
+
+    T: float
 
     def initial_state(self):
         return 0.0

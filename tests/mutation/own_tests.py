@@ -125,7 +125,6 @@ OWN_TESTS = {
     "design/plant": ["test_plant.py", "test_gusts.py"],
     "design/turbulence": ["test_gusts.py"],
     "_core/parameters": ["test_parameters.py", "test_promises.py"],
-    "_core/tunable": ["test_gains.py", "test_pid.py", "test_autopilot.py"],
     "pathview/": ["test_names.py", "test_export.py", "test_convert.py"],
     "pathview/check": ["test_unreadable.py", "test_convert.py"],
     "pathview/generate": ["test_convert.py"],

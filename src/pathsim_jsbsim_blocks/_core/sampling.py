@@ -30,7 +30,8 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
 from pathsim.blocks import Block
@@ -40,6 +41,7 @@ from pathsim.exceptions import LinearizationError
 from .callers import depth_in_subsystems, warn_user
 from .checks import number, positive, refuse
 from .continuous import Matrices, continuous_equivalent
+from .parameters import Parametric
 from .pathsim_internals import WiredRegister, show, values
 
 # s; catches typos such as T=1e-9
@@ -398,29 +400,49 @@ class SampledPlant(SampledBlock):
             clock.now = i, y, self.latch()
 
 
-class SampledLaw(SampledBlock):
+class SampledLaw(Parametric, SampledBlock):
     """Base of sampled blocks with direct feed-through: y[k], x[k+1] = f(u[k], x[k]).
 
-    A subclass implements `initial_state` and `law`, a plain function without side effects: it may
-    be called several times at an instant, always with the state before it.
-
-    Parameters
-    ----------
-    T : float
-        sample period in s
+    A subclass is a dataclass with a field ``T``, the sample period in s. It implements
+    `initial_state` and `law`, a plain function without side effects: it may be called several times
+    at an instant, always with the state before it. `build` makes what the law needs, for the period
+    ``self.clock.period``: parameters take effect at the next sample, a new T at the next reset.
     """
 
     inputs: WiredRegister
+    # inputs that must be connected
+    measured: ClassVar[tuple[str, ...]] = ()
+    # outputs that must be connected, and the input that can switch each off; "" if none can
+    commands: ClassVar[Mapping[str, str]] = {}
+    _wires_seen = False
 
-    def __init__(self, T: float):
-        super().__init__(T)
+    def begin(self) -> None:
+        SampledBlock.__init__(self, self.T)
         names = self.input_port_labels and dict(self.input_port_labels)
         self.inputs = WiredRegister(len(self.inputs), names)
         self.clock.now = 0, None, self.initial_state()
 
+    def needed(self) -> tuple[str, ...]:
+        """Inputs that must be connected, given the others that are."""
+        return self.measured
+
+    def run_begins(self) -> None:
+        """Warn once of inputs that must be connected and are not."""
+        if self._wires_seen:
+            return
+        self._wires_seen = True
+        missing = [name for name in self.needed() if name not in self.inputs.wired]
+        if missing:
+            warn_user(
+                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
+            )
+
     def reset(self) -> None:
+        period = self.clock.period
         super().reset()
         self.clock.now = 0, None, self.initial_state()
+        if self.clock.period != period:
+            self.configure()
 
     def initial_state(self) -> Any:
         """State before the first sample: a number, or a (nested, named) tuple of numbers."""

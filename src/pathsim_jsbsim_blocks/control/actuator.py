@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from .._core.checks import check_range, number, positive, refuse
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 from .pid import clip
 
 
@@ -24,7 +24,7 @@ class ActuatorState(NamedTuple):
 
 
 @dataclass(eq=False, repr=False)
-class Actuator(TunableLaw):
+class Actuator(SampledLaw):
     """Second-order actuator with limits of rate and position.
 
     .. math::

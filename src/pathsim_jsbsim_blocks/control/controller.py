@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 from .channels import Vertical
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, AttitudeGains, EnvelopeLimits
@@ -122,7 +122,7 @@ def reference_kind(parameter: str, value: Any) -> str:
     return one_of(parameter, value, ("increment", "absolute"))
 
 
-class Hold(TunableLaw):
+class Hold(SampledLaw):
     """Base of the holds: references by increment or absolute, and gains over the airspeed.
 
     A subclass has its first state as ``START``. `build` makes its loops, and names those that

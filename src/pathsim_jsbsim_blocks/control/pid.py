@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .._core.checks import check_range, number, positive
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 
 
 def clip(x: float, low: float, high: float) -> float:
@@ -184,7 +184,7 @@ class PID:
 
 
 @dataclass(eq=False, repr=False)
-class DiscretePID(TunableLaw):
+class DiscretePID(SampledLaw):
     """Sampled PI-D controller with anti-windup and bumpless engagement.
 
     .. math::

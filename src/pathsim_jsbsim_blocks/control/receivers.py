@@ -10,7 +10,7 @@ from .._core.checks import number, positive, whole
 from .._core.docstrings import filler
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 from ..axes.navigation import distance, line_to, place_unchecked, point
 
 RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
@@ -37,7 +37,7 @@ fill = filler(
 )
 
 
-class _Receiver(TunableLaw):
+class _Receiver(SampledLaw):
     """Base of the receivers: the width of the beam, and noise."""
 
     noise: float

@@ -9,11 +9,11 @@ from typing import Any
 from .._core.checks import number, positive, whole
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 
 
 @dataclass(eq=False, repr=False)
-class Sensor(TunableLaw):
+class Sensor(SampledLaw):
     """Sampled measurement with lag, bias, noise and quantisation.
 
     .. math::

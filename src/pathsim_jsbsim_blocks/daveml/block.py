@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from .._core.checks import number, refuse
 from .._core.pathsim_internals import NamedRegister, WiredRegister, port_names, show, values
 from .._core.sampling import SampledLaw
-from .._core.tunable import TunableLaw
 from ..errors import DaveMLError, FlightError
 from .model import DaveModel, Variable
 
 
 @dataclass(eq=False, repr=False)
-class DaveML(TunableLaw):
+class DaveML(SampledLaw):
     """Model in DAVE-ML (ANSI/AIAA S-119), with its inputs and outputs as ports.
 
     Its variables are limited to the ``minValue`` and ``maxValue`` of the file. An input without a
@@ -55,7 +54,8 @@ class DaveML(TunableLaw):
     def begin(self) -> None:
         # without T the clock stands still
         T = self.T
-        SampledLaw.__init__(self, number("T", T, low=0.0) or 1.0)
+        self.T = number("T", T, low=0.0) or 1.0
+        super().begin()
         self.T = T
         if not T:
             self.events = []

@@ -106,6 +106,10 @@ class DaveModel:
         numbers = {name: i for i, name in enumerate(self.variables)}
         self._shown = [numbers[v.id] for v in self.outputs]
 
+    def __reduce__(self) -> tuple[type, tuple[Any]]:
+        # what it was compiled to cannot be pickled
+        return type(self), (self.path,)
+
     def __call__(self, values: Sequence[float]) -> list[float]:
         """The outputs for the inputs, in the order of ``outputs`` and ``inputs``.
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from .._core.checks import number, one_of, positive, whole
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
-from .._core.tunable import TunableLaw
+from .._core.sampling import SampledLaw
 from .._core.units import KNOT
 
 _DEG = 180.0 / math.pi
@@ -318,7 +318,7 @@ def _times(factor: Covariance, noise: Any) -> tuple[Any, Any, Any]:
 
 
 @dataclass(eq=False, repr=False)
-class DrydenTurbulence(TunableLaw):
+class DrydenTurbulence(SampledLaw):
     """Dryden turbulence of MIL-F-8785C at low and medium altitude, for the aircraft's wind ports.
 
     .. math::
