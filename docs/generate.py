@@ -166,7 +166,8 @@ def gallery_cell(name):
 def diagram_page(name):
     """The page of a diagram: what it shows, its figures, its model, its script."""
     summary, rest = docstring(name)
-    shown = [n for n in (name, f"{name}_track", f"{name}_pathview") if pictured(n)]
+    kinds = ("", "_track", "_troposphere", "_pathview")
+    shown = [f"{name}{kind}" for kind in kinds if pictured(f"{name}{kind}")]
     pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
     if f"{name}_pathview" in shown:
         pictures += (

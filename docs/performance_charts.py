@@ -148,7 +148,7 @@ def main():
     (EVIDENCE / "performance.md").write_text(page(tables), encoding="utf-8")
     if "c172p" in tables:
         page_of_cessna = performance_chart(tables["c172p"].drop(columns="seconds"))
-        page_of_cessna.savefig(EVIDENCE.parent / "pictures" / "performance.png", dpi=56)
+        page_of_cessna.savefig(EVIDENCE.parent / "pictures" / "performance.png", dpi=84)
 
 
 if __name__ == "__main__":
