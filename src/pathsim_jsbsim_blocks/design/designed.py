@@ -22,7 +22,7 @@ from ..control.gains import (
     SpeedGains,
     YawGains,
 )
-from ..errors import DesignError, FlightError, LinearisationError, TrimError
+from ..errors import DesignError, FlightError, LinearisationError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
 from ..linear.model import LinearModel
@@ -193,14 +193,7 @@ def design_gains(
     def fresh() -> Aircraft:
         return Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)
 
-    try:
-        plane = fresh()
-    except TrimError as error:
-        # the Newton search may have found what JSBSim's has not
-        if condition.solver or error.nearest != replace(condition, solver="newton"):
-            raise
-        condition = error.nearest
-        plane = fresh()
+    plane = fresh()
     trim = plane.trim
     if not trim.throttle:
         raise DesignError(

@@ -103,6 +103,6 @@ def _slowest(
 
 def _rate(fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float) -> float | None:
     """Rate of climb in ft/s at a throttle and the same airspeed, or None without a trim."""
-    found = _trimmed(fresh, replace(condition, throttle=throttle, solver="newton"))
+    found = _trimmed(fresh, replace(condition, throttle=throttle))
     # not from the path angle, which is relative to the ground and depends on the wind
     return None if found is None else found.fdm["velocities/h-dot-fps"]

@@ -123,7 +123,6 @@ class Airframe(PropertyTree):
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
         self.stopped: frozenset[int] = frozenset()
-        self._stand_in: Airframe | None = None
         self._open()
 
     def renew(self) -> None:
@@ -152,23 +151,19 @@ class Airframe(PropertyTree):
         other = copy.copy(self)
         other._written = dict(self._written)
         other._network = other._files = False
-        other._flightgear = other._stand_in = None
+        other._flightgear = None
         other.renew()
         return other
 
-    def stand_in(self) -> Airframe:
-        """A twin for short flights, kept for the next one, with this airframe's fuel and engines.
+    def resemble(self, other: Airframe) -> None:
+        """Take what was written to another airframe of the model, its fuel and stopped engines.
 
-        It knows nothing of direct writes to ``fdm``.
+        Direct writes to its ``fdm`` are not known.
         """
-        if self._stand_in is None:
-            self._stand_in = self.twin()
-        other = self._stand_in
-        other.write(self._written)
+        self.write(other._written)
         for tank in self.tanks:
-            other.writer(tank)(self.reader(tank)())
-        other.stopped = self.stopped
-        return other
+            self.writer(tank)(other.reader(tank)())
+        self.stopped = other.stopped
 
     def _open(self) -> None:
         capture_console()
@@ -295,6 +290,16 @@ class Airframe(PropertyTree):
         feeds = dict(enumerate(self._feeds))
         return [i for i in stopped if feeds.get(i) and all(map(self._is_empty, feeds[i]))]
 
+    def not_running(self) -> str:
+        """Numbers of the engines with propellers that are meant to run and do not."""
+        still = []
+        for name in self.of_engines("propeller-rpm"):
+            i = int(name.split("[")[1].split("]")[0])
+            runs = f"propulsion/engine[{i}]/set-running"
+            if i not in self.stopped and self.has(runs) and not self.fdm[runs]:
+                still.append(str(i))
+        return ", ".join(still)
+
     def _is_empty(self, tank: int) -> bool:
         fdm, path = self.fdm, f"propulsion/tank[{tank}]/"
         unusable = fdm[f"{path}unusable-volume-gal"] * fdm[f"{path}density-lbs_per_gal"]
@@ -324,6 +329,22 @@ class Airframe(PropertyTree):
                 fdm[f"propulsion/{command}"] = off
         fdm["propulsion/active_engine"] = before
         fdm[f"propulsion/engine[{i}]/set-running"] = 0.0
+
+    @contextlib.contextmanager
+    def governors_off(self) -> Iterator[None]:
+        """Let no governor move a propeller's blades while JSBSim starts and settles engines.
+
+        It does that in steps of 0.5 s, in which a governor would jump between the pitch stops until
+        the engine stalls.
+        """
+        on = [name for name in self.of_engines("constant-speed-mode") if self.fdm[name]]
+        try:
+            for name in on:
+                self.fdm[name] = 0.0
+            yield
+        finally:
+            for name in on:
+                self.fdm[name] = 1.0
 
     @contextlib.contextmanager
     def engines_stopped(self) -> Iterator[None]:

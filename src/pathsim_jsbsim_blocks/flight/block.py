@@ -40,7 +40,6 @@ from .linearise.algebraic import algebraic_model
 from .linearise.flown import flown_model
 from .linearise.flyable import no_model
 from .property_ports import check_ports, listed
-from .rewind import Rewind
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.initial import here
@@ -71,7 +70,6 @@ _LATER = (
     ("integrators", "default"),
     ("planet", None),
     ("gravity", None),
-    ("restored", False),
 )
 
 # parameters that act at once, and those that a reset refuses to change
@@ -106,16 +104,15 @@ class FlightBlock(Parametric, SampledPlant):
 
     # parameters that are fields of a condition under another name
     _trim_names: Mapping[str, str] = {}
+    # the solver of a condition that is given by parameters
+    _solver: str | None = None
     # names that stand for properties, at inputs and at outputs
     _short: tuple[Mapping[str, tuple[str, ...]], Mapping[str, tuple[str, ...]]] = ({}, {})
 
     airframe: Airframe
     trim: TrimState
-    # put the trimmed state back at a reset, in place of a search
-    restored = False
-    # what the last flight was to be, and its aircraft if it can fly that again
+    # what the last flight was to be
     _asked = ""
-    _rewind: Rewind | None = None
     # the flight that was linearised, and its model
     _linear: tuple[str, LinearModel] | None = None
     # that a parameter acts at the next reset
@@ -173,7 +170,8 @@ class FlightBlock(Parametric, SampledPlant):
         names = {name: self._trim_names.get(name, name) for name in defaults}
         given = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
-            return TrimCondition(**{field: getattr(self, name) for name, field in given.items()})
+            fields = {field: getattr(self, name) for name, field in given.items()}
+            return TrimCondition(**fields, solver=self._solver)
         check_condition(self.condition)
         for name in given:
             value = getattr(self, name)
@@ -340,17 +338,24 @@ class FlightBlock(Parametric, SampledPlant):
         raise NotImplementedError
 
     def take_off(self) -> None:
-        """Start the flight with an aircraft that is fresh, or as a fresh one is, and show it."""
+        """Load, initialise and trim an aircraft, and show the start of its flight."""
         self._substeps = whole("substeps", self.substeps, low=1)
         dt = positive("T", self.T) / self._substeps
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
-        own = self.allow_network, self.allow_files, self.flightgear
-        before, self._asked = self._asked, f"{self._flying}, {own}"
-        repeated = self._asked == before
-        started = self._started_again(condition) if repeated else None
-        write, read = started or self._started_anew(condition, dt, repeated, any(own))
+        # what was checked when the block was built holds at a reset
+        anew, self._asked = self._flying != self._asked, ""
+        self.airframe = Airframe(
+            self._model(),
+            dt,
+            empty_cg_x=condition.empty_cg_x,
+            **{name: getattr(self, name) for name in _OF_AIRFRAME},
+        )
+        self.trim = trim(self.airframe, condition, self.setup, hint=anew)
+        write, read = self._connect()
+        self.airframe.write(self.properties, "properties")
+        self._asked = self._flying
         fdm = self.airframe.fdm
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
         self._thread = get_ident()
@@ -373,53 +378,6 @@ class FlightBlock(Parametric, SampledPlant):
         self.start_from(y)
         for observe in at_take_off:
             observe(self)
-
-    def _started_anew(
-        self, condition: TrimCondition, dt: float, repeated: bool, own: bool
-    ) -> tuple[Write, Read]:
-        """Load, initialise and trim a fresh aircraft; returns what `_connect` does.
-
-        One that has flown the same before is expected to fly it again.
-        """
-        # after an error below there is nothing to fly again
-        self._rewind = None
-        # JSBSim's search on the ground reads invalid memory on an executive that was used
-        reusable = (repeated or self.restored) and not own and condition.mode != "ground"
-        for restored in (self.restored, False):
-            self.airframe = Airframe(
-                self._model(),
-                dt,
-                empty_cg_x=condition.empty_cg_x,
-                **{name: getattr(self, name) for name in _OF_AIRFRAME},
-            )
-            rewind = self._rewind = Rewind(self.airframe) if reusable else None
-            self.trim = trim(self.airframe, condition, self.setup)
-            if not (rewind and restored) or rewind.restores(self.trim, self.setup):
-                break
-        write, read = self._connect()
-        self.airframe.write(self.properties, "properties")
-        if rewind:
-            rewind.started()
-        return write, read
-
-    def _started_again(self, condition: TrimCondition) -> tuple[Write, Read] | None:
-        """Start with the aircraft of the last flight; None where it does not start as a fresh one.
-
-        The aircraft is then in any state.
-        """
-        rewind = self._rewind
-        try:
-            if rewind is None or not rewind.rewind():
-                return None
-            if rewind.trimmed:
-                rewind.restore(self.setup)
-            else:
-                self.trim = trim(self.airframe, condition, self.setup, hint=False)
-            write, read = self._connect()
-            self.airframe.write(self.properties, "properties")
-        except (BlocksError, jsbsim.BaseError, OSError):
-            return None
-        return (write, read) if rewind.proven() else None
 
     @property
     def fdm(self) -> jsbsim.FGFDMExec:
@@ -458,7 +416,7 @@ class FlightBlock(Parametric, SampledPlant):
         raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
-        """Fly the same flight again: with a fresh aircraft, or this one started as that is."""
+        """Fly the same flight again, with an aircraft that is loaded anew."""
         super().reset()
         self.take_off()
 

@@ -19,7 +19,8 @@ _ROUNDING = 1e-9  # of a search that ends at 0
 class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
 
-    The aircraft is trimmed when the block is built. At t = 0 the outputs are the trimmed state; at
+    The aircraft is trimmed when the block is built: as ``condition`` says, or by JSBSim's own
+    search where the trim parameters ask for it. At t = 0 the outputs are the trimmed state; at
     t_k = k T they are the state at exactly t_k; inputs are read at t_k and held over [t_k, t_k+1).
     Input values replace the property's value (absolute): an input that is not wired writes 0.
 
@@ -109,6 +110,9 @@ class JSBSimFDM(FlightBlock):
         "trim_heading": "heading",
         "trim_mode": "mode",
     }
+
+    # as pathsim-flight's block trims
+    _solver = "jsbsim"
 
     def _model(self) -> str:
         return self.aircraft_model

@@ -14,7 +14,7 @@ from .airframe import Airframe
 from .model_files import aircraft_names, has_retractable_gear
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
-from .trimming.hints import level_speed
+from .trimming.nearest import level_speed
 
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
@@ -69,7 +69,7 @@ def level_flight(
     tries : int
         maximum number of conditions to try; a failed trim can take seconds
     solver : str, optional
-        "jsbsim" (the default) or "newton", as in `TrimCondition`
+        as in `TrimCondition`
 
     Raises
     ------
@@ -172,7 +172,7 @@ def fleet_table(
 ) -> Iterator[FleetRow]:
     """Trim every aircraft and fly it with controls fixed for a time in s; one row at a time.
 
-    Level flight by JSBSim's search, then by the Newton search, then a glide with closed throttle.
+    Level flight, or else a glide with closed throttle.
     ``names`` are by default those shipped with jsbsim; ``tries`` is as for `level_flight`.
     """
     for name in aircraft_names() if names is None else names:
@@ -187,13 +187,12 @@ def fleet_table(
 
 
 def _level_or_glide(aircraft: str, tries: int, fly: float) -> LevelFlight:
-    """Level flight by JSBSim's search, by the Newton search, or a glide; flown for a time in s."""
+    """Level flight, or else a glide; flown for a time in s."""
     try:
         return _first(aircraft, None, TRIES[:tries], fly, mode="full")
     except TrimError as error:
-        for mode, further in (("full", TRIES[:tries]), ("glide", GLIDES)):
-            with contextlib.suppress(TrimError):
-                return _first(aircraft, None, further, fly, mode=mode, solver="newton")
+        with contextlib.suppress(TrimError):
+            return _first(aircraft, None, GLIDES, fly, mode="glide")
         raise error
 
 

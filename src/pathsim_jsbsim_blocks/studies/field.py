@@ -79,7 +79,7 @@ def _landing(plane: Plane) -> tuple[float, float, float]:
     if not path:
         raise BlocksError(plane.reason)
     on_wheels = _on_wheels(plane).altitude
-    start = replace(_above_ground(plane), speed=path.speed, gamma=_PATH, solver="newton")
+    start = replace(_above_ground(plane), speed=path.speed, gamma=_PATH)
     aircraft = _aircraft(plane, replace(start, altitude=on_wheels + _SCREEN))
     flare = FlareHold(
         gains=plane.airframe.aircraft, gear_height=on_wheels - plane.base.altitude, sink=4.0
@@ -109,7 +109,7 @@ def _on_wheels(plane: Plane) -> TrimState:
 def _above_ground(plane: Plane) -> TrimCondition:
     """The condition of a plane above ground at its altitude."""
     setup = {**plane.base.setup, "ic/terrain-elevation-ft": plane.base.altitude}
-    return replace(plane.base, solver=None, setup=setup)
+    return replace(plane.base, setup=setup)
 
 
 def _aircraft(plane: Plane, condition: TrimCondition) -> Aircraft:

@@ -18,7 +18,7 @@ from ..air import isa
 from ..errors import BlocksError
 from ..flight import Airframe, TrimState, trim
 from ..flight.fleet import prepared
-from ..flight.trimming.hints import speed_of_lift
+from ..flight.trimming.nearest import speed_of_lift
 
 Row = dict[str, Any]
 Find = Callable[[float], TrimState | None]
@@ -112,7 +112,7 @@ class Plane:
         mass: dict[str, Any] = {"fuel": [fdm[name] for name in self.airframe.tanks]}
         if task["weight"] is not None:
             self.weight, mass = task["weight"], loading(self.airframe, task["weight"])
-        self.base = replace(base, flaps=task["flaps"], solver="newton", **mass)
+        self.base = replace(base, flaps=task["flaps"], **mass)
         self.climb_to(task["altitude"])
 
     def climb_to(self, altitude: float) -> None:

@@ -37,6 +37,11 @@ _SPEEDS = range(90, 550, 10)  # KCAS
 _ALPHA_LIMITS = {"alpha_min": -4.0, "alpha_max": 12.0}  # deg, of the published loops
 
 
+def _solver(aircraft: str, published: str) -> dict[str, str]:
+    """JSBSim's own search for the published aircraft, the usual one for others."""
+    return {"solver": "jsbsim"} if aircraft == published else {}
+
+
 def aoa_vs_cas(
     *,
     aircraft: str = "global5000",
@@ -69,7 +74,8 @@ def aoa_vs_cas(
     """
     payload, fuel = _WEIGHTS["mid"]
     loading = {"payload": [[payload]], "fuel": [[fuel] * 3]} if aircraft == "global5000" else {}
-    grid = {"altitude": altitude, **loading, "speed": speeds}
+    solver = _solver(aircraft, "global5000")
+    grid = {"altitude": altitude, **loading, **solver, "speed": speeds}
     return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
 
@@ -115,6 +121,7 @@ def aoa_vs_cas_loading(
             "empty_cg_x": (1 + shift / 100) * cg_x,
             "payload": [_WEIGHTS[weight][0]],
             "fuel": [_WEIGHTS[weight][1]] * 3,
+            "solver": "jsbsim",
         }
         for shift, weight, altitude in cases
         for speed in _SPEEDS
@@ -158,10 +165,11 @@ def thrust_vectoring(
         "cruise": {"altitude": 30000.0, "mach": 0.8},
         "climb": {"altitude": 15000.0, "speed": 300.0, "gamma": 3.0},
     }
+    solver = _solver(aircraft, "737")
     angles = np.linspace(0.0, 10.0, 100).tolist()
     turned = [f"propulsion/engine[{i}]/pitch-angle-rad" for i in range(Airframe(aircraft).engines)]
     grid = [
-        {**condition, **dict.fromkeys(turned, math.radians(angle))}
+        {**condition, **solver, **dict.fromkeys(turned, math.radians(angle))}
         for condition in cases.values()
         for angle in angles
     ]
@@ -205,6 +213,7 @@ def trim_envelope(
         that of `trim_sweep`, 680 rows for the 737
     """
     settings = {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0} if wide else _ALPHA_LIMITS
+    settings = {**settings, **_solver(aircraft, "737")}
     grid = {"altitude": altitude, **settings, "speed": speeds, "gamma": range(-10, 10)}
     return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
@@ -240,7 +249,8 @@ def climb_schedule(
         that of `trim_sweep`
     """
     altitudes = range(1000, 21000, 1000)
-    grid = {"speed": speed, "gamma": gamma, **_ALPHA_LIMITS, "altitude": altitudes}
+    settings = {**_ALPHA_LIMITS, **_solver(aircraft, "A4")}
+    grid = {"speed": speed, "gamma": gamma, **settings, "altitude": altitudes}
     return trim_sweep(aircraft, grid, jobs=jobs, resume=resume, progress=progress)
 
 

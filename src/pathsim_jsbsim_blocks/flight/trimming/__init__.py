@@ -5,16 +5,21 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
+from ..._core.callers import warn_user
 from ..._core.checks import flag, must_be, number
 from ...errors import TrimError
 from ..airframe import Airframe
+from ..model_files import has_retractable_gear
+from . import check
 from .condition import TrimCondition, check_condition
-from .hints import explained, warn_of_gear
+from .nearest import with_nearest
 from .state import Drift, TrimState
-from .steady import fly as fly_from_trim
 from .trimmer import Trimmer
 
 __all__ = ["Drift", "TrimCondition", "TrimState", "trim"]
+
+# KCAS, above which hardly any landing gear may be down
+_FAST_FOR_GEAR = 200.0
 
 
 def trim(
@@ -28,13 +33,13 @@ def trim(
 ) -> TrimState:
     """Initialise an airframe at a condition and trim it.
 
-    JSBSim's own search takes one control after the other, to residuals of up to 0.01 ft/s2 and
-    0.001 rad/s2. The Newton search (``solver="newton"``) moves all together within their limits
-    until udot, vdot, wdot are below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually
-    1e-9), with propellers and flight control system settled: in a flight of 0.25 s, which a twin
-    makes, vdot stays below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2 (pull-ups are not
-    flown). It also trims glides, steady sideslips and flights at a given throttle or thrust; its
-    turns are steady in wind, its pull-ups in all accelerations.
+    The Newton search moves all controls together within their limits until udot, vdot, wdot are
+    below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually 1e-9), with propellers and
+    flight control system settled. A stand-in then flies it (pull-ups are not flown): within 0.25 s
+    vdot stays below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2. In a turn the sideslip is
+    zero and the rate is what the side force makes it; ``ny`` of the state is the side load.
+    JSBSim's own search (``solver="jsbsim"``, and on the ground) takes one control after the other,
+    to residuals of up to 0.01 ft/s2 and 0.001 rad/s2.
 
     Parameters
     ----------
@@ -45,18 +50,19 @@ def trim(
     setup : dict, optional
         further properties, written before the model is initialised and after the condition's
     hint : bool
-        after a failure ask the Newton search which limit is reached, and look for the nearest
-        speed that trims: the error names both. Warn of a landing gear that is down above 200 KCAS
-        where it retracts and the condition does not say so
+        look for the nearest airspeed that trims where this one does not (Newton search); warn of a
+        trim that does not hold for 5 s with controls fixed within 0.5 kt of true airspeed, 5 ft of
+        its path and 0.1 deg of pitch, bank and heading (of a turn, its rate), and of a landing gear
+        that is down above 200 KCAS where it retracts and the condition does not say so
     fly : float
         fly another aircraft of the same kind from its trim for this time in s (up to 3600),
         controls fixed (10 shows most departures, some take 30): the state's ``drift`` and
         ``steady`` say how it ends. Modes "pull-up" and "none", which are not steady flight, have
         none
     warm : bool
-        let the Newton search start where the last one on this airframe found its trim. The result
-        is the same, sooner: if it does not get there to full precision, it starts again cold. An
-        airframe that can be put back to the precision of the search makes the flight itself
+        let the Newton search start where the last one on this airframe found its trim, with the
+        model as that has left it. The result is the same, sooner: if it does not get there to full
+        precision, it starts again cold
 
     Returns
     -------
@@ -66,11 +72,9 @@ def trim(
     Raises
     ------
     TrimError
-        if no trim is found, or with JSBSim's search and constant-speed propellers not within
-        10 s of computing (no limit on Windows). The airframe stays usable: after a failure
-        that has changed engines, systems or accelerations, the next trim starts
-        from a fresh executive (`Airframe.renew`), as does a trim on the ground after any other.
-        This discards fuel burnt in between and direct writes to ``airframe.fdm``
+        if no trim is found. The airframe stays usable: unless it is warm, each trim after the first
+        starts with a freshly loaded model (`Airframe.renew`), without fuel burnt in between and
+        without direct writes to ``airframe.fdm``
     AircraftError
         if the model cannot be initialised
     PropertyError
@@ -85,17 +89,30 @@ def trim(
     flag("hint", hint)
     flag("warm", warm)
     duration = number("fly", fly, low=0.0, high=3600.0)
-    trimmer = Trimmer.of(airframe)
+    least = check.LONG if hint and condition.searched_by == "newton" else check.SHORT
     try:
-        found = trimmer.trim(condition, setup, warm)
-        if hint:
-            warn_of_gear(airframe, found)
-        if duration and condition.mode not in ("pull-up", "none"):
-            other = airframe.twin()
-            Trimmer(other).trim(condition, setup)
-            found = dataclasses.replace(found, drift=fly_from_trim(other, duration))
-        return found
+        trimmer = Trimmer.of(airframe)
+        found, flown = trimmer.trim(condition, setup, warm=warm, fly=max(duration, least))
     except TrimError as error:
         if not hint:
             raise
-        raise explained(trimmer, condition, setup, error) from None
+        raise with_nearest(airframe, setup, error) from None
+    if hint:
+        _warn_of_gear(airframe, found)
+        if flown and flown.leaves:
+            warn_user(
+                f"the trim of {airframe.aircraft} at {condition} does not hold: {flown.leaves}"
+            )
+    return dataclasses.replace(found, drift=flown.drift) if flown and duration else found
+
+
+def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:
+    """Warn of a gear that retracts and is down in fast flight because no one has said."""
+    condition = found.condition
+    fast = found.gear > 0.0 and found.speed > _FAST_FOR_GEAR and condition.mode != "ground"
+    if condition.gear is None and fast and has_retractable_gear(airframe.aircraft, airframe.root):
+        warn_user(
+            f"{airframe.aircraft} at {found.speed:.0f} KCAS: the landing gear is down, as the "
+            "model has it; gear=0 retracts it, gear=1 confirms it",
+            once=True,
+        )

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..._core.checks import known_keywords, mapping, must_be, number, one_of, refuse, whole
+from ..._core.checks import flag, known_keywords, mapping, must_be, number, one_of, refuse, whole
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
@@ -142,8 +142,15 @@ class TrimCondition:
         ``beta``. Without any engine use mode "glide". In ``setup``,
         ``propulsion/engine[i]/set-running`` of 0 means the same
     solver : str, optional
-        "jsbsim" (JSBSim's own search) or "newton" (`pathsim_jsbsim_blocks.flight.trim` describes
-        it); default is JSBSim's where it can do what is asked for
+        "newton" (the default in flight; `pathsim_jsbsim_blocks.flight.trim` describes it) or
+        "jsbsim": JSBSim's own search, from which published numbers come. It can do no glide, no
+        sideslip, no given throttle and no engine out, and is refused in flight below 200 ft above
+        the ground, where it may end the process, and with constant-speed propellers, where it may
+        never end. On the ground it is the only one
+    coordinated : bool
+        in a turn let the sideslip free so that no lateral acceleration is left, in place of a turn
+        without sideslip whose rate is free (mode "turn", Newton search). Some models have no
+        coordinated turn (T37)
 
     Raises
     ------
@@ -177,6 +184,7 @@ class TrimCondition:
     longitude: float | None = None
     solver: str | None = None
     engines_off: tuple[int, ...] | list[int] | str = ()
+    coordinated: bool = False
 
     def __post_init__(self) -> None:
         one_of("mode", self.mode, [*MODES, "glide", "none"])
@@ -218,6 +226,8 @@ class TrimCondition:
             self._refuse("load_factor", f"needs mode='pull-up', not {self.mode!r}")
         if self.beta != 0.0 and self.mode not in ("full", "longitudinal", "glide"):
             self._refuse("beta", f"needs mode 'full', 'longitudinal' or 'glide', not {self.mode!r}")
+        if flag("coordinated", self.coordinated) and self.mode != "turn":
+            self._refuse("coordinated", f"needs mode='turn', not {self.mode!r}")
 
     def _check_balance(self) -> None:
         """Check what the search may move, and which search can move it."""
@@ -249,10 +259,8 @@ class TrimCondition:
 
     @property
     def searched_by(self) -> str:
-        """The solver that trims this: the one asked for, or else JSBSim's if it can."""
-        special = self.balance != "throttle" or self.beta != 0.0
-        special |= bool(self.engines_off) and self.mode not in ("ground", "none")
-        return self.solver or ("newton" if special else "jsbsim")
+        """The solver that trims this: "newton" or "jsbsim", which alone stands on the ground."""
+        return "jsbsim" if self.mode == "ground" else self.solver or "newton"
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
         return self

@@ -109,7 +109,8 @@ def initialise(
             fdm[name] = value
 
     # some models trim only if the engines are started after run_ic, others only if before it
-    airframe.start_engines()
+    with airframe.governors_off():
+        airframe.start_engines()
     if fdm["ic/vw-mag-fps"]:
         # the wind of the previous trim would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
@@ -142,8 +143,9 @@ def initialise(
     if condition.mode == "pull-up":
         fdm["ic/targetNlf"] = condition.load_factor
     airframe.write(initial, "setup")
-    airframe.run_ic()
-    airframe.start_engines()
+    with airframe.governors_off():
+        airframe.run_ic()
+        airframe.start_engines()
 
 
 # what the present flight says, rather than the setup with which it began

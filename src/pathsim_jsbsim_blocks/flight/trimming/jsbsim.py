@@ -1,8 +1,7 @@
-"""JSBSim's own search for a trim, kept from crashing and from going on for minutes."""
+"""JSBSim's own search for a trim: the only one on the ground, and that of published numbers."""
 
 from __future__ import annotations
 
-import math
 import re
 
 import jsbsim
@@ -12,7 +11,6 @@ from ..console import messages
 from ..forked import Outcome, rehearse
 from .condition import MODES, TrimCondition
 from .failure import LIMITS, failure
-from .state import STATE
 
 _NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
 
@@ -37,21 +35,19 @@ MOVED = {
 }
 
 
-def refuse_hopeless(airframe: Airframe, condition: TrimCondition) -> None:
-    """Raise TrimError for conditions that crash JSBSim's search or make it long and futile."""
-    fdm = airframe.fdm
-    mach = fdm[STATE["mach"]]
-    if mach >= 1.0 and airframe.of_engines("propeller-rpm"):
-        why = f"Mach {mach:.3g}: propellers give thrust below Mach 1 only"
-        raise failure(airframe, condition, "mach", why)
-    # the search may still make other fields, such as thrust, finite
-    if broken := [name for name in LIMITS if not math.isfinite(fdm[STATE[name]])]:
-        why = f"{', '.join(broken)} not finite at this condition"
+def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
+    """Let JSBSim search from an airframe's initial conditions; returns what it has moved."""
+    on_ground = condition.mode == "ground"
+    low = airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
+    governors = airframe.of_engines("constant-speed-mode")
+    why = ""
+    if not on_ground and low:
+        why = f"below {_NEAR_GROUND:g} ft above the ground JSBSim's search may end the process"
+    elif not on_ground and any(airframe.fdm[name] for name in governors):
+        why = "with constant-speed propellers JSBSim's search may never end"
+    if why:
+        why += "; solver='newton' of a TrimCondition does it"
         raise failure(airframe, condition, "no convergence", why)
-
-
-def find(airframe: Airframe, condition: TrimCondition) -> None:
-    """Let JSBSim search from an airframe's initial conditions."""
 
     def search() -> bool:
         try:
@@ -60,23 +56,17 @@ def find(airframe: Airframe, condition: TrimCondition) -> None:
             return False
         return True
 
-    # with wheels near the ground JSBSim's search may read invalid memory; with constant-speed
-    # propellers it may wait minutes for engines that never settle
-    near_ground = condition.mode == "ground" or airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
-    if near_ground or any(
-        airframe.fdm[name] for name in airframe.of_engines("constant-speed-mode")
-    ):
-        outcome = rehearse(search, _LONGEST_SEARCH)
-        if outcome is not Outcome.ENDS:
-            why = "JSBSim's search would crash there"
-            if outcome is Outcome.GOES_ON:
-                why = f"the search was given up after {_LONGEST_SEARCH} s of computing"
-            raise failure(airframe, condition, "no convergence", why)
+    # on the ground it may read invalid memory (f15, SGS, minisgs)
+    outcome = rehearse(search, _LONGEST_SEARCH) if on_ground else Outcome.ENDS
+    if outcome is not Outcome.ENDS:
+        why = "JSBSim's search would crash there"
+        if outcome is Outcome.GOES_ON:
+            why = f"the search was given up after {_LONGEST_SEARCH} s of computing"
+        raise failure(airframe, condition, "no convergence", why)
     # hushed: the TrimError reports the failure
     found, said = messages(search, hushed=True)
     if not found:
         limits = _LIMITS_OF_MODES.get(condition.mode, LIMITS)
         axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
-        powered = airframe.engines or condition.mode == "ground"
-        reason = limits[axis[1]] if axis else "no convergence" if powered else "thrust"
-        raise failure(airframe, condition, reason)
+        raise failure(airframe, condition, limits[axis[1]] if axis else "no convergence")
+    return MOVED[condition.mode]

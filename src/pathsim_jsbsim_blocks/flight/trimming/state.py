@@ -62,7 +62,7 @@ UNITS = {
     "engines_off": "",
     **dict.fromkeys(("latitude", "longitude"), "deg"),
     **dict.fromkeys(("p", "q", "r"), "deg/s"),
-    "nz": "g",
+    **dict.fromkeys(("nz", "ny"), "g"),
 }
 
 
@@ -103,8 +103,9 @@ class TrimState:
         centre of gravity in inches, structural axes
     p, q, r : float
         body rates in deg/s
-    nz : float
-        load factor in g, +1 in level flight
+    nz, ny : float
+        load factors in g: nz is +1 in level flight; ny is the side load, to the right positive,
+        which a turn without sideslip has
     gear, flaps : float
         positions, 0 (up) to 1 (down)
     free : tuple[str, ...]
@@ -147,6 +148,7 @@ class TrimState:
     q: float
     r: float
     nz: float = _read("accelerations/Nz")
+    ny: float = _read("accelerations/Ny")
     gear: float = _read("gear/gear-pos-norm")
     flaps: float = _read("fcs/flap-pos-norm")
     free: tuple[str, ...]

@@ -1,50 +1,80 @@
-"""`Trimmer`: trims one airframe again and again, by JSBSim's search or the Newton search."""
+"""`Trimmer`: trims one airframe again and again."""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import weakref
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import TrimError
 from ..airframe import Airframe
+from . import check, jsbsim
+from .check import HandsOff
 from .condition import TrimCondition
-from .failure import failure
+from .equations import Effort, SteadyFlight, size
+from .failure import LIMITS, failure
 from .initial import engines_off, initialise, is_initial, properties
-from .jsbsim import MOVED, find, refuse_hopeless
-from .newton import Effort, Found, Search, Seed
+from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
-from .steady import what_moves
 
-# what the Newton search moves -> the limit that it reaches
-_REASONS = {
-    "throttle": "thrust",
+# first guesses, one after the other until one leads to a trim: alpha in deg, throttle
+_GUESSES = ((3.0, 0.5), (9.0, 0.9), (2.0, 0.1))
+
+# times the airspeed, at which the last guess is trimmed first
+_FASTER = 1.15
+
+# steps of JSBSim for all searches of one trim
+_EFFORT = 100_000
+
+# in this order a limit is taken for the cause of a failure: slow flight needs too much alpha first,
+# and then more thrust and elevator than there are; with the reason that the error gives
+_CAUSES = {
     "alpha": "alpha limit",
+    "throttle": "thrust",
+    "gamma": "path angle",
+    "speed": "speed",
     "pitch_trim": "elevator",
     "elevator": "elevator",
     "phi": "bank",
     "beta": "sideslip",
-    "gamma": "path angle",
+    "rate": "rate of turn",
+    "aileron": "aileron",
+    "rudder": "rudder",
 }
-_ANGLES = ("alpha", "phi", "beta", "gamma")
+_ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
-# largest relative difference between two initialisations of the same state
-_ROUNDING = 1e-12
+
+class Seed(NamedTuple):
+    """Where a search has found its trim, for the next one near it."""
+
+    names: list[str]
+    x: np.ndarray
+    slopes: np.ndarray
+    has_memory: bool
+    in_time: bool
 
 
 class Trimmer:
-    """Trims an airframe, and keeps what its next trim depends on."""
+    """Trims an airframe, and keeps what its next trim depends on.
+
+    A trim begins with a freshly loaded model. A warm one goes on with the model as the last trim
+    has left it, from where that was found.
+    """
 
     def __init__(self, airframe: Airframe):
         # the table of trimmers must keep no airframe alive
         self.airframe: Airframe = weakref.proxy(airframe)
-        # of the last trim's Newton searches
-        self.effort = Effort()
-        self.forget()
+        # whether a search has run on the executive, and has left it unusable as a start
+        self._used = self._spent = False
+        self._seed: Seed | None = None
+        self._leaves_traces = True
+        # a twin for short flights
+        self._stand_in: Airframe | None = None
 
     @classmethod
     def of(cls, airframe: Airframe) -> Trimmer:
@@ -53,31 +83,46 @@ class Trimmer:
             _trimmers[airframe] = cls(airframe)
         return _trimmers[airframe]
 
-    def forget(self) -> None:
-        """The executive is as after loading."""
-        # whether a search has run on the executive, and has left it unusable as a start
-        self._used = self.spent = False
-        # where the last Newton search found its trim
-        self._seed: Seed | None = None
-
-    def renew(self) -> None:
-        self.airframe.renew()
-        self.forget()
-
     def trim(
-        self, condition: TrimCondition, setup: Mapping[str, float] | None, warm: bool = False
-    ) -> TrimState:
-        self.effort = Effort()
-        return self._trim(condition, setup, warm)
-
-    def _trim(
-        self, condition: TrimCondition, setup: Mapping[str, float] | None, warm: bool
-    ) -> TrimState:
-        airframe = self.airframe
-        if self.spent or (self._used and condition.mode == "ground"):
-            self.renew()
-        used = self._used
+        self,
+        condition: TrimCondition,
+        setup: Mapping[str, float] | None = None,
+        *,
+        warm: bool = False,
+        fly: float = check.SHORT,
+    ) -> tuple[TrimState, HandsOff | None]:
+        """Trim, and fly a stand-in from there for ``fly`` s; None where nothing is flown."""
+        self._effort = Effort(_EFFORT)
+        by_jsbsim = condition.mode == "none" or condition.searched_by == "jsbsim"
+        if self._spent or (self._used and (by_jsbsim or not warm)):
+            self._renew()
         seed, self._seed = self._seed if warm else None, None
+        # until a search has ended well the executive is no start for another one
+        used, self._used, self._spent = self._used, True, True
+        self._initialise(condition, setup)
+        if used and not_finite(read_state(self.airframe, condition)):
+            # a flight has left NaN or inf there
+            used = seed = None
+            self._renew()
+            self._initialise(condition, setup)
+        self._refuse_impossible(condition)
+        if not by_jsbsim:
+            return self._by_newton(condition, setup, seed, bool(used), fly)
+        found = self._by_jsbsim(condition)
+        if fly <= check.SHORT or condition.mode in ("none", "ground", "pull-up"):
+            return found, None
+        other = self.airframe.twin()
+        Trimmer(other).trim(condition, setup)
+        return found, check.fly(other, condition, fly)
+
+    def _renew(self) -> None:
+        self.airframe.renew()
+        self._used = self._spent = False
+        self._seed = None
+
+    def _initialise(self, condition: TrimCondition, setup: Mapping[str, float] | None) -> None:
+        """Write a condition, start the engines and initialise; refuse what no search can trim."""
+        airframe = self.airframe
         airframe.lower_ground()
         written = properties(airframe, condition, setup)
         # without a search nothing needs the condition's own speed and attitude
@@ -86,146 +131,212 @@ class Trimmer:
             initial = {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
         airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
         airframe.stopped = engines_off(airframe, condition, written)
-        # spent is cleared on success: a search that ends early leaves the executive unusable
-        self._used = self.spent = True
         with airframe.engines_stopped():
             initialise(airframe, condition, condition.heading, initial)
-            if not (used and not_finite(read_state(airframe, condition))):
-                try:
-                    return self._search(condition, seed, warm)
-                except TrimError as error:
-                    by_newton = condition.searched_by == "newton"
-                    again = error.reason in ("no convergence", "no equilibrium")
-                    if not (again and used and by_newton):
-                        raise
-        # the previous flight left NaN or inf in the executive, or engines from which a search with
-        # constant-speed propellers does not converge or stay: this call renews it
-        self.spent = True
-        return self._trim(condition, setup, warm=False)
 
-    def _search(self, condition: TrimCondition, seed: Seed | None, warm: bool) -> TrimState:
-        airframe = self.airframe
+    def _refuse_impossible(self, condition: TrimCondition) -> None:
+        """Raise TrimError where no search can find a trim."""
+        airframe, fdm = self.airframe, self.airframe.fdm
+        if condition.mode == "none":
+            return
+        mach = fdm[STATE["mach"]]
+        if mach >= 1.0 and airframe.of_engines("propeller-rpm"):
+            why = f"Mach {mach:.3g}: propellers give thrust below Mach 1 only"
+            raise failure(airframe, condition, "mach", why)
+        # a search may still make other quantities, such as thrust, finite
+        if broken := [name for name in LIMITS if not math.isfinite(fdm[STATE[name]])]:
+            why = f"{', '.join(broken)} not finite at this condition"
+            raise failure(airframe, condition, "no convergence", why)
+        powered = len(airframe.stopped) < airframe.engines
+        if not powered and condition.mode != "ground" and condition.balance == "throttle":
+            raise failure(airframe, condition, "thrust")
+
+    def _by_jsbsim(self, condition: TrimCondition) -> TrimState:
+        """What JSBSim's own search finds; without a search the initial state."""
+        airframe, moved = self.airframe, ()
         if condition.mode != "none":
-            refuse_hopeless(airframe, condition)
-        engine_out = airframe.stopped and condition.solver is None
-        flies = condition.mode not in ("ground", "none")
-        if condition.searched_by == "newton" or (engine_out and flies):
-            return self.by_newton(condition, seed, warm)
-        if condition.mode in ("full", "longitudinal"):
-            before = airframe.internal()
-            try:
-                find(airframe, condition)
-            except TrimError:
-                # most failed searches with jet engines leave nothing behind to renew for
-                initialise(airframe, condition, condition.heading)
-                self.spent = not _same(before, airframe.internal())
-                raise
-        elif condition.mode != "none":
-            find(airframe, condition)
-        if condition.mode == "turn":
-            # JSBSim keeps the track and turns the nose, so start with the opposite offset
-            beyond = math.remainder(airframe.fdm[STATE["psi"]] - condition.heading, 360.0)
-            initialise(airframe, condition, condition.heading - beyond)
-            find(airframe, condition)
-        found = read_state(airframe, condition, MOVED.get(condition.mode, ()))
+            with airframe.engines_stopped():
+                moved = jsbsim.find(airframe, condition)
+        found = read_state(airframe, condition, moved)
         if broken := not_finite(found):
             why = f"{', '.join(broken)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why)
-        self.spent = False
+        self._spent = False
         return found
 
-    def by_newton(
-        self, condition: TrimCondition, seed: Seed | None = None, warm: bool = False
-    ) -> TrimState:
-        """Trim the initialised airframe with the Newton search.
-
-        A failure leaves the commands alone.
-        """
+    def _by_newton(
+        self,
+        condition: TrimCondition,
+        setup: Mapping[str, float] | None,
+        seed: Seed | None,
+        used: bool,
+        fly: float,
+    ) -> tuple[TrimState, HandsOff | None]:
+        """The first trim that the seed or a guess leads to and that holds in a short flight."""
         airframe = self.airframe
-        if len(airframe.stopped) == airframe.engines and condition.balance == "throttle":
-            self.spent = False
-            raise failure(airframe, condition, "thrust")
-        commands = [f"fcs/{n}-cmd-norm" for n in ("pitch-trim", "elevator", "aileron", "rudder")]
-        commands += [f"fcs/throttle-cmd-norm[{i}]" for i in range(airframe.engines)]
-        before = {name: airframe.fdm[name] for name in commands}
-        try:
-            reached, self._seed = self.search(condition, seed, warm)
-        except TrimError:
-            for name, value in before.items():
-                airframe.fdm[name] = value
-            raise
-        self.spent = False
-        return reached
+        if seed is not None:
+            with airframe.engines_stopped():
+                if found := self._from_seed(condition, seed, fly):
+                    return found
+        refused: TrimError | None = None
+        # turboprops have no power outside of steps of time
+        for in_time in (True,) if airframe.of_engines("itt-c") else (False, True):
+            if used and (refused or self._leaves_traces):
+                self._renew()
+                self._initialise(condition, setup)
+            used = True
+            try:
+                with airframe.engines_stopped():
+                    return self._from_guesses(condition, in_time, fly)
+            except TrimError as error:
+                refused = refused or error
+                if error.reason != "no equilibrium":
+                    break
+        self._used, self._spent = True, self._leaves_traces
+        assert refused is not None
+        raise refused
 
-    def search(
-        self, condition: TrimCondition, seed: Seed | None, warm: bool, in_time: bool = False
-    ) -> tuple[TrimState, Seed | None]:
-        """The trim that the Newton search finds, and the seed of the next one."""
-        turboprops = bool(self.airframe.of_engines("itt-c"))
-        in_time = in_time or turboprops or (seed is not None and seed.in_time)
-        search = Search(self.airframe, condition, self.effort, in_time)
-        found = search.find(seed)
-        self.spent = search.leaves_traces
-        try:
-            return self._reached(condition, search, found, warm), found.seed
-        except TrimError as error:
-            if in_time or error.reason != "no equilibrium":
-                raise
-        return self.search(condition, seed, warm, in_time=True)
+    def _from_seed(
+        self, condition: TrimCondition, seed: Seed, fly: float
+    ) -> tuple[TrimState, HandsOff | None] | None:
+        """The trim near the last one; None if it is not found to full precision, or is another."""
+        flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
+        if "elevator" in seed.names:
+            flight.without_pitch_trim()
+        if flight.names != seed.names or len(seed.slopes) != len(flight.used):
+            return None
+        flight.has_memory = seed.has_memory
+        reached = descend(flight, seed.x, seed.slopes)
+        if reached.size <= POLISHED:
+            with contextlib.suppress(TrimError):
+                return self._arrived(condition, flight, reached, fly)
+        self._effort.steps = 0
+        return None
 
-    def _reached(
-        self, condition: TrimCondition, search: Search, found: Found, warm: bool
-    ) -> TrimState:
-        """The state in which a Newton search has left the airframe, if it is a trim."""
-        airframe = self.airframe
-        touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
-        if found.converged and not touches:
-            residuals: dict[str, Any] = {**found.residuals}
-            state = read_state(airframe, condition, tuple(found.free))
-            state = dataclasses.replace(state, **residuals)
-            if not not_finite(state):
-                if why := self._what_moves(condition, search, found, warm):
-                    raise failure(airframe, condition, "no equilibrium", why, found.residuals)
-                return state
-        if touches:
+    def _from_guesses(
+        self, condition: TrimCondition, in_time: bool, fly: float
+    ) -> tuple[TrimState, HandsOff | None]:
+        flight = SteadyFlight(self.airframe, condition, self._effort, in_time)
+        flight.try_out()
+        self._leaves_traces = flight.leaves_traces
+        best: Reached | None = None
+        for reached in self._ends(flight):
+            best = reached if best is None or reached.size < best.size else best
+            if best.size <= 1.0 or self._effort.over or self.airframe.not_running():
+                break
+        assert best is not None
+        return self._arrived(condition, flight, best, fly)
+
+    def _ends(self, flight: SteadyFlight) -> Iterator[Reached]:
+        """Where searches from one first guess after the other end."""
+        ends: list[np.ndarray] = []
+        slopes = None
+        for alpha, throttle in _GUESSES:
+            reached = descend(flight, _guess(flight, alpha, throttle), slopes, known=ends)
+            if any(flight.near(reached.x, end) for end in ends):
+                # two searches from far apart that end at one place: the others would too
+                break
+            ends.append(reached.x)
+            slopes = reached.slopes
+            yield reached
+        i = flight.names.index("alpha")
+        if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
+            return
+        # where lift is short, the neighbour that has more is nearer than any guess
+        speed = flight.speed
+        flight.fly_at(_FASTER * speed)
+        faster = descend(flight, _guess(flight, *_GUESSES[0]))
+        flight.fly_at(speed)
+        if faster.size <= 1.0:
+            yield descend(flight, faster.x, faster.slopes, known=ends)
+
+    def _arrived(
+        self, condition: TrimCondition, flight: SteadyFlight, reached: Reached, fly: float
+    ) -> tuple[TrimState, HandsOff | None]:
+        """The state at which a search has ended, if it is a trim that holds."""
+        airframe, x = self.airframe, reached.x
+        time = airframe.fdm.get_sim_time()
+        # the last state written need not be the best
+        r, residuals = flight.arrive(x)
+        airframe.fdm.set_sim_time(time)
+        if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
             why = "a wheel or another contact point touches the ground"
             raise failure(airframe, condition, "ground", why)
-        reason = _REASONS.get(found.binding, found.binding) or "no convergence"
-        limit = found.free.get(found.binding)
-        if limit is not None and found.binding in _ANGLES:
-            limit = math.degrees(limit)
-        raise failure(airframe, condition, reason, residuals=found.residuals, limit=limit)
+        still = airframe.not_running() if condition.mode != "glide" else ""
+        if still:
+            why = f"engine {still} does not run (where the mixture is too rich, lean it in setup)"
+            raise failure(airframe, condition, "engine", why, residuals)
+        if not size(r) <= 1.0:
+            raise self._failed(condition, flight, x, r, residuals)
+        state = read_state(airframe, condition, tuple(flight.names))
+        state = dataclasses.replace(state, **residuals)
+        if broken := not_finite(state):
+            why = f"{', '.join(broken)} not finite after the trim"
+            raise failure(airframe, condition, "no convergence", why, residuals)
+        flown = None
+        if condition.mode != "pull-up":
+            flown = self._flown(condition, flight, x, fly)
+            if flown.moves:
+                raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
+        if reached.slopes is not None:
+            seed = flight.names, x, reached.slopes, flight.has_memory, flight.in_time
+            self._seed = Seed(*seed)
+        self._leaves_traces, self._spent = flight.leaves_traces, False
+        return state, flown
 
-    def _what_moves(
-        self, condition: TrimCondition, search: Search, found: Found, warm: bool
-    ) -> str:
-        """What moves in a short flight from a trim; empty if nothing does."""
-        airframe = self.airframe
-        if condition.mode == "pull-up":
-            return ""
-        if not warm or search.leaves_traces:
-            # the airframe could be put back to the precision of the search only
-            other = airframe.stand_in()
-            with other.engines_stopped():
-                initialise(other, condition, condition.heading)
-                other.fdm[STATE["elevator"]] = airframe.fdm[STATE["elevator"]]
-                Search(other, condition, Effort(), search.in_time).hold(found)
-            return what_moves(other, condition)
-        fuel = [airframe.fdm[tank] for tank in airframe.tanks]
-        time = airframe.fdm.get_sim_time()
-        why = what_moves(airframe, condition)
-        for tank, contents in zip(airframe.tanks, fuel, strict=True):
-            airframe.writer(tank)(contents)
-        search.hold(found)
-        airframe.fdm.set_sim_time(time)
-        return why
+    def _flown(
+        self, condition: TrimCondition, flight: SteadyFlight, x: np.ndarray, fly: float
+    ) -> HandsOff:
+        """A flight of a stand-in from a trim that was found on the airframe."""
+        other = self._stand_in = self._stand_in or self.airframe.twin()
+        other.resemble(self.airframe)
+        with other.engines_stopped():
+            initialise(other, condition, condition.heading)
+            other.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
+            there = SteadyFlight(other, condition, Effort(_EFFORT), flight.in_time)
+            if "elevator" in flight.names:
+                there.without_pitch_trim()
+            there.has_memory = flight.has_memory
+            there.hold(x)
+        flown = check.fly(other, condition, fly)
+        if flown.moves or flown.leaves or fly > check.SHORT:
+            self._stand_in = None
+        return flown
+
+    def _failed(
+        self,
+        condition: TrimCondition,
+        flight: SteadyFlight,
+        x: np.ndarray,
+        r: np.ndarray,
+        residuals: dict[str, float],
+    ) -> TrimError:
+        """The error of a search that has not found a trim, and the limit at which it has ended."""
+        name = binding(flight, condition, x, r)
+        limit = float(x[flight.names.index(name)]) if name else None
+        if name in _ANGLES:
+            limit = math.degrees(limit)  # type: ignore[arg-type]
+        reason = _CAUSES.get(name, "no convergence")
+        return failure(self.airframe, condition, reason, residuals=residuals, limit=limit)
 
 
 _trimmers: weakref.WeakKeyDictionary[Airframe, Trimmer] = weakref.WeakKeyDictionary()
 
 
-def _same(before: list[float], now: list[float]) -> bool:
-    """Whether two internal states are the same up to rounding; false where one is not finite."""
-    a, b = np.array(before), np.array(now)
-    with np.errstate(invalid="ignore"):
-        return bool((abs(a - b) <= _ROUNDING * np.maximum(abs(a), 1.0)).all())
+def _guess(flight: SteadyFlight, alpha: float, throttle: float) -> np.ndarray:
+    x = flight.start.copy()
+    x[flight.names.index("alpha")] = math.radians(alpha)
+    if "throttle" in flight.names:
+        x[flight.names.index("throttle")] = throttle
+    return x
+
+
+def binding(flight: SteadyFlight, condition: TrimCondition, x: np.ndarray, r: np.ndarray) -> str:
+    """The unknown at the end of its range that holds the search back; empty if none is."""
+    more = {"alpha": r[flight.used.index("wdot")] > 0.0}
+    if condition.thrust is None:
+        more["throttle"] = r[0] < 0.0
+    ends = zip(flight.names, x <= flight.low, x >= flight.high, strict=True)
+    # not where a search has got stuck and the other end would help
+    names = [n for n, low, high in ends if (low or high) and more.get(n, high) == high]
+    return min(names, key=[*_CAUSES].index, default="")

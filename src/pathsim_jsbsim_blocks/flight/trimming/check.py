@@ -1,0 +1,130 @@
+"""Whether an aircraft stays at its trim: flights with controls fixed."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..airframe import Airframe
+from .condition import TrimCondition
+from .state import STATE, UNITS, Drift
+
+# what a short flight may show of an equilibrium: s; ft/s2 and rad/s2
+SHORT = 0.25
+_MAX_ACCELERATION = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
+
+# of a surface's travel or of the weight in thrust: what is named as the cause moves by more
+_SMALL_MOTION = 0.01
+
+# s, for which a trim is to hold, and within which bounds
+LONG = 5.0
+_BOUNDS = {
+    "height": (5.0, "ft"),
+    "airspeed": (0.5, "kt"),
+    "pitch": (0.1, "deg"),
+    "bank": (0.1, "deg"),
+    "heading": (0.1, "deg"),
+}
+
+# relative to the air: in a turn with wind the ground velocity turns in body axes
+_ACCELERATIONS = "velocities/v-aero-fps", *(STATE[name] for name in ("pdot", "qdot", "rdot"))
+_PATH = {
+    "height": STATE["altitude"],
+    "airspeed": "velocities/vtrue-kts",
+    "pitch": STATE["theta"],
+    "bank": STATE["phi"],
+    "heading": STATE["psi"],
+}
+
+
+class HandsOff(NamedTuple):
+    """What a flight from a trim shows, controls fixed."""
+
+    # why it is no equilibrium; empty if it is one
+    moves: str
+    # how it leaves its path within 5 s; empty if it does not
+    leaves: str
+    drift: Drift
+
+
+def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsOff:
+    """Fly an airframe from its trim for a time in s, controls fixed."""
+    parts = [f"fcs/{name}-pos-norm" for name in ("elevator", "left-aileron", "right-aileron")]
+    parts += ["fcs/rudder-pos-norm", *airframe.of_engines("thrust-lbs")]
+    watched = airframe.reader_of(parts)
+    first, rates = watched(), _rates(airframe)
+    names = [*_ACCELERATIONS, *_PATH.values(), STATE["speed"]]
+    read, run, dt = airframe.reader_of(names), airframe.fdm.run, airframe.dt
+    rows, moved = [read()], first
+    for step in range(1, max(round(duration / dt), 1) + 1):
+        run()
+        rows.append(read())
+        if step == max(round(SHORT / dt), 1):
+            moved = watched()
+    flight = np.array(rows).T
+    few = max(round(SHORT / dt), 1) + 1
+    moves = _what_moves(condition, flight[:4, :few], dt)
+    if moves:
+        weight = airframe.fdm[STATE["weight"]]
+        moves += _culprit(parts, first, moved, weight)
+    off = _off_the_path(flight[4:-1], rates, dt)
+    long = round(LONG / dt) + 1
+    height, _, _, bank, _ = (float(x) for x in off[:, -1])
+    drift = Drift(duration, height, float(flight[-1, -1] - flight[-1, 0]), bank)
+    return HandsOff(moves, _what_leaves(off[:, :long]), drift)
+
+
+def _rates(airframe: Airframe) -> list[float]:
+    """Rates of height in ft/s and of the heading in deg/s along the path."""
+    fdm = airframe.fdm
+    return [fdm["velocities/h-dot-fps"], math.degrees(fdm["velocities/psidot-rad_sec"])]
+
+
+def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:
+    accelerations = flight[:, 1:].copy()
+    accelerations[0] = np.diff(flight[0]) / dt
+    peaks = abs(accelerations).max(axis=1).tolist()
+    largest = dict(zip(_MAX_ACCELERATION, peaks, strict=True))
+    axes = ["qdot"] if condition.mode == "longitudinal" else [*_MAX_ACCELERATION]
+    if all(largest[name] < _MAX_ACCELERATION[name] for name in axes):
+        return ""
+    worst = max(axes, key=lambda name: largest[name] / _MAX_ACCELERATION[name])
+    return (
+        f"it does not stay: within {SHORT} s of flight {worst} reaches "
+        f"{largest[worst]:.3g} {UNITS[worst]}"
+    )
+
+
+def _culprit(parts: list[str], before: list[float], after: list[float], weight: float) -> str:
+    """The surface or engine that has moved most, if any has."""
+    sizes = [weight if name.endswith("-lbs") else 1.0 for name in parts]
+    moved = [abs(b - a) / size for a, b, size in zip(before, after, sizes, strict=True)]
+    i = int(np.argmax(moved))
+    if not moved[i] > _SMALL_MOTION:
+        return ""
+    return f" ({parts[i]} goes from {before[i]:.3g} to {after[i]:.3g})"
+
+
+def _off_the_path(flight: np.ndarray, rates: list[float], dt: float) -> np.ndarray:
+    """Distances from the steady path over time, in the units of `_BOUNDS`."""
+    off = flight - flight[:, :1]
+    time = dt * np.arange(off.shape[1])
+    climb, turning = rates
+    off[0] -= climb * time
+    off[4] -= turning * time
+    for angle in (3, 4):
+        off[angle] = (off[angle] + 180.0) % 360.0 - 180.0
+    return off
+
+
+def _what_leaves(off: np.ndarray) -> str:
+    worst = abs(off).max(axis=1)
+    bounds = np.array([most for most, _ in _BOUNDS.values()])
+    if (worst <= bounds).all():
+        return ""
+    # NaN is the worst
+    i = int(np.argmax(np.nan_to_num(worst / bounds, nan=np.inf)))
+    name, (_, unit) = [*_BOUNDS.items()][i]
+    return f"{name} moves by {worst[i]:.2g} {unit} in {LONG:g} s with controls fixed"

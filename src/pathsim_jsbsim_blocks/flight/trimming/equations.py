@@ -1,0 +1,429 @@
+"""Steady flight as equations: unknowns in, JSBSim's own accelerations out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from operator import itemgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from ..airframe import Airframe
+from .condition import TrimCondition
+from .failure import alpha_range
+from .state import STATE
+
+
+class Unknown(NamedTuple):
+    """A quantity that the search may move."""
+
+    start: float
+    low: float
+    high: float
+    stride: float  # largest change in one iteration
+    step: float  # of its difference quotients
+
+
+_DEG = math.pi / 180.0
+_COMMAND = Unknown(0.0, -1.0, 1.0, 0.4, 1e-4)
+
+# rad; alpha, speed and rate depend on the aircraft. Roll and sideslip as in JSBSim's FGTrimAxis
+_UNKNOWNS = {
+    "throttle": Unknown(0.5, 0.0, 1.0, 0.5, 1e-4),
+    "gamma": Unknown(0.0, -60.0 * _DEG, 60.0 * _DEG, 5.0 * _DEG, 1e-5),
+    "pitch_trim": _COMMAND,
+    "elevator": _COMMAND,
+    "phi": Unknown(0.0, -30.0 * _DEG, 30.0 * _DEG, 8.0 * _DEG, 1e-5),
+    "beta": Unknown(0.0, -30.0 * _DEG, 30.0 * _DEG, 5.0 * _DEG, 1e-5),
+    "aileron": _COMMAND,
+    "rudder": _COMMAND,
+}
+
+# what is to vanish, and to which tolerance in ft/s2 and rad/s2
+RESIDUALS = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
+    ("pdot", "qdot", "rdot"), 1e-5
+)
+_LONGITUDINAL = ("udot", "wdot", "qdot")
+_THRUST_TOLERANCE = 1e-3  # lbf
+
+# what one evaluation writes, and from what
+_WRITTEN = (
+    *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
+    *(f"ic/{axis}-fps" for axis in "uvw"),
+    *(f"ic/{axis}-rad_sec" for axis in "pqr"),
+    *(f"fcs/{name}-cmd-norm" for name in ("pitch-trim", "elevator", "aileron", "rudder")),
+)
+_FLIGHT = itemgetter("speed", "alpha", "beta", "phi", "gamma", "psi")
+_CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
+
+# fraction of the tolerances that two readings of one state may differ by
+_SETTLED = 1e-6
+
+# strides from one state to another that a search takes for the same
+_NEAR = 0.1
+
+_READINGS = 30  # of one state, until a flight control system with memory has settled
+
+# what one reading with its share of the search, and JSBSim's own settling of an engine, count as in
+# steps of JSBSim; the latter takes 1 to 170
+_READING = 4
+_STEADY_STATE = 150
+
+# s, in which nothing moves, and the steps that JSBSim's integrators remember at most
+_INSTANT = 1e-12
+_HISTORY = 5
+
+# rows of steps in which an engine with propeller settles, and how often
+_ROW = 40
+_ROWS = 60
+
+# how often propellers may settle anew to hold a state found elsewhere
+_SPINS = 5
+
+# rows with blades that no governor moves: engines that settle then need 3
+_ROWS_AT_FIXED_PITCH = 10
+
+
+class Effort:
+    """What all searches of one trim have taken together, in steps of JSBSim, roughly.
+
+    Those that find a trim take 40,000 at most; a step takes 5 to 14 us (Short_S23: 60).
+    """
+
+    def __init__(self, most: int):
+        self.steps, self.most = 0, most
+
+    @property
+    def over(self) -> bool:
+        return self.steps > self.most
+
+
+class SteadyFlight:
+    """Equations of steady flight of an airframe initialised at a condition.
+
+    One evaluation writes a state and controls, and reads the accelerations of JSBSim without a step
+    in time. Propellers turn at the speed at which they settle: JSBSim holds the aircraft and blows
+    its airspeed at it. The airframe is left in the state evaluated last.
+
+    With ``in_time`` each reading ends with a step of no length, which takes longer: only in steps
+    of time have turboprops power, and only there do actuators move at their own rates (those of the
+    f16's rudder start anew in each step).
+    """
+
+    def __init__(self, airframe: Airframe, condition: TrimCondition, effort: Effort, in_time: bool):
+        self._airframe, self._condition, self.effort = airframe, condition, effort
+        self.in_time = in_time
+        fdm = self._fdm = airframe.fdm
+        self._gravity = fdm["accelerations/gravity-ft_sec2"]
+        speed = fdm["velocities/vt-fps"]
+        # what the search does not move
+        self._given = {
+            "speed": speed,
+            "throttle": condition.throttle or 0.0,
+            **dict.fromkeys(("pitch_trim", "aileron", "rudder"), 0.0),
+            "elevator": fdm["fcs/elevator-cmd-norm"],
+            "beta": math.radians(condition.beta),
+            "gamma": math.radians(condition.gamma),
+            "phi": math.radians(condition.bank),
+            "psi": math.radians(condition.heading),
+        }
+        self._set_unknowns(self._free(speed))
+        self._choose_residuals()
+        self._find_engines()
+        wind = condition.wind_north, condition.wind_east, 0.0
+        self._wind = np.array(wind) if any(wind) else None
+        # whether the flight control system takes more than one reading to settle
+        self.has_memory = True
+
+    def _free(self, speed: float) -> dict[str, Unknown]:
+        """The unknowns, throttle last: its engines settle anew."""
+        condition, unknowns = self._condition, dict(_UNKNOWNS)
+        low, high = (math.radians(angle) for angle in alpha_range(self._airframe))
+        unknowns["alpha"] = Unknown(0.0, low, high, 5.0 * _DEG, 1e-5)
+        unknowns["gamma"] = unknowns["gamma"]._replace(start=math.radians(condition.gamma))
+        unknowns["speed"] = Unknown(speed, 0.3 * speed, 3.0 * speed, 0.2 * speed, 1e-5 * speed)
+        # within 1 g of side load from the rate of a coordinated turn
+        rate, most = self._coordinated(math.radians(condition.bank), speed), self._gravity / speed
+        unknowns["rate"] = Unknown(rate, rate - most, rate + most, 0.1 * most, 1e-5)
+        names = ["alpha", "pitch_trim"]
+        if condition.mode == "turn":
+            names += ["beta" if condition.coordinated else "rate"]
+        elif condition.mode != "longitudinal":
+            names += ["phi"]
+        if condition.mode != "longitudinal":
+            names += ["aileron", "rudder"]
+        if condition.balance != "throttle":
+            names.append(condition.balance)
+        if condition.balance == "throttle" or condition.thrust is not None:
+            names.append("throttle")
+        return {name: unknowns[name] for name in names}
+
+    def _coordinated(self, phi: float, speed: float) -> float:
+        return self._gravity * math.tan(phi) / speed
+
+    def _set_unknowns(self, unknowns: dict[str, Unknown]) -> None:
+        self.unknowns = unknowns
+        self.names = list(unknowns)
+        self.start, self.low, self.high, self.strides, self._steps = np.array(
+            list(unknowns.values())
+        ).T
+
+    def without_pitch_trim(self) -> None:
+        """Let the elevator take the place of the pitch trim, which the model does not have."""
+        self._set_unknowns(
+            {"elevator" if name == "pitch_trim" else name: x for name, x in self.unknowns.items()}
+        )
+
+    def _choose_residuals(self) -> None:
+        airframe, condition = self._airframe, self._condition
+        self.used = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
+        tolerances = dict(RESIDUALS)
+        readers = {name: airframe.reader(STATE[name]) for name in RESIDUALS}
+        # zero but for turns in wind and a thrust
+        self._targets = dict.fromkeys(RESIDUALS, 0.0)
+        if condition.thrust is not None:
+            self.used = *self.used, "thrust"
+            tolerances["thrust"] = _THRUST_TOLERANCE
+            thrusts = [airframe.reader(name) for name in airframe.of_engines("thrust-lbs")]
+            readers["thrust"] = lambda: sum(read() for read in thrusts)
+            self._targets["thrust"] = condition.thrust
+        self._readers = readers
+        self._read = [readers[name] for name in self.used]
+        self._target = np.array([self._targets[name] for name in self.used])
+        self._tolerances = np.array([tolerances[name] for name in self.used])
+
+    def _find_engines(self) -> None:
+        airframe = self._airframe
+        engines = range(airframe.engines)
+        self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
+        self._write = [airframe.writer(name) for name in _WRITTEN] + self._throttles
+        pitches = [airframe.reader(name) for name in airframe.of_engines("blade-angle")]
+        speeds = [airframe.reader(name) for name in airframe.of_engines("propeller-rpm")]
+        self._pitches, self._propellers = pitches, speeds + pitches
+        self._has_governor = any(
+            self._fdm[name] for name in airframe.of_engines("constant-speed-mode")
+        )
+        spools = airframe.of_engines("n1")
+        self._read_spools = [airframe.reader(name) for name in spools]
+        self._write_spools = [airframe.writer(name) for name in spools]
+        # the throttle at which the propellers have settled
+        self._settled_at: float | None = None
+        # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
+        self._leaps = True
+
+    @property
+    def leaves_traces(self) -> bool:
+        """Whether evaluations leave engines or systems in another state than they found."""
+        return bool(self._propellers) or self.has_memory
+
+    def try_out(self) -> None:
+        """Find out whether the model has pitch trim, and whether its controls have filters."""
+        x = np.clip(self.start, self.low, self.high)
+        i = self.names.index("pitch_trim")
+        y = x.copy()
+        y[i] += 0.1
+        before = self.residuals(x)
+        self._put(y)
+        first, second = self._accelerations(), self._accelerations()
+        self.has_memory = not size(second - first) <= _SETTLED
+        if size(second - before) <= _SETTLED:
+            self.without_pitch_trim()
+
+    @property
+    def speed(self) -> float:
+        """True airspeed in ft/s, where the search does not move it."""
+        return self._given["speed"]
+
+    def fly_at(self, speed: float) -> None:
+        """Take another airspeed, in ft/s."""
+        self._given["speed"] = speed
+
+    def near(self, x: np.ndarray, other: np.ndarray) -> bool:
+        """Whether a search from one would end where one from the other does."""
+        return bool((abs(x - other) <= _NEAR * self.strides).all())
+
+    def settled(self, x: np.ndarray) -> np.ndarray:
+        """Residuals after engines and flight control system have settled."""
+        self._settled_at = None
+        return self.residuals(x)
+
+    def trial(self, x: np.ndarray) -> np.ndarray:
+        """Residuals at a step of the search, which may have gone far."""
+        return self.settled(x) if self._propellers else self.residuals(x)
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        """The residuals at a state, in their tolerances."""
+        throttle = self._put(x)
+        r = self._accelerations()
+        if self._propellers and throttle != self._settled_at:
+            self._spin(size(r))
+            self._settled_at = throttle
+            self._put(x)
+            r = self._accelerations()
+        for _ in range(_READINGS if self.has_memory else 0):
+            before, r = r, self._accelerations()
+            if size(r - before) <= _SETTLED:
+                break
+        return r
+
+    def slopes(self, x: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """Difference quotients of the residuals, which are ``r`` at ``x``."""
+        slopes = np.empty((len(r), len(x)))
+        for i, step in enumerate(self._steps.tolist()):
+            if x[i] + step > self.high[i]:
+                step = -step
+            y = x.copy()
+            y[i] += step
+            slopes[:, i] = (self.residuals(y) - r) / step
+        return slopes
+
+    def arrive(self, x: np.ndarray) -> tuple[np.ndarray, dict[str, float]]:
+        """Put the airframe into a state for good: residuals in tolerances, and as they are."""
+        has_memory, self.has_memory = self.has_memory, True
+        r = self.settled(x)
+        self.has_memory = has_memory
+        left = {name: self._readers[name]() - self._targets[name] for name in RESIDUALS}
+        self._forget()
+        return r, left
+
+    def hold(self, x: np.ndarray) -> None:
+        """Put an airframe into a state that was found on another one."""
+        for _ in range(_SPINS):
+            if size(self.settled(x)) <= 1.0:
+                break
+        self._forget()
+
+    def _forget(self) -> None:
+        """Let the integrators forget the accelerations before the step of no length."""
+        for _ in range(_HISTORY if self.in_time else 0):
+            self._run_no_time()
+
+    def _put(self, x: Sequence[float] | np.ndarray) -> float:
+        """Write state and controls; returns the throttle."""
+        condition = self._condition
+        values = {**self._given, **dict(zip(self.names, np.asarray(x).tolist(), strict=True))}
+        v, alpha, beta, phi, gamma, psi = _FLIGHT(values)
+        throttle = values["throttle"]
+        theta = _theta(alpha, beta, phi, gamma)
+        p = q = r = 0.0
+        if condition.mode == "turn":
+            rate = values["rate"] if "rate" in values else self._coordinated(phi, v)
+            p = -rate * math.sin(theta)
+            q = rate * math.cos(theta) * math.sin(phi)
+            r = rate * math.cos(theta) * math.cos(phi)
+        elif condition.mode == "pull-up":
+            q = self._gravity * (condition.load_factor - math.cos(gamma)) / v
+        across = v * math.cos(beta)
+        ground = across * math.cos(alpha), v * math.sin(beta), across * math.sin(alpha)
+        if self._wind is not None:
+            wind = _to_body(phi, theta, psi) @ self._wind
+            ground = tuple((wind + ground).tolist())
+            # the wind turns in the axes of an aircraft that turns
+            turning = -np.cross([p, q, r], wind)
+            self._targets.update(zip(("udot", "vdot", "wdot"), turning.tolist(), strict=True))
+            self._target = np.array([self._targets[name] for name in self.used])
+        throttles = (throttle for _ in self._throttles)
+        state = psi, theta, phi, *ground, p, q, r, *_CONTROLS(values), *throttles
+        for write, value in zip(self._write, state, strict=True):
+            write(value)
+        return throttle
+
+    def _accelerations(self) -> np.ndarray:
+        fdm = self._fdm
+        # actuators then take their final position at once, and no fuel is burnt
+        fdm.set_trim_status(True)
+        try:
+            fdm.run_ic()
+            if self.in_time:
+                self._start_turbines()
+        finally:
+            fdm.set_trim_status(False)
+        if self.in_time:
+            self._run_no_time()
+        self.effort.steps += _READING
+        return (np.array([read() for read in self._read]) - self._target) / self._tolerances
+
+    def _start_turbines(self) -> None:
+        """Take the step with which JSBSim starts turbines at idle, and keep their speeds."""
+        speeds = [read() for read in self._read_spools]
+        self._run_no_time()
+        for write, speed in zip(self._write_spools, speeds, strict=True):
+            write(speed)
+
+    def _run_no_time(self) -> None:
+        """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
+        self._fdm.set_dt(_INSTANT)
+        self._fdm.run()
+        self._fdm.set_dt(self._airframe.dt)
+
+    def _spin(self, residual: float) -> None:
+        """Let the propellers settle in a wind tunnel: held in place, in the wind of the flight."""
+        fdm = self._fdm
+        tolerance = min(max(1e-10 * residual, 1e-10), 1e-8)
+        for axis in ("north", "east", "down"):
+            still = fdm[f"atmosphere/total-wind-{axis}-fps"]
+            fdm[f"atmosphere/wind-{axis}-fps"] = still - fdm[f"velocities/v-{axis}-fps"]
+        fdm["forces/hold-down"] = 1.0
+        fdm.set_trim_status(True)
+        try:
+            if self._airframe.not_running():
+                # at a low throttle of an earlier guess they may have stopped
+                with self._airframe.governors_off():
+                    self._airframe.start_engines()
+            self._spin_at_fixed_pitch()
+            before = [read() for read in self._propellers]
+            for row in range(_ROWS):
+                at_once = self._leaps and not self._has_governor
+                if self.effort.over or (at_once and row >= _ROWS_AT_FIXED_PITCH):
+                    break
+                pitch = [read() for read in self._pitches]
+                for _ in range(_ROW):
+                    fdm.run()
+                self.effort.steps += _ROW
+                now = [read() for read in self._propellers]
+                pairs = zip(now, before, strict=True)
+                if all(abs(a - b) <= tolerance * max(abs(a), 1.0) for a, b in pairs):
+                    break
+                if self._leaps and pitch == [read() for read in self._pitches]:
+                    self._spin_at_fixed_pitch()
+                    again = [read() for read in self._propellers]
+                    self._leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
+                    now = again
+                before = now
+        finally:
+            fdm["forces/hold-down"] = 0.0
+            fdm.set_trim_status(False)
+
+    def _spin_at_fixed_pitch(self) -> None:
+        """Settle the speeds at the present blade angles, many times faster than real time."""
+        if not self._leaps:
+            return
+        with self._airframe.governors_off():
+            self._fdm.get_propulsion().get_steady_state()
+        self.effort.steps += _STEADY_STATE * len(self._throttles)
+
+
+def size(r: np.ndarray) -> float:
+    """Largest of the residuals, in tolerances; infinite if one is not finite."""
+    sizes = list(map(abs, r.tolist()))
+    return max(sizes) if all(map(math.isfinite, sizes)) else math.inf
+
+
+def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:
+    """Pitch angle of a path angle, all in rad (Stevens and Lewis, 3rd edition, 3.6-3)."""
+    a = math.cos(alpha) * math.cos(beta)
+    b = math.sin(phi) * math.sin(beta) + math.cos(phi) * math.sin(alpha) * math.cos(beta)
+    s = math.sin(gamma)
+    return math.atan2(a * b + s * math.sqrt(max(a * a - s * s + b * b, 0.0)), a * a - s * s)
+
+
+def _to_body(phi: float, theta: float, psi: float) -> np.ndarray:
+    """Rotation from north, east, down to body axes."""
+    cf, sf = math.cos(phi), math.sin(phi)
+    ct, st = math.cos(theta), math.sin(theta)
+    cp, sp = math.cos(psi), math.sin(psi)
+    x = ct * cp, ct * sp, -st
+    y = sf * st * cp - cf * sp, sf * st * sp + cf * cp, sf * ct
+    z = cf * st * cp + sf * sp, cf * st * sp - sf * cp, cf * ct
+    return np.array([x, y, z])

@@ -1,0 +1,157 @@
+"""Gauss-Newton within limits: from a guess to where the residuals of steady flight vanish."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .equations import SteadyFlight, size
+
+# fraction of the tolerances at which the search ends
+POLISHED = 1e-5
+
+# a step that promises to leave more than this of the residuals ends the search; with a quantity at
+# the end of its range, which is where most failures end, more is asked for
+_MAX_LEFT = 0.98
+_MAX_LEFT_AT_LIMIT = 0.9
+
+_ITERATIONS = 30
+
+# shares of a step that are tried until the residuals get smaller
+_SHARES = (1.0, 0.4, 0.16, 0.06, 0.02)
+
+
+class Reached(NamedTuple):
+    """Where a search has ended."""
+
+    x: np.ndarray
+    residuals: np.ndarray  # in tolerances
+    slopes: np.ndarray | None  # of the residuals by x
+
+    @property
+    def size(self) -> float:
+        """The largest residual, in tolerances."""
+        return size(self.residuals)
+
+
+def descend(
+    flight: SteadyFlight,
+    x: np.ndarray,
+    slopes: np.ndarray | None = None,
+    known: Sequence[np.ndarray] = (),
+) -> Reached:
+    """Where the search from ``x`` ends; near an end that is ``known`` it goes no further."""
+    x = np.minimum(np.maximum(x, flight.low), flight.high)
+    r = flight.settled(x)
+    norm = _norm(r)
+    for _ in range(_ITERATIONS):
+        if size(r) <= POLISHED or not math.isfinite(norm) or flight.effort.over:
+            break
+        if any(flight.near(x, end) for end in known):
+            break
+        fresh = slopes is None
+        if slopes is None:
+            slopes = flight.slopes(x, r)
+            if not np.all(np.isfinite(slopes)):
+                break
+        full = _step(flight, x, r, slopes)
+        to = x + full
+        at_limit = ((to <= flight.low) | (to >= flight.high)).any()
+        hopeless = _norm(r + slopes @ full) > (_MAX_LEFT_AT_LIMIT if at_limit else _MAX_LEFT) * norm
+        better = None if hopeless else _shortened(flight, x, full, norm, fresh)
+        if better is None:
+            if fresh:
+                break
+            slopes = None
+            continue
+        y, ry, shorter = better
+        if shorter < 0.5 * norm:
+            # Broyden's update in the scaled unknowns
+            moved = (y - x) / flight.strides
+            gap = ry - r - slopes @ (y - x)
+            slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
+        else:
+            slopes = None
+        x, r, norm = y, ry, shorter
+    return Reached(x, r, slopes)
+
+
+def _shortened(
+    flight: SteadyFlight, x: np.ndarray, full: np.ndarray, norm: float, fresh: bool
+) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """The first share of a step that makes the residuals smaller; old slopes get one trial."""
+    for share in _SHARES if fresh else _SHARES[:1]:
+        y = np.minimum(np.maximum(x + share * full, flight.low), flight.high)
+        r = flight.trial(y)
+        shorter = _norm(r)
+        if shorter < norm * (1.0 - 1e-3 * share):
+            return y, r, shorter
+    return None
+
+
+def _norm(r: np.ndarray) -> float:
+    norm = math.sqrt(r @ r)
+    return norm if math.isfinite(norm) else math.inf
+
+
+def _step(flight: SteadyFlight, x: np.ndarray, r: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """The step of Newton, or the best one within limits and strides."""
+    strides = flight.strides
+    scaled = slopes * strides
+    # at a limit the interval would be empty
+    low = np.minimum(np.maximum((flight.low - x) / strides, -1.0), -1e-12)
+    high = np.maximum(np.minimum((flight.high - x) / strides, 1.0), 1e-12)
+    return bounded(scaled, -r, low, high, solution(scaled, -r)) * strides
+
+
+def bounded(
+    a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray, best: np.ndarray
+) -> np.ndarray:
+    """Least squares of a x - b within limits, low < high; ``best`` is the optimum without them."""
+    # the active set method of Stark and Parker (1995), started with the limits that the optimum
+    # without limits exceeds; scipy's lsq_linear is slower, also to import
+    held = (best < low) | (best > high)
+    if not held.any():
+        return best
+    x = np.minimum(np.maximum(best, low), high)
+    square, aim, unit = a.T @ a, a.T @ b, np.eye(len(best))
+    limits = list(zip(low.tolist(), high.tolist(), strict=True))
+    for _ in range(4 * len(x)):
+        fixed = np.where(held, x, 0.0)
+        aims = np.where(held, fixed, aim - square @ fixed)
+        y = solution(np.where(held[:, None] | held, unit, square), aims)
+        # as far as the first limit
+        ways = [
+            1.0 if least <= to <= most else ((least if to < least else most) - at) / (to - at)
+            for at, to, (least, most) in zip(x.tolist(), y.tolist(), limits, strict=True)
+        ]
+        way = min(ways)
+        if way < 1.0:
+            i = ways.index(way)
+            x = x + max(way, 0.0) * (y - x)
+            x[i] = low[i] if y[i] < low[i] else high[i]
+            held[i] = True
+            continue
+        x = y
+        # how much each limit holds back; negative where it does not
+        uphill = a.T @ (a @ x - b)
+        back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
+        i = int(back.argmin())
+        if back[i] >= -1e-10 * (1.0 + abs(uphill).max()):
+            break
+        held[i] = False
+    return x
+
+
+def solution(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The solution of a x = b, the least one if there are many; NaN where numbers overflow."""
+    try:
+        return np.linalg.solve(a, b)
+    except np.linalg.LinAlgError:
+        # of infinities it never returns
+        if np.isfinite(a).all() and np.isfinite(b).all():
+            return np.linalg.lstsq(a, b, rcond=None)[0]
+        return np.full(len(b), math.nan)
