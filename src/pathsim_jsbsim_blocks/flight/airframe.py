@@ -137,15 +137,6 @@ class Airframe(PropertyTree):
         self._names = names  # those of the same model
         self.write(written)
 
-    def version(self) -> list[tuple[int, int]]:
-        """Times and sizes of the files that the model is made of."""
-        states = [path.stat() for path in self._file.parts]
-        return [(state.st_mtime_ns, state.st_size) for state in states]
-
-    def forget(self) -> None:
-        """Nothing was written, and no engine stopped: JSBSim is as after loading."""
-        self._written, self.stopped, self._ground_before = {}, frozenset(), None
-
     def twin(self) -> Airframe:
         """Another airframe of the same model, sealed, with what `create` and `write` have set."""
         other = copy.copy(self)

@@ -40,7 +40,7 @@ from .linearise.algebraic import algebraic_model
 from .linearise.flown import flown_model
 from .linearise.flyable import no_model
 from .property_ports import check_ports, listed
-from .trimming import TrimState, trim
+from .trimming import TrimState, trim, trim_again
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.initial import here
 
@@ -111,8 +111,8 @@ class FlightBlock(Parametric, SampledPlant):
 
     airframe: Airframe
     trim: TrimState
-    # what the last flight was to be
-    _asked = ""
+    # what the last flight was to be, and its aircraft
+    _before: tuple[str, Airframe] | None = None
     # the flight that was linearised, and its model
     _linear: tuple[str, LinearModel] | None = None
     # that a parameter acts at the next reset
@@ -344,18 +344,20 @@ class FlightBlock(Parametric, SampledPlant):
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
-        # what was checked when the block was built holds at a reset
-        anew, self._asked = self._flying != self._asked, ""
+        before, self._before = self._before, None
         self.airframe = Airframe(
             self._model(),
             dt,
             empty_cg_x=condition.empty_cg_x,
             **{name: getattr(self, name) for name in _OF_AIRFRAME},
         )
-        self.trim = trim(self.airframe, condition, self.setup, hint=anew)
+        if before and before[0] == self._flying:
+            self.trim = trim_again(self.airframe, condition, self.setup, before[1])
+        else:
+            self.trim = trim(self.airframe, condition, self.setup)
         write, read = self._connect()
         self.airframe.write(self.properties, "properties")
-        self._asked = self._flying
+        self._before = self._flying, self.airframe
         fdm = self.airframe.fdm
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
         self._thread = get_ident()

@@ -20,8 +20,8 @@ from .trimming.nearest import level_speed
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
-# the same for a glide: the last for bodies with little lift (Shuttle)
-GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2))
+# the same for a glide: the last for bodies with little lift (Shuttle, x24b)
+GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.3), (5000.0, 0.2))
 
 # s of flight that every aircraft should have fuel for
 _FUEL_FOR = 60.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import re
 import shutil
 import tempfile
 import xml.etree.ElementTree as ET
@@ -18,9 +17,6 @@ from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import AircraftError, FileError
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
-
-# a further file of a model
-_NAMED = re.compile(r"""\bfile\s*=\s*["']([^"']+)""")
 
 
 def _aircraft_folder(root: str | None = None, aircraft: str = "") -> Path:
@@ -141,18 +137,6 @@ class ModelFile:
         """Numbers of the tanks that feed each engine."""
         engines = self.parsed().iterfind("propulsion/engine")
         return [[int(feed.text or 0) for feed in engine.iterfind("feed")] for engine in engines]
-
-    @functools.cached_property
-    def parts(self) -> list[Path]:
-        """The file, and those that it names, wherever JSBSim may find them."""
-        own, root = self.path.parent, self.path.parents[2]
-        folders = [own, *filter(Path.is_dir, own.iterdir()), root / "engine", root / "systems"]
-        found = [self.path]
-        for file in found:
-            for name in _NAMED.findall(file.read_text(encoding="utf-8", errors="replace")):
-                paths = [folder / f"{name.removesuffix('.xml')}.xml" for folder in folders]
-                found += [path for path in paths if path not in found and path.is_file()]
-        return found
 
     @contextlib.contextmanager
     def staged(self, x: float) -> Iterator[str]:

@@ -13,11 +13,6 @@ from .._core.checks import did_you_mean, must_be, nearest
 from ..errors import PropertyError
 from .writable import Check, value_check, why_not
 
-# without the flow of fuel, which is that of the pass before
-_INTERNAL = re.compile(
-    r"fcs/|systems/|propulsion/(?!.*/fuel-flow-rate-)|accelerations/[uvwpqr]dot-"
-)
-
 
 class PropertyTree:
     """Properties of one aircraft by name."""
@@ -34,7 +29,6 @@ class PropertyTree:
         # a trim map reads and writes the same few properties at every point
         self._checked: dict[tuple[str, str], jsbsim.FGPropertyNode] = {}
         self._writers: dict[str, tuple[Callable[[float], Any], Check | None]] = {}
-        self._internal: list[jsbsim.FGPropertyNode] | None = None
 
     @property
     def engines(self) -> int:
@@ -139,17 +133,6 @@ class PropertyTree:
             list(map(put, nodes, values))
 
         return write
-
-    def nodes(self) -> dict[str, jsbsim.FGPropertyNode]:
-        """All properties by name."""
-        nodes = {name: self._properties.get_node(name) for name in self._catalogue()}
-        return {name: node for name, node in nodes.items() if node is not None}
-
-    def internal(self) -> list[float]:
-        """State of engines and systems, and the six accelerations that follow from it."""
-        if self._internal is None:
-            self._internal = [node for n, node in self.nodes().items() if _INTERNAL.match(n)]
-        return list(map(jsbsim.FGPropertyNode.get_double_value, self._internal))
 
     def access(self, name: str) -> str:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""

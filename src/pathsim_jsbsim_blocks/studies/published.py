@@ -37,7 +37,7 @@ _SPEEDS = range(90, 550, 10)  # KCAS
 _ALPHA_LIMITS = {"alpha_min": -4.0, "alpha_max": 12.0}  # deg, of the published loops
 
 
-def _solver(aircraft: str, published: str) -> dict[str, str]:
+def _solver(aircraft: str, published: str) -> dict[str, Any]:
     """JSBSim's own search for the published aircraft, the usual one for others."""
     return {"solver": "jsbsim"} if aircraft == published else {}
 
@@ -168,7 +168,7 @@ def thrust_vectoring(
     solver = _solver(aircraft, "737")
     angles = np.linspace(0.0, 10.0, 100).tolist()
     turned = [f"propulsion/engine[{i}]/pitch-angle-rad" for i in range(Airframe(aircraft).engines)]
-    grid = [
+    grid: list[dict[str, Any]] = [
         {**condition, **solver, **dict.fromkeys(turned, math.radians(angle))}
         for condition in cases.values()
         for angle in angles

@@ -61,7 +61,7 @@ _CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
 _SETTLED = 1e-6
 
 # strides from one state to another that a search takes for the same
-_NEAR = 0.1
+_NEAR = 0.02
 
 _READINGS = 30  # of one state, until a flight control system with memory has settled
 

@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 import math
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
 
 # first guesses, one after the other until one leads to a trim: alpha in deg, throttle
-_GUESSES = ((3.0, 0.5), (9.0, 0.9), (2.0, 0.1))
+_GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
 # times the airspeed, at which the last guess is trimmed first
 _FASTER = 1.15
@@ -73,6 +73,8 @@ class Trimmer:
         self._used = self._spent = False
         self._seed: Seed | None = None
         self._leaves_traces = True
+        # whether the last trim was found in steps of time
+        self.in_time = False
         # a twin for short flights
         self._stand_in: Airframe | None = None
 
@@ -90,8 +92,12 @@ class Trimmer:
         *,
         warm: bool = False,
         fly: float = check.SHORT,
+        like: Trimmer | None = None,
     ) -> tuple[TrimState, HandsOff | None]:
-        """Trim, and fly a stand-in from there for ``fly`` s; None where nothing is flown."""
+        """Trim, and fly a stand-in from there for ``fly`` s; None where nothing is flown.
+
+        Nothing is flown where the trim repeats the last one of ``like``.
+        """
         self._effort = Effort(_EFFORT)
         by_jsbsim = condition.mode == "none" or condition.searched_by == "jsbsim"
         if self._spent or (self._used and (by_jsbsim or not warm)):
@@ -102,12 +108,18 @@ class Trimmer:
         self._initialise(condition, setup)
         if used and not_finite(read_state(self.airframe, condition)):
             # a flight has left NaN or inf there
-            used = seed = None
+            used, seed = False, None
             self._renew()
             self._initialise(condition, setup)
         self._refuse_impossible(condition)
         if not by_jsbsim:
-            return self._by_newton(condition, setup, seed, bool(used), fly)
+            ways = [False, True]
+            if like is not None:
+                ways, fly = [like.in_time], 0.0
+            elif self.airframe.of_engines("itt-c"):
+                # turboprops have no power outside of steps of time
+                ways = [True]
+            return self._by_newton(condition, setup, seed, used, ways, fly)
         found = self._by_jsbsim(condition)
         if fly <= check.SHORT or condition.mode in ("none", "ground", "pull-up"):
             return found, None
@@ -153,7 +165,7 @@ class Trimmer:
 
     def _by_jsbsim(self, condition: TrimCondition) -> TrimState:
         """What JSBSim's own search finds; without a search the initial state."""
-        airframe, moved = self.airframe, ()
+        airframe, moved = self.airframe, tuple[str, ...]()
         if condition.mode != "none":
             with airframe.engines_stopped():
                 moved = jsbsim.find(airframe, condition)
@@ -170,6 +182,7 @@ class Trimmer:
         setup: Mapping[str, float] | None,
         seed: Seed | None,
         used: bool,
+        ways: Sequence[bool],
         fly: float,
     ) -> tuple[TrimState, HandsOff | None]:
         """The first trim that the seed or a guess leads to and that holds in a short flight."""
@@ -179,8 +192,7 @@ class Trimmer:
                 if found := self._from_seed(condition, seed, fly):
                     return found
         refused: TrimError | None = None
-        # turboprops have no power outside of steps of time
-        for in_time in (True,) if airframe.of_engines("itt-c") else (False, True):
+        for in_time in ways:
             if used and (refused or self._leaves_traces):
                 self._renew()
                 self._initialise(condition, setup)
@@ -189,7 +201,7 @@ class Trimmer:
                 with airframe.engines_stopped():
                     return self._from_guesses(condition, in_time, fly)
             except TrimError as error:
-                refused = refused or error
+                refused = error
                 if error.reason != "no equilibrium":
                     break
         self._used, self._spent = True, self._leaves_traces
@@ -269,18 +281,19 @@ class Trimmer:
         if not size(r) <= 1.0:
             raise self._failed(condition, flight, x, r, residuals)
         state = read_state(airframe, condition, tuple(flight.names))
-        state = dataclasses.replace(state, **residuals)
+        state = dataclasses.replace(state, **residuals)  # type: ignore[arg-type]
         if broken := not_finite(state):
             why = f"{', '.join(broken)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why, residuals)
         flown = None
-        if condition.mode != "pull-up":
+        if fly and condition.mode != "pull-up":
             flown = self._flown(condition, flight, x, fly)
             if flown.moves:
                 raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
         if reached.slopes is not None:
             seed = flight.names, x, reached.slopes, flight.has_memory, flight.in_time
             self._seed = Seed(*seed)
+        self.in_time = flight.in_time
         self._leaves_traces, self._spent = flight.leaves_traces, False
         return state, flown
 
