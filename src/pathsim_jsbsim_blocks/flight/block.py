@@ -170,8 +170,8 @@ class FlightBlock(Parametric, SampledPlant):
         names = {name: self._trim_names.get(name, name) for name in defaults}
         given = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
-            fields = {field: getattr(self, name) for name, field in given.items()}
-            return TrimCondition(**fields, solver=self._solver)
+            asked = {field: getattr(self, name) for name, field in given.items()}
+            return TrimCondition(**asked, solver=self._solver)
         check_condition(self.condition)
         for name in given:
             value = getattr(self, name)
