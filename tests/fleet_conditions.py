@@ -1,5 +1,7 @@
 """Where the aircraft that jsbsim 1.3 brings trim in level flight, and why the others do not."""
 
+from pathsim_jsbsim_blocks import TrimCondition
+
 _PUSHBACK = (
     "/sim/model/pushback/position-norm",
     "/gear/gear/wow",
@@ -45,36 +47,39 @@ FLYING = {  # aircraft: (altitude ft, speed KCAS, gear, properties to create at 
 # one of each kind: jet and propeller, one to four engines, properties to create, little climb
 FEW = ("737", "c172p", "Concorde", "f16", "fokker100", "J3Cub", "L17", "pa28")
 
+# constant-speed propellers, with which JSBSim's own search may never end
+GOVERNED = ("Boeing314", "DHC6", "c182", "c310", "pa28")
+
 NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "ah1s": "no convergence",
     "B17": "thrust",
     "ball": "thrust",
     "ballx": "thrust",
     "blank": "AircraftError",
-    "C130": "thrust",
-    "dr1": "elevator",
+    "C130": "no convergence",
+    "dr1": "no convergence",
     "f22": "no convergence",
-    "F450": "no convergence",
+    "F450": "engine",
     "fokker50": "thrust",
     "J246": "no convergence",
-    "L410": "thrust",
+    "L410": "no convergence",
     "minisgs": "thrust",
     "mk82": "thrust",
-    "p51d": "thrust",
+    "p51d": "engine",
     "paraglider": "no convergence",
     "pc7": "thrust",
     "pogo-jsbsim": "thrust",
-    "Pterosaur": "no convergence",
+    "Pterosaur": "alpha limit",
     "SGS": "thrust",
     "sgs126": "thrust",
     "sgs233": "thrust",
     "Shuttle": "thrust",
     "Submarine_Scout": "no convergence",
     "weather-balloon": "thrust",
-    "wrightFlyer1903": "no convergence",
-    "X15": "thrust",
+    "wrightFlyer1903": "thrust",
+    "X15": "no convergence",
     "x24b": "no convergence",
-    "ZLT-NT": "no convergence",
+    "ZLT-NT": "engine",
 }
 
 # trimmed by the Newton search only: the mode, KCAS
@@ -107,6 +112,13 @@ def setup(aircraft):
 def keywords(aircraft):
     """The same flight as keywords of JSBSimFDM."""
     altitude, speed, gear, create = FLYING[aircraft]
+    if aircraft in GOVERNED:
+        return {
+            "aircraft_model": aircraft,
+            "condition": TrimCondition(altitude=altitude, speed=speed, gear=gear),
+            "create": dict.fromkeys(create, 0.0),
+            "setup": {"propulsion/fuel_freeze": 1.0},
+        }
     return {
         "aircraft_model": aircraft,
         "trim_altitude": altitude,

@@ -30,6 +30,7 @@ aircraft = Aircraft(
         "propulsion/tank[1]/contents-lbs": 4048.815,
         "propulsion/tank[2]/contents-lbs": 4048.815,
     },
+    solver="jsbsim",
 )
 percent = Amplifier(gain=100.0)
 scope = Scope(labels=["elevator command [%]", "angle of attack [deg]"])

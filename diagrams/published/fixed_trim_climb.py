@@ -29,6 +29,7 @@ aircraft = Aircraft(
         "aero/alpha-min-rad": -0.06981317007977318,
         "aero/alpha-max-rad": 0.20943951023931953,
     },
+    solver="jsbsim",
 )
 flight = Scope(
     sampling_period=1.0,

@@ -15,7 +15,7 @@ from pathsim_jsbsim_blocks import Aircraft
 
 DURATION = 1.0  # s
 
-aircraft = Aircraft(aircraft="c172p", altitude=3000.0, speed=80.0, heading=45.0)
+aircraft = Aircraft(aircraft="c172p", altitude=3000.0, speed=80.0, heading=45.0, solver="jsbsim")
 scope = Scope(
     labels=[
         "altitude [ft]",

@@ -19,7 +19,7 @@ from pathsim_jsbsim_blocks import Aircraft, PitchHold
 
 DURATION = 30.0  # s
 
-aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
+aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0, solver="jsbsim")
 hold = PitchHold(gains="c172p", theta_ref=3.0)
 pitch = Scope(labels=["pitch angle [deg]", "reference [deg]", "angle of attack [deg]"])
 flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "elevator increment [-]"])

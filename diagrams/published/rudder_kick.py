@@ -30,6 +30,7 @@ aircraft = Aircraft(
         "aero/alpha-min-rad": -0.06981317007977318,
         "aero/alpha-max-rad": 0.20943951023931953,
     },
+    solver="jsbsim",
 )
 commands = Scope(labels=["aileron command [-]", "rudder command [-]"])
 response = Scope(labels=["sideslip angle [deg]", "roll angle [deg]"])

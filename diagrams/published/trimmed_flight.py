@@ -16,7 +16,7 @@ from pathsim_jsbsim_blocks import Aircraft
 
 DURATION = 60.0  # s
 
-aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0, heading=90.0)
+aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0, heading=90.0, solver="jsbsim")
 flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]"])
 attitude = Scope(labels=["angle of attack [deg]", "pitch angle [deg]", "roll angle [deg]"])
 heading = Scope(labels=["heading [deg]"])

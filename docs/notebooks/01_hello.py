@@ -80,7 +80,9 @@ for name, value in alone.items():
 from pathsim_jsbsim_blocks import Aircraft
 
 # ft, KCAS, deg
-plane = Aircraft("c172p", altitude=3000.0, speed=80.0, heading=45.0)
+plane = Aircraft(
+    "c172p", altitude=3000.0, speed=80.0, heading=45.0, solver="jsbsim"
+)
 plane.trim
 
 # %% [markdown]

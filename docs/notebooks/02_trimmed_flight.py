@@ -18,7 +18,9 @@
 # %%
 from pathsim_jsbsim_blocks import Aircraft
 
-plane = Aircraft("c172p", altitude=5000.0, speed=90.0, heading=90.0)
+plane = Aircraft(
+    "c172p", altitude=5000.0, speed=90.0, heading=90.0, solver="jsbsim"
+)
 trim = plane.trim
 print(f"angle of attack {trim.alpha:7.4f} deg")
 print(f"throttle        {trim.throttle[0]:7.4f}")

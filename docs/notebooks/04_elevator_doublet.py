@@ -29,6 +29,7 @@ plane = Aircraft(
         "propulsion/tank[1]/contents-lbs": 4048.815,
         "propulsion/tank[2]/contents-lbs": 4048.815,
     },
+    solver="jsbsim",
 )
 trim, fdm = plane.trim, plane.fdm
 print(f"empty weight {fdm['inertia/empty-weight-lbs']:10,.1f} lb")

@@ -23,7 +23,7 @@
 # %%
 from pathsim_jsbsim_blocks import Aircraft
 
-plane = Aircraft("c172p", altitude=5000.0, speed=90.0)
+plane = Aircraft("c172p", altitude=5000.0, speed=90.0, solver="jsbsim")
 print(f"trimmed at {plane.trim.theta:.4f} deg")
 
 # %% [markdown]

@@ -36,6 +36,7 @@ plane = Aircraft(
         "aero/alpha-min-rad": math.radians(-4.0),
         "aero/alpha-max-rad": math.radians(12.0),
     },
+    solver="jsbsim",
 )
 
 # %% [markdown]

@@ -36,7 +36,13 @@ labels = [
 ]
 
 plane = Aircraft(
-    "A4", altitude=1000.0, speed=300.0, gamma=5.0, gear=1.0, setup=setup
+    "A4",
+    altitude=1000.0,
+    speed=300.0,
+    gamma=5.0,
+    gear=1.0,
+    setup=setup,
+    solver="jsbsim",
 )
 held = Scope(sampling_period=1.0, labels=labels)
 top = Condition(

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from plain_jsbsim import fly, trimmed
+from plain_jsbsim import fly
 
-from pathsim_jsbsim_blocks import DrydenTurbulence
+from pathsim_jsbsim_blocks import DrydenTurbulence, TrimCondition
 from pathsim_jsbsim_blocks import fly as fly_diagram
 from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.flight import Airframe, trim
 
 pytestmark = pytest.mark.matrix
 
@@ -31,7 +32,9 @@ def test_gust_response():
         s = np.clip(module.airspeed * (time - 1.0), 0.0, 2 * gradient)
         assert -w == pytest.approx(peak / 2 * (1 - np.cos(np.pi * s / gradient)), abs=1e-2)
     assert module.plane_30.trim.tas == pytest.approx(module.airspeed, abs=0.1)
-    fdm = trimmed("737", 10000.0, 280.0, setup={"gear/gear-cmd-norm": 0.0})
+    airframe = Airframe("737")
+    trim(airframe, TrimCondition(altitude=10000.0, speed=280.0, gear=0.0))
+    fdm = airframe.fdm
     loop = fly(fdm, GUSTS[2:], down[4][:-1, None], ["accelerations/Nz"])[:, 0]
     # the trim starts with the gear up here and is retracted there: the same to rounding
     assert nz[4] == pytest.approx(loop, abs=1e-6)
@@ -45,7 +48,9 @@ def test_turbulence_rides_starts_as_a_plain_loop():
     module = flown("turbulence_rides", 4.0)
     _, nz = module.load_factor.read()
     twin = DrydenTurbulence(severity="moderate", span=35.8, seed=4)
-    fdm = trimmed("c172p", 5000.0, 90.0)
+    airframe = Airframe("c172p")
+    trim(airframe, TrimCondition(altitude=5000.0, speed=90.0))
+    fdm = airframe.fdm
     state, loop = twin.initial_state(), [fdm["accelerations/Nz"]]
     for _ in range(nz.shape[1] - 1):
         here = [fdm[p] for p in ("position/h-sl-ft", "velocities/vt-fps", "attitude/psi-deg")]

@@ -71,7 +71,14 @@ def flight():
     raw = dict(zip(RAW, fly(fdm, COMMANDS, trim + [moves(i * T) for i in k], RAW).T, strict=True))
 
     plane = Aircraft(
-        "c172p", altitude=5000.0, speed=90.0, gamma=2.0, heading=310.0, setup=setup, properties=wind
+        "c172p",
+        altitude=5000.0,
+        speed=90.0,
+        gamma=2.0,
+        heading=310.0,
+        setup=setup,
+        properties=wind,
+        solver="jsbsim",
     )
     sources = [Source(lambda t, i=i: moves(t)[i]) for i in range(4)]
     scope, names = Scope(), list(plane.output_port_labels)
@@ -334,7 +341,7 @@ def test_a_heading_of_north_does_not_alternate_between_0_and_360():
     fdm = trimmed("c172p", 5000.0, 90.0)
     raw = fly(fdm, [], np.empty((240, 0)), ["attitude/psi-deg"])[:, 0]
     assert raw.max() == 360.0  # JSBSim's own does
-    plane, scope = Aircraft("c172p", altitude=5000.0, speed=90.0), Scope()
+    plane, scope = Aircraft("c172p", altitude=5000.0, speed=90.0, solver="jsbsim"), Scope()
     Simulation([plane, scope], [Connection(plane["psi"], scope)], dt=T, log=False).run(2.0)
     _, [psi] = scope.read()
     assert psi.max() < 360.0

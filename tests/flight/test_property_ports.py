@@ -17,7 +17,7 @@ THRUSTS = [f"propulsion/engine[{i}]/thrust-lbs" for i in (0, 1)]
 
 
 def airliner(**options):
-    return Aircraft("737", altitude=ALTITUDE, speed=SPEED, gear=0.0, **options)
+    return Aircraft("737", altitude=ALTITUDE, speed=SPEED, gear=0.0, solver="jsbsim", **options)
 
 
 def flown(plane, wires, shown, duration):

@@ -344,7 +344,7 @@ def test_a_copy_that_something_else_has_removed_is_no_error(monkeypatch, tmp_pat
 
 def refused_trim():
     with pytest.raises(TrimError):
-        Aircraft("737", altitude=15000, speed=120)
+        Aircraft("737", altitude=15000, speed=120, solver="jsbsim")
 
 
 def test_what_jsbsim_says_reaches_the_logger(caplog):

@@ -56,7 +56,7 @@ def test_wind_is_bit_for_bit_that_of_a_plain_loop_and_of_the_properties(name):
     altitude, speed = FLIGHTS[name]
     values, sources = winds(3)
     expected = fly(trimmed(name, altitude, speed), GUSTS, values, list(SHOWN.values()))
-    plane = Aircraft(name, altitude=altitude, speed=speed, gear=1)
+    plane = Aircraft(name, altitude=altitude, speed=speed, gear=1, solver="jsbsim")
     _, data = recorded(plane, SHOWN, *sources, duration=2.0)
     assert np.array_equal(data.T, expected)
     fdm = JSBSimFDM(

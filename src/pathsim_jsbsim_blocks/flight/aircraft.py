@@ -69,6 +69,9 @@ class Aircraft(FlightBlock):
     scrape_max : float
         largest depth to which anything but a wheel may press into the ground, ft: with the default
         of 0 nothing else may touch it; ``inf`` sets no limit
+    solver : str, optional
+        "newton" (the default in flight) or "jsbsim", the search of published numbers, as in
+        `TrimCondition`
 
     Other Parameters
     ----------------
@@ -144,6 +147,7 @@ class Aircraft(FlightBlock):
     output_properties: Sequence[str] | None = None
     sink_max: float = 15.0
     scrape_max: float = 0.0
+    solver: str | None = None
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
     output_port_labels = {name: i for i, name in enumerate(OUTPUTS)}

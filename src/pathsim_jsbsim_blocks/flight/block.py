@@ -171,7 +171,7 @@ class FlightBlock(Parametric, SampledPlant):
         given = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
             asked = {field: getattr(self, name) for name, field in given.items()}
-            return TrimCondition(**asked, solver=self._solver)
+            return TrimCondition(**{"solver": self._solver, **asked})
         check_condition(self.condition)
         for name in given:
             value = getattr(self, name)

@@ -21,7 +21,7 @@ from .trimming.nearest import level_speed
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
 # the same for a glide: the last for bodies with little lift (Shuttle, x24b)
-GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.3), (5000.0, 0.2))
+GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2), (2000.0, 0.3), (2000.0, 0.1))
 
 # s of flight that every aircraft should have fuel for
 _FUEL_FOR = 60.0
