@@ -19,7 +19,7 @@ from pathlib import Path
 
 import jsbsim
 
-from .._core.checks import flag, mapping, number, positive, refuse
+from .._core.checks import did_you_mean, flag, mapping, number, positive, refuse
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, messages
 from .flightgear import address, directive
@@ -240,8 +240,11 @@ class Airframe(PropertyTree):
             missing = said[1] if said else ""
             message = f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}"
             if missing:
-                message += ". It expects this property from its environment; create it with "
-                message += f"create={{{missing!r}: 0.0}}"
+                # a typo in the model's own XML would become a term that is always 0
+                close = did_you_mean(self._similar(missing))
+                other = "if it comes from outside (FlightGear), " if close else ""
+                message += f"{close}. {other or 'It comes from outside (FlightGear): '}create it "
+                message += f"with create={{{missing!r}: 0.0}}"
             raise AircraftError(message, aircraft=self.aircraft, missing=missing)
 
     def raise_ground(self, elevation: float) -> None:

@@ -143,10 +143,10 @@ class TrimCondition:
         ``propulsion/engine[i]/set-running`` of 0 means the same
     solver : str, optional
         "newton" (the default in flight; `pathsim_jsbsim_blocks.flight.trim` describes it) or
-        "jsbsim": JSBSim's own search, from which published numbers come. It can do no glide, no
-        sideslip, no given throttle and no engine out, and is refused in flight below 200 ft above
-        the ground, where it may end the process, and with constant-speed propellers, where it may
-        never end. On the ground it is the only one
+        "jsbsim": JSBSim's own search, from which published numbers come, and the only one on the
+        ground. It trims neither glides nor sideslips nor engines out (nor to a given throttle). It
+        is refused in flight below 200 ft above the ground (it may end the process) and with
+        constant-speed propellers (it may never end)
     coordinated : bool
         in a turn let the sideslip free so that no lateral acceleration is left, in place of a turn
         without sideslip whose rate is free (mode "turn", Newton search). Some models have no
