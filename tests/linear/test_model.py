@@ -20,8 +20,7 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     TrimCondition,
 )
-from pathsim_jsbsim_blocks.flight import forked, linear_model
-from pathsim_jsbsim_blocks.flight.linearise import flown as flown_models
+from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel, LinearModelBlock
 from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
@@ -135,19 +134,6 @@ def test_both_methods_find_the_same_rigid_aircraft():
     ]
     for a, b in zip(*poles, strict=True):
         assert abs(a - b) < 0.02 * abs(a) + 2e-3, poles
-
-
-# where trims take long, flights start from copies of one; a copy may fail, or there is no fork
-@pytest.mark.parametrize("rehearse", [forked.rehearse, lambda action, seconds: None])
-def test_flights_from_copies_give_the_same_model(rehearse, monkeypatch):
-    block = plane("c172p")
-    afresh = block.linear_model(inputs=["elevator"])
-    monkeypatch.setattr(flown_models, "_LONG", 0.0)
-    monkeypatch.setattr(flown_models, "rehearse", rehearse)
-    from_copies = block.linear_model(inputs=["elevator"])
-    for name in ("A", "B", "C", "D", "x0", "y0", "kinks", "fit"):
-        one, other = getattr(afresh, name), getattr(from_copies, name)
-        assert np.array_equal(one, other, equal_nan=True), name
 
 
 def test_a_throttle_has_the_latency_of_a_step():

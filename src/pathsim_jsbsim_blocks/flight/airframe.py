@@ -242,9 +242,8 @@ class Airframe(PropertyTree):
             if missing:
                 # a typo in the model's own XML would become a term that is always 0
                 close = did_you_mean(self._similar(missing))
-                other = "if it comes from outside (FlightGear), " if close else ""
-                message += f"{close}. {other or 'It comes from outside (FlightGear): '}create it "
-                message += f"with create={{{missing!r}: 0.0}}"
+                message += f"{close or '.'} If it comes from outside (FlightGear), create it with "
+                message += f"create={{{missing!r}: 0.0}}"
             raise AircraftError(message, aircraft=self.aircraft, missing=missing)
 
     def raise_ground(self, elevation: float) -> None:

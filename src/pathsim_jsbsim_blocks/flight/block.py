@@ -8,7 +8,6 @@ from dataclasses import fields
 from math import inf, isfinite, nan
 from threading import get_ident
 from typing import Any, NoReturn
-from unittest.mock import patch
 
 import jsbsim
 import numpy as np
@@ -17,7 +16,7 @@ from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
 from .._core.callers import warn_user
-from .._core.checks import flag, number, one_of, positive, refuse, whole
+from .._core.checks import flag, number, positive, refuse, whole
 from .._core.continuous import Matrices
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister, port_names, values
@@ -30,19 +29,16 @@ from ..errors import (
     ParameterError,
     PropertyError,
 )
-from ..linear.model import LinearModel, find
+from ..linear.model import LinearModel
+from . import from_trim
 from .airframe import Airframe
 from .channels import Channel
 from .console import capture_console
 from .contact import GroundContact
-from .flightgear import next_address, sending_to
-from .linearise.algebraic import algebraic_model
-from .linearise.flown import flown_model
-from .linearise.flyable import no_model
+from .flightgear import next_address
 from .property_ports import check_ports, listed
 from .trimming import TrimState, trim, trim_again
 from .trimming.condition import TrimCondition, check_condition
-from .trimming.initial import here
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
@@ -77,9 +73,6 @@ _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
 Write = Callable[[list[float]], None]
 Read = Callable[[], list[float]]
-
-# called with each block that has taken off: when it is built, and again after a reset
-at_take_off: list[Callable[[FlightBlock], None]] = []
 
 
 class FlightBlock(Parametric, SampledPlant):
@@ -210,8 +203,7 @@ class FlightBlock(Parametric, SampledPlant):
         ParameterError
             for an unknown field
         """
-        condition = here(self.airframe, self.trim.condition, self.setup, changes)
-        return trim(self.airframe.twin(), condition)
+        return from_trim.trim_here(self, changes)
 
     def linear_model(
         self,
@@ -257,12 +249,7 @@ class FlightBlock(Parametric, SampledPlant):
         ParameterError
             for an unknown method or port, naming the nearest
         """
-        one_of("method", method, ["flown", "algebraic"])
-        mode = self.trim.condition.mode
-        if mode in ("none", "ground", "pull-up"):
-            raise no_model(self, "no trim", f"it is not in steady flight (mode={mode!r})")
-        make = flown_model if method == "flown" else algebraic_model
-        return make(self._twin, inputs, outputs, amplitude)
+        return from_trim.linear_model(self, method, inputs, outputs, amplitude)
 
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
@@ -288,18 +275,7 @@ class FlightBlock(Parametric, SampledPlant):
         FlightError
             if the aircraft cannot be flown on
         """
-        plane = self._twin()
-        ports, channels = plane.channels()
-        (i,) = find("input", [c.name for c in ports], [input])
-        (o,) = find("output", [c.name for c in channels], [output])
-        u = values(plane.inputs)
-        trimmed = plane.trimmed_inputs()
-        u[: len(trimmed)] = trimmed
-        y = [values(plane.outputs)[o]]
-        for k, increment in enumerate(np.asarray(increments, dtype=float).tolist(), 1):
-            u[i] = trimmed[i] + increment
-            y.append(plane.advance(k, u)[o])
-        return np.array(y)
+        return from_trim.response(self, input, increments, output)
 
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the flown model about the trim, at any time of the flight.
@@ -323,15 +299,6 @@ class FlightBlock(Parametric, SampledPlant):
         A, B, C, D = model.with_lags(model.delay)
         beyond = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))
         return A, np.pad(B, beyond), C, np.pad(D, beyond)
-
-    def _twin(self) -> FlightBlock:
-        """A sealed block with the same parameters and a fresh aircraft."""
-        # a user's subclass with a constructor of its own may have other parameters
-        block: Any = next(c for c in type(self).__mro__ if "__dataclass_fields__" in vars(c))
-        parameters = {f.name: getattr(self, f.name) for f in fields(block)}
-        sealed = {"allow_network": False, "allow_files": False, "flightgear": None}
-        with patch(f"{__name__}.at_take_off", []), sending_to(None):
-            return block(**{**parameters, **sealed})
 
     def _connect(self) -> tuple[Write, Read]:
         """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""
@@ -378,7 +345,7 @@ class FlightBlock(Parametric, SampledPlant):
         y = read()
         self._check(y, 0.0)
         self.start_from(y)
-        for observe in at_take_off:
+        for observe in from_trim.at_take_off:
             observe(self)
 
     @property

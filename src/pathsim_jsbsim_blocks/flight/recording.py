@@ -10,7 +10,7 @@ import numpy as np
 
 from .._core.aircraft_ports import ALMOST_NORTH, DEG, OUTPUTS
 from ..tracks.track import POSITION, Track
-from . import block
+from . import from_trim
 from .block import FlightBlock
 
 # label: property and factor; one that a model lacks is left out
@@ -117,11 +117,11 @@ def recorded_flights() -> Iterator[list[Recording]]:
         if all(r.block is not flown for r in recordings):
             recordings.append(Recording(flown))
 
-    block.at_take_off.append(record)
+    from_trim.at_take_off.append(record)
     try:
         yield recordings
     finally:
-        block.at_take_off.remove(record)
+        from_trim.at_take_off.remove(record)
 
 
 def tracks(recordings: list[Recording]) -> list[Track]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
-from mmap import mmap
 
 import numpy as np
 
@@ -24,7 +22,6 @@ from ..channels import (
     full_circle,
     ignorable,
 )
-from ..forked import rehearse
 from .flyable import Flyable, Linearised, no_model
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
@@ -74,12 +71,6 @@ _MISSED, _MISSED_ELSEWHERE = 0.05, 0.15
 # growth, as the exponent, with which an aircraft is still near its trim after the pulse
 _GROWTH = 3.0
 
-# s of processor time from which on loading and trimming costs more than a copy of the process
-_LONG = 0.1
-
-# s of processor time for a flight in such a copy
-_LONGEST_FLIGHT = 60
-
 # largest error of a model that fits
 _MAX_FIT_ERROR = 0.3
 
@@ -94,9 +85,7 @@ def flown_model(
 
     The other parameters, and the errors, are those of `FlightBlock.linear_model`.
     """
-    start = time.process_time()
     plane = build()
-    slow = time.process_time() - start > _LONG
     if plane.T > _LONGEST_PERIOD:
         why = f"samples every {plane.T:g} s do not show its short period; identify a block with T "
         why += f"up to {_LONGEST_PERIOD:g} s, or use method='algebraic'"
@@ -106,7 +95,7 @@ def flown_model(
         why = "there is no input to move; give the block inputs, or use method='algebraic'"
         raise no_model(plane, "no response", why)
     flights = _Flights(subject, mapping("amplitude", amplitude))
-    responses = _Responses(subject, flights, *flights.fly_all(build, slow))
+    responses = _Responses(subject, flights, *flights.fly_all(build))
     found = responses.realised()
     return _named(subject, found, flights, responses.still[0], *responses.judged(found))
 
@@ -274,12 +263,10 @@ class _Flights:
             u[n:][: self._way] = doublet
             u[n + self._way :][: self._way] = -doublet
 
-    def fly_all(
-        self, build: Callable[[], Flyable], slow: bool
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def fly_all(self, build: Callable[[], Flyable]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The signals with each input upwards first, downwards first, and left alone."""
         pairs = [
-            [self._from_trim(build, slow, port, sign * u) for sign in (1, -1)]
+            [self._fly(build(), port, sign * u) for sign in (1, -1)]
             for port, u in zip(self._subject.moved, self.commands, strict=True)
         ]
         still = self._fly(self._subject.plane, None, np.zeros_like(self.commands[0]))
@@ -294,22 +281,6 @@ class _Flights:
             for k in range(self._way)
         ]
         return int(np.argmin(errors))
-
-    def _from_trim(
-        self, build: Callable[[], Flyable], copied: bool, port: int, commands: np.ndarray
-    ) -> np.ndarray:
-        """The signals of a flight from the trim, by a copy of the process or a fresh aircraft."""
-        if copied:
-            # the last byte tells that the flight has ended well
-            shared = mmap(-1, 8 * (len(commands) + 1) * len(self.signals) + 1)
-
-            def fly() -> None:
-                shared[:] = self._fly(self._subject.plane, port, commands).tobytes() + b"y"
-
-            rehearse(fly, _LONGEST_FLIGHT)
-            if shared[-1:] == b"y":
-                return np.frombuffer(shared[:-1]).reshape(len(commands) + 1, -1)
-        return self._fly(build(), port, commands)
 
     def _fly(self, plane: Flyable, port: int | None, commands: np.ndarray) -> np.ndarray:
         """Signals from the start of the pulse on, shape (samples, signals)."""
