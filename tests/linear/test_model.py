@@ -216,7 +216,7 @@ def test_any_property_can_be_a_port():
     altitude, speed, _, _ = FLYING["c172p"]
     fdm = JSBSimFDM(aircraft_model="c172p", trim_altitude=altitude, trim_airspeed=speed, **names)
     model = fdm.linear_model("algebraic")
-    port = plane("c172p").linear_model("algebraic", ["elevator"], ["q"])
+    port = plane("c172p", solver="jsbsim").linear_model("algebraic", ["elevator"], ["q"])
     gain, wanted = (m.C @ np.linalg.solve(1j * np.eye(len(m.A)) - m.A, m.B) for m in (model, port))
     np.testing.assert_allclose(np.degrees(1.0) * gain, wanted, rtol=1e-6)
     assert model.units["velocities/q-rad_sec"] == "rad/s"
