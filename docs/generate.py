@@ -231,7 +231,7 @@ def fleet_page():
     reasons = {}
     for row in rows:
         if not row.verdict.startswith(("trims", "glides")):
-            reasons.setdefault(row.verdict.removeprefix("no trim: "), []).append(row.name)
+            reasons.setdefault(row.verdict.removeprefix("no trim: "), []).append(row.aircraft)
     return (
         f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "

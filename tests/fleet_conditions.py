@@ -21,7 +21,7 @@ FLYING = {  # aircraft: (altitude ft, speed KCAS, gear, properties to create at 
     "c172r": (5000, 102, None, ()),
     "c172x": (5000, 103, None, ()),
     "c182": (5000, 98, None, ()),
-    "c310": (5000, 111, 0.0, ()),
+    "c310": (5000, 135, 0.0, ()),
     "Camel": (5000, 74, None, ()),
     "Concorde": (5000, 280, 0.0, ()),
     "DHC6": (5000, 133, None, ()),
@@ -88,6 +88,7 @@ BY_NEWTON = {
     "C130": ("glide", 163),
     "dr1": ("full", 48),
     "fokker50": ("glide", 177),
+    "L410": ("glide", 165),
     "p51d": ("glide", 160),
     "pc7": ("full", 136),
     "pogo-jsbsim": ("full", 167),
@@ -96,6 +97,7 @@ BY_NEWTON = {
     "sgs233": ("glide", 57),
     "Shuttle": ("glide", 350),
     "X15": ("glide", 232),
+    "x24b": ("glide", 350),
 }
 
 

@@ -296,7 +296,7 @@ DRY = {f"propulsion/tank[{i}]/contents-lbs": 0.02 for i in (0, 1)}
         (
             "Concorde",
             {"altitude": 5000, "speed": 280, "gear": 0},
-            ["Concorde: engines 0, 1, 2, 3 stopped for want of fuel by t = 15 s"],
+            ["Concorde: engines 0, 1, 2, 3 stopped for want of fuel by t = 13 s"],
         ),
         (
             "Concorde",
@@ -313,6 +313,8 @@ def test_engines_that_run_out_of_fuel_are_told_once(aircraft, parameters, said):
         warnings.simplefilter("always")
         plane = Aircraft(aircraft, T=1 / 30, **parameters)
         Simulation([plane], dt=plane.T, log=False).run(60.0)
+    # a trim with engines about to stop does not hold, and says so
+    caught = [w for w in caught if "does not hold" not in str(w.message)]
     assert len(caught) == len(said)
     for warning, text in zip(caught, said, strict=True):
         assert issubclass(warning.category, RuntimeWarning)

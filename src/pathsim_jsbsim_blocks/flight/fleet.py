@@ -186,7 +186,7 @@ def fleet_table(
             yield FleetRow(name, engines, flight, error)
 
 
-def _level_or_glide(aircraft: str, tries: int, fly: float) -> LevelFlight:
+def _level_or_glide(aircraft: str, tries: int, fly: float = 0.0) -> LevelFlight:
     """Level flight, or else a glide; flown for a time in s."""
     try:
         return _first(aircraft, None, TRIES[:tries], fly, mode="full")
