@@ -218,7 +218,7 @@ def test_an_evaluation_is_that_of_pathsim():
         return sim, scope
 
     (one, seen), (other, expected) = diagram(), diagram()
-    seam.evaluate(seam.levels(one), 0.7)
+    seam.evaluate(seam.levels(one, one.blocks), 0.7)
     other._update(0.7)
     assert np.array_equal(seen.inputs.to_array(), expected.inputs.to_array())
     assert np.count_nonzero(seen.inputs.to_array()) == 6

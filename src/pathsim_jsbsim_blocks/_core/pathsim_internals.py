@@ -128,10 +128,18 @@ def is_dirty(sim: Simulation) -> bool:
 Level = tuple[list[Block], list[tuple[Connection, Block, Any, Block, Any]]]
 
 
-def levels(sim: Simulation) -> list[Level]:
-    """What an evaluation of a diagram without loops does, in its order."""
+def levels(sim: Simulation, updated: Sequence[Block]) -> list[Level]:
+    """What an evaluation of a diagram without loops does, in its order; with these blocks only."""
+
+    def acts(block: Block) -> bool:
+        own = getattr(block.update, "__func__", None) is not Block.update
+        return block in updated and (own or block.op_alg is not None)
+
     return [
-        (blocks, [move for wire in wires for move in _moves(wire)])
+        (
+            [block for block in blocks if acts(block)],
+            [move for wire in wires for move in _moves(wire)],
+        )
         for _, blocks, wires in sim.graph.dag()
     ]
 
@@ -148,22 +156,26 @@ def evaluate(levels: list[Level], t: float) -> None:
                 target.inputs._data[j] = source.outputs._data[i]
 
 
-def _moves(wire: Connection) -> list[tuple[Connection, Block, Any, Block, Any]]:
-    def ports(register: Register, names: Sequence[Any]) -> Any:
-        # numpy takes a fifth of the time for one number instead of an array with one, and a third
-        # for a slice
-        numbers = [int(port_number(register, name)) for name in names]
-        row = range(numbers[0], numbers[0] + len(numbers))
-        if len(numbers) == 1:
-            return numbers[0]
-        return slice(row.start, row.stop) if numbers == [*row] else numbers
+def sample(recorders: Sequence[Block], t: float, dt: float) -> None:
+    """Let blocks record the end of a step as PathSim does."""
+    for block in recorders:
+        if block._active:
+            block.sample(t, dt)
 
+
+def _moves(wire: Connection) -> list[tuple[Connection, Block, Any, Block, Any]]:
+    """The values that a connection moves: ports in a row at once, others one by one."""
     source = wire.source
-    i = ports(source.block.outputs, source.ports)
-    return [
-        (wire, source.block, i, target.block, ports(target.block.inputs, target.ports))
-        for target in wire.targets
-    ]
+    moves: list[tuple[Connection, Block, Any, Block, Any]] = []
+    i = [int(port_number(source.block.outputs, port)) for port in source.ports]
+    for target in wire.targets:
+        j = [int(port_number(target.block.inputs, port)) for port in target.ports]
+        if len(i) > 1 and all(x == [*range(x[0], x[0] + len(x))] for x in (i, j)):
+            rows = slice(i[0], i[-1] + 1), slice(j[0], j[-1] + 1)
+            moves.append((wire, source.block, rows[0], target.block, rows[1]))
+        else:
+            moves += [(wire, source.block, a, target.block, b) for a, b in zip(i, j, strict=True)]
+    return moves
 
 
 def each_sample(

@@ -13,7 +13,7 @@ from pathsim.events import Schedule
 from . import pathsim_internals
 from .checks import must_be, number, positive
 from .progress import progress_bar
-from .sampling import SampleClock, SampledBlock
+from .sampling import SampleClock, SampledBlock, SampledPlant
 from .wiring import warn_of_wiring
 
 # relative; a step count this close to a whole number is rounded to it
@@ -147,7 +147,9 @@ class Steps:
         """Take the order of blocks and connections from the simulation's graph."""
         sim = self._sim
         self._graph = sim.graph
-        self._sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
+        sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
+        self._plants = [pair for pair in sampled if isinstance(pair[0], SampledPlant)]
+        self._laws = [pair for pair in sampled if not isinstance(pair[0], SampledPlant)]
         others = [b for b in sim.blocks if not isinstance(b, SampledBlock)]
         self._eventful = [b for b in others if b.events]
         self._recorders = [
@@ -161,26 +163,36 @@ class Steps:
             and not any(isinstance(e, SampleClock) for b in self._eventful for e in b.events)
             and all(type(wire) is Connection for wire in sim.connections)
         )
-        self._levels = pathsim_internals.levels(sim) if self._flat else []
+        # plants show their outputs when they act
+        others = [b for b in sim.blocks if not isinstance(b, SampledPlant)]
+        self._levels = pathsim_internals.levels(sim, others) if self._flat else []
 
     def _make_flat(self, count: int) -> int:
         """Make steps until there is something else in one; tells how many were made."""
         sim, dt, graph, made = self._sim, self._dt, self._graph, 0
-        sampled, levels, recorders = self._sampled, self._levels, self._recorders
-        while made < count and sim and sim.graph is graph and not pathsim_internals.is_dirty(sim):
+        evaluate, sample = pathsim_internals.evaluate, pathsim_internals.sample
+        is_dirty = pathsim_internals.is_dirty
+        eventful, levels, recorders = self._eventful, self._levels, self._recorders
+        while made < count and sim and sim.graph is graph and not is_dirty(sim):
             t = sim.time + dt
-            if sim.diagnostics is not None or self._other_due(sim.time):
+            if sim.diagnostics is not None:
                 break
-            for block, clock in sampled:
+            if (eventful or sim.events) and self._other_due(sim.time):
+                break
+            for block, clock in self._laws:
                 if t >= clock.due_from and block:
                     if not clock.counting:
                         # it was switched off and on
                         return made
                     block.act(t)
-            pathsim_internals.evaluate(levels, t)
-            for block in recorders:
-                if block:
-                    block.sample(t, dt)
+            for block, clock in self._plants:
+                if t >= clock.due_from and block:
+                    if not clock.counting:
+                        return made
+                    block.act(t)
+                    block.update(t)
+            evaluate(levels, t)
+            sample(recorders, t, dt)
             sim.time = t
             made += 1
         return made

@@ -287,28 +287,23 @@ class SampledBlock(Block):
     def run_begins(self) -> None:
         """Called when a run begins."""
 
-    def update(self, t: float) -> None:
+    def evaluated_first(self, t: float) -> None:
+        """Act in the first evaluation of a step where that is at the step's end."""
         clock = self.clock
-        if clock.first:
-            clock.first = False
-            # nothing is done where a step was interrupted before, and this is a look at the future
-            if t >= clock.due_from and t - clock.step_start <= 1.000001 * clock.dt:
-                clock.acted = True
-                self.act(t)
-        self.show(t)
+        clock.first = False
+        # nothing is done where a step was interrupted before, and this is a look at the future
+        if t >= clock.due_from and t - clock.step_start <= 1.000001 * clock.dt:
+            clock.acted = True
+            self.act(t)
 
     def act(self, t: float) -> None:
         """The next instant is reached, and all others up to ``t``."""
         raise NotImplementedError
 
-    def show(self, t: float) -> None:
-        """Show the outputs at ``t``."""
-        raise NotImplementedError
-
-    def warn_if_late(self, t: float) -> None:
-        """Warn where a step to ``t`` ends after the instant, once."""
+    def warn_of_late(self, t: float) -> None:
+        """Warn once that a step to ``t`` ends after the instant."""
         clock = self.clock
-        if t > clock.due_from + 2 * clock.slack and not self._warned:
+        if not self._warned:
             self._warned = True
             warn_user(
                 f"{type(self).__name__} samples every {clock.period:.9g} s, but the diagram's "
@@ -366,7 +361,7 @@ class SampledPlant(SampledBlock):
         k, y, u = clock.now
         i, last = k, k
         if t > clock.due_from + 2 * clock.slack:
-            self.warn_if_late(t)
+            self.warn_of_late(t)
             last = k - 1 + clock.count(t)
         if clock.ahead is not None:
             # acted in a step that was rejected or interrupted
@@ -376,8 +371,10 @@ class SampledPlant(SampledBlock):
             i += 1
             clock.ahead = i, y
 
-    def show(self, t: float) -> None:
+    def update(self, t: float) -> None:
         clock = self.clock
+        if clock.first:
+            self.evaluated_first(t)
         y = clock.ahead[1] if clock.ahead and t >= clock.due_from else clock.outputs_at(t)
         if y is not clock.shown:
             clock.shown = y
@@ -453,11 +450,15 @@ class SampledLaw(Parametric, SampledBlock):
         raise NotImplementedError
 
     def act(self, t: float) -> None:
-        self.clock.open = True
-        self.warn_if_late(t)
-
-    def show(self, t: float) -> None:
         clock = self.clock
+        clock.open = True
+        if t > clock.due_from + 2 * clock.slack:
+            self.warn_of_late(t)
+
+    def update(self, t: float) -> None:
+        clock = self.clock
+        if clock.first:
+            self.evaluated_first(t)
         if clock.open and t >= clock.due_from:
             u = values(self.inputs)
             k, _, state = clock.now

@@ -119,11 +119,11 @@ class FirstRun(Script):
         self._capturing = True
         try:
             self.simulation = self._the_simulation()
-            warn_of_wiring(self.simulation)
             self.run_call = self._find_run()
             self.statements = self._before_run()
             if self._capture_with is not None:
                 self.result = self._capture_with(self)
+            warn_of_wiring(self.simulation)
         except Exception as error:
             self._error = error
         finally:

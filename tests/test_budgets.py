@@ -1,0 +1,42 @@
+"""Size is a cost: lines of each folder, and words of the pages, stay within ``budgets.toml``."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    tomllib = pytest.importorskip("tomli")
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "pathsim_jsbsim_blocks"
+BUDGETS = tomllib.loads((ROOT / "budgets.toml").read_text(encoding="utf-8"))
+
+
+def lines(root):
+    """Lines of Python in each folder, those beside the folders under "."."""
+    found = {}
+    for file in root.rglob("*.py"):
+        parts = file.relative_to(root).parts
+        folder = parts[0] if len(parts) > 1 else "."
+        found[folder] = found.get(folder, 0) + file.read_bytes().count(b"\n")
+    return found
+
+
+def words(files):
+    return sum(len(file.read_text(encoding="utf-8").split()) for file in files)
+
+
+@pytest.mark.parametrize(("table", "root"), [("src", SOURCE), ("tests", ROOT / "tests")])
+def test_lines_of_each_folder(table, root):
+    found, most = lines(root), BUDGETS[table]
+    assert found.keys() == most.keys(), "budgets.toml has a line for each folder"
+    assert {name: n for name, n in found.items() if n > most[name]} == {}
+
+
+def test_words_of_the_pages():
+    most = BUDGETS["words"]
+    assert words([ROOT / "README.md"]) <= most["README.md"]
+    assert words((ROOT / "docs").rglob("*.md")) <= most["docs"]
