@@ -10,6 +10,7 @@ import autopilot
 import batches
 import environment
 import fdm_block
+import host
 import import_time
 import linear_model
 import trim_sweep
@@ -18,6 +19,7 @@ from report import HEADER
 print(HEADER)
 for benchmark in (
     fdm_block,
+    host,
     autopilot,
     environment,
     air_data,

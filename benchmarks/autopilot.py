@@ -196,6 +196,18 @@ def time_hand_written_loop():
     return (time.perf_counter() - start) / count, theta()
 
 
+def time_alone():
+    """Seconds per step of an aircraft alone by `fly`, and of JSBSim's ``run()``."""
+    plane, run, count = cruise(), cruise().fdm.run, round(SECONDS / T)
+    sim = Simulation([plane], [], dt=T, log=False)
+    start = time.perf_counter()
+    fly(sim, SECONDS)
+    flown = time.perf_counter()
+    for _ in range(count):
+        run()
+    return (flown - start) / count, (time.perf_counter() - flown) / count
+
+
 def time_mission(run):
     """Seconds per step of the diagram autopilot_mission."""
     sim = load_diagram("autopilot_mission").sim
@@ -206,6 +218,7 @@ def time_mission(run):
 
 def rows():
     ours, core, held, hand, flown, ran = [], [], [], [], [], []
+    alone, bare = [], []
     for _ in range(REPETITIONS):
         ours.append(time_flight(one_block))
         core.append(time_flight(core_blocks))
@@ -213,11 +226,15 @@ def rows():
         assert abs(theta - same) < 1e-6
         held.append(diagram)
         hand.append(loop)
+        steps, runs = time_alone()
+        alone.append(steps)
+        bare.append(runs)
         flown.append(time_mission(fly))
         ran.append(time_mission(Simulation.run))
     peer = f"{len(core_blocks()[0].blocks) - 2} core blocks"
     row("Autopilot: a step on autopilot", peer, ours, core, "us", 0.25, "pathsim")
-    row("Aircraft + PitchHold: a step, fly", "hand-written loop", held, hand, "us", 4.0, "jsbsim")
+    row("Aircraft + PitchHold: a step, fly", "hand-written loop", held, hand, "us", 2.3, "jsbsim")
+    row("Aircraft alone: a step, fly", "fdm.run()", alone, bare, "us", 1.9, "jsbsim")
     row("autopilot mission of the 737: a step, fly", "sim.run", flown, ran, "us", None, "pathsim")
 
 

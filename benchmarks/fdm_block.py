@@ -151,7 +151,7 @@ def rows():
         bare_flown.append(time_diagram(Bare, run=fly))
         slow.append(time_diagram(JSBSimFDM, STEPS // 4, run=fly, T=4 * T, substeps=4) / 4)
     step = "FDM block: a step of the pitch loop"
-    row(step, "JSBSimWrapper", ours, wrapper, "us", 0.65, "pathsim-flight")
+    row(step, "JSBSimWrapper", ours, wrapper, "us", 0.72, "pathsim-flight")
     row(step, "bare block", ours, bare, "us", package="pathsim")
     row(step, "empty diagram + plain loop", ours, separate, "us", 1.15, "pathsim")
     row(

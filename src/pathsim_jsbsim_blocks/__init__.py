@@ -17,6 +17,7 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``linear``: ``LinearModel``, its modes and ``flying_qualities``, figures such as ``bode``
 - ``pathview``: ``view``, ``export_script``, ``convert_model``
 - ``plots``: figures, such as ``time_histories`` and ``show``
+- ``sampling``: ``SampledPlant`` and ``SampledLaw``, bases of sampled blocks of one's own
 - ``studies``: ``trim_sweep``, ``run_batch`` and the published studies
 - ``tracks``: recorded flights, ``save_tracks``, ``to_frame``
 - ``units``: ``convert`` from one unit to another
