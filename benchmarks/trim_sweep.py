@@ -107,7 +107,7 @@ def rows():
             | {"Newton, two cores": seconds(newton, 2)}
         )
     loop, one, search, cold, warm, searches = ([t[name] for t in times] for name in times[0])
-    row("680-point trim map on one core", "published loop", one, loop, "s", 1.0, "jsbsim")
+    row("680-point trim map on one core", "published loop", one, loop, "s", 2.0, "jsbsim")
     row("the same by the Newton search", "published loop", search, loop, "s", 0.4, "jsbsim")
     row("the same on two cores", "published loop", searches, loop, "s", 0.22, "jsbsim")
     row("680-point trim map on two cores", "one core", warm, one, "s", 1 / 1.8)
