@@ -179,13 +179,6 @@ def test_runs_that_pathsim_makes_itself_are_told_from_the_users():
     assert begun == ["run", "steadystate", "timestep"]
 
 
-def test_the_blocks_of_a_level_come_as_the_diagram_lists_them():
-    blocks = [Constant(float(i)) for i in range(20)][::-1]  # not by address
-    with seam.in_listed_order():
-        sim = Simulation(blocks, log=False)
-    assert [b for _, level, _ in sim.graph.dag() for b in level] == blocks
-
-
 def test_a_block_in_subsystems_is_told_the_solver_by_each_of_them():
     pid = wrapped = DiscretePID(T=0.1)
     for depth in (1, 2, 3):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Integrator, Scope, Source
-from pathsim.events import Event, ZeroCrossing
+from pathsim.events import Condition, Event, ZeroCrossing
 from pathsim.exceptions import LinearizationError
-from pathsim.solvers import RKBS32, RKDP54
+from pathsim.solvers import RKBS32, RKDP54, SSPRK22
 
 from pathsim_jsbsim_blocks._core.pathsim_internals import values
 from pathsim_jsbsim_blocks._core.sampling import SampledLaw, SampledPlant
@@ -460,3 +460,17 @@ def test_another_simulation_of_a_block_that_flew_one_step_flies_on():
     again.run(0.5)
     assert [index for index, _ in plant.latched] == list(range(1, 7))
     assert plant.outputs[0] == 6.0
+
+
+@pytest.mark.parametrize(
+    ("blocks", "solver", "seen"), [(0, SSPRK22, True), (1, SSPRK22, False), (1, RKDP54, False)]
+)
+def test_where_a_zero_crossing_sees_the_output_of_a_sampled_block(blocks, solver, seen):
+    # a failure of the last two is good news: PathSim sees jumps there, and conventions.md can go on
+    plant, _, sim = counting(ramp(), *(Integrator() for _ in range(blocks)), Solver=solver)
+    crossed, held = [], []
+    sim.add_event(ZeroCrossing(lambda t: plant.outputs[0] - 3.5, crossed.append))
+    sim.add_event(Condition(lambda t: plant.outputs[0] > 3.5, held.append))
+    sim.run(0.6)
+    assert bool(crossed) is seen
+    assert held

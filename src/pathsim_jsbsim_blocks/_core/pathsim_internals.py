@@ -15,7 +15,6 @@ from unittest.mock import patch
 from pathsim import Connection, Simulation, Subsystem
 from pathsim.blocks import Block, PinkNoise, WhiteNoise
 from pathsim.events import Event
-from pathsim.utils.graph import Graph
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
@@ -193,30 +192,6 @@ def each_sample(
             take(t)
 
     return patch.object(Simulation, "_sample", sample)
-
-
-def in_listed_order() -> contextlib.AbstractContextManager[Any]:
-    """Context in which a graph orders the blocks of a level as its diagram lists them.
-
-    PathSim orders them by address, which matters to functions that share state.
-    """
-    assemble, process_loops = Graph._assemble, Graph._process_loops
-
-    def ordered(graph: Graph) -> None:
-        place = {block: i for i, block in enumerate(graph.blocks)}
-
-        def listed(blocks: Iterable[Block]) -> dict[Block, None]:
-            return dict.fromkeys(sorted(blocks, key=lambda b: place.get(b, len(place))))
-
-        graph._alg_blocks, graph._dyn_blocks = listed(graph._alg_blocks), listed(graph._dyn_blocks)
-        for neighbours in (graph._upst_blk_blk_map, graph._dnst_blk_blk_map):
-            neighbours.update({block: listed(others) for block, others in neighbours.items()})
-        assemble(graph)
-
-    def process(graph: Graph, blocks: set[Block]) -> None:
-        process_loops(graph, [block for block in graph.blocks if block in blocks])
-
-    return patch.multiple(Graph, _assemble=ordered, _process_loops=process)
 
 
 def show_edited(sim: Simulation, dt: float) -> None:
