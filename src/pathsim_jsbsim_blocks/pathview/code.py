@@ -10,6 +10,7 @@ import builtins
 import collections
 import copyreg
 import dataclasses
+import functools
 import math
 import operator
 import re
@@ -133,7 +134,10 @@ class Code:
         if isinstance(value, types.MethodType):
             owner = value.__self__
             text = self.expression(owner, type(owner).__name__.lower())
-            return f"{text}.{value.__func__.__name__}"
+            if getattr(owner, value.__func__.__name__, None) == value:
+                return f"{text}.{value.__func__.__name__}"
+            partial = self.expression(functools.partial, "partial")
+            return f"{partial}({self.expression(value.__func__, wish)}, {text})"
         if text := self._imported(value):
             return text
         if isinstance(value, types.FunctionType) and value.__name__ == "<lambda>":
@@ -153,7 +157,7 @@ class Code:
             return ", ".join(self.expression(item, wish) for item in items)
 
         if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype != object:
-            if value.dtype.kind not in "biufcU":
+            if value.dtype.kind not in "biufcU":  # structured, say
                 raise Unwritable(f"an array of {value.dtype} cannot be written")
             same = value.size and np.array(value.tolist()).dtype == value.dtype
             shape = "" if value.size else f".reshape({value.shape})"
@@ -239,9 +243,12 @@ class Code:
             piece.text = "\n".join(lines)
         elif isinstance(value, type):
             self._class(value, name, piece)
-        elif _scalar(value) or _is_lambda(value) or type(value) in _CONTAINERS:
-            text = _scalar(value) or self._container(value, name) or self._function(value)
+        elif _is_lambda(value):
+            piece.text = f"{name} = {self._function(value)}"
+        elif text := _scalar(value) or self._container(value, name):
             piece.text = f"{name} = {text}"
+        elif isinstance(value, np.ndarray):
+            raise Unwritable(f"{_short(value)} is an array of objects, or has attributes")
         elif isinstance(value, types.ModuleType):
             kind = self.expression(types.SimpleNamespace, "SimpleNamespace")
             used = self.script.attributes_of(wish)

@@ -36,7 +36,7 @@ def same(a: Any, b: Any) -> bool:
         return True
     if type(a) is not type(b):
         return False
-    if isinstance(a, np.ndarray):
+    if type(a) is np.ndarray:
         if a.dtype != b.dtype or a.shape != b.shape:
             return False
         return a.tobytes() == b.tobytes() if a.dtype != object else same(a.tolist(), b.tolist())
@@ -58,7 +58,7 @@ def is_data(value: Any) -> bool:
     if isinstance(value, (list, tuple, set)):
         return type(value) in (list, tuple, set) and all(map(is_data, value))
     return isinstance(value, (*_DATA, range)) or (
-        isinstance(value, np.ndarray) and value.dtype != object
+        type(value) is np.ndarray and value.dtype != object
     )
 
 
@@ -150,7 +150,9 @@ class Expressions:
             return self._is_pure(node.func)
         if isinstance(node, ast.Attribute):
             owner = self._found(node.value)
-            return isinstance(owner, (types.ModuleType, *_DATA, np.ndarray)) or owner is None
+            if isinstance(owner, types.ModuleType):
+                return self._is_value(self._found(node))
+            return owner is None or isinstance(owner, (*_DATA, np.ndarray))
         if isinstance(node, ast.Name):
             return self._is_value(self._found(node))
         return isinstance(node, _PLAIN)
