@@ -60,9 +60,6 @@ _CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
 # fraction of the tolerances that two readings of one state may differ by
 _SETTLED = 1e-6
 
-# strides from one state to another that a search takes for the same
-_NEAR = 0.02
-
 _READINGS = 30  # of one state, until a flight control system with memory has settled
 
 # what one reading with its share of the search, and JSBSim's own settling of an engine, count as in
@@ -239,9 +236,9 @@ class SteadyFlight:
         """Take another airspeed, in ft/s."""
         self._given["speed"] = speed
 
-    def near(self, x: np.ndarray, other: np.ndarray) -> bool:
-        """Whether a search from one would end where one from the other does."""
-        return bool((abs(x - other) <= _NEAR * self.strides).all())
+    def near(self, x: np.ndarray, other: np.ndarray, strides: float) -> bool:
+        """Whether two states are apart by so many strides of each unknown at most."""
+        return bool((abs(x - other) <= strides * self.strides).all())
 
     def settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""

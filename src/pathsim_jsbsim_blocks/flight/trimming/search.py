@@ -20,6 +20,9 @@ _MAX_LEFT_AT_LIMIT = 0.9
 
 _ITERATIONS = 30
 
+# strides from where an earlier search has ended: this one would go the same way
+_ON_THE_WAY = 0.02
+
 # shares of a step that are tried until the residuals get smaller
 _SHARES = (1.0, 0.4, 0.16, 0.06, 0.02)
 
@@ -50,7 +53,7 @@ def descend(
     for _ in range(_ITERATIONS):
         if size(r) <= POLISHED or not math.isfinite(norm) or flight.effort.over:
             break
-        if any(flight.near(x, end) for end in known):
+        if any(flight.near(x, end, _ON_THE_WAY) for end in known):
             break
         fresh = slopes is None
         if slopes is None:

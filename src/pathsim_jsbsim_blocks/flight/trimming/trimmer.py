@@ -25,6 +25,9 @@ from .state import STATE, TrimState, not_finite, read_state
 # first guesses, one after the other until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
+# strides between the ends of two searches that count as one
+_SAME_END = 0.1
+
 # times the airspeed, at which the last guess is trimmed first
 _FASTER = 1.15
 
@@ -245,8 +248,10 @@ class Trimmer:
         slopes = None
         for alpha, throttle in _GUESSES:
             reached = descend(flight, _guess(flight, alpha, throttle), slopes, known=ends)
-            if any(flight.near(reached.x, end) for end in ends):
-                # two searches from far apart that end at one place: the others would too
+            x = reached.x
+            at_limit = ((x <= flight.low) | (x >= flight.high)).any()
+            if at_limit and any(flight.near(x, end, _SAME_END) for end in ends):
+                # two searches from far apart that end at one limit: the others would too
                 break
             ends.append(reached.x)
             slopes = reached.slopes
