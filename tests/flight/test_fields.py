@@ -45,3 +45,13 @@ def test_defaults_of_the_drop_in_are_those_of_the_wrapper():
     assert [*ours][: len(OF_THE_WRAPPER)] == OF_THE_WRAPPER
     for name in OF_THE_WRAPPER:
         assert ours[name].default == wrapper[name].default, name
+
+
+def test_further_ports_are_among_the_labels_of_the_block():
+    plane = Aircraft("c172p", input_properties=["flaps"], output_properties=["h_agl"])
+    assert [*plane.input_port_labels] == [*Aircraft.input_port_labels, "flaps"]
+    assert [*plane.output_port_labels] == [*Aircraft.output_port_labels, "h_agl"]
+    assert plane.output_port_labels == plane.outputs._mapping
+    assert JSBSimFDM(output_properties=["position/h-sl-ft"]).output_port_labels == {
+        "position/h-sl-ft": 0
+    }
