@@ -26,7 +26,9 @@ def pull(elevator, fuel):
     from pathsim_jsbsim_blocks import Aircraft, TrimCondition
 
     step = Constant(elevator)
-    aircraft = Aircraft("c172p", condition=TrimCondition(speed=90, fuel=[fuel, fuel]))
+    # the search of the plain loop
+    condition = TrimCondition(speed=90, fuel=[fuel, fuel], solver="jsbsim")
+    aircraft = Aircraft("c172p", condition=condition)
     sim = Simulation(
         [step, aircraft], [Connection(step, aircraft["elevator"])], dt=1 / 120, log=False
     )
