@@ -26,7 +26,7 @@ def declared(block):
 
 
 @pytest.mark.parametrize(
-    ("block", "count"), [(Aircraft, 19), (JSBSimFDM, 15), (LinearAircraft, 9)], ids=str
+    ("block", "count"), [(Aircraft, 20), (JSBSimFDM, 15), (LinearAircraft, 9)], ids=str
 )
 def test_types_and_defaults_are_those_of_the_condition_and_the_airframe(block, count):
     meant, found = {**CONDITION, **AIRFRAME}, declared(block)
