@@ -15,6 +15,7 @@ from pathsim_jsbsim_blocks import (  # noqa: E402
     ParameterError,
     PitchHold,
     Sensor,
+    TrimCondition,
     TrimError,
 )
 from pathsim_jsbsim_blocks.gym import make_env  # noqa: E402
@@ -265,7 +266,7 @@ def test_a_wire_into_an_action_is_refused_or_replaced():
         make_env("pitch_hold", **given)
     seen = flown(make_env("pitch_hold", wired="replace", **given), 0.0 * ACTIONS)
     # trimmed controls, whatever the hold commands
-    free = Aircraft("c172p", altitude=5000.0, speed=90.0)
+    free = Aircraft("c172p", condition=TrimCondition(altitude=5000, speed=90, solver="jsbsim"))
     Simulation([free], [], dt=1 / 120, log=False).run(2.0)
     assert seen[-1, 0] == free.outputs["theta"]
     assert abs(seen[-1, 1]) > 0.01

@@ -201,9 +201,11 @@ def test_gust_lines_are_those_of_the_printed_formula():
 
 def test_a_trim_keeps_the_mixture_that_it_is_given():
     plane = Airframe("c172p")
-    rich = trim(plane, TrimCondition(altitude=9000, speed=75, throttle=1.0))
+    rich = trim(plane, TrimCondition(altitude=9000, speed=75, throttle=1.0), hint=False)
     setup = {"fcs/mixture-cmd-norm": 0.77}
-    lean = trim(plane, TrimCondition(altitude=9000, speed=75, throttle=1.0, setup=setup))
+    lean = trim(
+        plane, TrimCondition(altitude=9000, speed=75, throttle=1.0, setup=setup), hint=False
+    )
     assert plane.fdm["fcs/mixture-cmd-norm"] == 0.77
     # JSBSim's engine drowns in full rich mixture at this altitude
     assert lean.thrust > 2.0 * rich.thrust

@@ -72,6 +72,7 @@ glide: best glide ratio
 range lb/h: fuel flow; least fuel flow
 range nmi/lb: specific range; best specific range
 turn g: sustained load factor; instantaneous load factor
+turn g: sustained side load; instantaneous side load
 turn deg/s: sustained turn rate; instantaneous turn rate
 turn ft: sustained turn radius; instantaneous turn radius
 V-n KEAS: speed at the lift limit; VC; VD

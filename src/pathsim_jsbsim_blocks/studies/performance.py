@@ -296,6 +296,7 @@ def _turns(plane: Plane) -> None:
             if turn is None:
                 continue
             plane.put(f"{name} turn radius", turn.turn_radius, **at)
+            plane.put(f"{name} side load", abs(turn.ny), **at)
             plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
             if factor == 1.6 and name == "sustained":
                 flight = plane.fly(turn, _TURN)
