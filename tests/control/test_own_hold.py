@@ -31,6 +31,7 @@ def test_it_uses_public_names_only():
         "dataclasses",
         "typing",
         "pathsim_jsbsim_blocks.control",
+        "pathsim_jsbsim_blocks.sampling",
     ]
     code = [x for x in SHOWN[1].splitlines() if x]
     assert len(code) <= 42
