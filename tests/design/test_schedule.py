@@ -229,8 +229,11 @@ def test_a_table_of_the_fleet_is_taken_by_its_name(name):
     assert (aircraft in GAINS) == name.endswith("-designed")
     schedule = read_gains(TABLES / f"{name}.json")
     assert schedule.aircraft == aircraft
-    # the dr1 trims by the Newton search only
+    # the dr1 trims by the Newton search only; the c310's table was made by JSBSim's own,
+    # which refuses 135 KCAS
     altitude, speed = FLYING[aircraft][:2] if aircraft in FLYING else (5000, BY_NEWTON[aircraft][1])
+    if aircraft == "c310":
+        speed = 111
     point = schedule.points[schedule.nominal]
     assert (point.altitude, point.speed) == (altitude, speed)
     assert point.gains.envelope.vc_min < speed

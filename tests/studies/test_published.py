@@ -176,8 +176,8 @@ def test_climb_schedule(tables):
 @pytest.mark.parametrize(
     ("wide", "settings"),
     [
-        (False, {"alpha_min": -4.0, "alpha_max": 12.0}),
-        (True, {"gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0}),
+        (False, {"solver": "jsbsim", "alpha_min": -4.0, "alpha_max": 12.0}),
+        (True, {"solver": "jsbsim", "gear": 0.0, "alpha_min": -5.0, "alpha_max": 15.0}),
     ],
 )
 def test_the_wide_envelope_is_flown_clean(monkeypatch, wide, settings):

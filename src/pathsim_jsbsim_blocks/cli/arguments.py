@@ -107,7 +107,7 @@ _NUMBERS = {
 _TEXTS = {
     "mode": "full (default), longitudinal, ground, pull-up, turn, glide or none",
     "free": "gamma or speed, with --throttle, --thrust or a glide",
-    "solver": "jsbsim or newton (default: JSBSim's where it can)",
+    "solver": "newton (default) or jsbsim, the search of published numbers",
 }
 CONDITION = (
     ROOT,

@@ -17,7 +17,7 @@ from .trimming.condition import TrimCondition
 from .trimming.nearest import level_speed
 
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
-# too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast (c310)
+# too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
 # the same for a glide: the last for bodies with little lift (Shuttle, x24b)

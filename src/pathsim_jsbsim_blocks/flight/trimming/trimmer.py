@@ -331,6 +331,11 @@ class Trimmer:
     ) -> TrimError:
         """The error of a search that has not found a trim, and the limit at which it has ended."""
         name = binding(flight, condition, x, r)
+        if not name and "throttle" in flight.names:
+            other = _at_other_end(flight, x)
+            # the search has got stuck at one end; the other would not help
+            if other is not None and flight.settled(other)[0] * r[0] > 0.0:
+                name, x = "throttle", other
         limit = float(x[flight.names.index(name)]) if name else None
         if name in _ANGLES:
             limit = math.degrees(limit)  # type: ignore[arg-type]
@@ -346,6 +351,16 @@ def _guess(flight: SteadyFlight, alpha: float, throttle: float) -> np.ndarray:
     x[flight.names.index("alpha")] = math.radians(alpha)
     if "throttle" in flight.names:
         x[flight.names.index("throttle")] = throttle
+    return x
+
+
+def _at_other_end(flight: SteadyFlight, x: np.ndarray) -> np.ndarray | None:
+    """The unknowns with the throttle at its other end; None if it is at neither."""
+    i = flight.names.index("throttle")
+    if flight.low[i] < x[i] < flight.high[i]:
+        return None
+    x = x.copy()
+    x[i] = flight.low[i] + flight.high[i] - x[i]
     return x
 
 
