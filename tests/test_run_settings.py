@@ -258,7 +258,7 @@ def test_a_variable_that_a_function_changes_is_not_set(tmp_path, capsys):
     )
     assert main(["run", str(tmp_path / "own.py"), "--set", "z=9"]) == 1
     captured = capsys.readouterr()
-    assert "a function of own.py changes it (line 2)" in captured.err
+    assert "own.py has no constant 'z' that it assigns once" in captured.err
     assert captured.out == ""
 
 

@@ -50,6 +50,8 @@ plane = Aircraft("737", altitude=10_000, speed=280)  # gear
 JSBSimFDM(aircraft_model="737", condition=fast)  # gear
 state = trim(Airframe("737"), fast)  # gear
 sim = Simulation([plane], dt=plane.T, log=False)
+sim.reset()
+plane.speed = 290  # next
 sim.reset()  # gear
 linear_model("787-8", TrimCondition(altitude=10_000, speed=250, gear=1))  # response
 slow = Aircraft("pa28", altitude=2000, speed=95)
@@ -63,9 +65,9 @@ def test_a_warning_shows_the_line_of_the_users_script(start, tmp_path):
     script.write_text(MINE)
     _, errors = python(*start, str(script), code=0)
     said = re.findall(
-        rf"^{re.escape(str(script))}:(\d+): RuntimeWarning: .*(gear|response) ", errors, re.M
+        rf"^{re.escape(str(script))}:(\d+): RuntimeWarning: .*(gear|response|next) ", errors, re.M
     )
-    expected = re.findall(r"# (gear|response)", MINE)
+    expected = re.findall(r"# (gear|response|next)", MINE)
     lines = [i for i, line in enumerate(MINE.splitlines(), 1) if "# " in line]
     assert [(int(line), what) for line, what in said] == list(zip(lines, expected, strict=True))
     assert errors.count("RuntimeWarning") == len(lines)

@@ -112,7 +112,7 @@ class Count(SampledPlant):
         self.latched, self.interrupt = [], None
         self.start_from([0.0])
 
-    def latch(self):
+    def latch(self, t):
         return values(self.inputs)
 
     def advance(self, index, u):

@@ -345,8 +345,8 @@ class SampledPlant(SampledBlock):
         clock.before = clock.shown = y
         show(self.outputs, y)
 
-    def latch(self) -> list[float]:
-        """The inputs, held from now on."""
+    def latch(self, t: float) -> list[float]:
+        """The inputs at ``t``, held from now on."""
         return values(self.inputs)
 
     def advance(self, index: int, u: list[float]) -> list[float]:
@@ -386,7 +386,7 @@ class SampledPlant(SampledBlock):
         clock.in_step = clock.first = False
         if clock.ahead is not None and t >= clock.due_from:
             i, y = clock.ahead
-            u, clock.before = self.latch(), clock.now[1]
+            u, clock.before = self.latch(t), clock.now[1]
             clock.now = i, y, u
             clock.ahead = None
             clock.since = t - dt
@@ -394,7 +394,7 @@ class SampledPlant(SampledBlock):
         elif clock.at_latest(t):
             # a run begins at an instant: values may have been edited since the last one
             i, y, _ = clock.now
-            clock.now = i, y, self.latch()
+            clock.now = i, y, self.latch(t)
 
 
 class SampledLaw(Parametric, SampledBlock):

@@ -389,7 +389,7 @@ class FlightBlock(Parametric, SampledPlant):
         super().reset()
         self.take_off()
 
-    def latch(self) -> list[float]:
+    def latch(self, t: float) -> list[float]:
         u = values(self.inputs)
         if len(u) > self._n_inputs:
             why = f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
@@ -397,7 +397,7 @@ class FlightBlock(Parametric, SampledPlant):
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not isfinite(value):
-                    self._fail(f"input {port!r}", port, value, self._time(self.samples))
+                    self._fail(f"input {port!r}", port, value, t)
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:

@@ -163,10 +163,15 @@ def with_duration(duration: float | None) -> Iterator[Runs]:
 
 
 def with_progress() -> contextlib.AbstractContextManager[None]:
-    """Context in which ``Simulation.run`` warns of the wiring and shows progress as `fly` does."""
+    """Context in which ``Simulation.run`` begins as `fly` does, and shows progress.
+
+    It refuses a step that never gets on, and warns of the wiring.
+    """
 
     def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
         keep_warnings_visible()
+        if sim.dt is not None:
+            number("dt", positive("dt", sim.dt))
         warn_of_wiring(sim)
         # where it logs, PathSim itself shows the progress
         return (usual if name == "fly" or sim.log else watched_run)(sim, **given)

@@ -272,10 +272,10 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None]:
         """The state at which a search has ended, if it is a trim that holds."""
         airframe, x = self.airframe, reached.x
-        time = airframe.fdm.get_sim_time()
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
-        airframe.fdm.set_sim_time(time)
+        # the flight begins here: propellers have settled in steps of time
+        airframe.fdm.set_sim_time(0.0)
         if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
             why = "a wheel or another contact point touches the ground"
             raise failure(airframe, condition, "ground", why)
