@@ -61,13 +61,6 @@ _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", 
 # parameters that are those of its trim condition: a block's own setup is written after its
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
 
-# what checkpoints name where it is not as usual: older ones do not name it
-_LATER = (
-    ("integrators", "default"),
-    ("planet", None),
-    ("gravity", None),
-)
-
 # parameters that act at once, and those that a reset refuses to change
 _NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
@@ -487,13 +480,13 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
-        later = [(name, getattr(self, name), usual) for name, usual in _LATER]
+        world = [f"{name}={getattr(self, name)!r}" for name in ("integrators", "planet", "gravity")]
         return (
             f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
             f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
             f"create={self.create}, root={self.root}, "
-            f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}"
-            + "".join(f", {name}={value!r}" for name, value, usual in later if value != usual)
+            f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}, "
+            + ", ".join(world)
         )
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:

@@ -32,7 +32,7 @@ fill = filler(
     """,
     surroundings=_same(Airframe, "create")
     + "record_inputs : bool\n"
-    + "    keep the inputs flown (8 bytes per input and sample), which checkpoints need\n"
+    + "    does nothing, True warns: an aircraft has no checkpoints\n"
     + _same(Airframe, "allow_network allow_files integrators planet gravity flightgear"),
     motion="""
     theta, phi, psi
