@@ -103,7 +103,8 @@ from pathsim_jsbsim_blocks.cli import main
 said = io.StringIO()
 with contextlib.redirect_stdout(said):
     status = main(["list"])
-print(json.dumps([status, [line.split()[0] for line in said.getvalue().splitlines()]]))
+lines = said.getvalue().splitlines()
+print(json.dumps([status, [line.split()[0] for line in lines if line.startswith("  ")]]))
 """
     )
     assert names[0] == 0

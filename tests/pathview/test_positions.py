@@ -89,10 +89,10 @@ def test_new_blocks_stand_beside_those_that_were_there():
         (["1", "2"], ["p0", "p1"]),
         (["1", "2", "3", "4"], ["p0", "p1", "p2"]),
         (["x" * 18], ["p0"]),
-        (["x" * 19, "1"], ["p1"]),
+        (["x" * 19, "1"], ["p0", "p1"]),  # PathView cuts what does not fit
     ],
 )
-def test_short_parameters_are_shown_on_the_block(values, shown):
+def test_the_first_parameters_are_shown_on_the_block(values, shown):
     params = {f"p{i}": value for i, value in enumerate(values)}
     (node,) = written([Node("a", "Block", params, [], ["out"])])["graph"]["nodes"]
     assert node["pinnedParams"] == shown
