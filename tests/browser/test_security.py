@@ -238,7 +238,10 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
     page.wait_for_timeout(1500)
     assert set(read) <= {"opaque"}
     assert asked.count("/api/exec") >= 8  # the browser has tried
-    assert [p.title() for p in opened] == ["403 Forbidden"]  # what the form has opened
+    # what the form has opened: a plain text, sent before the body is read
+    [answer] = [p.inner_text("body").split("\n") for p in opened]
+    assert answer[0] == "Forbidden"
+    assert "open the address that the command has printed: it carries this start's token" in answer
     assert not where.exists()
     assert not any(frame.url.startswith(editor.address) for frame in page.frames)
     # and the user's own page goes on
