@@ -688,6 +688,14 @@ def test_the_search_has_a_budget(monkeypatch):
     assert 2_000 < Trimmer.of(airframe)._effort.steps < 7_000
 
 
+def test_a_search_that_ends_with_its_budget_has_found_its_trim():
+    # governors that settle slowly
+    turn = TrimCondition(altitude=5000, speed=123.5, gear=0, mode="turn", bank=45)
+    lean = {f"fcs/mixture-cmd-norm[{i}]": 0.862 for i in (0, 1)}
+    found = trim(Airframe("c310"), turn, setup=lean, hint=False)
+    assert found.throttle == pytest.approx([0.962755] * 2, abs=1e-5)
+
+
 def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():
     # at full throttle this fast the propeller's speed goes on oscillating
     with pytest.raises(TrimError) as error:
