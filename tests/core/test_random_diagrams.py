@@ -140,7 +140,8 @@ def check(seed):
     time, rows, n, on_grid, plan = flown(seed, Simulation.run)
     expected = plain(plan)
     within = on_grid & (n <= STEPS)
-    assert within.sum() > 30
+    # adaptive steps end at the instants of the blocks
+    assert within.sum() > STEPS // min(plan[0])
     assert np.array_equal(rows[:, within], expected[:, n[within]]), f"seed {seed}"
     again = flown(seed, fly)
     both = min(len(time), len(again[0]))  # run may make a step too many

@@ -81,16 +81,19 @@ def fly_disturbed(seed):
     ended = 0
     for _ in range(draw.randint(2, 6)):
         fault.chance = draw.choice([0.0, 0.02, 0.05])
+        broken = 0
         try:
             go_on(draw.randint(1, 15))
         except (ValueError, KeyboardInterrupt):
-            ended += 1
+            broken = 1
+        ended += broken
         fault.chance, before = 0.0, len(flown)
         # PathSim does not find the ports of a block in a subsystem
         not_found = (KeyError,) if plan.depth else ()
         with contextlib.suppress(LinearizationError, *not_found):
             sim.to_statespace([fdm[0]], [fdm[0]], t=sim.time + draw.choice([0, plan.T, 9.0]))
-        assert len(flown) == before, f"seed {seed}: a look has flown"
+        # a look at the end of a step that was interrupted may make that step's period
+        assert len(flown) - before in (0, broken), f"seed {seed}: a look has flown"
         if draw.random() < 0.3:
             sim.add_block(Integrator())
     go_on(3)
