@@ -212,14 +212,3 @@ def test_the_bank_of_straight_flight_leaves_no_error_of_the_heading():
     )
     # without it 0.09 deg
     assert flown.quality.steady_error < 0.05
-
-
-@pytest.mark.long
-def test_the_newton_search_is_tried_where_jsbsims_fails():
-    there = TrimCondition(altitude=5000, speed=89, gear=0.0)
-    with pytest.raises(TrimError):
-        Aircraft("c310", condition=there)
-    designed = design_gains("c310", there, check=False)
-    assert designed.condition == dataclasses.replace(there, solver="newton")
-    with pytest.raises(TrimError):
-        design_gains("c310", dataclasses.replace(there, solver="jsbsim"))

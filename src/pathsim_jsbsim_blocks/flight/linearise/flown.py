@@ -162,6 +162,11 @@ class _Responses:
             abrupt=self._numbers(acceleration),
         )
         self._meant = np.array([[_is_for(p, c) for c in self._signals] for p in self._ports])
+        for j, i in np.argwhere(self._meant):
+            if i in self._mute:
+                signal, name = self._signals[i].name, self._names[j]
+                why = f"none fits the response of {signal} to {name}: up and down do the same to it"
+                raise no_model(self._plane, "no fit", why, name)
         self._predicted = respond(found, flights.commands.T, self._plane.T)
         for j, port in enumerate(self._ports):
             # a spool takes the longer the further it goes: what the pulse shows is no delay at all
