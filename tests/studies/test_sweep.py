@@ -349,7 +349,7 @@ def test_order_does_not_show_where_the_newton_search_depends_on_its_start():
             for name in ("c172p", "737", "DHC6", "A320", "f16", "T38", "c182", "OV10")
         ),
         # JSBSim's search is refused with constant-speed propellers
-        *((name, "jsbsim") for name in ("c172p", "737", "A320", "f16", "T38")),
+        *((name, "jsbsim") for name in ("c172p", "737", "A320", "f16", "T38", "OV10")),
     ],
 )
 def test_chunk_order_and_workers_do_not_show_for_several_aircraft(aircraft, solver):
