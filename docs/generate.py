@@ -289,6 +289,12 @@ def cases_table(found):
     return "\n".join(rows)
 
 
+def default_table():
+    """The cases that do not pass with JSBSim's own integrators."""
+    found = check_cases(integrators="default").items()
+    return cases_table({n: ds for n, ds in found if not all(d.passes for d in ds.values())})
+
+
 def doublet(hz, integrators):
     """Angle of attack and pitch angle of a c172p in an elevator doublet, at 30 Hz."""
     plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
@@ -343,7 +349,7 @@ def accuracy():
     page = EVIDENCE / "accuracy.md"
     put(page, "check cases", cases_table(precise))
     put(page, "F-16", cases_table(f16))
-    put(page, "check cases by default", cases_table(check_cases(integrators="default")))
+    put(page, "check cases by default", default_table())
     put(page, "doublet", doublet_table())
 
 

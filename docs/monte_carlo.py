@@ -133,17 +133,20 @@ def within(results, keys):
     return np.all([results[key] <= ROWS[key][1] for key in keys], axis=0)
 
 
+def cell(values, limit):
+    """Median and worst, and how many cases are within the limit, where not all are."""
+    inside = (values <= limit).sum()
+    few = f" ({inside})" if inside < len(values) else ""
+    return f"{np.median(values):.2g}, {values.max():.3g}{few}"
+
+
 def counted(results):
     """Median and worst case of every quantity, and the cases within their limits."""
     names = list(results)
-    lines = [f"| median / worst of | {' | '.join(names)} | limit |"]
+    lines = [f"| median, worst of | {' | '.join(names)} | limit |"]
     lines.append(f"|---|{'--:|' * (len(names) + 1)}")
     for key, (label, limit) in ROWS.items():
-        cells = [
-            f"{np.median(found[key].fillna(np.inf)):.2g} / {found[key].fillna(np.inf).max():.2g}"
-            f" ({(found[key] <= limit).sum()})"
-            for found in results.values()
-        ]
+        cells = [cell(found[key].fillna(np.inf), limit) for found in results.values()]
         most = "settles" if limit == ENDLESS else f"{limit:g}"
         lines.append(f"| {label} | {' | '.join(cells)} | {most} |")
     for label, keys in (

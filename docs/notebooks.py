@@ -5,7 +5,9 @@ python docs/notebooks.py [NAME ...]
 The block diagrams are drawn again, too (block_pictures.py).
 """
 
+import os
 import sys
+import time
 from pathlib import Path
 
 import block_pictures
@@ -38,6 +40,8 @@ def source(name):
 def executed(name, folder=None):
     """A chapter with its outputs."""
     notebook = source(name)
+    # a warning names the file of its line, which is otherwise a temporary one of the kernel
+    os.environ["IPYKERNEL_CELL_NAME"] = "cell"
     nbclient.NotebookClient(
         notebook,
         timeout=600,
@@ -52,7 +56,9 @@ def executed(name, folder=None):
 def main(chosen):
     block_pictures.main()
     for name in chosen or names():
+        start = time.monotonic()
         nbformat.write(executed(name), FOLDER / f"{name}.ipynb")
+        print(f"{name}: {time.monotonic() - start:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -176,10 +176,8 @@ def test_pages_are_short_enough_to_read():
     assert words[Path("README.md")] <= 900
     assert sum(words.values()) <= 36_000
     reference = ("evidence", "reference")
-    # 1,100 words, and room for a sentence
     how_to = {p: n for p, n in words.items() if not {*p.parts} & {*reference}}
-    allowed = {Path("docs/trim.md"): 1350}  # a table of conditions and one of two searches
-    assert {p: n for p, n in how_to.items() if n > allowed.get(p, 1150)} == {}
+    assert {p: n for p, n in how_to.items() if n > 1100} == {}
 
 
 def test_the_map_of_the_source_has_every_folder():

@@ -307,8 +307,8 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         draw(ax, table[table.chart == "V-n"] if chart == "V-n" else found, quantities)
         if ax.lines:
             ax.grid(alpha=0.4)
-            if ax.get_legend_handles_labels()[0]:
-                ax.legend()
+            if ax.get_legend_handles_labels()[0]:  # below, where it covers no curve
+                ax.legend(loc="upper left", bbox_to_anchor=(0, -0.12), ncols=2, fontsize="small")
             continue
         ax.set_axis_off()
         failed = table[table.quantity.str.startswith("all of ")]
