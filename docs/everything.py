@@ -23,7 +23,12 @@ TIMES = DOCS / "everything.json"
 QUICK = {
     "models": ["docs/add_diagram.py", "--models"],
     "concepts": ["docs/figures.py"],
-    "generated": ["docs/generate.py"],
+    "pages": ["docs/generate.py", "pages"],
+    "modes": ["docs/generate.py", "modes"],
+    "accuracy": ["docs/generate.py", "accuracy"],
+    "fleet": ["docs/generate.py", "fleet"],
+    "diagrams": ["docs/generate.py", "diagrams"],
+    "studies": ["docs/generate.py", "studies"],
     "evidence charts": ["docs/evidence_charts.py"],
     "pathview": ["docs/screenshots.py"],
     "drawing": [

@@ -1,7 +1,7 @@
 """Make what is generated in the documentation: the gallery, its figures, the tables.
 
 python docs/generate.py
-python docs/generate.py --pages     the gallery and the table of blocks, and nothing else
+python docs/generate.py PART ...    some of it: pages, modes, accuracy, fleet, diagrams, studies
 """
 
 import ast
@@ -492,25 +492,40 @@ def flown(plane, u):
 
 
 def write_pages():
+    """Quick to write: the gallery, the table of blocks, and what stands in tables elsewhere."""
+    put(DOCS / "monte-carlo.md", "batches", scale_table())
+    put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
     (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
 
 
-def main():
-    modes_table()
-    accuracy()
-    put(DOCS / "monte-carlo.md", "batches", scale_table())
-    put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
+def fleet():
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
-    write_pages()
+
+
+def diagram_pictures():
     for name in diagram_names():
         picture(name)
+    climbs()
+
+
+def other_pictures():
     for name in ("landing", "studies", "tutorial"):
         page_picture(name)
     study_pictures()
-    climbs()
+
+
+PARTS = {
+    "pages": write_pages,
+    "modes": modes_table,
+    "accuracy": accuracy,
+    "fleet": fleet,
+    "diagrams": diagram_pictures,
+    "studies": other_pictures,
+}
 
 
 if __name__ == "__main__":
     os.environ.setdefault("MPLBACKEND", "agg")
-    write_pages() if sys.argv[1:] == ["--pages"] else main()
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()

@@ -270,7 +270,7 @@ def test_there_are_docstring_examples():
 
 
 def test_generated_pages_are_current(monkeypatch):
-    # after a change: python docs/generate.py --pages
+    # after a change: python docs/generate.py pages
     monkeypatch.syspath_prepend(ROOT / "docs")
     generate = importlib.import_module("generate")
     assert generate.gallery() == (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")

@@ -89,7 +89,7 @@ def test_a_hold(tree):
     page = tree / "docs" / "autopilots.md"
     (row,) = [line for line in page.read_text("utf-8").splitlines() if "| `RollHold` |" in line]
     edit(page, row, f"{row}\n{row.replace('RollHold', 'BankHold')}")
-    status, said = python(tree, "docs/generate.py", "--pages")
+    status, said = python(tree, "docs/generate.py", "pages")
     assert status == 0, said
     places = ("BankHold", "table", "reference", "autopilots", "imports", "generated")
     again = ("tests/control/test_gains.py", "tests/linear/test_every_block.py", *GUARDS)

@@ -95,9 +95,6 @@ def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
     assert editor.run() == "Simulation completed successfully"
     assert not editor.complaints()
     page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
-    page.click("button[aria-label='Plot options']")
-    page.get_by_title("Show legend").click()
-    page.locator("[role='dialog']").get_by_label("Close").click()
     picture("results")
     [(time, signals)] = editor.runs[-1].values()
     expected_time, expected = by_hand()

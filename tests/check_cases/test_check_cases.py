@@ -310,7 +310,7 @@ def test_the_command_finds_models_of_ones_own(capsys):
 
 
 def test_the_tables_of_the_documentation_are_current(monkeypatch):
-    # after a change: python docs/generate.py
+    # after a change: python docs/generate.py accuracy
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)
     generate = importlib.import_module("generate")
@@ -322,7 +322,7 @@ def test_the_tables_of_the_documentation_are_current(monkeypatch):
 
 @pytest.mark.long
 def test_the_tables_of_other_integrators_are_current(monkeypatch):
-    # after a change: python docs/generate.py
+    # after a change: python docs/generate.py accuracy
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)
     generate = importlib.import_module("generate")

@@ -448,7 +448,7 @@ def test_the_roll_loop_needs_100_samples_per_second(rate, swings):
 
 @pytest.mark.long
 def test_the_f16_tables_of_the_documentation_are_current(monkeypatch):
-    # after a change: python docs/generate.py
+    # after a change: python docs/generate.py accuracy
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)
     generate = importlib.import_module("generate")

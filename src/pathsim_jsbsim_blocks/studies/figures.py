@@ -308,7 +308,9 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         if ax.lines:
             ax.grid(alpha=0.4)
             if ax.get_legend_handles_labels()[0]:  # below, where it covers no curve
-                ax.legend(loc="upper left", bbox_to_anchor=(0, -0.12), ncols=2, fontsize="small")
+                ax.legend(
+                    loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, fontsize="x-small"
+                )
             continue
         ax.set_axis_off()
         failed = table[table.quantity.str.startswith("all of ")]
