@@ -33,16 +33,11 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
     origin = shown[0].lat[0], shown[0].lon[0], shown[0].h[0] * FOOT
     places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in shown]
     aircraft = [_aircraft(*both) for both in zip(shown, places, strict=True)]
-    head = {
-        # the title has the name of the only one
-        track.name if tracks[1:] else "flight": [
-            *[track.aircraft][: track.name != track.aircraft],
-            *map(" ".join, track.about.items()),
-        ]
-        for track in tracks
-    }
-    head["t = 0"] = [f"{start:%Y-%m-%d %H:%M:%S %Z}"]
-    head["made by"] = [about]
+    head = {}
+    for track in tracks:  # the title has the name of the only one
+        kind = [track.aircraft] * (track.aircraft != track.name)
+        head[track.name if tracks[1:] else "flight"] = [*kind, *map(" ".join, track.about.items())]
+    head |= {"t = 0": [f"{start:%Y-%m-%d %H:%M:%S %Z}"], "made by": [about]}
     if any(len(track.time) > _MOST for track in tracks):
         head["samples"] = [f"thinned out to {_MOST:,} for each aircraft"]
     rows = [(html.escape(k), html.escape(", ".join(v))) for k, v in head.items()]
@@ -59,12 +54,11 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
 
 
 def _boxes(places: Sequence[np.ndarray]) -> list[list[float]]:
-    """Ranges of the axes east, north and up; a level track needs some height."""
+    """Ranges of the axes east, north and up; a level track needs some height, most of it above."""
     low, high = (f([f(place, axis=1) for place in places], axis=0) for f in (np.min, np.max))
     half = np.maximum(0.6 * (high - low), 0.2 * max(np.max(high - low), 100.0))
-    middle = (low + high) / 2
-    middle[2] = low[2] + 0.8 * half[2]  # little room below, which may be under the ground
-    return np.column_stack([middle - half, middle + half]).tolist()
+    ends = np.where([0, 0, 1], low - 0.2 * half, (low + high) / 2 - half)
+    return np.column_stack([ends, ends + 2.0 * half]).tolist()
 
 
 def _aircraft(track: Track, place: np.ndarray) -> dict[str, Any]:
