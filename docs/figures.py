@@ -156,7 +156,7 @@ def structural():
     side.plot(*origin, "o", color=EARTH)
     side.plot(*cg, "o", color=BODY)
     side.text(origin[0] + 0.06, origin[1] - 0.13, "origin", color=EARTH, ha="left")
-    side.text(cg[0] - 0.05, cg[1] + 0.05, "CG", color=BODY, ha="right")
+    side.text(cg[0] - 0.05, cg[1] - 0.14, "CG", color=BODY, ha="right")
     origin, cg = (station(0), 0.0), (station(42.1), 0.0)
     arrow(top, 180, 0.45, EARTH, "x", origin, dy=0.1)
     arrow(top, -90, 0.75, EARTH, "y", origin, dx=0.08, dy=0.05)
