@@ -1,5 +1,7 @@
 import os
 import sys
+import time
+from pathlib import Path
 
 # before NumPy comes: the matrices are small, and with threads BLAS spends more time on waiting for
 # them than on the numbers, above all beside other workers. What the tests start inherits it
@@ -12,6 +14,53 @@ from hypothesis import settings
 settings.register_profile("quick", max_examples=100, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=500, deadline=None, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "quick"))
+
+
+TESTS = Path(__file__).parent
+# what needs no flight of more than seconds: folders and files of `pytest -m fast`, which reads no others
+FAST = (
+    *(f"{name}/" for name in ("air", "axes", "core", "scripts", "wind")),
+    *(f"control/test_{name}.py" for name in ("gains", "laws", "pid", "response")),
+    "control/test_sensor_actuator.py",
+    *(f"design/test_{name}.py" for name in ("margins", "plant")),
+    *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
+    *(f"pathview/test_{name}.py" for name in ("convert", "layout", "positions", "unreadable")),
+    *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
+)
+FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it
+
+
+def is_fast(path):
+    return path.relative_to(TESTS).as_posix().startswith(FAST)
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Files without a test of these marks are not even read: that takes longer than the tests."""
+    if collection_path.name.startswith("test_"):
+        wanted = config.option.markexpr
+        if wanted == "fast" and not is_fast(collection_path):
+            return True
+        if wanted.startswith("matrix") and "mark.matrix" not in collection_path.read_text("utf-8"):
+            return True
+    return None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if is_fast(item.path) and not item.get_closest_marker("long"):
+            item.add_marker("fast")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    start = time.process_time()
+    result = yield
+    if item.config.option.markexpr == "fast" and time.process_time() - start > FAST_SECONDS:
+        pytest.fail(
+            f"takes more than {FAST_SECONDS:g} s: mark it long, or move it to a file beside"
+        )
+    return result
 
 
 def pytest_addoption(parser):

@@ -24,8 +24,6 @@ from pathsim_jsbsim_blocks.air.atmosphere import (
     pressure_altitude,
 )
 
-pytestmark = pytest.mark.matrix
-
 QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
 
 with (Path(__file__).parents[1] / "data" / "isa_reference.csv").open() as _file:

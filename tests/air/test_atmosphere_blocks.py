@@ -12,8 +12,6 @@ from pathsim.blocks import Scope, Source
 from pathsim_jsbsim_blocks import FlightError, ISAtmosphere, ParameterError
 from pathsim_jsbsim_blocks.air.atmosphere import EARTH_RADIUS, G0, LIMITS, isa
 
-pytestmark = pytest.mark.matrix
-
 QUANTITIES = ("pressure", "density", "temperature", "speed_of_sound", "viscosity")
 
 

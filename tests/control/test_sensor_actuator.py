@@ -11,8 +11,6 @@ from scipy.signal import lsim
 
 from pathsim_jsbsim_blocks import Actuator, DiscretePID, ParameterError, Sensor
 
-pytestmark = pytest.mark.matrix
-
 T = 1 / 50
 
 

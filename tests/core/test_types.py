@@ -48,6 +48,7 @@ Wider(widht=2.0)  # unexpected
 """
 
 
+@pytest.mark.long
 def test_mypy_reports_a_misspelt_keyword_and_none_in_the_diagrams(tmp_path):
     api = pytest.importorskip("mypy.api")
     script, configuration = tmp_path / "script.py", tmp_path / "mypy.ini"

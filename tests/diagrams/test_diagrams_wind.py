@@ -11,8 +11,6 @@ from pathsim_jsbsim_blocks import fly as fly_diagram
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 
-pytestmark = pytest.mark.matrix
-
 GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]
 
 

@@ -17,8 +17,6 @@ from plain_jsbsim import FLIGHTS, fly, trimmed
 
 from pathsim_jsbsim_blocks import Aircraft, AircraftError, JSBSimFDM, TrimCondition
 
-pytestmark = pytest.mark.matrix
-
 T = 1 / 120
 INPUTS = ["elevator", "aileron", "rudder", "throttle"]
 COMMANDS = [

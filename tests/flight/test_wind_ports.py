@@ -19,8 +19,6 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks import fly as run
 from pathsim_jsbsim_blocks.air import isa, tas_to_cas
 
-pytestmark = pytest.mark.matrix
-
 T = 1 / 120
 PORTS = ["wind_north", "wind_east", "wind_down"]
 GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]

@@ -12,8 +12,6 @@ from pathsim.solvers import RKCK54
 from pathsim_jsbsim_blocks import OneMinusCosineGust, ParameterError
 from pathsim_jsbsim_blocks.wind import design_gust_velocity
 
-pytestmark = pytest.mark.matrix
-
 
 def record(gust, duration=5.0):
     scope = Scope()

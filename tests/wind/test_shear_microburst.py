@@ -12,8 +12,6 @@ from scipy.optimize import minimize_scalar
 from pathsim_jsbsim_blocks import Microburst, ParameterError, WindShear
 from pathsim_jsbsim_blocks.wind import logarithmic_profile, oseguera_bowles
 
-pytestmark = pytest.mark.matrix
-
 
 def test_the_profile_is_that_of_the_specification():
     # MIL-F-8785C, category C: ln(h / 0.15) / ln(20 / 0.15); others: 2 ft

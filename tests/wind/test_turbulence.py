@@ -21,8 +21,6 @@ from pathsim_jsbsim_blocks.wind.turbulence import (
     _times,
 )
 
-pytestmark = pytest.mark.matrix
-
 NAMES = ("u", "v", "w", "p", "q", "r")
 SPAN = 94.7  # ft, a 737
 
