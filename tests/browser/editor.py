@@ -29,6 +29,7 @@ class Editor:
         self.errors = []
         self.overlooked = 0  # errors in PathView's console
         self.runs = []  # of each run: {node id: [time, [signals]]}
+        self.polls = []  # answers in their order whose bodies are not here yet
         self.page.on("pageerror", lambda e: self.errors.append(str(e)))
         self.page.on("console", self._console)
         self.page.on("response", self._response)
@@ -66,9 +67,13 @@ class Editor:
         if path.startswith("/api/stream/start"):
             self.runs.append({})
         elif path.startswith("/api/stream/poll"):
-            for message in response.json()["messages"]:
-                if message["type"] == "stream-data":
-                    self._take(json.loads(message["value"])["result"])
+            self.polls.append(poll := [])
+            poll.append(response.json().get("messages", []))  # the next answer may come meanwhile
+            while self.polls and self.polls[0]:
+                [messages] = self.polls.pop(0)
+                for message in messages:
+                    if message["type"] == "stream-data":
+                        self._take(json.loads(message["value"])["result"])
 
     def _take(self, result):
         for node, data in (result or {}).get("scopeData", {}).items():
@@ -139,6 +144,10 @@ class Editor:
             arg=[ENDED.pattern, before],
             timeout=timeout,
         )
+        for _ in range(600):  # the page may show the end before the last body is here
+            if not self.polls:
+                break
+            self.page.wait_for_timeout(50)
         return next(filter(ENDED.search, reversed(self.messages())))
 
     def python(self):

@@ -60,6 +60,7 @@ def by_hand():
     return scope.read()
 
 
+@pytest.mark.long
 def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
     page = editor.page
     drawing = Drawing(page)

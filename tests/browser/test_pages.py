@@ -89,6 +89,7 @@ AUTOSAVED = """() => new Promise(answer => {
 })"""
 
 
+@pytest.mark.long
 def test_a_diagram_with_an_unknown_block_neither_runs_nor_is_saved(editor, models):
     aircraft = {
         "id": "a",

@@ -3,6 +3,7 @@
 import json
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from itertools import product
 from urllib.parse import urlsplit
 
 import pytest
@@ -24,61 +25,68 @@ def mark(where):
     ).replace('"', "&quot;")
 
 
-def hostile(name, note=""):
-    """A model whose texts hold markup."""
-    port = [{"id": "a-output-0", "name": name}]
+def hostile(*names, notes=()):
+    """A model whose texts hold markup: each name is that of a block, its port, a trace and an event."""
+    blocks = [
+        {
+            "id": f"a{i}",
+            "type": "Constant",
+            "name": name,
+            "position": {"x": 100, "y": 100 + 150 * i},
+            "inputs": [],
+            "outputs": [{"id": f"a{i}-output-0", "name": name}],
+            "params": {"value": "1.0"},
+        }
+        for i, name in enumerate(names)
+    ]
+    scope = {
+        "id": "s",
+        "type": "Scope",
+        "name": "s",
+        "position": {"x": 400, "y": 100},
+        "inputs": [{"id": f"s-input-{i}", "name": name} for i, name in enumerate(names)],
+        "outputs": [],
+        "params": {"labels": json.dumps(names)},
+    }
+    wires = [
+        {
+            "id": f"c{i}",
+            "sourceNodeId": f"a{i}",
+            "sourcePortIndex": 0,
+            "targetNodeId": "s",
+            "targetPortIndex": i,
+        }
+        for i in range(len(names))
+    ]
+    annotations = [
+        {
+            "id": f"n{i}",
+            "content": note,
+            "position": {"x": 0, "y": -200 - 150 * i},
+            "width": 300,
+            "height": 100,
+        }
+        for i, note in enumerate([*notes, *names])
+    ]
+    events = [
+        {
+            "id": f"e{i}",
+            "type": "pathsim.events.ZeroCrossing",
+            "name": name,
+            "position": {"x": 700, "y": 300 + 150 * i},
+            "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"},
+        }
+        for i, name in enumerate(names)
+    ]
     return {
         "version": "1.0.0",
-        "metadata": {"name": name},
+        "metadata": {"name": names[0]},
         "graph": {
-            "nodes": [
-                {
-                    "id": "a",
-                    "type": "Constant",
-                    "name": name,
-                    "position": {"x": 100, "y": 100},
-                    "inputs": [],
-                    "outputs": port,
-                    "params": {"value": "1.0"},
-                },
-                {
-                    "id": "s",
-                    "type": "Scope",
-                    "name": "s",
-                    "position": {"x": 400, "y": 100},
-                    "inputs": [{"id": "s-input-0", "name": name}],
-                    "outputs": [],
-                    "params": {"labels": json.dumps([name])},
-                },
-            ],
-            "connections": [
-                {
-                    "id": "c",
-                    "sourceNodeId": "a",
-                    "sourcePortIndex": 0,
-                    "targetNodeId": "s",
-                    "targetPortIndex": 0,
-                }
-            ],
-            "annotations": [
-                {
-                    "id": "n",
-                    "content": note or name,
-                    "position": {"x": 0, "y": -200},
-                    "width": 300,
-                    "height": 100,
-                }
-            ],
+            "nodes": [*blocks, scope],
+            "connections": wires,
+            "annotations": annotations,
         },
-        "events": [
-            {
-                "id": "e",
-                "type": "pathsim.events.ZeroCrossing",
-                "name": name,
-                "position": {"x": 100, "y": 300},
-                "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"},
-            }
-        ],
+        "events": events,
         "codeContext": {"code": ""},
         "simulationSettings": {"duration": "1.0", "dt": "0.1"},
     }
@@ -126,32 +134,37 @@ def model(models):
     return "sine.pvm"
 
 
-@pytest.mark.parametrize(
-    "text",
-    first(
-        [
-            'step $x$<img src=q onerror="{}">',
-            '$x$<a class=trap href="javascript:{}">a</a>',
-            '<img src=q onerror="{}">$x$',
-            '$x$<details open ontoggle="{}">',
-            '$x$<iframe srcdoc="<script>{}</script>"></iframe>',
-            '<img src=q onerror="{}">',
-            "$\\href{{javascript:{}}}{{x}}$",
-            '$x$<iframe src="javascript:{}"></iframe>',
-        ]
-    ),
-)
-def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path):
+TEXTS = [
+    'step $x$<img src=q onerror="{}">',
+    '$x$<a class=trap href="javascript:{}">a</a>',
+    '<img src=q onerror="{}">$x$',
+    '$x$<details open ontoggle="{}">',
+    '$x$<iframe srcdoc="<script>{}</script>"></iframe>',
+    '<img src=q onerror="{}">',
+    "$\\href{{javascript:{}}}{{x}}$",
+    '$x$<iframe src="javascript:{}"></iframe>',
+]
+# a link's address ends at the first bracket
+NOTES = [
+    "[a](javascript:top.ran=true)",
+    '[a](x" onmouseover="top.ran=true" class="trap)',
+    '$x$<img src=q onerror="top.ran=true">',
+    "<script>top.ran=true</script>",
+]
+
+
+def test_a_model_opened_in_the_page_runs_nothing(editor, models, tmp_path):
     where = tmp_path / "ran"
-    text = text.format(mark(where))
-    models["hostile.pvm"] = hostile(text)  # as if opened in the page: ``view`` refuses it
+    texts = [text.format(mark(where)) for text in TEXTS]
+    models["hostile.pvm"] = hostile(*texts, notes=NOTES)  # as if opened there: ``view`` refuses it
     editor.open("hostile.pvm")
-    editor.page.wait_for_timeout(1000)
-    if "$x$" in text:  # the page does take the name for HTML
-        assert editor.page.locator(
-            ".svelte-flow__node[data-id='a'] :is(img, details, iframe, .trap)"
-        ).count()
-    for trap in editor.page.locator(".trap").all():
+    for i, text in enumerate(texts):
+        if "$x$" in text:  # the page does take the name for HTML
+            block = f".svelte-flow__node[data-id='a{i}']"
+            traps = editor.page.locator(f"{block} :is(img, details, iframe, .trap)")
+            traps.first.wait_for(state="attached")
+    for trap in editor.page.locator(".trap, .svelte-flow__node a").all():
+        trap.dispatch_event("mouseover")
         trap.dispatch_event("click")
     assert editor.run() == "Simulation completed successfully"
     editor.page.wait_for_timeout(500)
@@ -160,39 +173,16 @@ def test_a_model_opened_in_the_page_runs_nothing(text, editor, models, tmp_path)
     assert not editor.elsewhere
 
 
-@pytest.mark.parametrize(
-    "note",
-    first(
-        [
-            "[a](javascript:{})",
-            '[a](x" onmouseover="{}" class="trap)',
-            '$x$<img src=q onerror="{}">',
-            "<script>{}</script>",
-        ]
-    ),
-)
-def test_a_note_runs_nothing(note, editor, models):
-    # a link's address ends at the first bracket
-    models["hostile.pvm"] = hostile("a", note=note.format("top.ran=true"))
-    editor.open("hostile.pvm")
-    editor.page.wait_for_timeout(500)
-    for link in editor.page.locator(".svelte-flow__node a").all():
-        link.dispatch_event("mouseover")
-        link.dispatch_event("click")
-    editor.page.wait_for_timeout(500)
-    assert not editor.page.evaluate("window.ran")
-
-
-@pytest.mark.parametrize("path", first(PAGES))
-def test_another_page_cannot_make_the_editor_load_its_model(path, editor, elsewhere, model):
+def test_another_page_cannot_make_the_editor_load_its_model(editor, elsewhere, model):
     editor.page.unroute_all()
     elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
     editor.open(model)
-    for query in (
+    queries = (
         f"model={elsewhere.address}/x.pvm",
         "modelgh=someone/something",
         f"backend=flask&host={elsewhere.address}",
-    ):
+    )
+    for path, query in product(PAGES, queries):
         target = f"{editor.address}{path}?{query}"
         elsewhere.pages["/attack"] = f"<script>location = {json.dumps(target)}</script>"
         editor.page.goto(f"{elsewhere.address}/attack")
@@ -286,7 +276,7 @@ def test_opened_from_another_page_the_printed_address_works(fresh_editor, elsewh
 
 
 def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, models, model):
-    content = hostile(r"gain $\alpha_0^2$", note=r"Angle $$\frac{\alpha}{\beta}$$")
+    content = hostile(r"gain $\alpha_0^2$", notes=[r"Angle $$\frac{\alpha}{\beta}$$"])
     content["graph"]["nodes"].append(
         {
             "id": "i",
@@ -301,7 +291,7 @@ def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, m
     models["formula.pvm"] = content
     editor.open("formula.pvm")
     page = editor.page
-    formula = page.locator(".svelte-flow__node[data-id='a'] .katex-html .mathnormal").first
+    formula = page.locator(".svelte-flow__node[data-id='a0'] .katex-html .mathnormal").first
     formula.wait_for()
     assert formula.evaluate("e => getComputedStyle(e).fontFamily").startswith("KaTeX_Math")
     page.wait_for_function(

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from how_many import first
 from served_pathview import Served
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
@@ -42,7 +41,8 @@ DRAWN = """() => [...document.querySelectorAll(
     .map(r => [r.left, r.top, r.right, r.bottom])"""
 
 
-@pytest.mark.parametrize(("width", "height"), first([(1600, 1000), (1280, 720)]))
+@pytest.mark.long
+@pytest.mark.parametrize(("width", "height"), [(1600, 1000), (1280, 720)])
 def test_a_diagram_opens_whole_and_its_ports_can_be_read(width, height, editor, models):
     models["pitch_hold.pvm"] = pvm.read(find_diagram("pitch_hold").with_suffix(".pvm"))
     editor.page.set_viewport_size({"width": width, "height": height})
@@ -81,23 +81,28 @@ NAMES = """() => {
 WIRES = "() => document.querySelectorAll('.svelte-flow__edge-path').length"
 
 
-@pytest.mark.parametrize("name", first(diagram_names(), 2))
-def test_names_are_whole_and_no_wire_crosses_them(name, editor, models):
-    model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
-    editor.open(f"{name}.pvm")
-    editor.page.wait_for_function(
-        f"count => ({WIRES})() === count", arg=len(model["graph"]["connections"])
-    )
-    editor.page.wait_for_timeout(1500)  # the diagram assembles itself
-    assert editor.page.evaluate(NAMES) == []
-    labels = editor.page.locator(".port-label").all_inner_texts()
-    for node in model["graph"]["nodes"]:
-        for side in ("Input", "Output"):
-            if node["params"].get(f"_show{side}Labels"):
-                assert {port["name"] for port in node[f"{side.lower()}s"]} <= set(labels)
-    width = max(
-        abs(n["position"]["x"] - m["position"]["x"])
-        for n in model["graph"]["nodes"]
-        for m in model["graph"]["nodes"]
-    )
-    assert width <= 1000  # px: it can be read on a page
+@pytest.mark.parametrize(
+    "names", [["aileron_turn"], pytest.param(diagram_names(), marks=pytest.mark.long)], ids=len
+)
+def test_names_are_whole_and_no_wire_crosses_them(names, editor, models):
+    crossed = {}
+    for name in names:
+        model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
+        editor.page.goto(editor.url(f"{name}.pvm"))
+        editor.page.wait_for_function(
+            f"count => ({WIRES})() === count", arg=len(model["graph"]["connections"])
+        )
+        for _ in range(80):  # the diagram assembles itself: on a busy machine slowly
+            if not (wrong := editor.page.evaluate(NAMES)):
+                break
+            editor.page.wait_for_timeout(250)
+        crossed |= {name: wrong} if wrong else {}
+        labels = editor.page.locator(".port-label").all_inner_texts()
+        nodes = model["graph"]["nodes"]
+        for node in nodes:
+            for side in ("Input", "Output"):
+                if node["params"].get(f"_show{side}Labels"):
+                    assert {port["name"] for port in node[f"{side.lower()}s"]} <= {*labels}
+        columns = [node["position"]["x"] for node in nodes]
+        assert max(columns) - min(columns) <= 1000, name  # px: it can be read on a page
+    assert crossed == {}
