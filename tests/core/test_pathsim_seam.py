@@ -27,17 +27,9 @@ pytestmark = pytest.mark.matrix
 
 def private_names():
     """All that PathSim keeps to itself; `_port_labels` is also how public names end."""
-    trees = (
-        ast.parse(path.read_text(encoding="utf-8"))
-        for path in Path(pathsim.__file__).parent.rglob("*.py")
-    )
-    used = {
-        node.attr if isinstance(node, ast.Attribute) else node.name
-        for tree in trees
-        for node in ast.walk(tree)
-        if isinstance(node, (ast.Attribute, ast.FunctionDef))
-    }
-    return {name for name in used if re.match("_(?!port_labels$)[a-z]", name)}
+    files = Path(pathsim.__file__).parent.rglob("*.py")
+    text = "".join(path.read_text(encoding="utf-8") for path in files)
+    return {*re.findall(r"(?:\.|\bdef )(_(?!port_labels\b)[a-z]\w*)", text)}
 
 
 def test_registers_keep_their_values_in_data():
