@@ -307,6 +307,10 @@ def main() -> int:
                 ".git", ".venv*", "__pycache__", ".*_cache", ".hypothesis"
             ),
         )
+        modules = [p.relative_to(tree / PACKAGE) for p in (tree / PACKAGE).rglob("*.py")]
+        paths = "".join(f"/{p.with_suffix('').as_posix()}\n" for p in modules)
+        if gone := [k for k in OWN_TESTS if f"/{k}" + "\n" * (k[-1] != "/") not in paths]:
+            raise SystemExit(f"own_tests.py has modules that are gone: {', '.join(gone)}")
         chosen = sample(tree, options.only, options.count, options.seed)
         if not options.list:
             preload()
