@@ -18,11 +18,6 @@ def first(cases, count=1):
 EXPORTED = ("aileron_turn", "autopilot_mission", "elevator_doublet", "pitch_hold", "step_response")
 
 
-def exported(names):
-    """Diagram names for a test that exports: a few belong to every run, the rest to ``long``."""
-    return [n if n in EXPORTED else pytest.param(n, marks=pytest.mark.long) for n in names]
-
-
 def bounded(usual, full):
     """The usual number, or the full one where ``PATHSIM_JSBSIM_LONG`` is ``full``."""
     return full if os.environ.get("PATHSIM_JSBSIM_LONG") == "full" else usual

@@ -38,19 +38,17 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
     plt.close("all")
 
 
-# test_workers has sweeps in each run of the tests, a cluster among the long ones
-BATCHES = ("studies", "monte-carlo", "performance")
-# tests/control and tests/design fly the same in each run
-FLOWN = ("landing", "designed-gains", "navigation")
+# what a user reads first is run with all tests, the other pages with the long ones
+FIRST = ("README.md", "tutorial.md")
+
+
+def marks(pages):
+    return () if {*pages} & {*FIRST} else pytest.mark.long
 
 
 @pytest.mark.parametrize(
     "page",
-    [
-        pytest.param(p, id=p.name, marks=pytest.mark.long if p.stem in BATCHES + FLOWN else ())
-        for p in PAGES
-        if blocks(p, "python")
-    ],
+    [pytest.param(p, id=p.name, marks=marks([p.name])) for p in PAGES if blocks(p, "python")],
 )
 def test_python_blocks_run_in_their_order(page):
     namespace = {"__name__": page.stem}
@@ -81,19 +79,13 @@ def commands():
     return found.items()
 
 
-# test_published and tests/design compute these in each run of the tests
-LONG = ("aoa_vs_cas", "trim_envelope", "thrust_vectoring", "gains c172p", " chart ")
-CHECK = "pathsim-jsbsim check"  # flies all 18 cases
 COMMANDS = [
-    pytest.param(
-        c,
-        id=f"{', '.join(pages)}: {c}",
-        marks=pytest.mark.long if any(name in c for name in LONG) or c == CHECK else (),
-    )
+    pytest.param(c, id=f"{', '.join(pages)}: {c}", marks=marks(pages))
     for c, pages in commands()
+    if c != "pathsim-jsbsim check"  # a step of .ci/run
 ]
 PATHVIEW = [
-    pytest.param(commands, id=f"{page}: {commands[0]}")
+    pytest.param(commands, id=f"{page}: {commands[0]}", marks=marks([page]))
     for page, session in sessions()
     if (commands := [c for c in session if _uses_pathview(c)])
 ]

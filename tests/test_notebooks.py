@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from how_many import first
 
 for package in ("jupytext", "nbclient", "ipykernel"):
     pytest.importorskip(package)
@@ -125,8 +124,8 @@ def test_a_figure_without_its_title_is_not_alike():
     assert not alike(first_figure, without)
 
 
-# all of them take two minutes, so that most are for .ci/run
-@pytest.mark.parametrize("name", first(notebooks.names()))
+@pytest.mark.long
+@pytest.mark.parametrize("name", notebooks.names())
 def test_a_notebook_shows_what_a_run_shows(name, tmp_path):
     run, stored = notebooks.executed(name, tmp_path), committed(name)
     again, before = list(shown(run)), list(shown(stored))

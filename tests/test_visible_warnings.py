@@ -121,28 +121,21 @@ def test_a_warning_goes_to_stderr_by_default(code):
     assert ("FINISHED" in output) == ("log=True" in code)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "code",
-    first(
-        [
-            "logging.captureWarnings(True)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
-            "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
-            "logging.basicConfig(stream=sys.stdout)\nsimulate()",
-            # a redirection by PathSim that has a handler is left alone
-            "Simulation([], [], log=False)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
-            "logging.captureWarnings(True)\n"
-            "logging.getLogger('py.warnings').addHandler(logging.StreamHandler(sys.stdout))\nsimulate()",
-            "warnings.showwarning = lambda message, *rest, **named: print(message)\nsimulate()",
-            "with warnings.catch_warnings(record=True) as said:\n    simulate()\n"
-            "print([str(w.message) for w in said])",
-            "from pytest import warns\nwith warns(RuntimeWarning) as said: simulate()\n"
-            "print(*[w.message for w in said])",
-            "logging.config = __import__('logging.config').config\n"
-            "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
-            "logging.config.dictConfig({'version': 1, 'handlers': {'h': {'class': 'logging.StreamHandler',"
-            " 'stream': 'ext://sys.stdout'}}, 'root': {'handlers': ['h']}})\nsimulate()",
-        ],
-    ),
+    [
+        "logging.captureWarnings(True)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
+        # a redirection by PathSim that has a handler is left alone
+        "Simulation([], [], log=False)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
+        "warnings.showwarning = lambda message, *rest, **named: print(message)\nsimulate()",
+        "with warnings.catch_warnings(record=True) as said:\n    simulate()\n"
+        "print([str(w.message) for w in said])",
+        "logging.config = __import__('logging.config').config\n"
+        "import pathsim_jsbsim_blocks\nlogging.captureWarnings(True)\n"
+        "logging.config.dictConfig({'version': 1, 'handlers': {'h': {'class': 'logging.StreamHandler',"
+        " 'stream': 'ext://sys.stdout'}}, 'root': {'handlers': ['h']}})\nsimulate()",
+    ],
 )
 def test_who_listens_elsewhere_still_does(code):
     output, errors = python("-c", BUILD + code, code=0)

@@ -180,7 +180,8 @@ def test_turbulence(name):
 LOW_SPEED = {"737": (5000.0, 210.0), "global5000": (8000.0, 220.0)}
 
 
-@pytest.mark.parametrize("name", first(LOW_SPEED))
+@pytest.mark.long
+@pytest.mark.parametrize("name", LOW_SPEED)
 def test_turbulence_at_low_speed_on_designed_gains(name):
     altitude, speed = LOW_SPEED[name]
     worst = {}
@@ -257,8 +258,9 @@ def test_sensor_noise(name):
 OFF_POINT = [(0.8, 0.0), (1.2, 0.0), (1.0, 3000.0), (1.0, -3000.0)]  # of speed, and ft
 
 
-@pytest.mark.parametrize(("speed", "altitude"), first(OFF_POINT))
-@pytest.mark.parametrize("name", first(AIRCRAFT))
+@pytest.mark.long
+@pytest.mark.parametrize(("speed", "altitude"), OFF_POINT)
+@pytest.mark.parametrize("name", AIRCRAFT)
 def test_off_the_point_the_same_gains_settle_in_twice_the_time(name, speed, altitude):
     def plane():
         point = POINTS[name]

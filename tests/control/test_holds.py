@@ -98,9 +98,8 @@ def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
     assert abs(flight["hdot"][-1]) < 1.0
 
 
-@pytest.mark.parametrize(
-    ("name", "time"), first([("c172p", 60.0), ("737", 38.0), ("global5000", 35.0)])
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "time"), [("c172p", 60.0), ("737", 38.0), ("global5000", 35.0)])
 def test_altitude_500_ft_up_and_held_for_300_s(name, time):
     flight = fly(start(name), 400.0, {"h_ref": step(500.0)})
     goal = flight["h"][0] + 500.0

@@ -406,6 +406,7 @@ def test_a_waypoint_is_flown_over_on_request():
     assert np.max(np.abs(flight["across"][-600:])) < 50.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("side", "east"), first([("right", 1.0), ("left", -1.0)]))
 def test_an_arc_in_wind(side, east):
     # a quarter of a circle of 5000 ft about a point beside the first waypoint

@@ -520,6 +520,7 @@ def check_a_sequence(seed):
     assert reached, (seed, name, missed)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_no_sequence_of_references_leads_into_the_stall(seed):
     check_a_sequence(seed)

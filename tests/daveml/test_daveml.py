@@ -360,6 +360,7 @@ def test_large_whole_numbers_are_floats(tmp_path):
     assert [formula(tmp_path, apply("ceiling", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-1, -2, 2]
 
 
+@pytest.mark.long
 def test_30000_variables_take_seconds_and_long_splines_are_refused(tmp_path):
     n = 30_000
     text = '<DAVEfunc><variableDef name="v0" varID="v0" units="nd"><isInput/></variableDef>'

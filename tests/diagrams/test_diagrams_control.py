@@ -79,6 +79,7 @@ def test_fleet_pitch_hold(flown):
     assert max(after.values()) == after["A320"]
 
 
+@pytest.mark.long
 def test_approach_737(flown):
     diagram = flown("approach_737")
     _, (distance, altitude) = diagram.position.read()
@@ -101,6 +102,7 @@ def test_approach_737(flown):
     assert chi[-1] - psi[-1] == pytest.approx(5.5, abs=0.5)
 
 
+@pytest.mark.long
 def test_stall_protection(flown):
     diagram = flown("stall_protection")
     _, [kept, lost] = diagram.heights.read()

@@ -171,6 +171,7 @@ def own_root(folder, aircraft):
     return root
 
 
+@pytest.mark.long
 def test_a_root_of_ones_own_stays_as_it_is(outside, tmp_path):
     # with a root given JSBSim writes its files there, not into the current directory
     root = own_root(tmp_path, WRITERS)

@@ -4,7 +4,7 @@ import math
 import shutil
 
 import pytest
-from how_many import exported
+from how_many import EXPORTED
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -14,9 +14,12 @@ pytest.importorskip("pathview")
 
 @pytest.mark.filterwarnings("ignore:.*same for .* only")
 @pytest.mark.parametrize(
-    "check", [0.5, pytest.param(math.inf, marks=pytest.mark.long)], ids=["start", "whole"]
+    ("name", "check"),
+    [
+        *((name, 0.5) for name in EXPORTED),
+        *(pytest.param(name, math.inf, marks=pytest.mark.long) for name in diagram_names()),
+    ],
 )
-@pytest.mark.parametrize("name", exported(diagram_names()))
 def test_a_model_is_current_and_flies_as_its_script(name, check, tmp_path):
     committed = find_diagram(name).with_suffix(".pvm")
     again = tmp_path / committed.name

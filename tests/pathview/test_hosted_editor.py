@@ -61,6 +61,7 @@ def hosted():
     return json.loads(answer.stdout)
 
 
+@pytest.mark.long
 def test_all_blocks_but_the_aircraft_are_found(hosted):
     flying = {"Aircraft", "JSBSimFDM", "LinearAircraft"}
     assert set(OURS.blocks()) - set(hosted["blocks"]) == flying

@@ -17,6 +17,7 @@ from pathsim_jsbsim_blocks.pathview.toolboxes import core_registry
 pytest.importorskip("pathview")
 
 
+@pytest.mark.long
 def test_mutated_models_execute_nothing(tmp_path):
     outcomes = convert_mutants(400, 7, tmp_path)
     assert outcomes["script"] > 50

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from how_many import exported, first
+from how_many import EXPORTED, first
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks import fly
-from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 from pathsim_jsbsim_blocks.pathview.variables import plain
 from pathsim_jsbsim_blocks.scripts.first_run import FirstRun as Script
@@ -90,7 +90,7 @@ def parts(graph, path=()):
 
 
 @pytest.mark.filterwarnings("ignore:.*same for .* only")
-@pytest.mark.parametrize("name", exported(diagram_names()))
+@pytest.mark.parametrize("name", EXPORTED)
 def test_model_to_script_to_model(name, tmp_path):
     model = find_diagram(name).with_suffix(".pvm")
     again = export_script(convert_model(model, tmp_path / f"{name}.py"), check=0.2)

@@ -50,6 +50,7 @@ def test_interrupted_it_leaves_no_port_process_or_file(number, tmp_path):
     assert served.left_behind(workers) == []
 
 
+@pytest.mark.long
 def test_it_opens_the_users_browser_with_the_diagram(tmp_path):
     seen = tmp_path / "seen"
     program = tmp_path / "browser"

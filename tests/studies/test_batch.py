@@ -314,6 +314,7 @@ def test_a_batch_is_not_resumed_after_a_change_of_a_module_beside_the_script(tmp
         resume()
 
 
+@pytest.mark.long
 def test_an_exit_in_a_row_is_its_error():
     def build(x):
         import sys

@@ -162,6 +162,7 @@ print(rows())
 """
 
 
+@pytest.mark.long
 def test_in_a_notebook_the_source_of_the_functions_stands_for_the_file(tmp_path):
     def run():
         return subprocess.run(

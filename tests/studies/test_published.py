@@ -209,6 +209,7 @@ def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
     np.testing.assert_allclose(first.get_ydata(), rows.elevator_rad * 180 / math.pi, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_the_envelope_map_shows_every_point(tables):
     figure = studies.envelope_map(tables("trim_envelope"))
     maps = [ax for ax in figure.axes if ax.get_ylabel() == "flight path angle [deg]"]

@@ -50,6 +50,7 @@ def test_rows_come_in_the_order_of_the_points():
     assert run(squares, PARTS) == [{"square": x * x} for x in range(1, 9)]
 
 
+@pytest.mark.long
 def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
     def place(part):
         import os
@@ -63,6 +64,7 @@ def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
         assert folders == {str(tmp_path / name)}
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be deleted")
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_study_goes_on_in_a_folder_that_is_deleted(jobs, tmp_path, monkeypatch):
@@ -216,6 +218,7 @@ run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], died={}, describe=str, t
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
 @pytest.mark.parametrize("times", [1, 2])
 def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
