@@ -1,0 +1,105 @@
+"""What this package relies on beyond its libraries' documentation, each with the file that does.
+
+PathSim's private names have tests of their own (``core/test_pathsim_seam.py``), JSBSim's traps
+those of loading (``flight/test_sealed.py``) and of properties (``test_bad_input.py``).
+"""
+
+import ast
+import importlib
+import inspect
+import os
+import re
+import signal
+import sys
+
+import pytest
+from package_source import nodes
+
+# module, name, file that uses it: each is looked for in its library and in our source
+USED = [
+    ("joblib.externals.loky.process_executor", "TerminatedWorkerError", "studies/workers.py"),
+    ("joblib.parallel", "get_active_backend", "studies/workers.py"),
+    ("pathview.app", "_sessions", "pathview/server.py"),
+    ("pathview.app", "remove_session", "pathview/server.py"),
+    ("pathview.app", "create_app", "pathview/server.py"),
+    ("pathview.converter", "generate_python", "pathview/generate.py"),
+    ("pathview.converter", "load_registry", "pathview/toolboxes.py"),
+    ("waitress.channel", "HTTPChannel", "pathview/server.py"),
+    ("waitress.parser", "HTTPRequestParser", "pathview/server.py"),
+    ("waitress.task", "WSGITask", "pathview/server.py"),
+    ("waitress.utilities", "Error", "pathview/server.py"),
+]
+
+
+@pytest.mark.parametrize(("module", "name", "file"), USED)
+def test_a_name_beyond_the_documentation_is_there(module, name, file):
+    pytest.importorskip(module.partition(".")[0])
+    assert hasattr(importlib.import_module(module), name), f"{file} needs {module}.{name}"
+
+
+def test_every_private_import_is_listed():
+    found = {
+        (node.module, alias.name, file)
+        for file, node in nodes()
+        if isinstance(node, ast.ImportFrom) and not node.level and node.module
+        for alias in node.names
+        if node.module.partition(".")[0] not in ("__future__", "pathsim")
+        and re.search(r"(^|\.)(_|externals\b)", f"{node.module}.{alias.name}")
+    }
+    assert found <= {*USED}
+    # and what is listed is used
+    imported = {
+        (node.module, alias.name, file)
+        for file, node in nodes()
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert {*USED} <= imported
+
+
+def test_pathviews_worker_says_whether_results_are_left():
+    # pathview/server.py ends a run whose page is gone
+    app = pytest.importorskip("pathview.app")
+    [worker] = [
+        o
+        for o in vars(app).values()
+        if inspect.isclass(o)
+        and o.__module__ == app.__name__
+        and "_streaming" in inspect.getsource(o)
+    ]
+    assert "_stream_queue" in inspect.getsource(worker)
+
+
+def test_a_request_of_waitress_is_refused_by_its_parser():
+    # pathview/server.py sets these before a body is read
+    parser = pytest.importorskip("waitress.parser").HTTPRequestParser
+    text = inspect.getsource(parser)
+    for name in ("body_rcv", "error", "content_length", "expect_continue"):
+        assert re.search(rf"\b{name} = ", text), name
+    channel = pytest.importorskip("waitress.channel").HTTPChannel
+    assert "parser_class" in vars(channel)
+
+
+def _ended(_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_joblib_raises_where_a_worker_is_killed():
+    joblib = pytest.importorskip("joblib")
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    parallel = joblib.Parallel(n_jobs=2, batch_size=1, return_as="generator_unordered")
+    with pytest.raises(TerminatedWorkerError):
+        list(parallel(joblib.delayed(_ended)(i) for i in range(2)))
+    # and the next call has new workers
+    assert joblib.Parallel(n_jobs=2)(joblib.delayed(abs)(-i) for i in range(3)) == [0, 1, 2]
+
+
+def test_joblib_gives_equal_values_equal_sums():
+    # studies/kept.py tells kept results by them
+    joblib = pytest.importorskip("joblib")
+    one, other = {"a": [1.0, "x"], "b": None}, {"b": None, "a": [1.0, "x"]}
+    assert joblib.hash(one) == joblib.hash(other)
+    assert joblib.hash(one) != joblib.hash({**one, "b": 0})
