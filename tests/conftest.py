@@ -24,7 +24,7 @@ FAST = (
     "control/test_sensor_actuator.py",
     *(f"design/test_{name}.py" for name in ("margins", "plant")),
     *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
-    *(f"pathview/test_{name}.py" for name in ("convert", "layout", "positions", "unreadable")),
+    *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
     *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
 )
 FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it

@@ -11,6 +11,6 @@ SOURCE = Path(pathsim_jsbsim_blocks.__file__).parent
 def nodes():
     """Every node of every module's syntax tree, with the module's file relative to the package."""
     for file in sorted(SOURCE.rglob("*.py")):
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        for node in ast.walk(tree):
-            yield file.relative_to(SOURCE).as_posix(), node
+        name = file.relative_to(SOURCE).as_posix()
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            yield name, node

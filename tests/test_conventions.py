@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from how_many import each
 from package_source import nodes
 from pathsim.blocks import Block
 
@@ -91,7 +92,7 @@ def test_dir_shows_the_public_names_and_no_others():
     )
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@each(BLOCKS)
 def test_a_port_that_does_not_exist_is_refused(name):
     block = made(name)
     with pytest.raises(BlocksError, match="no port 'no_such_port'"):
@@ -101,7 +102,7 @@ def test_a_port_that_does_not_exist_is_refused(name):
             block[0, known + "_"]
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@each(PUBLIC)
 def test_a_public_name_has_a_one_line_summary(name):
     summary, _, rest = inspect.getdoc(PUBLIC[name]).partition("\n")
     assert 10 < len(summary) <= 120
@@ -109,7 +110,7 @@ def test_a_public_name_has_a_one_line_summary(name):
     assert rest == "" or rest.startswith("\n")
 
 
-@pytest.mark.parametrize("name", [*BLOCKS, *DATA])
+@each([*BLOCKS, *DATA])
 def test_parameters_are_documented_and_no_others(name):
     text = inspect.getdoc({**BLOCKS, **DATA}[name])
     titles = ["Attributes"] if name == "TrimState" else ["Parameters", "Other Parameters"]
@@ -117,7 +118,7 @@ def test_parameters_are_documented_and_no_others(name):
     assert found == set(parameters({**BLOCKS, **DATA}[name]))
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@each(BLOCKS)
 def test_each_parameter_has_a_text_of_its_own(name):
     # PathView's dialog shows the text of a shared line at the last name only
     for title in ("Parameters", "Other Parameters"):
@@ -125,7 +126,7 @@ def test_each_parameter_has_a_text_of_its_own(name):
         assert not re.findall(r"^\w+, .*", text, re.M)
 
 
-@pytest.mark.parametrize("name", [n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])
+@each([n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])
 def test_ports_are_documented(name):
     block = BLOCKS[name]
     text = inspect.getdoc(block)
@@ -133,7 +134,7 @@ def test_ports_are_documented(name):
     assert documented(section(text, "Outputs")) == set(block.output_port_labels)
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@each(BLOCKS)
 def test_parameters_are_set_by_name_and_no_others(name):
     block = made(name)
     block.set(**{parameter: getattr(block, parameter) for parameter in parameters(BLOCKS[name])})
@@ -142,7 +143,7 @@ def test_parameters_are_set_by_name_and_no_others(name):
             block.set(**{f"{parameter}_": 1.0})
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@each(BLOCKS)
 def test_parameters_are_kept_as_attributes(name):
     block = made(name)
     for parameter in parameters(BLOCKS[name]):
@@ -152,7 +153,7 @@ def test_parameters_are_kept_as_attributes(name):
         assert kept, f"{parameter} is {value!r}, not {default!r}"
 
 
-@pytest.mark.parametrize("name", [*BLOCKS, *DATA])
+@each([*BLOCKS, *DATA])
 def test_unknown_keywords_are_refused(name):
     with pytest.raises(TypeError, match="no_such_parameter"):
         {**BLOCKS, **DATA}[name](no_such_parameter=1)
@@ -190,7 +191,7 @@ def test_a_keyword_that_a_users_own_block_passes_on_is_checked_too():
         Mine(gains="737", theta=3.0)
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@each(BLOCKS)
 def test_port_names_can_be_told_apart_in_the_editor(name):
     for side in ("input_port_labels", "output_port_labels"):
         ports, shown = getattr(BLOCKS[name], side), BLOCKS[name].info()[side]

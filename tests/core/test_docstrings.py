@@ -3,6 +3,7 @@
 import inspect
 
 import pytest
+from how_many import each
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -58,7 +59,7 @@ DOCUMENTED = {
 }
 
 
-@pytest.mark.parametrize("name", DOCUMENTED)
+@each(DOCUMENTED)
 def test_no_place_is_left_empty(name):
     assert "%(" not in DOCUMENTED[name].__doc__
 

@@ -31,8 +31,12 @@ def attributes():
                     seen[f"{name}.{key}.{attribute}"] = part
     return seen
 
+said = io.StringIO()  # PathSim's logger keeps the stream of its first diagram
+
 def flown():
-    with redirect_stdout(io.StringIO()) as said:
+    said.seek(0)
+    said.truncate()
+    with redirect_stdout(said):
         source, scope, state = Source(lambda t: t), Scope(), Integrator()
         wires = [Connection(source, state), Connection(state, scope)]
         sim = Simulation([source, scope, state], wires, dt=None, log=True)
