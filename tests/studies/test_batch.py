@@ -133,7 +133,7 @@ def test_a_case_that_kills_its_worker_is_named():
         return {"y": x}
 
     with pytest.warns(RuntimeWarning) as said:
-        table = quiet(build, {"x": [1, 2, 3]}, jobs=2)
+        table = quiet(build, {"x": [1, 2, 3]})
     assert any("worker died at x=2, seed=" in str(w.message) for w in said)
     assert table.completed.tolist() == [True, False, True]
     assert table.reason[1] == "worker died"
@@ -323,7 +323,7 @@ def test_an_exit_in_a_row_is_its_error():
             sys.exit("no such model")
         return {"y": x}
 
-    table = quiet(build, {"x": [1, 2, 3]}, jobs=2)
+    table = quiet(build, {"x": [1, 2, 3]})
     assert table.completed.tolist() == [True, False, True]
     assert table.reason[1] == "SystemExit: no such model"
 

@@ -2,15 +2,18 @@
 
 import importlib
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
+import jsbsim
 import numpy as np
 import pandas as pd
 import pytest
 
-from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks.studies import run_batch
+from pathsim_jsbsim_blocks import Aircraft, ParameterError
+from pathsim_jsbsim_blocks.studies import run_batch, trim_sweep
 from pathsim_jsbsim_blocks.studies.kept import differences, of_function, study_key
 
 MODULE = """
@@ -129,6 +132,58 @@ def test_what_cannot_be_compared_is_refused_with_resume(built):
     assert built(build=names["build"], resume=None) == [1.0]
     with pytest.raises(ParameterError, match="build has no text to compare"):
         built(build=names["build"])
+
+
+SCRIPT = """
+from pathsim import Simulation
+from pathsim_jsbsim_blocks import Aircraft
+DURATION = 0.1
+plane = Aircraft("c172p", root={root!r}, speed=90.0)
+sim = Simulation([plane], dt=0.1, log=False)
+"""
+
+
+@pytest.fixture
+def own_root(tmp_path):
+    """A JSBSim root with one model."""
+    source, root = Path(jsbsim.get_default_root_dir()), tmp_path / "models"
+    shutil.copytree(source / "aircraft" / "c172p", root / "aircraft" / "c172p")
+    shutil.copytree(source / "engine", root / "engine")
+    return root
+
+
+def of_a_sweep(root, kept):
+    return trim_sweep("c172p", {"speed": 90}, root=root, jobs=1, resume=kept, progress=False)
+
+
+def of_a_script(root, kept):
+    script = root.parent / "own.py"
+    script.write_text(SCRIPT.format(root=str(root)))
+    options = {"measure": lambda m: {"alpha": m.plane.trim.alpha}, "resume": kept}
+    return run_batch(script, {"plane.speed": [90.0]}, jobs=1, progress=False, **options)
+
+
+def of_a_function(root, kept):
+    def build(speed):
+        return {"alpha": Aircraft("c172p", root=root, speed=speed).trim.alpha}
+
+    return run_batch(build, {"speed": [90.0]}, jobs=1, progress=False, resume=kept)
+
+
+@pytest.mark.parametrize("study", [of_a_sweep, of_a_script, of_a_function])
+def test_texts_of_a_users_own_models_are_compared(study, own_root, tmp_path):
+    kept = tmp_path / "kept"
+    table = study(own_root, kept)
+    (own_root / "engine" / "notes.txt").write_text("no model")
+    pd.testing.assert_frame_equal(study(own_root, kept), table)
+    for name in ("aircraft/c172p/c172p.xml", "engine/eng_io320.xml"):
+        file = own_root / name
+        before = file.read_text()
+        file.write_text(before + "<!-- edited -->")
+        with pytest.raises(ParameterError, match=rf"What differs: text of {name};"):
+            study(own_root, kept)
+        file.write_text(before)
+    pd.testing.assert_frame_equal(study(own_root, kept), table)
 
 
 NOTEBOOK = """

@@ -93,6 +93,7 @@ def test_full_flaps_of_an_airliner_have_a_stall_speed():
     assert row["flown"] == pytest.approx(row["value"], rel=0.01)
 
 
+@pytest.mark.long
 def test_take_off_run_is_that_of_a_plain_loop():
     """With the nose wheel on the ground, from rest to the airspeed of the lift-off."""
     plane = Plane({**C172P, "altitude": 0.0})
@@ -185,6 +186,7 @@ def test_a_chart_resumes_from_its_file(tmp_path, monkeypatch):
     assert again.value.notna().sum() == 6
 
 
+@pytest.mark.long
 def test_gust_lines_are_those_of_the_printed_formula():
     plane = Plane({**C172P, "altitude": 0.0})
     _gusts(plane, plane.glide(55.0))
@@ -279,6 +281,7 @@ def test_the_best_glide_is_the_largest_lift_over_drag_of_the_model():
     assert best["flown"] == pytest.approx(best["value"], rel=0.02)
 
 
+@pytest.mark.long
 def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide():
     """The drag of the T37's model grows with alpha itself, not with its square."""
     _, glides, best = glides_of("T37")
@@ -288,6 +291,7 @@ def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide(
     assert best["reason"] == "lift over drag grows down to the stall"
 
 
+@pytest.mark.long
 def test_an_instantaneous_turn_is_at_least_the_sustained_one():
     plane = Plane({**C172P, "aircraft": "T37", "altitude": 300.0})
     _turns(plane)

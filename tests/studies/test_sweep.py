@@ -333,6 +333,7 @@ def test_chunk_order_and_workers_do_not_show(solver):
     same_whatever_the_order("737", (0.9, 1.1), (-2, *range(-1, 3), 8, 3, 12, 1.5, 9, 0.5), solver)
 
 
+@pytest.mark.long
 def test_order_does_not_show_where_the_newton_search_depends_on_its_start():
     # at 134.3 KCAS it converges from a neighbour's trim, but not from its own guesses
     rows = [{"altitude": 3000, "speed": speed, "solver": "newton"} for speed in (132.0, 134.3)]

@@ -66,7 +66,7 @@ def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be deleted")
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_a_study_goes_on_in_a_folder_that_is_deleted(jobs, tmp_path, monkeypatch):
     folder = str(tmp_path / "gone")
 
@@ -108,6 +108,7 @@ def test_a_point_that_kills_its_worker_is_named_and_the_others_are_computed(tmp_
     assert run(squares, PARTS, resume=path) == [{"square": x * x} for x in range(1, 9)]
 
 
+@pytest.mark.long
 def test_a_worker_killed_from_outside_costs_nothing(tmp_path):
     marker = tmp_path / "killed"
 
@@ -220,7 +221,7 @@ run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], died={}, describe=str, t
 
 @pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
-@pytest.mark.parametrize("times", [1, 2])
+@pytest.mark.parametrize("times", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
     path = tmp_path / "squares.jsonl"
     with subprocess.Popen(

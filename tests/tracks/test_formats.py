@@ -198,6 +198,7 @@ def long_flight(seconds, rate=5, signals=23):
     )
 
 
+@pytest.mark.long
 def test_ten_hours_for_google_earth_take_5_megabytes(tmp_path):
     flight = long_flight(36000)
     save_tracks(tmp_path / "flight.kml", [flight])

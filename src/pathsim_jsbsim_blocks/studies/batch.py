@@ -17,7 +17,7 @@ from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, who
 from .._core.extras import required
 from ..catalogue import find_diagram
 from .grid import cell, expand, plain, product
-from .kept import of_function, texts
+from .kept import of_function, of_models, texts
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -77,8 +77,9 @@ def run_batch(
         refused, naming what changed, for other cases, another ``duration``, another text of the
         script, of the files that define ``build`` and ``measure`` (in a notebook: of the functions)
         or of modules beside these that their import lines name, other values that come with the
-        functions, and another version of this package, PathSim, JSBSim or Python. Data files and
-        modules in other folders are not compared
+        functions, other texts of models below the JSBSim ``root`` of a script's aircraft, or below
+        one that comes with the functions as a value, and another version of this package, PathSim,
+        JSBSim or Python. Other data files and modules in other folders are not compared
     progress : bool
         show a progress bar on stderr
 
@@ -107,7 +108,7 @@ def run_batch(
     rows = _seeded(points, whole("seed", seed, low=0))
     if isinstance(build, (str, Path)):
         script = find_diagram(str(build)).absolute()
-        measure = _check_script(script, rows, measure, duration)
+        roots = _check_script(script, rows, measure, duration)
         name, run = script.stem, partial(_fly_script, script, measure, duration)
     else:
         for option, value in (("measure", measure), ("duration", duration)):
@@ -121,6 +122,8 @@ def run_batch(
         if measure is None:
             return {"cases": rows, **of_function("build", build)}
         own = {**texts(script, script.parent), **of_function("measure", measure)}
+        for root in roots:
+            own |= of_models(root)
         return {"cases": rows, "duration": duration, **own}
 
     found = run_parts(
@@ -167,11 +170,15 @@ def _fly_script(
 
 def _check_script(
     script: Path, rows: list[dict[str, Any]], measure: Any, duration: Any
-) -> Callable[[Any], Mapping[str, Any]]:
-    """Refuse a script that cannot be flown and cases without effect on it; return ``measure``."""
+) -> set[Any]:
+    """Refuse a script that cannot be flown and cases without effect on it.
+
+    Returns the JSBSim roots of its aircraft.
+    """
     from pathsim import Simulation
 
     from .._core.seeding import Seeding
+    from .._core.wiring import contents
     from ..scripts.script import Script
     from ..scripts.settings import SettingError
 
@@ -180,6 +187,7 @@ def _check_script(
     _check_sent("measure", measure)
     if duration is not None:
         positive("duration", duration)
+    roots = set()
     for names in {tuple(row) for row in rows}:
         row = next(r for r in rows if tuple(r) == names)
         try:
@@ -198,7 +206,9 @@ def _check_script(
             refuse("build", str(script), f"{script.name} {why}")
         if duration is None and not hasattr(module, "DURATION"):
             refuse("duration", None, f"{script.name} has no DURATION: give duration=...")
-    return measure
+        aircraft = (getattr(block, "airframe", None) for block in contents(module.sim)[0])
+        roots |= {airframe.root for airframe in aircraft if airframe is not None}
+    return roots
 
 
 def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:

@@ -7,6 +7,7 @@ import functools
 import hashlib
 import inspect
 import json
+import os
 import platform
 import re
 import sysconfig
@@ -76,11 +77,29 @@ def texts(file: Path, folder: Path) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
+def of_models(root: Any, aircraft: str = "*") -> dict[str, str]:
+    """Checksums of the XML files of a JSBSim root: of one aircraft, of engines and systems.
+
+    Nothing for what is not a folder with a folder ``aircraft``.
+    """
+    if not root or not isinstance(root, (str, os.PathLike)):
+        return {}
+    if not os.path.isdir(os.path.join(root, "aircraft")):
+        return {}
+    places = (f"aircraft/{aircraft}/**/*.xml", "engine/**/*.xml", "systems/**/*.xml")
+    files = sorted({file for place in places for file in Path(root).glob(place)})
+    return {
+        f"text of {file.relative_to(root).as_posix()}": _checksum(file.read_bytes())
+        for file in files
+    }
+
+
 def of_function(name: str, function: Any) -> dict[str, str]:
     """Parts of a key for a function: its text, and the values that it brings along.
 
-    These are the arguments of a partial, defaults, captured and global variables. The text is that
-    of its file and of modules beside it, in a notebook that of the function.
+    These are the arguments of a partial, defaults, captured and global variables; the folder of a
+    JSBSim root brings the texts of its models along. The text of a function is that of its file and
+    of modules beside it, in a notebook its own.
 
     Raises
     ------
@@ -105,7 +124,7 @@ def of_function(name: str, function: Any) -> dict[str, str]:
         elif wrapped is not None:
             todo.append((label, wrapped))
         elif not isinstance(value, (types.ModuleType, types.BuiltinFunctionType)):
-            found[label] = _shown(label, value)
+            found |= {label: _shown(label, value), **of_models(value)}
             if callable(value):
                 todo.append((label + "'s class", type(value)))
     return found

@@ -18,6 +18,7 @@ from ..flight.trimming import TrimState, trim
 from ..flight.trimming.condition import TrimCondition
 from ..flight.trimming.state import UNITS
 from .grid import column, expand, requested, structure, trim_condition
+from .kept import of_models
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -68,7 +69,9 @@ def trim_sweep(
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
     resume : Path, optional
-        file that keeps finished chunks: repeating a killed call with the same file resumes it
+        file that keeps finished chunks: repeating a killed call with the same file resumes it. It
+        is refused, naming what changed, for another study, another version of this package,
+        PathSim, JSBSim or Python, and other texts of the aircraft below ``root``
     progress : bool
         show a progress bar on stderr
 
@@ -113,6 +116,7 @@ def trim_sweep(
             "chunk": chunk,
             "chain": _CHAIN,
             "conditions": [dataclasses.asdict(c) for c in ordered],
+            **of_models(root, aircraft),
         },
         jobs=jobs,
         resume=resume,
