@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Callable, Generator, Iterable, Sequence
+from functools import partial
 from typing import Any
 from unittest.mock import patch
 
@@ -143,7 +144,7 @@ def levels(sim: Simulation, updated: Sequence[Block]) -> list[Level]:
     ]
 
 
-def evaluate(levels: list[Level], t: float) -> None:
+def evaluate(levels: Sequence[Level], t: float) -> None:
     """Evaluate a diagram at ``t`` as PathSim does."""
     # the truth value of a block and a connection is its `_active`
     for blocks, moves in levels:
@@ -194,12 +195,16 @@ def each_sample(
     return patch.object(Simulation, "_sample", sample)
 
 
-def show_edited(sim: Simulation, dt: float) -> None:
-    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins."""
-    sim._update(sim.time)
+def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
+    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins.
+
+    By the ``levels``, where there are any.
+    """
+    update = partial(evaluate, levels) if levels else sim._update
+    update(sim.time)
     for event, *_ in sim._detected_events(sim.time):
         event.resolve(sim.time)
-        sim._update(sim.time)
+        update(sim.time)
     sim._sample(sim.time, dt)
 
 

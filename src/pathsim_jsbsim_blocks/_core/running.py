@@ -143,6 +143,11 @@ class Steps:
             sim.stop()
         return made
 
+    def show(self) -> None:
+        """Show what follows from the values as they are now."""
+        current = self._sim.graph is self._graph and not pathsim_internals.is_dirty(self._sim)
+        pathsim_internals.show_edited(self._sim, self._dt, self._levels if current else [])
+
     def _look(self) -> None:
         """Take the order of blocks and connections from the simulation's graph."""
         sim = self._sim
@@ -221,7 +226,7 @@ class Pieces:
 
     def show(self) -> None:
         """Show what follows from the values as they are now."""
-        pathsim_internals.show_edited(self._sim, self._dt)
+        self._steps.show()
 
     def run(self, count: int) -> bool:
         """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""

@@ -135,7 +135,11 @@ def _save_table(table: Any, path: Path) -> None:
 
 def _case(text: str) -> float:
     """The number of a case, which may be the name of its diagram: check_case_13_1."""
-    return float(text.removeprefix("check_case_").replace("_", "."))
+    try:
+        return float(text.removeprefix("check_case_").replace("_", "."))
+    except ValueError:
+        why = f"a case is a number such as 13.1, or check_case_13_1, not {text!r}"
+        raise argparse.ArgumentTypeError(why) from None
 
 
 @command(
