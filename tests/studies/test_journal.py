@@ -20,23 +20,39 @@ def test_a_corrupted_file_gives_the_same_table_or_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("before", "after"),
+    "damage",
     [
+        # a line that is no other one, of JSON or not
+        *("nonsense", "{}", "[]", "7", "\0\0\0", '{"part": "x", "rows": []}', '{"part": 0}'),
+        *('{"part": 1, "rows": 3}', "[" * 100_000),
+        # a value in it that is another one
         ("0.3333333333333333", "0.3333333333333334"),
-        ("true", "null"),
-        ('"part": 3', '"part": 4'),
-        ("point 5", "point 6"),
+        *(("true", "null"), ('"part": 3', '"part": 4'), ("point 5", "point 6")),
         ("0.3333", "NaN, 0.3333"),
     ],
 )
-def test_a_line_that_is_still_json_is_refused_too(tmp_path, before, after):
+def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, damage):
     path = tmp_path / "thirds.jsonl"
     run(resume=path)
     text = path.read_text()
-    assert before in text
-    path.write_text(text.replace(before, after, 1))
+    if isinstance(damage, str):
+        _, _, rest = text.partition("\n")
+        damage = rest.partition("\n")[0], damage
+    assert damage[0] in text
+    damaged = text.replace(*damage, 1)
+    path.write_text(damaged)
     with pytest.raises(ParameterError, match=r"line \d of .* is damaged: delete the line"):
         run(resume=path)
+    assert path.read_text() == damaged
+
+
+@pytest.mark.parametrize("text", ["my notes\n", "[" * 100_000 + "\n"])
+def test_a_file_of_other_data_is_refused_and_kept(tmp_path, text):
+    path = tmp_path / "notes.txt"
+    path.write_text(text)
+    with pytest.raises(ParameterError, match="holds other data"):
+        run(resume=path)
+    assert path.read_text() == text
 
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
@@ -62,18 +78,6 @@ def test_a_file_of_an_earlier_version_is_named(tmp_path):
         json.dumps({"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"}) + "\n"
     )
     with pytest.raises(ParameterError, match="holds a study written by another version"):
-        run(resume=path)
-
-
-def test_deep_nesting_is_refused(tmp_path):
-    path = tmp_path / "thirds.jsonl"
-    run(resume=path)
-    with path.open("a") as file:
-        file.write("[" * 100_000 + "\n")
-    with pytest.raises(ParameterError, match=r"line 10 of .* is damaged"):
-        run(resume=path)
-    path.write_text("[" * 100_000 + "\n")
-    with pytest.raises(ParameterError, match="holds other data"):
         run(resume=path)
 
 

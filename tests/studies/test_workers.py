@@ -271,44 +271,6 @@ def test_a_file_of_another_study_is_refused_and_kept(tmp_path):
         run(squares, PARTS, resume=path, job=lambda: {"study": "other numbers"})
     with pytest.raises(ParameterError, match=r"holds another study \(numbers\)"):
         trim_sweep("737", GRID, resume=path, progress=False)
-    notes = tmp_path / "notes.txt"
-    notes.write_text("my notes\n")
-    with pytest.raises(ParameterError, match="holds other data"):
-        run(squares, PARTS, resume=notes)
-    assert notes.read_text() == "my notes\n"
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "nonsense",
-        "{}",
-        "[]",
-        "7",
-        '{"part": "x", "rows": []}',
-        '{"part": 1, "rows": 3}',
-        "\0\0\0",
-        '{"part": 0}',
-    ],
-)
-def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, line):
-    path = tmp_path / "squares.jsonl"
-    run(squares, PARTS, resume=path)
-    lines = path.read_text().splitlines()
-    damaged = "\n".join([*lines[:2], line, *lines[3:]]) + "\n"
-    path.write_text(damaged)
-    with pytest.raises(ParameterError, match=r"line 3 of .* is damaged"):
-        run(squares, PARTS, resume=path)
-    assert path.read_text() == damaged
-
-
-@pytest.mark.parametrize("path", ["no/such/folder/sweep.jsonl", "."])
-def test_a_file_that_cannot_be_written_is_refused_before_the_work_begins(tmp_path, path):
-    def never(part):
-        raise AssertionError
-
-    with pytest.raises(ParameterError, match="cannot write"):
-        run(never, PARTS, resume=tmp_path / path, jobs=1)
 
 
 @pytest.fixture(scope="module")

@@ -224,20 +224,21 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
     if not callable(build):
         must_be("build", build, "a function")
     try:
-        parameters = inspect.signature(build).parameters
+        signature = inspect.signature(build)
     except ValueError:  # many built-in functions
         must_be("build", build, "a function with known parameters")
-    free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-    takes_seed = free or "seed" in parameters
+    known = signature.parameters
+    free = any(p.kind is p.VAR_KEYWORD for p in known.values())
+    takes_seed = free or "seed" in known
     for i, row in enumerate(rows):
-        for key in row:
-            if key not in parameters and key != "seed" and not free:
-                close = did_you_mean(nearest(key, parameters))
-                refuse(key, row[key], f"case {i} has {key!r}, which build does not take{close}")
-        for key, p in parameters.items():
-            needed = p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
-            if needed and key not in row:
-                refuse(key, None, f"case {i} has no {key!r}, which build needs")
+        given = row if takes_seed else _without_seed(row)
+        for key in [] if free else [key for key in given if key not in known]:
+            close = did_you_mean(nearest(key, known))
+            refuse(key, row[key], f"case {i} has {key!r}, which build does not take{close}")
+        try:
+            signature.bind(**given)
+        except TypeError as error:
+            refuse("cases", row, f"case {i} does not go with build: {error}")
     _check_sent("build", build)
     return takes_seed
 

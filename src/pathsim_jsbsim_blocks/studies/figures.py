@@ -22,9 +22,6 @@ _MARKERS = "osD^vPX*"
 # reason for which a point does not trim: its marker in a map
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
-# columns of text
-_WORDS = {"aircraft", "case", "reason"}
-
 _PAGE = """\
 {text}
 
@@ -80,9 +77,6 @@ def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.D
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
         refuse("table", known, f"{chart} has nothing to draw: no point of the table trims")
-    for name in columns:
-        if name not in _WORDS and rows[name].infer_objects().dtype.kind not in "biuf":
-            refuse("table", name, f"{chart} needs numbers in the column {name!r}")
     return rows
 
 

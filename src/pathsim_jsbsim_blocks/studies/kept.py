@@ -82,16 +82,11 @@ def of_models(root: Any, aircraft: str = "*") -> dict[str, str]:
 
     Nothing for what is not a folder with a folder ``aircraft``.
     """
-    if not root or not isinstance(root, (str, os.PathLike)):
+    if not (isinstance(root, (str, os.PathLike)) and root and os.path.isdir(f"{root}/aircraft")):
         return {}
-    if not os.path.isdir(os.path.join(root, "aircraft")):
-        return {}
-    places = (f"aircraft/{aircraft}/**/*.xml", "engine/**/*.xml", "systems/**/*.xml")
-    files = sorted({file for place in places for file in Path(root).glob(place)})
-    return {
-        f"text of {file.relative_to(root).as_posix()}": _checksum(file.read_bytes())
-        for file in files
-    }
+    names = (f"aircraft/{aircraft}/**/*.xml", "engine/**/*.xml", "systems/**/*.xml")
+    files = [file for name in names for file in sorted(Path(root).glob(name))]
+    return {f"text of {x.relative_to(root).as_posix()}": _checksum(x.read_bytes()) for x in files}
 
 
 def of_function(name: str, function: Any) -> dict[str, str]:
