@@ -74,12 +74,11 @@ def run_batch(
         workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
-        refused, naming what changed, for other cases, another ``duration``, another text of the
-        script, of the files that define ``build`` and ``measure`` (in a notebook: of the functions)
-        or of modules beside these that their import lines name, other values that come with the
-        functions, other texts of models below the JSBSim ``root`` of a script's aircraft, or below
-        one that comes with the functions as a value, and another version of this package, PathSim,
-        JSBSim or Python. Other data files and modules in other folders are not compared
+        refused, naming what changed, for other cases, another ``duration``, other values that come
+        with the functions, another version of this package, PathSim, JSBSim or Python, and other
+        texts: of the script or the files of the functions (in a notebook: of the functions), of
+        modules beside these that their import lines name, and of models below a JSBSim ``root``
+        that these have as a value. Other data files and modules are not compared
     progress : bool
         show a progress bar on stderr
 

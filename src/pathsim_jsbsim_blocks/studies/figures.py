@@ -52,8 +52,7 @@ def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[
             return figure
 
         chart.__name__ = chart.__qualname__ = draw.__name__
-        if draw.__doc__:  # absent under python -OO
-            chart.__doc__ = _PAGE.format(text=cleandoc(draw.__doc__), study=study)
+        chart.__doc__ = _PAGE.format(text=cleandoc(draw.__doc__ or ""), study=study)
         return chart
 
     return complete

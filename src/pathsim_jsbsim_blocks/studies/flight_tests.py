@@ -304,10 +304,6 @@ def climb_rate(state: TrimState) -> float:
     return 60.0 * state.tas * math.sin(math.radians(state.gamma))
 
 
-def path_angle(state: TrimState) -> float:
-    return state.gamma
-
-
 def _lift(state: TrimState) -> float:
     """Lift over weight and square of the Mach number: a lift coefficient."""
     return math.cos(math.radians(state.gamma)) / state.mach**2

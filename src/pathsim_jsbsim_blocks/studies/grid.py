@@ -99,12 +99,9 @@ def plain(name: str, value: Any) -> Any:
     must_be(name, value, "a number, text, a list or a dict")
 
 
-class _List(list):
-    __str__ = json.dumps  # type: ignore[assignment]
-
-
-class _Dict(dict):
-    __str__ = json.dumps  # type: ignore[assignment]
+# lists and dicts whose text is JSON
+_List = type("_List", (list,), {"__str__": json.dumps})
+_Dict = type("_Dict", (dict,), {"__str__": json.dumps})
 
 
 def cell(value: Any) -> Any:

@@ -80,7 +80,7 @@ def texts(file: Path, folder: Path) -> dict[str, str]:
 def of_models(root: Any, aircraft: str = "*") -> dict[str, str]:
     """Checksums of the XML files of a JSBSim root: of one aircraft, of engines and systems.
 
-    Nothing for what is not a folder with a folder ``aircraft``.
+    Of what is no root there are none.
     """
     if not (isinstance(root, (str, os.PathLike)) and root and os.path.isdir(f"{root}/aircraft")):
         return {}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,6 @@ from .flight_tests import (
     climb_rate,
     extremes,
     last,
-    path_angle,
     reason_of,
 )
 from .kept import of_models
@@ -182,7 +182,8 @@ def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
         plane.put("climb angle", state.gamma, state.speed)
         _thrust(plane, "available", state)
     fast = best_of(plane.climb, climb_rate, max(climbs, key=climb_rate))
-    steep = best_of(plane.climb, path_angle, max(climbs, key=path_angle))
+    angle = attrgetter("gamma")
+    steep = best_of(plane.climb, angle, max(climbs, key=angle))
     plane.put("best rate of climb", climb_rate(fast), fast.speed)
     plane.flown(plane.energy_rate(fast))
     plane.put("best angle of climb", steep.gamma, steep.speed)

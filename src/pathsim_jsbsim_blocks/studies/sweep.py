@@ -69,9 +69,8 @@ def trim_sweep(
         worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
         workers are used instead
     resume : Path, optional
-        file that keeps finished chunks: repeating a killed call with the same file resumes it. It
-        is refused, naming what changed, for another study, another version of this package,
-        PathSim, JSBSim or Python, and other texts of the aircraft below ``root``
+        file that keeps finished chunks: repeating a killed call with the same file resumes it
+        with the same points, versions and texts of the aircraft below ``root``
     progress : bool
         show a progress bar on stderr
 

@@ -58,12 +58,9 @@ def run_parts(
     rows = dict(journal.finished) if journal else {}
     points, done = _points(parts), _points(rows.values())
     try:
-        with (
-            tqdm(
-                total=points, initial=done, desc=title, unit=" points", disable=not progress
-            ) as bar,
-            contextlib.closing(_computed(work, parts, {*rows}, died, describe, jobs)) as results,
-        ):
+        bar = tqdm(total=points, initial=done, desc=title, unit=" points", disable=not progress)
+        computed = _computed(work, parts, {*rows}, died, describe, jobs)
+        with bar, contextlib.closing(computed) as results:
             for index, result in results:
                 rows[index] = result
                 # a resumed study tries the points again that killed a worker
