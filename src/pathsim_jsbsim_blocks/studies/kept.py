@@ -77,15 +77,15 @@ def texts(file: Path, folder: Path) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
-def of_models(root: Any, aircraft: str = "*") -> dict[str, str]:
+def of_models(root: Any, aircraft: str = "") -> dict[str, str]:
     """Checksums of the XML files of a JSBSim root: of one aircraft, of engines and systems.
 
     Of what is no root there are none.
     """
     if not (isinstance(root, (str, os.PathLike)) and root and os.path.isdir(f"{root}/aircraft")):
         return {}
-    names = (f"aircraft/{aircraft}/**/*.xml", "engine/**/*.xml", "systems/**/*.xml")
-    files = [file for name in names for file in sorted(Path(root).glob(name))]
+    folders = (Path(root, *names) for names in (("aircraft", aircraft), ("engine",), ("systems",)))
+    files = [file for folder in folders for file in sorted(folder.rglob("*.xml")) if file.is_file()]
     return {f"text of {x.relative_to(root).as_posix()}": _checksum(x.read_bytes()) for x in files}
 
 
