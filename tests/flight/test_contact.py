@@ -60,7 +60,7 @@ def test_a_touch_with_anything_but_wheels_ends_the_flight():
     # 10.3 g at the touch, less than the 50 g that end any flight
     start = {"altitude": 40.0, "speed": 250.0, "gamma": -1.0, "gear": 0.0, "mode": "none"}
     plane = Aircraft("f16", **start, sink_max=math.inf)
-    with pytest.raises(FlightError, match="with a part that is no wheel") as error:
+    with pytest.raises(FlightError, match="with a part that is not a wheel") as error:
         flying(plane).run(10.0)
     assert error.value.name.startswith("contact/unit[")
     assert 0.0 < error.value.value < 1.0
@@ -75,7 +75,7 @@ def test_a_model_may_describe_its_wing_tips_as_wheels_are_described():
     # the A320's tail and engine pods are "bogeys" that slide with a coefficient of 0.2
     start = {"altitude": 60.0, "speed": 200.0, "gamma": -1.0, "gear": 0.0, "mode": "none"}
     plane = Aircraft("A320", **start, sink_max=math.inf)
-    with pytest.raises(FlightError, match="with a part that is no wheel"):
+    with pytest.raises(FlightError, match="with a part that is not a wheel"):
         flying(plane).run(20.0)
 
 

@@ -5,6 +5,7 @@ and listening ports, the folders that a file could land in, the bytes on descrip
 """
 
 import contextlib
+import gc
 import hashlib
 import json
 import logging
@@ -23,7 +24,7 @@ import jsbsim
 import pytest
 from fleet_conditions import FLYING
 
-from pathsim_jsbsim_blocks import Aircraft, TrimError
+from pathsim_jsbsim_blocks import Aircraft, AircraftError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg
 from pathsim_jsbsim_blocks.flight.console import capture_console, messages
 
@@ -169,6 +170,20 @@ def own_root(folder, aircraft):
     for name in aircraft:
         shutil.copytree(INSTALLED / "aircraft" / name, root / "aircraft" / name)
     return root
+
+
+def test_a_typo_in_ones_own_model_is_answered_with_the_nearest_property(tmp_path):
+    file = own_root(tmp_path, ["c172p"]) / "aircraft" / "c172p" / "c172p.xml"
+    file.write_text(file.read_text().replace("aero/alpha-rad", "aero/alfa-rad", 1))
+    plane = Airframe("c172p", root=str(tmp_path / "root"))
+    with pytest.raises(AircraftError) as caught:
+        plane.run_ic()
+    said = str(caught.value)
+    assert caught.value.missing == "aero/alfa-rad"
+    assert said.index("did you mean 'aero/alpha-rad'") < said.index("create={'aero/alfa-rad': 0.0}")
+    # JSBSim would end the process here, as it reads the property once more
+    del plane, caught
+    gc.collect()
 
 
 @pytest.mark.long

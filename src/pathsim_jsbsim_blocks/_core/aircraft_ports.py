@@ -1,38 +1,47 @@
-"""Short names of an aircraft's ports, and the JSBSim properties behind them."""
+"""The ports of an aircraft, and the JSBSim properties behind them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 DEG = 180.0 / math.pi
 
 # deg; a heading above this is north with a rounding error, which JSBSim shows as up to 360
 ALMOST_NORTH = 360.0 - 1e-9
 
-EXCESS = (None, 1.0)
 
-# port: (property, or None for a command's excess over its limit; factor to the port's unit).
-# Models store the port numbers, so new ports are appended
-OUTPUTS: dict[str, tuple[str | None, float]] = {
-    "theta": ("attitude/theta-deg", 1.0),
-    "phi": ("attitude/phi-deg", 1.0),
-    "psi": ("attitude/psi-deg", 1.0),
-    "p": ("velocities/p-rad_sec", DEG),
-    "q": ("velocities/q-rad_sec", DEG),
-    "r": ("velocities/r-rad_sec", DEG),
-    "alpha": ("aero/alpha-deg", 1.0),
-    "beta": ("aero/beta-deg", 1.0),
-    "gamma": ("flight-path/gamma-deg", 1.0),
-    "h": ("position/h-sl-ft", 1.0),
-    "hdot": ("velocities/h-dot-fps", 1.0),
-    "vc": ("velocities/vc-kts", 1.0),
-    "vt": ("velocities/vt-fps", 1.0),
-    "mach": ("velocities/mach", 1.0),
-    "nx": ("accelerations/Nx", 1.0),
-    "nz": ("accelerations/Nz", 1.0),
-    "lat": ("position/lat-geod-deg", 1.0),
-    "lon": ("position/long-gc-deg", 1.0),
+class Port(NamedTuple):
+    """What a port shows: a property (None for a command's excess over its limit), in its unit."""
+
+    property: str | None
+    factor: float = 1.0
+    unit: str = ""
+
+
+EXCESS = Port(None, unit="norm")
+
+# models store the port numbers, so new ports are appended
+OUTPUTS: dict[str, Port] = {
+    "theta": Port("attitude/theta-deg", unit="deg"),
+    "phi": Port("attitude/phi-deg", unit="deg"),
+    "psi": Port("attitude/psi-deg", unit="deg"),
+    "p": Port("velocities/p-rad_sec", DEG, "deg/s"),
+    "q": Port("velocities/q-rad_sec", DEG, "deg/s"),
+    "r": Port("velocities/r-rad_sec", DEG, "deg/s"),
+    "alpha": Port("aero/alpha-deg", unit="deg"),
+    "beta": Port("aero/beta-deg", unit="deg"),
+    "gamma": Port("flight-path/gamma-deg", unit="deg"),
+    "h": Port("position/h-sl-ft", unit="ft"),
+    "hdot": Port("velocities/h-dot-fps", unit="ft/s"),
+    "vc": Port("velocities/vc-kts", unit="kt"),
+    "vt": Port("velocities/vt-fps", unit="ft/s"),
+    "mach": Port("velocities/mach"),
+    "nx": Port("accelerations/Nx"),
+    "nz": Port("accelerations/Nz"),
+    "lat": Port("position/lat-geod-deg", unit="deg"),
+    "lon": Port("position/long-gc-deg", unit="deg"),
     "elev_sat": EXCESS,
     "ail_sat": EXCESS,
     "rud_sat": EXCESS,
@@ -45,6 +54,13 @@ SURFACES = {
     "aileron": "fcs/aileron-cmd-norm",
     "rudder": "fcs/rudder-cmd-norm",
 }
+WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
+
+
+def throttles(engines: int) -> list[str]:
+    """The commands that port ``throttle`` writes."""
+    return [f"fcs/throttle-cmd-norm[{i}]" for i in range(engines)]
+
 
 # names that stand for properties, as inputs and as outputs; [i] is the number of an engine
 SHORT_INPUTS: Mapping[str, tuple[str, ...]] = {
@@ -67,3 +83,10 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     "thrust[i]": ("propulsion/engine[i]/thrust-lbs",),
     "h_agl": ("position/h-agl-ft",),
 }
+
+
+def property_of(port: str) -> str:
+    """The property that an output shows; a property's name stands for itself."""
+    if port in OUTPUTS:
+        return str(OUTPUTS[port].property)
+    return SHORT_OUTPUTS.get(port, (port,))[0]

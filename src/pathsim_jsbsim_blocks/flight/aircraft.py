@@ -8,27 +8,26 @@ from dataclasses import dataclass
 
 from .._core.aircraft_ports import (
     ALMOST_NORTH,
-    DEG,
     EXCESS,
     OUTPUTS,
     SHORT_INPUTS,
     SHORT_OUTPUTS,
     SURFACES,
+    WIND,
+    throttles,
 )
 from .._core.callers import warn_user
 from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
-from .channels import Channel, unit_of
+from .channels import Channel, port_channel, unit_of
 from .docstrings import fill
 from .property_ports import behind
 from .trimming.condition import TrimCondition
 
 # of a normalised command, -1 to 1
 _STOP_TO_STOP = 2.0
-
-_WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
 
 
 @fill
@@ -159,16 +158,13 @@ class Aircraft(FlightBlock):
         return self.aircraft
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
-        throttles = tuple(f"fcs/throttle-cmd-norm[{i}]" for i in range(self.airframe.engines))
         inputs = [Channel(port, (name,), 1.0, "norm") for port, name in SURFACES.items()]
-        outputs = []
-        for port, (name, factor) in OUTPUTS.items():
-            unit = "norm" if name is None else {DEG: "deg/s"}.get(factor) or unit_of(name)
-            outputs.append(Channel(port, () if name is None else (name,), factor, unit))
+        engines = tuple(throttles(self.airframe.engines))
+        outputs = [port_channel(port) for port in OUTPUTS]
         for port in self.further(self.outputs):
             names = behind(port, SHORT_OUTPUTS)
             outputs.append(Channel(port, names, 1.0, unit_of(names[0])))
-        return [*inputs, Channel("throttle", throttles, 1.0, "norm")], outputs
+        return [*inputs, Channel("throttle", engines, 1.0, "norm")], outputs
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
         return super()._no_port(
@@ -193,7 +189,7 @@ class Aircraft(FlightBlock):
         return [0.0] * len(self.channels()[0])
 
     def _connect(self) -> tuple[Write, Read]:
-        writes = {**SURFACES, **_WIND}
+        writes = {**SURFACES, **WIND}
         self.check_properties(
             {self.airframe.canonical(name): port for port, name in writes.items()}
         )
@@ -216,18 +212,18 @@ class Aircraft(FlightBlock):
         ]
         # of single engines; port 0 is the elevator
         own = {canonical(names[0]): port for port, names in added}
-        commands = [f"fcs/throttle-cmd-norm[{i}]" for i in range(len(state.throttle))]
-        throttles = [
+        commands = throttles(len(state.throttle))
+        engines = [
             (writer(name), throttle, own.get(canonical(name), 0))
             for name, throttle in zip(commands, state.throttle, strict=True)
         ]
-        single = {port for _, _, port in throttles}
+        single = {port for _, _, port in engines}
         rest = [(port, names) for port, names in added if port not in single]
         further = [_Further(port, names, self.airframe) for port, names in rest]
-        gusts = [writer(name) for name in _WIND.values()]
+        gusts = [writer(name) for name in WIND.values()]
         north = east = down = 0.0
         # excess of each engine
-        beyond = [0.0] * len(throttles)
+        beyond = [0.0] * len(engines)
         running = [self.airframe.reader(name) for name in self.airframe.of_engines("set-running")]
 
         def mean_of_running() -> float:
@@ -247,7 +243,7 @@ class Aircraft(FlightBlock):
                 if limited != command:
                     self._warn_of_units(i, u[i])
             over = False
-            for i, (put, trimmed, port) in enumerate(throttles):
+            for i, (put, trimmed, port) in enumerate(engines):
                 command = trimmed + u[3]
                 if port:
                     command += u[port]
@@ -271,11 +267,11 @@ class Aircraft(FlightBlock):
 
     def _reader(self, excess: list[float]) -> Read:
         ports = list(OUTPUTS.values())
-        names = [name for name, _ in ports if name is not None]
+        names = [port.property for port in ports if port.property is not None]
         names += [behind(name, SHORT_OUTPUTS)[0] for name in self.further(self.outputs)]
         read_all = self.airframe.reader_of(names)
         first_excess, psi = ports.index(EXCESS), list(OUTPUTS).index("psi")
-        scaled = [(i, factor) for i, (_, factor) in enumerate(ports) if factor != 1.0]
+        scaled = [(i, port.factor) for i, port in enumerate(ports) if port.factor != 1.0]
 
         def read() -> list[float]:
             y = read_all()

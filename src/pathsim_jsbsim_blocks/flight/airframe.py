@@ -21,7 +21,7 @@ import jsbsim
 
 from .._core.checks import did_you_mean, flag, mapping, number, positive, refuse
 from ..errors import AircraftError
-from .console import SEALED_PATH, capture_console, messages
+from .console import SEALED_PATH, capture_console, messages, never_free
 from .flightgear import address, directive
 from .integrators import integrator_properties
 from .model_files import ModelFile
@@ -240,6 +240,8 @@ class Airframe(PropertyTree):
             missing = said[1] if said else ""
             message = f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}"
             if missing:
+                # its destructor may read the property again, and ends the process where it fails
+                never_free(self.fdm)
                 # a typo in the model's own XML would become a term that is always 0
                 close = did_you_mean(self._similar(missing))
                 message += f"{close or '.'} If it comes from outside (FlightGear), create it with "

@@ -15,6 +15,7 @@ from pathsim.exceptions import LinearizationError
 from pathsim.utils.portreference import PortReference
 from pathsim.utils.register import Register
 
+from .._core.aircraft_ports import property_of
 from .._core.callers import warn_user
 from .._core.checks import flag, number, positive, refuse, whole
 from .._core.continuous import Matrices
@@ -44,7 +45,7 @@ from .trimming.condition import TrimCondition, check_condition
 _LONGEST_STEP = 0.1
 
 # any NaN or inf in the state shows up here within one step
-_WATCHED = ("velocities/vt-fps", "position/h-agl-ft", "accelerations/Nz")
+_WATCHED = tuple(map(property_of, ("vt", "h_agl", "nz")))
 
 # s between looks for engines without fuel
 _FUEL_CHECK = 1.0
@@ -175,7 +176,7 @@ class FlightBlock(Parametric, SampledPlant):
         raise NotImplementedError
 
     def trim_here(self, **changes: Any) -> TrimState:
-        """Trim the flight as it is now, on an aircraft of its own: this one flies on untouched.
+        """Trim the flight as it is now, on another aircraft: this one flies on untouched.
 
         Altitude, airspeed, path angle through the air, heading, wind, place, gear, flaps, fuel,
         payload and the engines that run are those of this moment, the rest is the block's
@@ -207,7 +208,7 @@ class FlightBlock(Parametric, SampledPlant):
     ) -> LinearModel:
         """Linear model of the aircraft about its trim, with the block's ports.
 
-        It is made with aircraft of its own: this flight is not touched, at any time, and what has
+        It is made with other aircraft: this flight is not touched, at any time, and what has
         been flown has no influence. The model is that of the trim, in mid-run too.
 
         Parameters
@@ -247,7 +248,7 @@ class FlightBlock(Parametric, SampledPlant):
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
 
-        It is flown from the trim by an aircraft of its own: this flight is not touched.
+        It is flown from the trim by another aircraft: this flight is not touched.
 
         Parameters
         ----------

@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from .._core.aircraft_ports import ALMOST_NORTH, DEG
+from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS
 from .airframe import Airframe
 
 
@@ -24,19 +24,15 @@ class Channel:
     unit: str = ""
 
 
-# the states of a rigid aircraft, in the units of the ports of the same name
-RIGID = (
-    Channel("vt", ("velocities/vt-fps",), 1.0, "ft/s"),
-    Channel("alpha", ("aero/alpha-deg",), 1.0, "deg"),
-    Channel("beta", ("aero/beta-deg",), 1.0, "deg"),
-    Channel("p", ("velocities/p-rad_sec",), DEG, "deg/s"),
-    Channel("q", ("velocities/q-rad_sec",), DEG, "deg/s"),
-    Channel("r", ("velocities/r-rad_sec",), DEG, "deg/s"),
-    Channel("phi", ("attitude/phi-deg",), 1.0, "deg"),
-    Channel("theta", ("attitude/theta-deg",), 1.0, "deg"),
-    Channel("psi", ("attitude/psi-deg",), 1.0, "deg"),
-    Channel("h", ("position/h-sl-ft",), 1.0, "ft"),
-)
+def port_channel(port: str) -> Channel:
+    """An output of `Aircraft`."""
+    name, factor, unit = OUTPUTS[port]
+    return Channel(port, () if name is None else (name,), factor, unit)
+
+
+# the states of a rigid aircraft
+_STATES = ("vt", "alpha", "beta", "p", "q", "r", "phi", "theta", "psi", "h")
+RIGID = tuple(map(port_channel, _STATES))
 
 # engine states that JSBSim shows
 _ENGINE = {"propeller-rpm": "rpm", "map-inhg": "inHg", "thrust-lbs": "lbf"}

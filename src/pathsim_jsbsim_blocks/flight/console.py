@@ -103,14 +103,14 @@ def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, l
 
 
 def _install(logger: jsbsim.FGLogger) -> None:
-    _keep(logger)
+    never_free(logger)
     # JSBSim aborts the process if two threads install at once
     with _install_lock:
         jsbsim.set_logger(logger)
 
 
-def _keep(*things: object) -> None:
-    """Never free these objects."""
+def never_free(*things: object) -> None:
+    """Keep these objects to the end of the process."""
     for thing in things:
         if id(thing) not in _kept:
             _kept.add(id(thing))
@@ -118,4 +118,4 @@ def _keep(*things: object) -> None:
                 ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
 
 
-_keep(*jsbsim.LogLevel, *jsbsim.LogFormat)
+never_free(*jsbsim.LogLevel, *jsbsim.LogFormat)

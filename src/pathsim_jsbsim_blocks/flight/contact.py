@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from .._core.aircraft_ports import property_of
 from .airframe import Airframe
 
 # friction coefficients of JSBSim's "bogey" contacts: models use these for skids, wing tips and
@@ -13,15 +14,15 @@ _TYRE_SLIDES, _TYRE_ROLLS = 0.3, 0.5
 # ft; the centre of gravity moves as fuel burns
 _MARGIN = 10.0
 
-_SINK = "velocities/h-dot-fps"
+_SINK = property_of("hdot")
 
 
 class GroundContact:
     """Watches a trimmed aircraft near the ground; what touches at the start may go on touching.
 
     ``sink_max`` is the largest sink rate at contact, ft/s; ``scrape_max`` the largest depth to
-    which a part that is no wheel may press into the ground, ft; ``reach`` the height of the centre
-    of gravity above the ground, ft, from which on nothing can touch, -inf if unwatched.
+    which a part that is not a wheel may press into the ground, ft; ``reach`` the height of the
+    centre of gravity above the ground, ft, from which on nothing can touch, -inf if unwatched.
     """
 
     def __init__(self, airframe: Airframe, sink_max: float, scrape_max: float):
@@ -64,7 +65,7 @@ class GroundContact:
             self._spared[i] = self._spared[i] and touches[self._wheels + i] != 0.0
             if depth > self._scrape_max and not self._spared[i]:
                 name = self._depth[i]
-                return f"touched the ground with a part that is no wheel, {name}", name, depth
+                return f"touched the ground with a part that is not a wheel, {name}", name, depth
         return None
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from .._core.aircraft_ports import property_of
 from .._core.checks import whole
 from ..errors import AircraftError, BlocksError, TrimError
 from .airframe import Airframe
@@ -203,7 +204,7 @@ def _starved(flight: LevelFlight) -> tuple[int, ...]:
     fdm = airframe.fdm
     if airframe.engines:
         fdm["propulsion/fuel_freeze"] = 0.0
-    while airframe.engines and fdm.get_sim_time() < _FUEL_FOR and fdm["position/h-agl-ft"] > 0.0:
+    while airframe.engines and fdm.get_sim_time() < _FUEL_FOR and fdm[property_of("h_agl")] > 0.0:
         fdm.run()
     return tuple(airframe.starved())
 

@@ -1,4 +1,4 @@
-"""What is made of a flight with an aircraft of its own: its linear model, a response, a trim."""
+"""Linear model, response and trim of a flight, each made with another aircraft."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _unobserved() -> Iterator[None]:
 
 def twin(flown: Flown) -> Any:
     """A sealed block with the same parameters and a fresh aircraft, trimmed as this one was."""
-    # a user's subclass with a constructor of its own may have other parameters
+    # the constructor of a user's subclass may have other parameters
     block: Any = next(c for c in type(flown).__mro__ if "__dataclass_fields__" in vars(c))
     parameters = {f.name: getattr(flown, f.name) for f in fields(block)}
     sealed = {"allow_network": False, "allow_files": False, "flightgear": None}

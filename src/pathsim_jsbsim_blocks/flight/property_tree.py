@@ -23,7 +23,7 @@ class PropertyTree:
     def _open_tree(self) -> None:
         """Turn to the properties of a new executive."""
         self._properties = self.fdm.get_property_manager()
-        # what is no property of JSBSim's own
+        # properties that JSBSim does not have itself
         self._created: set[str] = set()
         self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
@@ -104,7 +104,7 @@ class PropertyTree:
 
     def _writable(self, name: str) -> tuple[Callable[[float], Any], Check | None]:
         """What writes a property, and what refuses values of it."""
-        # what is no text is refused by `_node`
+        # `_node` refuses a name that is not text
         if not isinstance(name, str) or name not in self._writers:
             node = self._node(name, "w", "written")
             check = value_check(self._path(node), self.aircraft, self.engines)
@@ -139,7 +139,7 @@ class PropertyTree:
         return _access(self._find(name))
 
     def _node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
-        # what is no text is refused
+        # `_checked_node` refuses a name that is not text
         if not isinstance(name, str) or (name, way) not in self._checked:
             self._checked[name, way] = self._checked_node(name, way, verb)
         return self._checked[name, way]

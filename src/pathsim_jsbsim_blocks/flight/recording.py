@@ -8,38 +8,41 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from .._core.aircraft_ports import ALMOST_NORTH, DEG, OUTPUTS
+from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, property_of, throttles
 from ..tracks.track import POSITION, Track
 from . import from_trim
 from .block import FlightBlock
 
-# label: property and factor; one that a model lacks is left out
+# label: port or property, and factor; one that a model lacks is left out
 _SIGNALS = {
-    **{label: (str(OUTPUTS[port][0]), 1.0) for port, label in POSITION.items()},
-    "height above ground [ft]": ("position/h-agl-ft", 1.0),
-    "rate of climb [ft/s]": ("velocities/h-dot-fps", 1.0),
-    "calibrated airspeed [kt]": ("velocities/vc-kts", 1.0),
-    "true airspeed [kt]": ("velocities/vtrue-kts", 1.0),
-    "Mach number": ("velocities/mach", 1.0),
-    "angle of attack [deg]": ("aero/alpha-deg", 1.0),
-    "sideslip angle [deg]": ("aero/beta-deg", 1.0),
-    "flight path angle [deg]": ("flight-path/gamma-deg", 1.0),
-    "roll rate [deg/s]": ("velocities/p-rad_sec", DEG),
-    "pitch rate [deg/s]": ("velocities/q-rad_sec", DEG),
-    "yaw rate [deg/s]": ("velocities/r-rad_sec", DEG),
-    "longitudinal load factor [g]": ("accelerations/Nx", 1.0),
-    "vertical load factor [g]": ("accelerations/Nz", 1.0),
-    "elevator": ("fcs/elevator-pos-norm", 1.0),
-    "left aileron": ("fcs/left-aileron-pos-norm", 1.0),
-    "right aileron": ("fcs/right-aileron-pos-norm", 1.0),
-    "rudder": ("fcs/rudder-pos-norm", 1.0),
-    "flaps": ("fcs/flap-pos-norm", 1.0),
-    "speed brake": ("fcs/speedbrake-pos-norm", 1.0),
-    "gear": ("gear/gear-pos-norm", 1.0),
-    "throttle": ("fcs/throttle-cmd-norm", 1.0),
-    "thrust of engine 1 [lbf]": ("propulsion/engine/thrust-lbs", 1.0),
-    "fuel [lb]": ("propulsion/total-fuel-lbs", 1.0),
-    "weight [lb]": ("inertia/weight-lbs", 1.0),
+    label: (property_of(name), OUTPUTS[name].factor if name in OUTPUTS else 1.0)
+    for label, name in {
+        **{label: port for port, label in POSITION.items()},
+        "height above ground [ft]": "h_agl",
+        "rate of climb [ft/s]": "hdot",
+        "calibrated airspeed [kt]": "vc",
+        "true airspeed [kt]": "velocities/vtrue-kts",
+        "Mach number": "mach",
+        "angle of attack [deg]": "alpha",
+        "sideslip angle [deg]": "beta",
+        "flight path angle [deg]": "gamma",
+        "roll rate [deg/s]": "p",
+        "pitch rate [deg/s]": "q",
+        "yaw rate [deg/s]": "r",
+        "longitudinal load factor [g]": "nx",
+        "vertical load factor [g]": "nz",
+        "elevator": "fcs/elevator-pos-norm",
+        "left aileron": "fcs/left-aileron-pos-norm",
+        "right aileron": "fcs/right-aileron-pos-norm",
+        "rudder": "fcs/rudder-pos-norm",
+        "flaps": "flaps",
+        "speed brake": "speedbrake",
+        "gear": "gear",
+        "throttle": throttles(1)[0],
+        "thrust of engine 1 [lbf]": "propulsion/engine/thrust-lbs",
+        "fuel [lb]": "propulsion/total-fuel-lbs",
+        "weight [lb]": "inertia/weight-lbs",
+    }.items()
 }
 
 

@@ -61,7 +61,7 @@ def why_not(name: str, has: Callable[[str], bool]) -> str:
 
 
 def why_no_input(name: str) -> str:
-    """Why a property that can be written is no input; empty for others."""
+    """Why a property that can be written is not an input; empty for others."""
     if name == _RUN_ENGINES:
         return "writing it starts engines again at every sample"
     if _STATES.fullmatch(name):

@@ -98,7 +98,7 @@ def step_response(
 ) -> Figure:
     """Step response of a linear model and of the aircraft that it stands for.
 
-    The aircraft is flown beside, on an aircraft of its own: ``plane`` is not touched.
+    Another aircraft is flown: ``plane`` is not touched.
 
     Parameters
     ----------

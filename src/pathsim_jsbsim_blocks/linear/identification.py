@@ -40,7 +40,7 @@ _REACTION, _RELEVANT = 1e-4, 1e-2
 # part of a signal's peak that the states may leave unexplained while the pulse acts
 _UNSEEN = 0.1
 
-# smallest independent part of a signal, relative to its rms, that makes it a state of its own
+# smallest independent part of a signal, relative to its rms, that makes it a further state
 _INDEPENDENT = 0.05
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from ..._core.aircraft_ports import property_of
 from ..._core.checks import mapping, refuse
 from ..._core.units import FOOT
 from ...linear.model import LinearModel
@@ -17,22 +18,22 @@ from .flyable import Flyable, Linearised
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit
 _STATES = (
-    ("ic/h-sl-ft", "position/h-sl-ft", "velocities/h-dot-fps", 5.0),
+    ("ic/h-sl-ft", property_of("h"), property_of("hdot"), 5.0),
     ("ic/psi-true-rad", "attitude/psi-rad", "velocities/psidot-rad_sec", 1e-4),
     ("ic/theta-rad", "attitude/theta-rad", "velocities/thetadot-rad_sec", 1e-4),
     ("ic/phi-rad", "attitude/phi-rad", "velocities/phidot-rad_sec", 1e-4),
     ("ic/u-fps", "velocities/u-fps", "accelerations/udot-ft_sec2", 0.1),
     ("ic/v-fps", "velocities/v-fps", "accelerations/vdot-ft_sec2", 0.1),
     ("ic/w-fps", "velocities/w-fps", "accelerations/wdot-ft_sec2", 0.1),
-    ("ic/p-rad_sec", "velocities/p-rad_sec", "accelerations/pdot-rad_sec2", 1e-4),
-    ("ic/q-rad_sec", "velocities/q-rad_sec", "accelerations/qdot-rad_sec2", 1e-4),
-    ("ic/r-rad_sec", "velocities/r-rad_sec", "accelerations/rdot-rad_sec2", 1e-4),
+    ("ic/p-rad_sec", property_of("p"), "accelerations/pdot-rad_sec2", 1e-4),
+    ("ic/q-rad_sec", property_of("q"), "accelerations/qdot-rad_sec2", 1e-4),
+    ("ic/r-rad_sec", property_of("r"), "accelerations/rdot-rad_sec2", 1e-4),
 )
 
 # perturbation of an input, in its unit
 _COMMAND = 1e-3
 
-# for what is no angle
+# for quantities that are not angles
 _NO_CIRCLE = 1e99
 
 # runs without integration until accelerations that depend on others (alphadot) have settled
@@ -44,8 +45,8 @@ _LATENCY = 1
 
 # position: its rate over ground
 _POSITIONS = {
-    "position/lat-geod-deg": "velocities/v-north-fps",
-    "position/long-gc-deg": "velocities/v-east-fps",
+    property_of("lat"): "velocities/v-north-fps",
+    property_of("lon"): "velocities/v-east-fps",
 }
 
 
@@ -118,9 +119,9 @@ def _deg_per_ft(airframe: Airframe, position: str) -> float:
     """Change of latitude or longitude with the distance over ground."""
     from pymap3d.rcurve import meridian, transverse
 
-    latitude = airframe.fdm["position/lat-geod-deg"]
-    height = airframe.fdm["position/h-sl-ft"] * FOOT
-    if position == "position/lat-geod-deg":
+    latitude = airframe.fdm[property_of("lat")]
+    height = airframe.fdm[property_of("h")] * FOOT
+    if position == property_of("lat"):
         return math.degrees(FOOT / (meridian(latitude) + height))
     return math.degrees(FOOT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
 

@@ -169,7 +169,7 @@ class _Responses:
                 raise no_model(self._plane, "no fit", why, name)
         self._predicted = respond(found, flights.commands.T, self._plane.T)
         for j, port in enumerate(self._ports):
-            # a spool takes the longer the further it goes: what the pulse shows is no delay at all
+            # a spool takes the longer the further it goes: a pulse shows too short a delay
             if _is_throttle(port):
                 seen = [k for k in np.flatnonzero(self._meant[j]) if k not in self._mute]
                 predicted = self._predicted[j]

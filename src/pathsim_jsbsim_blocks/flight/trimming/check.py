@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._core.aircraft_ports import property_of
 from ..airframe import Airframe
 from .condition import TrimCondition
 from .state import STATE, UNITS, Drift
@@ -42,7 +43,7 @@ _PATH = {
 class HandsOff(NamedTuple):
     """What a flight from a trim shows, controls fixed."""
 
-    # why it is no equilibrium; empty if it is one
+    # why it is not an equilibrium; empty if it is one
     moves: str
     # how it leaves its path within 5 s; empty if it does not
     leaves: str
@@ -79,7 +80,7 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
 def _rates(airframe: Airframe) -> list[float]:
     """Rates of height in ft/s and of the heading in deg/s along the path."""
     fdm = airframe.fdm
-    return [fdm["velocities/h-dot-fps"], math.degrees(fdm["velocities/psidot-rad_sec"])]
+    return [fdm[property_of("hdot")], math.degrees(fdm["velocities/psidot-rad_sec"])]
 
 
 def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:

@@ -280,7 +280,7 @@ class TrimCondition:
 
 
 def check_condition(condition: Any) -> None:
-    """Refuse what is no `TrimCondition`."""
+    """Refuse what is not a `TrimCondition`."""
     if not isinstance(condition, TrimCondition):
         must_be("condition", condition, "a TrimCondition")
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._core.aircraft_ports import throttles
 from ..airframe import Airframe
 from .condition import TrimCondition
 from .failure import alpha_range
@@ -52,7 +53,7 @@ _WRITTEN = (
     *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
     *(f"ic/{axis}-fps" for axis in "uvw"),
     *(f"ic/{axis}-rad_sec" for axis in "pqr"),
-    *(f"fcs/{name}-cmd-norm" for name in ("pitch-trim", "elevator", "aileron", "rudder")),
+    *(STATE[name] for name in ("pitch_trim", "elevator", "aileron", "rudder")),
 )
 _FLIGHT = itemgetter("speed", "alpha", "beta", "phi", "gamma", "psi")
 _CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
@@ -113,13 +114,13 @@ class SteadyFlight:
         self.in_time = in_time
         fdm = self._fdm = airframe.fdm
         self._gravity = fdm["accelerations/gravity-ft_sec2"]
-        speed = fdm["velocities/vt-fps"]
+        speed = fdm[STATE["tas"]]
         # what the search does not move
         self._given = {
             "speed": speed,
             "throttle": condition.throttle or 0.0,
             **dict.fromkeys(("pitch_trim", "aileron", "rudder"), 0.0),
-            "elevator": fdm["fcs/elevator-cmd-norm"],
+            "elevator": fdm[STATE["elevator"]],
             "beta": math.radians(condition.beta),
             "gamma": math.radians(condition.gamma),
             "phi": math.radians(condition.bank),
@@ -192,8 +193,7 @@ class SteadyFlight:
 
     def _find_engines(self) -> None:
         airframe = self._airframe
-        engines = range(airframe.engines)
-        self._throttles = [airframe.writer(f"fcs/throttle-cmd-norm[{i}]") for i in engines]
+        self._throttles = [airframe.writer(name) for name in throttles(airframe.engines)]
         self._write = [airframe.writer(name) for name in _WRITTEN] + self._throttles
         pitches = [airframe.reader(name) for name in airframe.of_engines("blade-angle")]
         speeds = [airframe.reader(name) for name in airframe.of_engines("propeller-rpm")]

@@ -24,7 +24,7 @@ LIMITS = {
 def alpha_range(airframe: Airframe) -> tuple[float, float]:
     """Limits of the angle of attack in deg."""
     low, high = (math.degrees(airframe.fdm[f"aero/alpha-{end}-rad"]) for end in ("min", "max"))
-    # JSBSim's range for models that give no limits of their own (FGTrimAxis)
+    # JSBSim's range for models that give no limits (FGTrimAxis)
     return (low, high) if low < high else (-5.0, 20.0)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from ..._core.aircraft_ports import property_of
 from ..._core.checks import mapping, one_of, refuse
 from ..airframe import ENGINE_RUNS, Airframe
 from .condition import TrimCondition
@@ -174,7 +175,7 @@ def here(
         "speed": now.speed,
         "mach": None,
         # relative to the air, which JSBSim's own is not
-        "gamma": math.degrees(math.asin(fdm["velocities/h-dot-fps"] / now.tas)),
+        "gamma": math.degrees(math.asin(fdm[property_of("hdot")] / now.tas)),
         "heading": now.psi,
         "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
         "load_factor": 1.0,
@@ -186,8 +187,8 @@ def here(
         "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
         "payload": [fdm[name] for name in itertools.takewhile(airframe.has, masses)],
         "fuel": [fdm[name] for name in airframe.tanks],
-        "latitude": fdm["position/lat-geod-deg"],
-        "longitude": fdm["position/long-gc-deg"],
+        "latitude": fdm[property_of("lat")],
+        "longitude": fdm[property_of("lon")],
         "engines_off": [
             i for i in range(airframe.engines) if not fdm[f"propulsion/engine[{i}]/set-running"]
         ],

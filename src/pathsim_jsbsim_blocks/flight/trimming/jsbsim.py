@@ -6,6 +6,7 @@ import re
 
 import jsbsim
 
+from ..._core.aircraft_ports import property_of
 from ..airframe import Airframe
 from ..console import messages
 from ..forked import Outcome, rehearse
@@ -38,7 +39,7 @@ MOVED = {
 def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
     """Let JSBSim search from an airframe's initial conditions; returns what it has moved."""
     on_ground = condition.mode == "ground"
-    low = airframe.fdm["position/h-agl-ft"] < _NEAR_GROUND
+    low = airframe.fdm[property_of("h_agl")] < _NEAR_GROUND
     governors = airframe.of_engines("constant-speed-mode")
     why = ""
     if not on_ground and low:

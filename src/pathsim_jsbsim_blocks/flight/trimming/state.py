@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..._core.aircraft_ports import ALMOST_NORTH
+from ..._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, SURFACES, property_of, throttles
 from ..._core.extras import required
 from ..airframe import Airframe
 from .condition import TrimCondition
@@ -116,22 +116,22 @@ class TrimState:
 
     aircraft: str
     condition: TrimCondition
-    altitude: float = _read("position/h-sl-ft")
-    speed: float = _read("velocities/vc-kts")
-    mach: float = _read("velocities/mach")
-    tas: float = _read("velocities/vt-fps")
-    alpha: float = _read("aero/alpha-deg")
-    beta: float = _read("aero/beta-deg")
-    theta: float = _read("attitude/theta-deg")
-    phi: float = _read("attitude/phi-deg")
-    psi: float = _read("attitude/psi-deg")
-    gamma: float = _read("flight-path/gamma-deg")
+    altitude: float = _read(property_of("h"))
+    speed: float = _read(property_of("vc"))
+    mach: float = _read(property_of("mach"))
+    tas: float = _read(property_of("vt"))
+    alpha: float = _read(property_of("alpha"))
+    beta: float = _read(property_of("beta"))
+    theta: float = _read(property_of("theta"))
+    phi: float = _read(property_of("phi"))
+    psi: float = _read(property_of("psi"))
+    gamma: float = _read(property_of("gamma"))
     throttle: tuple[float, ...]
     thrust: float
     pitch_trim: float = _read("fcs/pitch-trim-cmd-norm")
-    elevator: float = _read("fcs/elevator-cmd-norm")
-    aileron: float = _read("fcs/aileron-cmd-norm")
-    rudder: float = _read("fcs/rudder-cmd-norm")
+    elevator: float = _read(SURFACES["elevator"])
+    aileron: float = _read(SURFACES["aileron"])
+    rudder: float = _read(SURFACES["rudder"])
     elevator_rad: float = _read("fcs/elevator-pos-rad")
     elevator_norm: float = _read("fcs/elevator-pos-norm")
     udot: float = _read("accelerations/udot-ft_sec2")
@@ -147,10 +147,10 @@ class TrimState:
     p: float
     q: float
     r: float
-    nz: float = _read("accelerations/Nz")
+    nz: float = _read(property_of("nz"))
     ny: float = _read("accelerations/Ny")
-    gear: float = _read("gear/gear-pos-norm")
-    flaps: float = _read("fcs/flap-pos-norm")
+    gear: float = _read(property_of("gear"))
+    flaps: float = _read(property_of("flaps"))
     free: tuple[str, ...]
     drift: Drift | None = None
 
@@ -232,7 +232,6 @@ STATE: dict[str, str] = {
 }
 
 _NUMBERS = [f.name for f in dataclasses.fields(TrimState) if f.name in UNITS]
-_RATES = {axis: f"velocities/{axis}-rad_sec" for axis in "pqr"}
 
 
 def read_state(
@@ -241,14 +240,14 @@ def read_state(
     """Current state of an initialised airframe, with what a search has moved."""
     fdm = airframe.fdm
     found: dict[str, Any] = {name: fdm[source] for name, source in STATE.items()}
-    found |= {name: math.degrees(fdm[source]) for name, source in _RATES.items()}
+    found |= {rate: OUTPUTS[rate].factor * fdm[property_of(rate)] for rate in "pqr"}
     if found["psi"] > ALMOST_NORTH:
         found["psi"] = 0.0
-    thrusts = [fdm[f"propulsion/engine[{i}]/thrust-lbs"] for i in range(airframe.engines)]
+    thrusts = [fdm[name] for name in airframe.of_engines("thrust-lbs")]
     return TrimState(
         aircraft=airframe.aircraft,
         condition=condition,
-        throttle=tuple(fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in range(airframe.engines)),
+        throttle=tuple(fdm[name] for name in throttles(airframe.engines)),
         # fsum refuses infinities of both signs
         thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
         free=free,

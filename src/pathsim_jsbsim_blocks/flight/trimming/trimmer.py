@@ -106,7 +106,7 @@ class Trimmer:
         if self._spent or (self._used and (by_jsbsim or not warm)):
             self._renew()
         seed, self._seed = self._seed if warm else None, None
-        # until a search has ended well the executive is no start for another one
+        # unusable until a search succeeds
         used, self._used, self._spent = self._used, True, True
         self._initialise(condition, setup)
         if used and not_finite(read_state(self.airframe, condition)):

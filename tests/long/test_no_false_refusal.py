@@ -1,0 +1,121 @@
+"""A trim that is refused cannot be flown: holds do not keep it at part throttle.
+
+Level flight and turns at airspeeds from near the stall to beyond the fastest.
+"""
+
+import math
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from how_many import bounded
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AirspeedHold,
+    AltitudeHold,
+    FlightError,
+    RollHold,
+    TrimError,
+    fly,
+)
+from pathsim_jsbsim_blocks.flight import trim
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, last
+
+pytest.importorskip("pandas")
+
+# model: altitude in ft; trims of the first three at these were refused that could be flown
+FLIGHTS = {
+    **{"c182": 700, "T37": 300, "c310": 5000, "737": 15000, "c172p": 5000, "A4": 10000},
+    **{"T38": 5000, "J3Cub": 1000, "F4N": 10000, "B747": 10000, "OV10": 5000, "L17": 2000},
+    **{"A320": 10000, "F80C": 10000, "MD11": 10000, "c172r": 3000, "fokker100": 10000},
+    **{"global5000": 15000, "t6texan2": 5000, "f15": 15000},
+}
+BANKS = 0.0, 30.0, 45.0
+
+SPEEDS = 10  # for each bank, from 1.05 of the slowest to 1.1 of the fastest
+FLOWN = bounded(3, 3 * SPEEDS)  # refused points of each model that are tried by flying
+RATE = 1.0  # kt/s, at which the holds get there
+SETTLING, KEPT = 60.0, 30.0  # s
+
+
+def is_kept(name, plane, start, speed, bank):
+    """Whether holds keep an airspeed in KCAS and a bank in deg, from a trim in level flight."""
+    aircraft = Aircraft(name, condition=start, create=plane.create)
+    level, throttle = AltitudeHold(gains=name), AirspeedHold(gains=name, reference="absolute")
+    wings, scope = RollHold(gains=name, phi_ref=0.0), Scope()
+    arrival = abs(speed - start.speed) / RATE
+    change = np.sign(speed - start.speed)
+    knots = Source(lambda t: start.speed + change * RATE * min(t, arrival))
+    banks = Source(lambda t: min(max(t - arrival, 0.0) * 3.0, bank))
+    # no alpha: protection would not let it slow down so far
+    read = {
+        level: ("h", "hdot", "theta", "q", "elev_sat", "vc"),
+        throttle: ("vc", "hdot", "thr_sat"),
+        wings: ("phi", "p", "ail_sat"),
+    }
+    wires = [Connection(aircraft[n], hold[n]) for hold, names in read.items() for n in names]
+    wires += [
+        Connection(knots, throttle["vc_ref"]),
+        Connection(banks, wings["phi_ref"]),
+        Connection(level["elevator"], aircraft["elevator"]),
+        Connection(throttle["throttle"], aircraft["throttle"]),
+        Connection(wings["aileron"], aircraft["aileron"]),
+        *(Connection(aircraft[n], scope[i]) for i, n in enumerate(("vc", "h", "phi", "thr_sat"))),
+    ]
+    blocks = [aircraft, level, throttle, wings, knots, banks, scope]
+    sim = Simulation(blocks, wires, dt=aircraft.T, log=False)
+    duration = arrival + SETTLING + KEPT
+    try:
+        fly(sim, duration, progress=False)
+    except FlightError:
+        return False
+    time, (vc, h, phi, saturated) = scope.read()
+    then = time > duration - KEPT
+    return (
+        abs(vc[then] - speed).max() < 1.0
+        and np.ptp(h[then]) < 20.0
+        and abs(phi[then] - bank).max() < 1.0
+        and not saturated[then].any()
+    )
+
+
+def trims(plane, speed, bank=0.0):
+    """The condition of level flight or a turn, and whether it trims."""
+    turn = {"mode": "turn", "bank": bank} if bank else {}
+    condition = replace(plane.base, speed=speed, **turn)
+    try:
+        trim(plane.airframe, condition, hint=False)
+    except TrimError:
+        return condition, False
+    return condition, True
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore:the trim of .* does not hold:RuntimeWarning")
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_what_is_refused_is_not_flown_by_holds(name):
+    task = {"aircraft": name, "root": None, "altitude": FLIGHTS[name], "weight": None}
+    plane = Plane({**task, "flaps": None})
+    plane._deadline = math.inf
+    slowest = plane.slowest().speed
+    start = plane.first(plane.level)
+    fastest = last(plane.level, start, 1.07).speed
+    speeds = np.geomspace(1.05 * slowest, 1.1 * fastest, SPEEDS).tolist()
+    found = {(bank, speed): trims(plane, speed, bank) for bank in BANKS for speed in speeds}
+    level = [condition for (bank, _), (condition, ok) in found.items() if ok and not bank]
+    # the holds do keep what trims
+    middle = len(level) // 2
+    assert is_kept(name, plane, level[middle - 1], level[middle].speed, 0.0)
+    refused = [key for key, (_, ok) in found.items() if not ok]
+    assert refused
+    tried = random.Random(48).sample(refused, min(FLOWN, len(refused)))
+    flown = [
+        (bank, speed)
+        for bank, speed in tried
+        if is_kept(name, plane, min(level, key=lambda c: abs(c.speed - speed)), speed, bank)
+    ]
+    assert flown == []
