@@ -207,7 +207,7 @@ class SteadyFlight:
         # the throttle at which the propellers have settled
         self._settled_at: float | None = None
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
-        self._leaps = True
+        self.leaps = True
 
     @property
     def leaves_traces(self) -> bool:
@@ -371,7 +371,7 @@ class SteadyFlight:
             self._spin_at_fixed_pitch()
             before = [read() for read in self._propellers]
             for row in range(_ROWS):
-                at_once = self._leaps and not self._has_governor
+                at_once = self.leaps and not self._has_governor
                 if self.effort.over or (at_once and row >= _ROWS_AT_FIXED_PITCH):
                     break
                 pitch = [read() for read in self._pitches]
@@ -382,10 +382,10 @@ class SteadyFlight:
                 pairs = zip(now, before, strict=True)
                 if all(abs(a - b) <= tolerance * max(abs(a), 1.0) for a, b in pairs):
                     break
-                if self._leaps and pitch == [read() for read in self._pitches]:
+                if self.leaps and pitch == [read() for read in self._pitches]:
                     self._spin_at_fixed_pitch()
                     again = [read() for read in self._propellers]
-                    self._leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
+                    self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
                     now = again
                 before = now
         finally:
@@ -394,7 +394,7 @@ class SteadyFlight:
 
     def _spin_at_fixed_pitch(self) -> None:
         """Settle the speeds at the present blade angles, many times faster than real time."""
-        if not self._leaps:
+        if not self.leaps:
             return
         with self._airframe.governors_off():
             self._fdm.get_propulsion().get_steady_state()

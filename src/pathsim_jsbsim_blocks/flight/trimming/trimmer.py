@@ -317,7 +317,7 @@ class Trimmer:
             there = SteadyFlight(other, condition, Effort(_EFFORT), flight.in_time)
             if "elevator" in flight.names:
                 there.without_pitch_trim()
-            there.has_memory = flight.has_memory
+            there.has_memory, there.leaps = flight.has_memory, flight.leaps
             there.hold(x)
         flown = check.fly(other, condition, fly)
         if flown.moves or flown.leaves or fly > check.SHORT:
