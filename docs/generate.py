@@ -25,6 +25,7 @@ import numpy as np
 
 matplotlib.use("agg")
 
+from fleet import HEADER, fleet_table, format_row, level_or_glide
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
 
@@ -47,13 +48,6 @@ from pathsim_jsbsim_blocks.catalogue import (
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
 from pathsim_jsbsim_blocks.design.requirements import requirements_table
 from pathsim_jsbsim_blocks.flight import aircraft_names
-from pathsim_jsbsim_blocks.flight.fleet import (
-    HEADER,
-    TRIES,
-    _level_or_glide,
-    fleet_table,
-    format_row,
-)
 from pathsim_jsbsim_blocks.plots import against, saving_to
 from pathsim_jsbsim_blocks.studies import STUDIES
 
@@ -422,7 +416,7 @@ def modes_table():
 def modes_of(name):
     """The row of one aircraft: its modes, or the error that says why it has none."""
     try:
-        return modes_row(name, _level_or_glide(name, len(TRIES)))
+        return modes_row(name, level_or_glide(name))
     except BlocksError as error:
         reason = error.reason if isinstance(error, TrimError) else "it does not load"
         return f"| {name} | | | | | | | | | no trim: {reason} |\n"

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import importlib
 import math
 import re
 from pathlib import Path
@@ -16,8 +17,9 @@ from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
-from pathsim_jsbsim_blocks.flight.fleet import fleet_table, format_row, level_flight
+from pathsim_jsbsim_blocks.flight.fleet import level_flight
 
+DOCS = Path(__file__).parents[2] / "docs"
 T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
 OUTPUTS = [
@@ -31,6 +33,13 @@ OUTPUTS = [
 ]
 
 
+@pytest.fixture
+def table(monkeypatch):
+    """The module that writes the table of docs/evidence/fleet.csv."""
+    monkeypatch.syspath_prepend(DOCS)
+    return importlib.import_module("fleet")
+
+
 def test_every_model_is_listed_and_forty_four_trim():
     assert sorted([*FLYING, *NOT_FLYING]) == sorted(aircraft_names())
     assert set(BY_NEWTON) <= set(NOT_FLYING)
@@ -40,8 +49,8 @@ def test_every_model_is_listed_and_forty_four_trim():
 @pytest.mark.parametrize(
     "aircraft", first(sorted(BY_NEWTON, key=lambda name: name not in ("SGS", "dr1", "X15")), 3)
 )
-def test_the_newton_search_finds_what_jsbsim_does_not(aircraft):
-    (row,) = fleet_table([aircraft], duration=10.0, tries=3)
+def test_the_newton_search_finds_what_jsbsim_does_not(aircraft, table):
+    (row,) = table.fleet_table([aircraft], duration=10.0)
     assert row.flight is not None
     assert (row.flight.condition.mode, row.flight.condition.speed) == BY_NEWTON[aircraft]
     for axis in "uvw":
@@ -128,18 +137,20 @@ def test_the_error_tells_of_all_tries():
         level_flight("SGS")
 
 
-def test_an_aircraft_that_does_not_stay_level_is_no_success():
+def test_an_aircraft_that_does_not_stay_level_is_no_success(table):
     # its engines do not stay as they were settled
-    (row,) = fleet_table(["XB-70"])
+    (row,) = table.fleet_table(["XB-70"])
     assert abs(row.drift) > 20.0
     assert row.verdict == "trims, not steady"
 
 
-def test_rows_of_the_table():
-    flies, created, glides, dry, refused, broken = fleet_table(
+def test_rows_of_the_table(table):
+    flies, created, glides, dry, refused, broken = table.fleet_table(
         ["c172p", "L17", "SGS", "Concorde", "ball", "blank"], duration=2.0
     )
-    assert format_row(flies).startswith("| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |")
+    assert table.format_row(flies).startswith(
+        "| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |"
+    )
     assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
     assert glides.verdict == "glides at -2.2 deg"
     # 46 lb in each collector tank, 4.03 lb/s
@@ -151,12 +162,7 @@ def test_rows_of_the_table():
 
 
 def test_the_page_is_up_to_date():
-    page = (
-        Path(__file__)
-        .parents[2]
-        .joinpath("docs", "evidence", "fleet.csv")
-        .read_text(encoding="utf-8")
-    )
+    page = (DOCS / "evidence" / "fleet.csv").read_text(encoding="utf-8")
     _, *rows = csv.reader(page.splitlines())
     assert [row[0] for row in rows] == aircraft_names()
     for name, _, altitude, speed, *_, verdict in rows:

@@ -1,0 +1,110 @@
+"""How every aircraft model of jsbsim does in level flight or a glide, as rows of a table."""
+
+import contextlib
+import math
+from dataclasses import dataclass
+
+from pathsim_jsbsim_blocks.errors import BlocksError, TrimError
+from pathsim_jsbsim_blocks.flight import Airframe, LevelFlight, aircraft_names, trim
+from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim
+
+# the same for a glide: the last for bodies with little lift (Shuttle, x24b)
+GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2), (2000.0, 0.3), (2000.0, 0.1))
+
+# s of flight that every aircraft should have fuel for
+_FUEL_FOR = 60.0
+
+
+@dataclass(frozen=True)
+class FleetRow:
+    """Result of trimming and flying one aircraft model."""
+
+    aircraft: str
+    # None if the model does not load
+    engines: int | None
+    # None if it does not trim
+    flight: LevelFlight | None
+    # why it does not load, trim or fly
+    error: BlocksError | None
+    # engines that stop for want of fuel within 60 s of flight, fuel not frozen
+    starved: tuple[int, ...] = ()
+
+    @property
+    def drift(self):
+        """Distance in ft above the trimmed path after a flight with controls fixed, or NaN."""
+        drift = self.flight.trim.drift if self.flight else None
+        return drift.height if drift else math.nan
+
+    @property
+    def verdict(self):
+        if self.engines is None:
+            return "does not load"
+        if isinstance(self.error, TrimError):
+            return f"no trim: {self.error.reason}"
+        if self.error is not None:
+            return f"no flight: {type(self.error).__name__}"
+        created, found = ", ".join(f"`{n}`" for n in self.flight.create), self.flight.trim
+        glides = self.flight.condition.mode == "glide"
+        said = f"glides at {found.gamma:.1f} deg" if glides else "trims"
+        if not found.steady:
+            said += ", not steady"
+        if self.starved:
+            said += f", engines out of fuel within {_FUEL_FOR:.0f} s"
+        return said + (f" with {created} created" if created else "")
+
+
+def fleet_table(names=None, duration=30.0):
+    """Trim every aircraft and fly it with controls fixed for a time in s; one row at a time.
+
+    Level flight, or else a glide with closed throttle.
+    ``names`` are by default those shipped with jsbsim.
+    """
+    for name in aircraft_names() if names is None else names:
+        engines = flight = None
+        try:
+            engines = Airframe(name).engines
+            flight = level_or_glide(name, duration)
+            yield FleetRow(name, engines, flight, None, _starved(flight))
+        except BlocksError as error:
+            yield FleetRow(name, engines, flight, error)
+
+
+def level_or_glide(aircraft, fly=0.0):
+    """Level flight, or else a glide; flown for a time in s."""
+    try:
+        return first_trim(aircraft, None, TRIES, fly, mode="full")
+    except TrimError as error:
+        with contextlib.suppress(TrimError):
+            return first_trim(aircraft, None, GLIDES, fly, mode="glide")
+        raise error
+
+
+def _starved(flight):
+    """Engines that stop for want of fuel in a flight from the trim, controls fixed."""
+    airframe = Airframe(flight.aircraft, create=flight.create)
+    trim(airframe, flight.condition, hint=False)
+    fdm = airframe.fdm
+    if airframe.engines:
+        fdm["propulsion/fuel_freeze"] = 0.0
+    while airframe.engines and fdm.get_sim_time() < _FUEL_FOR and fdm["position/h-agl-ft"] > 0.0:
+        fdm.run()
+    return tuple(airframe.starved())
+
+
+HEADER = """\
+| aircraft | engines | altitude ft | KCAS | gear | alpha deg | throttle | drift ft | verdict |
+|---|--:|--:|--:|---|--:|--:|--:|---|
+"""
+
+
+def format_row(row):
+    """One line of the Markdown table under `HEADER`."""
+    numbers = [""] * 6
+    if row.flight is not None:
+        condition, found = row.flight.condition, row.flight.trim
+        gear = "up" if condition.gear == 0.0 else "as is"
+        throttle = f"{found.throttle[0]:.3f}" if found.throttle else ""
+        numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}", gear]
+        numbers += [f"{found.alpha:.2f}", throttle, f"{row.drift:+.1f}"]
+    engines = "" if row.engines is None else str(row.engines)
+    return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict])} |"
