@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 DEG = 180.0 / math.pi
 
@@ -42,18 +42,10 @@ OUTPUTS: dict[str, Port] = {
     "nz": Port("accelerations/Nz"),
     "lat": Port("position/lat-geod-deg", unit="deg"),
     "lon": Port("position/long-gc-deg", unit="deg"),
-    "elev_sat": EXCESS,
-    "ail_sat": EXCESS,
-    "rud_sat": EXCESS,
-    "thr_sat": EXCESS,
+    **dict.fromkeys(("elev_sat", "ail_sat", "rud_sat", "thr_sat"), EXCESS),
 }
 
-# port: property
-SURFACES = {
-    "elevator": "fcs/elevator-cmd-norm",
-    "aileron": "fcs/aileron-cmd-norm",
-    "rudder": "fcs/rudder-cmd-norm",
-}
+SURFACES = {name: f"fcs/{name}-cmd-norm" for name in ("elevator", "aileron", "rudder")}
 WIND = {f"wind_{axis}": f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")}
 
 
@@ -85,8 +77,6 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def property_of(port: str) -> str:
+def property_of(port: str) -> Any:
     """The property that an output shows; a property's name stands for itself."""
-    if port in OUTPUTS:
-        return str(OUTPUTS[port].property)
-    return SHORT_OUTPUTS.get(port, (port,))[0]
+    return SHORT_OUTPUTS[port][0] if port in SHORT_OUTPUTS else OUTPUTS.get(port, Port(port))[0]
