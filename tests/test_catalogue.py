@@ -25,10 +25,9 @@ from pathsim_jsbsim_blocks.catalogue import (
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.studies import STUDIES
 
-QUICK = ("hello_jsbsim", "pitch_hold", "van_der_pol")
 
-
-@pytest.mark.parametrize("name", first([*QUICK, *sorted({*diagram_names()} - {*QUICK})]))
+# the others fly in tests/diagrams, with their figures
+@pytest.mark.parametrize("name", first(diagram_groups()["published"]))
 def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)

@@ -89,6 +89,7 @@ def test_a_study_has_a_command_of_its_own(capsys):
     assert "aoa_vs_cas is a study: pathsim-jsbsim study aoa_vs_cas" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_the_rate_of_a_csv_leaves_out_rows_and_changes_none():
     for name, options in (("all", []), ("ten", ["10"]), ("fifty", ["50"]), ("most", ["1000"])):
         rate = ["--csv-rate", *options] if options else []

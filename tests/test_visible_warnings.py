@@ -101,18 +101,17 @@ def test_each_warning_is_seen_once(start):
     assert "RuntimeWarning" in errors
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "code",
-    first(
-        [
-            # PathSim has redirected warnings before this package is there
-            "Simulation([], [], log=False)\nsimulate()",
-            # PathSim's own log level is unchanged
-            "simulate(log=True)",
-            "import pathsim_jsbsim_blocks\nimport importlib; importlib.reload(pathsim_jsbsim_blocks)\n"
-            "simulate()",
-        ],
-    ),
+    [
+        # PathSim has redirected warnings before this package is there
+        "Simulation([], [], log=False)\nsimulate()",
+        # PathSim's own log level is unchanged
+        "simulate(log=True)",
+        "import pathsim_jsbsim_blocks\nimport importlib; importlib.reload(pathsim_jsbsim_blocks)\n"
+        "simulate()",
+    ],
 )
 def test_a_warning_goes_to_stderr_by_default(code):
     output, errors = python("-c", BUILD + code, code=0)

@@ -77,6 +77,7 @@ def test_the_library_shows_our_blocks_by_category(editor, loop):
         assert name in text
 
 
+@pytest.mark.long
 def test_the_properties_dialog_explains_a_block(editor, loop):
     editor.open("loop.pvm")
     editor.page.wait_for_timeout(1500)  # the diagram flies in

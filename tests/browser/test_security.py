@@ -173,6 +173,7 @@ def test_a_model_opened_in_the_page_runs_nothing(editor, models, tmp_path):
     assert not editor.elsewhere
 
 
+@pytest.mark.long
 def test_another_page_cannot_make_the_editor_load_its_model(editor, elsewhere, model):
     editor.page.unroute_all()
     elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
@@ -275,6 +276,7 @@ def test_opened_from_another_page_the_printed_address_works(fresh_editor, elsewh
     assert not editor.errors
 
 
+@pytest.mark.long
 def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, models, model):
     content = hostile(r"gain $\alpha_0^2$", notes=[r"Angle $$\frac{\alpha}{\beta}$$"])
     content["graph"]["nodes"].append(

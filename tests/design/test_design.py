@@ -97,6 +97,7 @@ def test_a_hold_takes_them_as_they_are(designed):
     assert all(row.loop in text for row in designed.report)
 
 
+@pytest.mark.long
 def test_hysteresis_of_the_elevator_is_refused():
     there, create = condition("c172x")
     with pytest.raises(DesignError, match="does not respond to 'elevator'") as error:

@@ -200,6 +200,7 @@ def test_the_command_creates_what_a_model_expects(monkeypatch):
     assert condition.setup == {"propulsion/fuel_freeze": 1.0}
 
 
+@pytest.mark.long
 def test_the_command_says_why_there_are_none(capsys):
     assert main(["gains", "c172x", "--altitude", "5000", "--speed", "103", "--gear", "1"]) == 1
     assert "does not respond to 'elevator'" in capsys.readouterr().err
