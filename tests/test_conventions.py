@@ -153,12 +153,6 @@ def test_parameters_are_kept_as_attributes(name):
         assert kept, f"{parameter} is {value!r}, not {default!r}"
 
 
-@each([*BLOCKS, *DATA])
-def test_unknown_keywords_are_refused(name):
-    with pytest.raises(TypeError, match="no_such_parameter"):
-        {**BLOCKS, **DATA}[name](no_such_parameter=1)
-
-
 @pytest.mark.parametrize(
     "make", [*BLOCKS.values(), TrimCondition, *GAINS], ids=lambda c: c.__name__
 )
