@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, Source, WhiteNoise
+from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, WhiteNoise
 from pathsim.solvers import RKCK54
 
 gymnasium = pytest.importorskip("gymnasium")
@@ -71,48 +71,45 @@ def test_the_picture_and_the_track_of_an_episode(tmp_path):
     save_tracks(tmp_path / "flight.kml", [track])
 
 
-def test_a_step_flies_what_a_run_flies():
+@pytest.mark.parametrize("stages", [True, False], ids=["with stages", "flat"])
+def test_a_step_flies_what_a_run_flies(stages):
     plane, hold, command = Aircraft("c172p", altitude=5000, speed=90), PitchHold(), Constant(0.0)
-    clock, height = Source(lambda t: t), Integrator(0.0)
-    sim = Simulation(
-        [plane, hold, command, clock, height],
-        [
-            Connection(plane["theta"], hold["theta"]),
-            Connection(plane["q"], hold["q"]),
-            Connection(hold["elevator"], plane["elevator"]),
-            Connection(plane["hdot"], height),
-            Connection(command, hold["theta_ref"]),
-        ],
-        dt=1 / 120,
-        log=False,
-    )
+    height = Integrator(0.0) if stages else Scope()
+    wires = [
+        Connection(plane["theta"], hold["theta"]),
+        Connection(plane["q"], hold["q"]),
+        Connection(hold["elevator"], plane["elevator"]),
+        Connection(plane["hdot"], height),
+        Connection(command, hold["theta_ref"]),
+    ]
+    sim = Simulation([plane, hold, command, height], wires, dt=1 / 120, log=False)
     expected = []
     for (reference,) in 10.0 * ACTIONS:
         command.value = reference
         sim.run(0.1)
-        expected.append([*plane.outputs.to_array(), height.outputs[0]])
+        expected.append([*plane.outputs.to_array(), *([height.outputs[0]] if stages else [])])
     other = Aircraft("c172p", altitude=5000, speed=90)
-    again, integral = PitchHold(), Integrator(0.0)
-    diagram = Simulation(
-        [other, again, integral],
-        [
-            Connection(other["theta"], again["theta"]),
-            Connection(other["q"], again["q"]),
-            Connection(again["elevator"], other["elevator"]),
-            Connection(other["hdot"], integral),
-        ],
-        dt=1 / 120,
-        log=False,
-    )
+    again, integral = PitchHold(), Integrator(0.0) if stages else Scope()
+    wires = [
+        Connection(other["theta"], again["theta"]),
+        Connection(other["q"], again["q"]),
+        Connection(again["elevator"], other["elevator"]),
+        Connection(other["hdot"], integral),
+    ]
+    diagram = Simulation([other, again, integral], wires, dt=1 / 120, log=False)
     ports = [f"other.{port}" for port in Aircraft.output_port_labels]
     env = make_env(
         diagram,
         action={"again.theta_ref": (-10, 10)},
-        observation=[*ports, "integral.0"],
+        observation=[*ports, *(["integral.0"] if stages else [])],
         reward=lambda v: v["time"],
     )
     for _ in range(2):
         assert np.array_equal(flown(env, 10.0 * ACTIONS)[1:], expected)
+    if not stages:
+        # what is recorded is the same too
+        assert np.array_equal(integral.read()[0], height.read()[0])
+        assert np.array_equal(integral.read()[1], height.read()[1])
 
 
 def test_what_a_reward_sees():

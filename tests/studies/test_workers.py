@@ -221,7 +221,8 @@ run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], died={}, describe=str, t
 
 @pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
-@pytest.mark.parametrize("times", [1, pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("times", [1, 2])
 def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
     path = tmp_path / "squares.jsonl"
     with subprocess.Popen(
