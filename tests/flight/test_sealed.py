@@ -206,6 +206,7 @@ for name in {WRITERS!r}:
     assert left == []
 
 
+@pytest.mark.long
 def test_sealing_goes_on_to_the_last_output(outside, tmp_path):
     root = own_root(tmp_path, ["c172p"])
     model = root / "aircraft" / "c172p" / "c172p.xml"
@@ -427,6 +428,7 @@ def test_the_end_of_a_thread_frees_no_logger():
     assert own() is not None
 
 
+@pytest.mark.long
 def test_threads_that_end_while_others_count_take_no_process_with_them(outside):
     # In 20,000 threads beside a busy one, one count came out wrong. What many such losses add up to
     # is subtracted at once: it freed members of JSBSim's enumerations while they were in use

@@ -37,7 +37,7 @@ FLIGHTS = {
 BANKS = 0.0, 30.0, 45.0
 
 SPEEDS = 10  # for each bank, from 1.05 of the slowest to 1.1 of the fastest
-FLOWN = bounded(3, 3 * SPEEDS)  # refused points of each model that are tried by flying
+FLOWN = bounded(2, 3 * SPEEDS)  # refused points of each model that are tried by flying
 RATE = 1.0  # kt/s, at which the holds get there
 SETTLING, KEPT = 60.0, 30.0  # s
 
