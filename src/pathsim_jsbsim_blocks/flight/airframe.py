@@ -21,7 +21,7 @@ import jsbsim
 
 from .._core.checks import did_you_mean, flag, mapping, number, positive, refuse
 from ..errors import AircraftError
-from .console import SEALED_PATH, capture_console, messages, never_free
+from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .flightgear import address, directive
 from .integrators import integrator_properties
 from .model_files import ModelFile
@@ -212,7 +212,7 @@ class Airframe(PropertyTree):
 
     def _do(self, what: str, action: Callable[[], bool]) -> None:
         """Raise AircraftError where an action of JSBSim fails, with what it says."""
-        if failure := _failure_of(action):
+        if failure := failure_of(action):
             message = f"JSBSim cannot {what.format(self.aircraft)}: {failure}"
             raise AircraftError(message, aircraft=self.aircraft)
 
@@ -234,7 +234,7 @@ class Airframe(PropertyTree):
         AircraftError
             if JSBSim cannot; if the model lacks a property, the message says how to create it
         """
-        failure = _failure_of(self.fdm.run_ic)
+        failure = failure_of(self.fdm.run_ic)
         if failure:
             said = re.search(r"property (\S+) does not exist", failure)
             missing = said[1] if said else ""
@@ -387,19 +387,6 @@ class Airframe(PropertyTree):
             # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)
             self._written[name] = value
-
-
-def _failure_of(action: Callable[[], bool]) -> str:
-    """Why an action of JSBSim failed, in one line; empty if it did not."""
-
-    def attempt() -> str:
-        try:
-            return "" if action() else "no"
-        except Exception as error:
-            return " ".join(str(error).split())
-
-    failure, said = messages(attempt)
-    return (" ".join(said) or failure)[:1000] if failure else ""
 
 
 def _with_file(xml: str, read: Callable[[str], bool]) -> bool:

@@ -102,6 +102,19 @@ def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, l
             _install(previous)
 
 
+def failure_of(action: Callable[[], bool]) -> str:
+    """Why an action of JSBSim failed, in one line; empty if it did not."""
+
+    def attempt() -> str:
+        try:
+            return "" if action() else "no"
+        except Exception as error:
+            return " ".join(str(error).split())
+
+    failure, said = messages(attempt)
+    return (" ".join(said) or failure)[:1000] if failure else ""
+
+
 def _install(logger: jsbsim.FGLogger) -> None:
     never_free(logger)
     # JSBSim aborts the process if two threads install at once
