@@ -77,9 +77,9 @@ def take_report(browser):
         file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
         cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
         page = browser.new_page(viewport={"width": 1280, "height": 632})
-        page.set_default_timeout(120_000)  # plotly is large, a busy machine slow
+        page.set_default_timeout(180_000)  # plotly is large, a busy machine slow
         page.goto(file.as_uri())
-        page.wait_for_selector("body[data-ready]", timeout=60_000)
+        page.wait_for_selector("body[data-ready]", timeout=180_000)
         page.evaluate(
             "t => { const s = document.getElementById('time'); s.value = t; s.oninput() }", 80
         )
@@ -100,7 +100,7 @@ def main(names):
         for name in names:
             page = context.new_page()
             page.goto(server.url(f"{name}.pvm"))
-            page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=60_000)
+            page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=180_000)
             page.wait_for_selector(".svelte-flow__node")
             page.wait_for_timeout(2500)  # the diagram assembles itself
             page.keyboard.press("f")
