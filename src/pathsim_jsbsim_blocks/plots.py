@@ -23,7 +23,6 @@ from matplotlib.lines import Line2D
 from ._core.checks import did_you_mean, mapping, nearest, one_of, refuse, writable
 from ._core.files import replacing
 from ._core.scopes import name_and_unit, recording, signal_label
-from .errors import FileError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -368,8 +367,6 @@ def show(figure: Figure, name: str) -> None:
     try:
         with replacing(target) as file:
             figure.savefig(file, dpi=100)
-    except OSError as error:
-        raise FileError("write", target, error) from None
     finally:
         plt.close(figure)
     print(f"figure saved: {target}")

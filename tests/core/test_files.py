@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from pathsim_jsbsim_blocks._core.files import replacing, write_whole
+from pathsim_jsbsim_blocks.errors import FileError
 
 
 def test_a_file_is_written_and_replaced(tmp_path):
@@ -47,7 +48,7 @@ def test_a_file_in_a_folder_that_takes_no_new_one_is_written(tmp_path, monkeypat
     file.write_text("one")
     monkeypatch.setattr(Path, "open", denied)
     write_whole(file, "two")
-    with pytest.raises(PermissionError):
+    with pytest.raises(FileError, match=r"cannot write '.*new': Permission denied"):
         write_whole(tmp_path / "new", "two")
     monkeypatch.undo()
     assert file.read_text() == "two"

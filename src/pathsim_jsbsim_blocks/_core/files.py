@@ -8,14 +8,24 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..errors import FileError
+
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A file beside ``path``, with its ending, to write to; it replaces ``path`` at the end.
 
-    After an exception an existing file is unchanged. A link stays, and so does a device such as
-    /dev/stdout: it is written directly, as is a file in a folder that takes no new ones.
+    After an exception an existing file is unchanged; one of the system is a `FileError`. A link
+    stays, and so does a device such as /dev/stdout: it is written directly, as is a file in a
+    folder that takes no new ones.
     """
+    try:
+        yield from _beside(path)
+    except OSError as error:
+        raise FileError("write", path, error) from None
+
+
+def _beside(path: Path) -> Iterator[Path]:
     if path.exists() and not path.is_file():
         yield path
         return

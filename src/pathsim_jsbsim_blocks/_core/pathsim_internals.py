@@ -196,10 +196,7 @@ def each_sample(
 
 
 def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
-    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins.
-
-    By the ``levels``, where there are any.
-    """
+    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins."""
     update = partial(evaluate, levels) if levels else sim._update
     update(sim.time)
     for event, *_ in sim._detected_events(sim.time):

@@ -223,10 +223,7 @@ class Pieces:
         self._sim, self._dt = sim, number("dt", positive("dt", sim.dt))
         sim.reset()
         self._steps = Steps(sim, self._dt)
-
-    def show(self) -> None:
-        """Show what follows from the values as they are now."""
-        self._steps.show()
+        self.show = self._steps.show
 
     def run(self, count: int) -> bool:
         """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""

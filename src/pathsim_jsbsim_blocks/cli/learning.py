@@ -10,9 +10,9 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
+from .._core.files import replacing
 from .arguments import command, option, switch
 from .console import tell
-from .saving import whole_file
 
 
 @command(
@@ -69,7 +69,7 @@ def _copied(folder: Path) -> list[str]:
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if not target.exists():
-            with whole_file(target) as part:
+            with replacing(target) as part:
                 part.write_bytes(content)
         elif target.read_bytes() != content:
             kept.append(str(name))

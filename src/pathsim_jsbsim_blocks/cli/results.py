@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from .._core.files import replacing
 from .arguments import (
     AIRCRAFT,
     FIGURE,
@@ -24,7 +25,7 @@ from .arguments import (
     switch,
     values_in_range,
 )
-from .saving import check_file, saving_figures, whole_file
+from .saving import check_file, saving_figures
 
 
 def studies() -> Mapping[str, Any]:
@@ -128,7 +129,7 @@ def _print_table(table: Any) -> None:
 
 
 def _save_table(table: Any, path: Path) -> None:
-    with whole_file(path) as file:
+    with replacing(path) as file:
         table.to_csv(file, index=False)
     print(f"table saved: {path}")
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..errors import FileError
+from .._core.files import replacing
 
 SignalsWriter: TypeAlias = Callable[[Sequence[Any]], None]
 
@@ -43,18 +43,6 @@ def check_file(option: str, path: Path | None, *endings: str) -> None:
         writable(option, path)
         if endings:
             ending(option, path, *endings)
-
-
-@contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A file to write to that takes the place of ``path`` when it is whole."""
-    from .._core.files import replacing
-
-    try:
-        with replacing(path) as file:
-            yield file
-    except OSError as error:
-        raise FileError("write", path, error) from None
 
 
 def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | None:
@@ -116,7 +104,7 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
             column = dict(zip(time.tolist(), values.tolist(), strict=True))
             columns.append((signal_label(scope, i), column))
     times = sorted({t for _, column in columns for t in column})
-    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["time [s]", *(label for label, _ in columns)])
         writer.writerows([t, *(column.get(t, "") for _, column in columns)] for t in times)

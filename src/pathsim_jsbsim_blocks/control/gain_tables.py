@@ -200,10 +200,7 @@ def write_gains(
     # a line for each point
     head = json.dumps(_rounded({**document, **about}))[:-1] + ', "points": ['
     rows = ",\n".join(json.dumps(_rounded(point), allow_nan=False) for point in points)
-    try:
-        write_whole(file, f"{head}\n{rows}\n]}}\n")
-    except OSError as error:
-        raise FileError("write", file, error) from None
+    write_whole(file, f"{head}\n{rows}\n]}}\n")
 
 
 def _rounded(value: Any) -> Any:

@@ -310,10 +310,7 @@ class LinearModel:
         data = {"format": _FORMAT, **asdict(self)}
         for name in _ARRAYS:
             data[name] = _to_lists(data[name])
-        try:
-            write_whole(file, json.dumps(data, indent=1, allow_nan=False))
-        except OSError as error:
-            raise FileError("write", file, error) from None
+        write_whole(file, json.dumps(data, indent=1, allow_nan=False))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> LinearModel:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core.files import write_whole
-from ..errors import DiagramError
+from ..errors import DiagramError, FileError
 from .diagram import NOTE, Diagram, Event, Graph, Node
 from .layout import GRID, RECORDERS, Box, arrange, bounds, labelled, size, touch
 from .shape import check_shape
@@ -95,8 +95,8 @@ def write(path: Path, content: str) -> None:
     """Write a whole file; if it cannot be written, `DiagramError`, and an existing one stays."""
     try:
         write_whole(path, content)
-    except OSError as error:
-        raise DiagramError(f"cannot be written ({error.strerror})", path=path) from error
+    except FileError as error:
+        raise DiagramError(f"cannot be written ({error.reason})", path=path) from error
 
 
 def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], Box]:

@@ -17,7 +17,6 @@ import numpy as np
 from .._core.checks import did_you_mean, must_be, nearest, refuse, writable
 from .._core.extras import required
 from .._core.files import replacing
-from ..errors import FileError
 from .acmi import write_acmi
 from .czml import write_czml
 from .kml import write_kml
@@ -113,8 +112,6 @@ def save_tracks(
         # a number beyond the range of a format is infinite there
         with replacing(path) as file, np.errstate(over="ignore", invalid="ignore"):
             write(file, tracks, start, _versions())
-    except OSError as error:
-        raise FileError("write", path, error) from None
     except OverflowError:
         why = f"the dates of the flight, which starts at {start}, end after the year 9999"
         refuse("start", start, why)
