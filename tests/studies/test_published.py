@@ -99,6 +99,7 @@ def after_a_pulse(shift, weight, altitude):
             speed=200,
             payload=[payload],
             fuel=[fuel] * 3,
+            gear=1,
             empty_cg_x=(1 + shift / 100) * empty_weight_cg("global5000")[0],
         ),
     )
