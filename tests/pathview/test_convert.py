@@ -107,6 +107,11 @@ def test_parameters_that_no_block_has_are_left_out_with_a_warning(convert):
     with pytest.warns(UserWarning, match="'amplitud', left out; did you mean 'amplitude'"):
         convert(changed("graph", "nodes", 0, params={"amplitud": "1"}))
 
+    inside = {"nodes": [], "events": [event("tick", t_perod="1")]}
+    with pytest.warns(UserWarning, match="event 'tick'.*t_perod"):
+        code = convert(with_code("", {**block("S", "Subsystem", 0, 0), "graph": inside}))
+    assert "t_perod" not in code
+
 
 def test_type_names_of_old_files(convert):
     assert "StepSource(" in convert(changed("graph", "nodes", 0, type="pathsim.sources.StepSource"))
@@ -483,66 +488,35 @@ def position(x):
 
 DAMAGED = {
     "empty node": (changed("graph", nodes=[{}]), "graph.nodes[0].id is missing"),
-    "half a node": (
-        changed("graph", nodes=[{"id": "a", "type": "Scope"}]),
-        "graph.nodes[0].name is missing",
-    ),
-    "node is text": (changed("graph", nodes=["a"]), "graph.nodes[0] must be an object, not 'a'"),
     "type": (changed("graph", "nodes", 1, type=3), "graph.nodes[1].type must be text, not 3"),
     "params": (
         changed("graph", "nodes", 0, params=[1]),
         "graph.nodes[0].params must be an object, not [1]",
     ),
     "ports": (changed("graph", "nodes", 0, inputs=3), "graph.nodes[0].inputs must be a list"),
-    "port": (
-        changed("graph", "nodes", 0, outputs=[None]),
-        "graph.nodes[0].outputs[0] must be an object, not None",
-    ),
-    "subsystem": (
-        changed("graph", nodes=[{**block("S", "Subsystem"), "graph": [1]}]),
-        "graph.nodes[0].graph must be an object, not [1]",
-    ),
     "in a subsystem": (subsystem(nodes=[{}]), "graph.nodes[0].graph.nodes[0].id is missing"),
-    "nodes of a subsystem": (subsystem(nodes=3), "graph.nodes[0].graph.nodes must be a list"),
-    "event of a subsystem": (
-        subsystem(events=["e"]),
-        "graph.nodes[0].graph.events[0] must be an object",
-    ),
-    "connections": (changed("graph", connections={}), "graph.connections must be a list, not {}"),
-    "connection": (
-        changed("graph", connections=[{"id": "a"}]),
-        "graph.connections[0].sourceNodeId is missing",
-    ),
     "port number": (
         changed("graph", connections=[wire("Step", "Out", True)]),
         "graph.connections[0].sourcePortIndex must be a whole number, not True",
     ),
-    "label": (changed("graph", "connections", 0, label=3), "graph.connections[0].label must"),
     "events": ({**MODEL, "events": "tick"}, "events must be a list, not 'tick'"),
-    "event": ({**MODEL, "events": [{"type": "Schedule"}]}, "events[0].name is missing"),
-    "code context": ({**MODEL, "codeContext": "x = 1"}, "codeContext must be an object"),
     "code": (changed("codeContext", code=["x"]), "codeContext.code must be text, not ['x']"),
-    "settings": ({**MODEL, "simulationSettings": [1]}, "simulationSettings must be an object"),
     "solver": (changed("simulationSettings", solver=5), "simulationSettings.solver must be text"),
-    "toolboxes": ({**MODEL, "requiredToolboxes": 5}, "requiredToolboxes must be a list, not 5"),
-    "toolbox": ({**MODEL, "requiredToolboxes": ["a"]}, "requiredToolboxes[0] must be an object"),
-    "annotations": (changed("graph", annotations=[1]), "graph.annotations[0] must be an object"),
     "position": (position("a"), "graph.nodes[0].position.x must be a coordinate, not 'a'"),
     "nowhere": (position(float("nan")), "graph.nodes[0].position.x must be a coordinate, not nan"),
-    "far away": (position(10**400), "graph.nodes[0].position.x must be a coordinate, not 1000"),
 }
 
 
-@pytest.mark.parametrize("case", DAMAGED)
 # view: a port that it refuses, lest it serves what it should not have read
+READERS = {
+    "view": lambda path: view(path, port=-1),
+    "export over it": lambda path: export_script(path.with_suffix(".py")),
+}
+
+
 @pytest.mark.parametrize(
-    "call",
-    [
-        convert_model,
-        lambda path: view(path, port=-1),
-        lambda path: export_script(path.with_suffix(".py")),
-    ],
-    ids=["convert", "view", "export over it"],
+    ("case", "call"),
+    [*((case, convert_model) for case in DAMAGED), *(("type", c) for c in READERS.values())],
 )
 def test_of_a_damaged_model_the_error_names_file_and_place(case, call, tmp_path):
     model, message = DAMAGED[case]
@@ -587,9 +561,7 @@ def test_subsystems_thirty_deep(convert):
 
 BAD = {
     "empty": ("", "not a PathView model"),
-    "no JSON": ("import this", "not a PathView model"),
     "binary": ("\x00\x01", "not a PathView model"),
-    "list": ("[]", "no JSON object"),
     "other JSON": ('{"a": 1}', "it has no graph"),
     "block file": ('{"type": "block", "content": {}}', "a PathView block, not a model"),
     "version": ({**MODEL, "version": "2.0.0"}, "version '2.0.0'; this package reads 1.0.0"),
@@ -619,10 +591,6 @@ BAD = {
         changed("graph", "nodes", 0, params={"amplitude": "2 +"}),
         "block 'Step': parameter 'amplitude' is not a Python expression: '2 \\+'",
     ),
-    "parameter in JSON": (
-        changed("graph", "nodes", 0, params={"amplitude": "true false"}),
-        "not a Python expression",
-    ),
     "event parameter": (
         changed("events", 0, params={"func_act": "def f"}),
         "event 'tick': parameter 'func_act'",
@@ -639,22 +607,6 @@ BAD = {
             connections=[wire("a", "a")],
         ),
         "blocks 'a' and 'b' have the same id 'a'",
-    ),
-    "the same id inside": (
-        changed(
-            "graph",
-            nodes=[
-                block("a", "Constant"),
-                {
-                    **block("S", "Subsystem"),
-                    "graph": {
-                        "nodes": [block("io", "Interface"), {**block("b", "Constant"), "id": "a"}]
-                    },
-                },
-            ],
-            connections=[],
-        ),
-        "blocks 'b' and 'a' have the same id 'a'",
     ),
     "the id of its subsystem": (
         changed(
@@ -696,6 +648,24 @@ BAD = {
         changed("graph", "nodes", 1, graph={"nodes": [block("b", "Constant")]}),
         "block 'Out' has blocks inside but is not a Subsystem: 'Scope'",
     ),
+    "unknown event in a subsystem": (
+        subsystem(
+            nodes=[block("io", "Interface")],
+            events=[{"type": "pathsim.events.Schedul", "name": "tick"}],
+        ),
+        "event 'tick': .*did you mean 'Schedule'",
+    ),
+    "unknown block after a subsystem": (
+        changed(
+            "graph",
+            nodes=[
+                {**block("S", "Subsystem"), "graph": {"nodes": [block("io", "Interface")]}},
+                block("gain", "Amplifer"),
+            ],
+            connections=[],
+        ),
+        "block 'gain': .*did you mean 'Amplifier'",
+    ),
     "event in the graph": (
         changed("graph", events=[{"type": "Schedule", "name": "e"}]),
         "event 'e' is in the graph",
@@ -704,33 +674,12 @@ BAD = {
         changed("graph", "nodes", 0, params={"amplitude": "-" * 100_000 + "1"}),
         "block 'Step': parameter 'amplitude' is nested too deep",
     ),
-    "long sum": (
-        changed("graph", "nodes", 0, params={"amplitude": "+".join("1" * 20_000)}),
-        "block 'Step': parameter 'amplitude' is nested too deep",
-    ),
-    "many brackets": (
-        changed("graph", "nodes", 0, params={"amplitude": "(" * 5_000 + ")" * 5_000}),
-        "block 'Step': parameter 'amplitude' is",
-    ),
-    "deep setting": (
-        changed("simulationSettings", dt="-" * 100_000 + "1"),
-        "setting 'dt' is nested",
-    ),
     "deep code": (changed("codeContext", code="x = " + "-" * 100_000 + "1"), "the code is nested"),
-    "deep event": (
-        changed("events", 0, params={"func_act": "not " * 100_000 + "1"}),
-        "event 'tick': parameter 'func_act' is nested too deep",
-    ),
     "deep subsystems": (json.dumps(nested(40)), "damaged: graph.nodes.*nested deeper than 100"),
     "deep value": (
         json.dumps({**MODEL, "extra": json.loads("[" * 300 + "]" * 300)}),
         "damaged: extra.*nested deeper than 100 levels",
     ),
-    "solver that is none": (
-        changed("simulationSettings", solver="__name__"),
-        "unknown solver '__name__'",
-    ),
-    "return": (changed("codeContext", code="return 1"), "the code is not a Python code"),
     "embedded toolbox": (
         {**MODEL, "requiredToolboxes": [{"source": {"type": "inline"}}]},
         "a toolbox that is not a package",
@@ -738,10 +687,6 @@ BAD = {
     "toolbox of no name": (
         {**MODEL, "requiredToolboxes": [requirement("1x", "a b")]},
         "a toolbox that is not a package: .*not 'a b:1x'",
-    ),
-    "toolbox without one": (
-        {**MODEL, "requiredToolboxes": [{"source": {"type": "pypi"}}]},
-        "a toolbox that is not a package",
     ),
 }
 

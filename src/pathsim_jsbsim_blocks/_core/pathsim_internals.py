@@ -21,9 +21,8 @@ from pathsim.utils.register import Register
 
 from .checks import did_you_mean, nearest_ports, refuse
 
-# names in a block, for who compares two: whether it is on, and what a run changes
+# the attribute of a block or a simulation that tells whether it is on
 ON = "_active"
-OF_A_RUN = {"graph", "inputs", "outputs", "engine", "_solver_args"}
 
 
 def values(register: Register) -> list[float]:
@@ -208,8 +207,6 @@ def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
 def draw_first(block: Block) -> None:
     """Repeat what PathSim's noise sources draw when they are built."""
     if isinstance(block, PinkNoise):
-        block.octave_values = block._rng.normal(0, 1, block.num_octaves)
-        block.n_samples = 0
+        block.reset()
     if isinstance(block, (PinkNoise, WhiteNoise)) and block.sampling_period is not None:
-        block._current_sample = block._generate_sample(block.sampling_period)
-        block.outputs[0] = block._current_sample
+        block.events[0].func_act(0.0)

@@ -145,12 +145,11 @@ class Code:
         return self._defined(value, getattr(value, "__name__", wish))
 
     def _part(self, value: Any) -> str:
-        """A stand-in for a part of the diagram, or for what belongs to one."""
-        for owner, more in ((value, ""), *self.script.belongings.get(id(value), ())):
-            if isinstance(owner, PARTS):
-                self.parts[id(owner)] = owner
-                return f"__part_{id(owner)}{more}"
-        return ""
+        """A stand-in for a part of the diagram; else empty."""
+        if not isinstance(value, PARTS):
+            return ""
+        self.parts[id(value)] = value
+        return f"__part_{id(value)}"
 
     def _container(self, value: Any, wish: str) -> str:
         def each(items: Any) -> str:
@@ -241,6 +240,13 @@ class Code:
             lines = [self._function(value, name)]
             lines += [f"{name}.{k} = {self._attribute(v, k)}" for k, v in vars(value).items()]
             piece.text = "\n".join(lines)
+        elif isinstance(value, functools._lru_cache_wrapper):
+            inside: Any = value.__wrapped__
+            self._located(piece, inside)
+            cached = self.expression(functools.lru_cache, "lru_cache")
+            given = ", ".join(f"{k}={v!r}" for k, v in value.cache_parameters().items())
+            text = self._function(inside, name)
+            piece.text = f"{text}\n{name} = {cached}({given})({name})"
         elif isinstance(value, type):
             self._class(value, name, piece)
         elif _is_lambda(value):
@@ -274,19 +280,20 @@ class Code:
             self._pieces[name] = Piece(text, line, line)
             self._keep(name)
             return True
-        statement = self.expressions.statement(name)
-        if statement is None or TAKEN.fullmatch(name):
+        found = self.expressions.assigned(name)
+        if found is None or TAKEN.fullmatch(name) or name in self._pieces:
             return False
-        names = sorted(self.expressions.bound_by(statement))
-        if any(n in self._pieces for n in names):
-            return False
+        statement, value = found
         piece = Piece(line=self.expressions.first_line(statement), end=statement.end_lineno or 0)
-        self._pieces.update(dict.fromkeys(names, piece))
-        for n in names:
-            self._keep(n)
+        self._pieces[name] = piece
+        self._keep(name)
         self._needs.append(piece.needs)
-        inner = self._spliced(Found(statement, self.script.source), statement)
-        piece.text = self.expressions.with_comments(statement, inner)
+        if value is getattr(statement, "value", None):
+            inner = self._spliced(Found(statement, self.script.source), statement)
+            piece.text = self.expressions.with_comments(statement, inner)
+        else:  # one of ``a, b = 1, 2``
+            inner = self._spliced(Found(value, self.script.source), value)
+            piece.text = f"{name} = {one_line(inner)}"
         self._needs.pop()
         return True
 
@@ -452,22 +459,13 @@ class Code:
                       text_of(tree, new, decorated=True), count=1)  # fmt: skip
         if path == str(self.script.path):
             piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
-        piece.text = "\n".join([text, *self._changed(kind, name, tree.node, path)])
+        piece.text = "\n".join([text, *self._changed(kind, name, tree.node)])
 
-    def _changed(self, kind: type, name: str, source: ast.ClassDef, path: str) -> Iterator[str]:
-        """Assignments of attributes of a class that are not as its source has them."""
-        here = range(source.lineno, (source.end_lineno or 0) + 1)
+    def _changed(self, kind: type, name: str, source: ast.ClassDef) -> Iterator[str]:
+        """Assignments of numbers and texts of a class that are not as its source has them."""
         written = {target.id: value for s in source.body for target, value in assignments(s)}
         for attribute, value in list(vars(kind).items()):
-            accessors = [value.fget, value.fset] if isinstance(value, property) else [value]
-            functions = [getattr(a, "__func__", a) for a in accessors if a is not None]
-            if all(isinstance(f, types.FunctionType) for f in functions):
-                codes = [f.__code__ for f in functions]
-                if any(c.co_filename == path and c.co_firstlineno not in here for c in codes):
-                    made = [self.expression(f, attribute) for f in functions]
-                    text = f"property({', '.join(made)})" if accessors[0] is not value else made[0]
-                    yield f"{name}.{attribute} = {text}"
-            elif _scalar(value) and not attribute.startswith("__"):
+            if _scalar(value) and not attribute.endswith("_"):  # of Python
                 node = written.get(attribute)
                 if node is None or not self.expressions.gives(node, value):
                     yield f"{name}.{attribute} = {self.expression(value, attribute)}"
@@ -486,12 +484,8 @@ class Code:
             reduced = value.__reduce_ex__(4)
         except Exception as error:
             raise Unwritable(f"{_short(value)} cannot be written ({error})") from None
-        wrapped = getattr(value, "__wrapped__", None)
         if isinstance(reduced, str):
-            if not isinstance(wrapped, types.FunctionType):
-                raise Unwritable(f"{_short(value)} cannot be written")
-            self._decorated(value, wrapped, name, piece)
-            return
+            raise Unwritable(f"{_short(value)} cannot be written")
         make, arguments, state, items, pairs = (*reduced, None, None, None)[:5]
         if make is copyreg.__newobj__:  # type: ignore[attr-defined]
             text = f"{self.expression(type(value), type(value).__name__)}.__new__"
@@ -542,18 +536,6 @@ class Code:
         if type(value) in _CONTAINERS and id(value) not in self._texts:
             return self._defined(value, name)
         return self.expression(value, name)
-
-    def _decorated(self, value: Any, wrapped: Any, name: str, piece: Piece) -> None:
-        """A function behind a decorator that is no function itself, such as a cache."""
-        text = self._function(wrapped, f"{name}_inside")
-        self._located(piece, wrapped)
-        found = of_function(wrapped)
-        decorators = [] if found is None else found.node.decorator_list
-        source = self.script.source if found is None else found.source
-        made = f"{name}_inside"
-        for decorator in reversed(decorators):
-            made = f"{self._spliced(Found(decorator, source), decorator)}({made})"
-        piece.text = f"{text}\n{name} = {made}"
 
 
 class _Names:

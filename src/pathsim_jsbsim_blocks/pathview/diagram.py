@@ -90,8 +90,3 @@ class Diagram:
     seeded: bool = False  # whether the code seeds NumPy's global generator
     unseeded: list[str] = field(default_factory=list)  # blocks that draw without a seed
     parts: dict[str, Part] = field(default_factory=dict)  # by their variables
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """The blocks and events by their variables."""
-        return {name: part.value for name, part in self.parts.items()}

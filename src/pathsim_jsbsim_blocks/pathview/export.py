@@ -16,9 +16,9 @@ from . import pvm
 from .diagram import Diagram
 from .proof import Proof, Rehearsal
 from .reader import read_diagram
-from .rehearsal import Difference, Job, plain_values, seed_unseeded, state_of_random
+from .rehearsal import Difference, Job, seed_unseeded
 from .settings import setting_values
-from .shape import Json, shortened
+from .shape import Json
 
 _CHECKED = 60.0  # s of processing
 _ONE_AT_A_TIME = threading.RLock()  # a script may change the directory and the environment
@@ -129,13 +129,7 @@ def _proven(
             process=rehearsal.surroundings,
             blocks=list(blocks),
             parameters={name: diagram.parts[name].target.params for name in blocks},
-            # what a block without a seed has drawn when it is built differs
-            values={
-                name: plain_values(part.value)
-                for name, part in diagram.parts.items()
-                if name not in diagram.unseeded
-            },
-            random=state_of_random() if diagram.seeded else "",
+            seeded=diagram.seeded,
             unseeded=diagram.unseeded,
             run=run,
         )
@@ -153,10 +147,6 @@ def _refuse_own_simulation(script: FirstRun) -> None:
         what = f"the simulation is a {type(simulation).__name__}"
         place = script.built_at(simulation)
         script.refuse(f"{what}; PathView has PathSim's Simulation only", place)
-    for name, value in vars(simulation).items():
-        if callable(value) and hasattr(Simulation, name):
-            reason = f"{name} of the simulation is replaced; PathView has PathSim's own"
-            script.refuse(reason, script.last_mention(*script.names_of(simulation)))
 
 
 def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
@@ -164,7 +154,9 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     if found.variable:
         part = diagram.parts[found.variable].value
         what = script.called(part)
-        place = script.last_mention(*script.holders(part)) or script.built_at(part)
+        place = script.last_mention(*script.names_of(part), script.target(part)) or script.built_at(
+            part
+        )
     else:
         part, what, place = None, found.name or "the model", script.run_call
     if found.error and part is not None:
@@ -176,10 +168,6 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     if found.error:
         script.refuse(f"{what} cannot be built: {found.error}", place)
     values = f"{found.here}, and {found.there} in the model"
-    if found.time is None:
-        values = ", and ".join(_short(found.here, found.there)) + " in the model"
-        reason = f"{what} is changed after it is built: {found.name} is {values}"
-        script.refuse(f"{reason}; PathView cannot represent that", place)
     at = f"at t = {found.time!r} s"
     if part is None:
         script.refuse(f"{at} the script {found.here}, and the model {found.there}", place)
@@ -193,10 +181,3 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     script.refuse(
         f"{what} flies otherwise in the model: port {found.name} {at} is {values}; {why}", place
     )
-
-
-def _short(here: str, there: str) -> list[str]:
-    """Texts of at most 60 characters, around the place where they differ."""
-    pairs = enumerate(zip(here, there, strict=False))
-    start = max(0, next((i for i, (a, b) in pairs if a != b), 0) - 20)
-    return [shortened(f"...{text[start:]}" if start else text) for text in (here, there)]

@@ -15,7 +15,7 @@ import numpy as np
 from pathsim.blocks import Block
 
 from ..scripts.first_run import FirstRun
-from ..scripts.names import bound
+from ..scripts.names import assignments, bound
 
 _PLAIN = (
     ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.keyword, ast.Starred, ast.Subscript,
@@ -81,32 +81,17 @@ class Expressions:
         except Exception:
             return False
 
-    def statement(self, name: str) -> ast.stmt | None:
-        """The assignment that gives a name its live value, if it is plain."""
+    def assigned(self, name: str) -> tuple[ast.stmt, ast.expr] | None:
+        """The assignment that gives a name its live value, and the expression, if it is plain."""
         statement = self._statements.get(name)
-        if not isinstance(statement, (ast.Assign, ast.AnnAssign)) or statement.value is None:
+        live = self._script.namespace.get(name)
+        # ``a = b = x`` would give each name a value of its own
+        if statement is None or len(getattr(statement, "targets", "1")) > 1:
             return None
-        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-        namespace = self._script.namespace
-        for target in targets:
-            for inner in ast.walk(target):
-                if not isinstance(inner, (ast.Name, ast.Tuple, ast.List, ast.expr_context)):
-                    return None
-            names = [n.id for n in ast.walk(target) if isinstance(n, ast.Name)]
-            if any(self._statements.get(n) is not statement for n in names):
-                return None
-            live: Any = tuple(namespace.get(n) for n in names)
-            if not all(map(self._is_value, live)):
-                return None
-            if isinstance(target, ast.Name):
-                good = self.gives(statement.value, live[0])
-            else:
-                value = statement.value
-                parts = value.elts if isinstance(value, (ast.Tuple, ast.List)) else []
-                good = len(parts) == len(live) and all(map(self.gives, parts, live))
-            if not good:
-                return None
-        return statement
+        for target, value in assignments(statement):
+            if target.id == name and self._is_value(live) and self.gives(value, live):
+                return statement, value
+        return None
 
     def imported(self, name: str) -> str:
         """The import that gives a name its live value, without other names."""
@@ -119,9 +104,6 @@ class Expressions:
             if name == (alias.asname or alias.name.partition(".")[0]) and not beside:
                 return ast.unparse(type(statement)(**{**vars(statement), "names": [alias]}))
         return ""
-
-    def bound_by(self, statement: ast.stmt) -> frozenset[str]:
-        return bound([statement])
 
     def line(self, name: str) -> float:
         """Where a script binds a name."""

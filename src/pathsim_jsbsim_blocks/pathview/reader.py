@@ -18,7 +18,6 @@ from pathsim.blocks import Block
 from .._core.pathsim_internals import own_events, port_names
 from .._core.seeding import draws_from_shared, is_random
 from ..scripts.first_run import FirstRun, named_arguments
-from ..scripts.names import used
 from .code import TAKEN, Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same
@@ -179,6 +178,9 @@ class _Reader:
     def _add(self, part: Part) -> Part:
         if id(part.value) in self.parts:
             self._refuse(part.value, f"{self._called(part.value)} is in the diagram twice")
+        if not part.value:
+            reason = "is switched off when the run begins; PathView cannot represent that"
+            self._refuse(part.value, f"{self._called(part.value)} {reason}")
         self.parts[id(part.value)] = part
         return part
 
@@ -224,20 +226,15 @@ class _Reader:
             self._refuse(part.value, f"{what}: {unwritable}", where)
 
     def _node(self, part: Part, name: str) -> ast.expr | None:
-        """The expression that the script gives for a parameter, outside of functions."""
+        """The expression that the script gives for a parameter."""
         made = self.script.construction(part.value)
-        if made is None or made.given is None or not isinstance(made.node, ast.Call):
+        if made is None or made.given is None:
             return None
-        node = named_arguments(made.node, list(_parameters(part.kind))).get(name)
-        return node if node is not None and self._is_global(node) else None
-
-    def _is_global(self, node: ast.expr) -> bool:
-        """Whether an expression means the same at the top level."""
-        return not used(node) & self.script.local_names(node)
+        return named_arguments(made.node, list(_parameters(part.kind))).get(name)
 
     def _setting(self, node: ast.expr, value: str) -> str:
         for live in (float(value or "nan"), int(float(value)) if value else 0):
-            if self._is_global(node) and (kept := self.code.kept(node, live)):
+            if kept := self.code.kept(node, live):
                 return kept
         return value
 

@@ -23,7 +23,7 @@ from unittest.mock import patch
 import numpy as np
 from pathsim.blocks import Block
 
-from .._core.pathsim_internals import ON, each_sample, port_names
+from .._core.pathsim_internals import each_sample, port_names
 from .._core.seeding import seed_blocks
 from .generate import to_python
 from .toolboxes import registry_for
@@ -42,8 +42,7 @@ class Job:
     process: dict[str, Any]  # environment, folder and import path before the script ran
     blocks: list[str]  # PathView's variables
     parameters: dict[str, dict[str, str]]  # expressions by PathView's variables, and name
-    values: dict[str, dict[str, str]]  # plain values of blocks and events, by variable
-    random: str  # the state of NumPy's global generator, if the script has seeded it
+    seeded: bool  # whether the script has seeded NumPy's global generator
     unseeded: list[str]  # blocks that draw random numbers without a seed, by variable
     run: dict[str, Any]  # arguments of the run
 
@@ -53,7 +52,7 @@ class Difference(Exception):
     """Where the model is not, or does not fly, as the script's diagram."""
 
     variable: str = ""  # a block or event
-    name: str = ""  # of an output or an attribute
+    name: str = ""  # of an output or a parameter
     here: str = ""
     there: str = ""
     time: float | None = None
@@ -71,34 +70,6 @@ def row(t: float, blocks: Iterable[Block]) -> Row:
     return float(t), tuple(block.outputs.to_array().tobytes() for block in blocks)
 
 
-def plain_values(part: Any) -> dict[str, str]:
-    """Numbers, texts and arrays of a block or an event: a limit that no flight reaches, say."""
-    return {
-        name.removeprefix("_p_"): _text(value)
-        for name, value in vars(part).items()
-        # the flight compares states; the other private attributes are those of a run
-        if name not in _OF_A_RUN and (name[0] != "_" or name.startswith("_p_") or name == ON)
-        if isinstance(value, _PLAIN)
-    }
-
-
-_PLAIN = (bool, int, float, complex, str, np.ndarray, np.generic, list, tuple, dict)
-_OF_A_RUN = {
-    *("initial_value", "recording_time", "recording_data", "blocks", "connections"),
-    *("input_port_labels", "output_port_labels"),
-}
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        return f"{value.dtype}{_text(value.tolist())}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_text, value))}]"
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{k!r}: {_text(v)}' for k, v in value.items())}}}"
-    return repr(value) if isinstance(value, _PLAIN) else type(value).__name__
-
-
 def seed_unseeded(blocks: Iterable[Block], seeded: bool) -> None:
     """Give blocks without a seed the same random numbers on both sides.
 
@@ -108,11 +79,6 @@ def seed_unseeded(blocks: Iterable[Block], seeded: bool) -> None:
         seed_blocks([block], number)
     if not seeded:
         np.random.seed(0)  # noqa: NPY002
-
-
-def state_of_random() -> str:
-    """The state of NumPy's global generator."""
-    return repr([np.array(part).tolist() for part in np.random.get_state()])  # noqa: NPY002
 
 
 # the model's side ---------------------------------------------------------------------------------
@@ -133,7 +99,6 @@ def rehearse(pipe: Connection, job: Job) -> None:
             difference = _not_evaluated(job)
             if difference is None:
                 namespace = _built(job)
-                difference = _compared(namespace, job)
         except (Exception, SystemExit) as error:
             difference = Difference(error=error_text(error))
         pipe.send(difference)
@@ -173,24 +138,10 @@ def _built(job: Job) -> dict[str, Any]:
     return namespace
 
 
-def _compared(namespace: dict[str, Any], job: Job) -> Difference | None:
-    for variable, here in job.values.items():
-        there = plain_values(namespace[variable])
-        for name in {**here, **there}:
-            if here.get(name) != there.get(name):
-                values = here.get(name, "absent"), there.get(name, "absent")
-                return Difference(variable, name, *values)
-    if job.random and job.random != state_of_random():
-        return Difference(
-            name="np.random", error="its state is another one; give what draws its own"
-        )
-    return None
-
-
 def _flown(namespace: dict[str, Any], job: Job, rows: Iterator[Row]) -> Difference | None:
     """Fly the model beside the script; where they part."""
     simulation, blocks = namespace["sim"], {name: namespace[name] for name in job.blocks}
-    seed_unseeded([blocks[name] for name in job.unseeded], bool(job.random))
+    seed_unseeded([blocks[name] for name in job.unseeded], job.seeded)
 
     def take(t: float) -> None:
         theirs, mine = next(rows, None), row(t, blocks.values())

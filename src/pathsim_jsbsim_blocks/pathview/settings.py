@@ -24,7 +24,7 @@ def setting_expressions(script: FirstRun) -> dict[str, ast.expr]:
     """Settings that a script writes itself, by PathView's names."""
     found: dict[str, ast.expr] = {}
     made = script.construction(script.simulation)
-    if made and made.given is not None and isinstance(made.node, ast.Call):
+    if made and made.given is not None:
         given = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
         found = {
             ours: given[theirs]

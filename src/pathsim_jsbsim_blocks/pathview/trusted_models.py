@@ -5,6 +5,7 @@ Parameters and code of a model are Python and run when the model runs.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import os
@@ -88,6 +89,7 @@ def _trusted() -> set[str]:
         return set()
 
 
+@functools.cache
 def _ours() -> set[str]:
     return {digest(pvm.read(p)) for p in diagram_folder().glob("*/*.pvm")}
 

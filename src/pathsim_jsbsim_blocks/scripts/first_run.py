@@ -10,7 +10,6 @@ import itertools
 import logging
 import math
 import os
-import re
 import sys
 import traceback
 import warnings
@@ -23,13 +22,11 @@ from unittest.mock import patch
 
 import numpy as np
 from pathsim import Simulation
-from pathsim.blocks import Block
-from pathsim.events import Event
 
 from .._core.running import fly
-from .._core.wiring import contents, warn_of_wiring
+from .._core.wiring import warn_of_wiring
 from ..errors import DiagramError
-from .names import arguments, assignments, bound, own, root
+from .names import assignments, bound, own
 from .runs import Beginning, intercepted_runs
 from .script import Script, is_beside, main_program
 
@@ -160,10 +157,8 @@ class FirstRun(Script):
     def _before_run(self) -> list[ast.stmt]:
         """The statements of the top level, and of the main guard, that end before the run."""
         line = self.lines[0] if self.lines else math.inf
-        statements: list[ast.stmt] = []
-        for statement in self.tree.body:
-            statements += _as_main(statement) if _is_main_guard(statement) else [statement]
-        return list(itertools.takewhile(lambda s: (s.end_lineno or 0) < line, statements))
+        of_top = [s.body if _is_main_guard(s) else [s] for s in self.tree.body]
+        return [s for body in of_top for s in body if (s.end_lineno or 0) < line]
 
     # what is read from it -------------------------------------------------------------------------
 
@@ -197,16 +192,6 @@ class FirstRun(Script):
         names = self.names_of(part)
         return repr(names[0]) if names else f"this {type(part).__name__}"
 
-    def holders(self, part: Any) -> set[str]:
-        """The script's names for a part, and those of collections that hold it."""
-
-        def has(value: Any) -> bool:
-            held = value.values() if isinstance(value, dict) else value
-            return isinstance(value, (dict, list, tuple)) and any(v is part for v in held)
-
-        names = {n for n, v in self.namespace.items() if v is part or has(v)}
-        return names | {self.target(part)} - {""}
-
     def built_at(self, part: Any) -> ast.AST | None:
         """The expression that builds a part."""
         made = self.construction(part)
@@ -227,16 +212,16 @@ class FirstRun(Script):
         return max(found, key=lambda n: n.lineno, default=None)
 
     def seeding(self) -> str:
-        """The statement with which the script seeds NumPy's global generator, or its state."""
-        calls = [ast.unparse(n) for n in ast.walk(self.tree) if isinstance(n, ast.Call)]
-        seeds = [c for c in calls if re.match(r"(np|numpy)\.random\.(seed|set_state)\(", c)]
-        if len(seeds) == 1 and re.fullmatch(r"\w+\.random\.seed\(\d+\)", seeds[0]):
-            return "np" + seeds[0][seeds[0].index(".") :]
+        """The last statement with which the script seeds NumPy's global generator."""
+        calls = [n for n in ast.walk(self.tree) if isinstance(n, ast.Call) and n.args]
+        seeds = [n for n in calls if ast.unparse(n.func) in ("np.random.seed", "numpy.random.seed")]
         if not seeds:
             return ""
-        state: Any = np.random.get_state()  # noqa: NPY002
-        key = ", ".join(map(str, state[1]))
-        return f"np.random.set_state(({state[0]!r}, [{key}], {state[2]}, {state[3]}, {state[4]!r}))"
+        given: Any = seeds[-1].args[0]
+        value = getattr(given, "value", self.namespace.get(getattr(given, "id", "")))
+        if not isinstance(value, int):
+            self.refuse("functions draw from np.random; its seed must be a number", seeds[-1])
+        return f"np.random.seed({value})"
 
     def is_beside(self, module: str) -> bool:
         """Whether a module is the script, or a file beside it, which a model does not have."""
@@ -254,15 +239,6 @@ class FirstRun(Script):
         nodes = (n for n in ast.walk(self.tree) if isinstance(n, ast.Attribute))
         return sorted({n.attr for n in nodes if getattr(n.value, "id", "") == name})
 
-    @functools.cached_property
-    def belongings(self) -> dict[int, list[tuple[Any, str]]]:
-        """What belongs to a block, by id: the block, and the attribute."""
-        blocks = contents(self.simulation)[0]
-        owned = [
-            (b, n, getattr(b, n, None)) for b in blocks for n in ("engine", "inputs", "outputs")
-        ]
-        return {id(value): [(b, f".{n}")] for b, n, value in owned if value is not None}
-
     def note_files(self, function: Any) -> None:
         """Note the files that a function of the model finds only in this directory."""
         for text in function.__code__.co_consts:
@@ -270,16 +246,6 @@ class FirstRun(Script):
                 path = Path(text)
                 if not path.is_absolute() and path.is_file():
                     self.files[text] = function.__code__.co_firstlineno
-
-    def local_names(self, node: ast.AST) -> set[str]:
-        """Names that belong to the functions around a node."""
-        names: set[str] = set()
-        while node in self._parents:
-            node = self._parents[node]
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
-                body = node.body if isinstance(node.body, list) else [node.body]
-                names |= bound(body) | {a.arg for a in arguments(node)}
-        return names
 
     def target(self, value: Any) -> str:
         """The variable, attribute or key to which the call that built an object is assigned."""
@@ -296,31 +262,24 @@ class FirstRun(Script):
         return getattr(target, "attr", key if isinstance(key, str) else "")
 
     def left_out(self) -> list[tuple[int, str]]:
-        """What the script does after its first run, by line."""
+        """The runs of the script after its first one, by line."""
         if self.begun is None or not self.lines:
             return []
         first, last, found = self.lines[0], self.lines[-1], dict[int, str]()
         steps = self.begun.method in _STEPS
         if steps:
             found[last] = f"how long {self.begun.method}() goes on"
-        parts = {n for n, v in self.namespace.items() if isinstance(v, (Block, Event, Simulation))}
         for node in ast.walk(self.tree):
-            line = getattr(node, "lineno", 0)
             if isinstance(node, (ast.For, ast.While)) and last in _lines(node):
                 if not steps:
-                    found[line] = "the loop runs the simulation again"
-            elif line <= first or node is self.run_call:
-                continue
-            elif isinstance(node, ast.Call) and _name(node) in (*_RUNS, *_STATES, "fly"):
-                found[line] = f"{ast.unparse(node.func)}()"
-            elif isinstance(node, ast.Call) and _name(node) == "Simulation":
-                found[line] = "another simulation"
+                    found[node.lineno] = "the loop runs the simulation again"
             elif (
-                isinstance(node, ast.Attribute)
-                and isinstance(node.ctx, ast.Store)
-                and root(node) in parts
+                isinstance(node, ast.Call)
+                and _name(node) in (*_RUNS, *_STATES, "fly")
+                and node.lineno > first
+                and node is not self.run_call
             ):
-                found[line] = f"{root(node)!r} is changed"
+                found[node.lineno] = f"{ast.unparse(node.func)}()"
         return sorted(found.items())
 
 
@@ -346,14 +305,6 @@ def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
     return isinstance(statement, ast.If) and any(
         isinstance(n, ast.Name) and n.id == "__name__" for n in ast.walk(statement.test)
     )
-
-
-def _as_main(guard: ast.If) -> list[ast.stmt]:
-    """The branch of a main guard that the main program takes."""
-    with contextlib.suppress(NameError):  # of a test that reads other names
-        test = compile(ast.Expression(guard.test), "<guard>", "eval")
-        return guard.body if eval(test, {"__name__": "__main__"}) else guard.orelse
-    return guard.body
 
 
 @contextmanager

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import functools
 import importlib.util
 import inspect
 import sys
@@ -25,7 +24,7 @@ from .settings import Settings
 
 # stay in the script's namespace: its functions also call them later; not names of methods, which
 # would hide them in a class
-FOLLOWING = _CALL, _DECORATE, _SET = "__script_call__", "__script_decorate__", "__script_set__"
+FOLLOWING = _CALL, _SET = "__script_call__", "__script_set__"
 _LOADING = threading.RLock()  # `main_program` replaces values of the whole process
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 
@@ -34,7 +33,7 @@ _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 class Construction:
     """The call that made an object."""
 
-    node: ast.expr  # or the decorator of a function
+    node: ast.Call
     value: Any
     # parameters that the call gives; None where a function of the script builds the object
     given: frozenset[str] | None
@@ -83,7 +82,6 @@ class Script:
     def run(self, module: types.ModuleType) -> None:
         """Execute the script in a module; a `SettingError` names a setting without a place."""
         setattr(module, _CALL, self._call)
-        setattr(module, _DECORATE, lambda i, make: functools.partial(self._call, i, make))
         setattr(module, _SET, self._settings.constant)
         exec(self._code, vars(module))
         self._settings.refuse_unused()
@@ -124,12 +122,12 @@ def copied(value: Any) -> Any:
 class _Rewriter(ast.NodeTransformer):
     """Makes ``_CALL(i, f, x)`` of ``f(x)``, and ``NAME = _SET("NAME", x)`` of ``NAME = x``.
 
-    With ``every``, all calls are passed on, and ``@f`` becomes ``@_DECORATE(i, f)``.
+    With ``every``, all calls are passed on.
     """
 
     def __init__(self, originals: Mapping[ast.AST, ast.AST], settings: Settings, every: bool):
         self._originals, self._settings, self._every = originals, settings, every
-        self.calls: list[ast.expr] = []  # those passed on, by number
+        self.calls: list[ast.Call] = []  # those passed on, by number
 
     def visit(self, node: ast.AST) -> Any:
         original: Any = self._originals[node]
@@ -137,11 +135,6 @@ class _Rewriter(ast.NodeTransformer):
         if isinstance(new, ast.Call) and self._is_followed(original):
             number = self._number(original)
             new = _call(_CALL, number, new.func, *new.args, keywords=new.keywords)
-        elif isinstance(new, ast.FunctionDef) and self._every:
-            new.decorator_list = [
-                ast.copy_location(_call(_DECORATE, self._number(of), decorator), decorator)
-                for of, decorator in zip(original.decorator_list, new.decorator_list, strict=True)
-            ]
         if original in self._settings.constants:
             new = _call(_SET, ast.Constant(self._settings.constants[original]), new)
         return ast.copy_location(new, node)
