@@ -502,6 +502,99 @@ sim.run(1)
 ## built: run by getattr -> equal
 LOOP
 getattr(sim, "run")(0.5)
+## fresh: an enumeration of modes -> equal
+from enum import Enum
+class Mode(Enum):
+    OFF = 0
+    HEAT = 1
+    COOL = 2
+class Controller:
+    def __init__(self, low, high):
+        self.low, self.high, self.mode = low, high, Mode.OFF
+    def decide(self, t):
+        T = room.engine.get()
+        if T < self.low:
+            self.mode = Mode.HEAT
+        elif T > self.high:
+            self.mode = Mode.COOL
+        else:
+            self.mode = Mode.OFF
+    def power(self, t):
+        return {Mode.OFF: 0.0, Mode.HEAT: 2.0, Mode.COOL: -2.0}[self.mode]
+ctrl = Controller(19.0, 21.0)
+room = Integrator(15.0)
+heat = Source(ctrl.power)
+loss = Function(lambda T, q: q - 0.1 * (T - 10.0))
+s = Scope()
+sim = Simulation([room, heat, loss, s], [Connection(room, loss[0], s[0]), Connection(heat, loss[1], s[1]),
+    Connection(loss, room)], [Schedule(t_period=0.5, func_act=ctrl.decide)], dt=0.05, log=False)
+sim.run(20)
+## fresh: a closure that counts -> equal
+def make_counter(step):
+    n = 0
+    def tick(t):
+        nonlocal n
+        n += step
+    def value(t):
+        return n * 0.1
+    return tick, value
+tick, value = make_counter(3)
+src, s = Source(value), Scope()
+sim = Simulation([src, s], [Connection(src, s)], [Schedule(t_start=0.1, t_period=0.3, func_act=tick)], dt=0.05, log=False)
+sim.run(2)
+## fresh: a relay with slots -> equal
+class Relay:
+    __slots__ = ("on", "off", "state")
+    def __init__(self, on, off):
+        self.on, self.off, self.state = on, off, False
+    def __call__(self, x):
+        if x < self.on:
+            self.state = True
+        elif x > self.off:
+            self.state = False
+        return 1.0 if self.state else -1.0
+relay = Function(Relay(-0.2, 0.2))
+x, s = Integrator(1.0), Scope()
+sim = Simulation([relay, x, s], [Connection(x, relay, s), Connection(relay, x, s[1])], dt=0.01, log=False)
+sim.run(3)
+## fresh: lambdas in a line -> equal
+amps, freqs = [1.0, 0.5, 0.25], [1, 3, 5]
+srcs = [Source(lambda t, a=a, f=f: a * np.sin(2 * np.pi * f * t)) for a, f in zip(amps, freqs)]
+add, s = Adder(), Scope()
+sim = Simulation([*srcs, add, s], [Connection(b, add[i]) for i, b in enumerate(srcs)] + [Connection(add, s)], dt=0.01, log=False)
+sim.run(1)
+## fresh: a decorator with arguments -> equal
+import functools
+import math
+def clipped(low, high):
+    def around(f):
+        @functools.wraps(f)
+        def inner(*args):
+            return min(high, max(low, f(*args)))
+        return inner
+    return around
+@clipped(-0.8, 0.8)
+def wave(t):
+    return 1.2 * math.sin(3 * t)
+@clipped(0.0, math.inf)
+def rectified(x):
+    return 2 * x
+src, rect, s = Source(wave), Function(rectified), Scope()
+sim = Simulation([src, rect, s], [Connection(src, rect, s), Connection(rect, s[1])], dt=0.02, log=False)
+sim.run(3)
+## fresh: named tuples -> equal
+from collections import namedtuple
+from types import SimpleNamespace
+Limits = namedtuple("Limits", "low high")
+cfg = SimpleNamespace(rate=0.5, limits=Limits(-1.0, 1.0))
+class C:
+    K = 4.0
+    OFFSET = -0.5
+src = Source(lambda t: C.K * t + C.OFFSET)
+clip = Function(lambda x: min(max(x * cfg.rate, cfg.limits.low), cfg.limits.high))
+s = Scope()
+sim = Simulation([src, clip, s], [Connection(src, clip, s), Connection(clip, s[1])], dt=0.02, log=False)
+sim.run(1.0)
 """
 
 SCRIPTS = {
