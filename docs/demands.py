@@ -1,10 +1,14 @@
 """Ask the autopilot for too much, in random cases, and print which limits it does not keep.
 
     python docs/demands.py [CASES]
+    python docs/demands.py engines [AIRCRAFT ...]
 
 Default is 1,000 cases, over the gain tables of the fleet in turn. Weight, centre of gravity, flaps,
 altitude and airspeed are drawn anew for each; half of them fly in moderate turbulence, and one
 engine of a fifth of those with several fails. References lead beyond every limit, and modes change.
+
+With ``engines`` the outer engine of each aircraft with several fails, in a climb at full throttle
+and in cruise, with the tanks at a fifth and full, for the table of docs/evidence/autopilots.md.
 """
 
 import sys
@@ -14,12 +18,13 @@ from functools import cache
 
 import numpy as np
 from gain_tables import flight_of, fuel, table_of
+from generate import DOCS, put
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed
 from pathsim_jsbsim_blocks.control.gain_tables import read_gains
 from pathsim_jsbsim_blocks.errors import BlocksError, FlightError, TrimError
-from pathsim_jsbsim_blocks.flight import aircraft_names, empty_weight_cg
+from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, empty_weight_cg
 
 CASES, T, SECONDS, CHANGES = 1000, 1 / 60, 100.0, 6
 # of the tanks; of the chord, the empty weight's; ft above the table's lowest point; of the airspeed
@@ -33,6 +38,13 @@ TURBULENCE = {
     "atmosphere/turbulence/milspec/severity": 4.0,
     "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50.0,
 }
+# s before the engine fails, and after it; the last of them; ft of climb
+FAILS, AFTER, LAST, CLIMBS = 20.0, 100.0, 20.0, 20_000.0
+ENGINES = """\
+| | light: sideslip at the end, largest [deg] | rudder | heading [deg] \
+| lowest airspeed (limit) [kt] | height [ft] \
+| heavy: sideslip | rudder | heading | airspeed | height |
+|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"""
 # deg beyond alpha_max, in turbulence of the mean over 2 s; kt beyond the highest airspeed, s
 ALPHA, MEAN, FAST, LONG = 1.0, 2.0, 5.0, 10.0
 
@@ -70,7 +82,6 @@ def started(name, rng, seed, tries=5):
                 properties=rough,
                 T=T,
                 substeps=2,
-                input_properties=["throttle[0]"],
                 output_properties=["h_agl"],
             )
         except (TrimError, BlocksError):
@@ -114,9 +125,10 @@ def fly(case):
             asked = demanded(rng, seen)
         u = [seen[n] if n in seen else asked.get(n, 0.0) for n in autopilot.input_port_labels]
         command, state = autopilot.law(u, state)
-        engine = -1.0 if k * T > fails else 0.0
+        if k * T > fails:
+            stop_engine(plane)
         try:
-            y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0, engine])
+            y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
         except FlightError as error:
             return name, f"ends: {error}"[:90], failed
         seen = dict(zip(ports, y, strict=True))
@@ -133,6 +145,74 @@ def fly(case):
     return name, ", ".join(missed), failed
 
 
+def stop_engine(plane):
+    """Stop the outer engine: a piston engine goes on running until its mixture is cut."""
+    plane.airframe.fdm["propulsion/engine[0]/set-running"] = 0.0
+    plane.airframe.fdm["fcs/mixture-cmd-norm[0]"] = 0.0
+
+
+def engine_out(name, share, climbs):
+    """Fly with a failed engine: signals from the failure on, or an error; and the lowest airspeed.
+
+    Columns: sideslip, rudder, its excess, heading error, height gained, airspeed, throttle.
+    """
+    flight, schedule = flight_of(name), read_gains(table_of(name))
+    nominal = schedule.points[schedule.nominal]
+    tanks = fuel(Aircraft(name, condition=flight.condition, create=flight.create), 1.0)
+    condition = replace(
+        flight.condition,
+        altitude=nominal.altitude,
+        speed=nominal.speed,
+        fuel={tank: share * full for tank, full in tanks.items()},
+    )
+    plane = Aircraft(name, condition=condition, create=flight.create, T=T, substeps=2)
+    autopilot = Autopilot(str(table_of(name)), reference="absolute", T=T)
+    for port in (port for port in Autopilot.input_port_labels if port.endswith("_ref")):
+        autopilot[port].get_inputs()  # as a connection does
+    ports, state, rows = list(plane.output_port_labels), autopilot.initial_state(), []
+    seen = dict(zip(ports, map(float, plane.outputs.to_array()), strict=True))
+    asked = {f"{port}_ref": seen[port] for port in ("h", "psi", "vc")}
+    if climbs:
+        asked |= {"v_mode": 2.0, "thr_ref": 1.0, "h_ref": seen["h"] + CLIMBS}
+    psi, h = seen["psi"], seen["h"]
+    for k in range(round((FAILS + AFTER) / T)):
+        u = [seen[n] if n in seen else asked.get(n, 0.0) for n in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        if k * T >= FAILS:
+            stop_engine(plane)
+        seen = dict(zip(ports, plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0]), strict=True))
+        off = (seen["psi"] - psi + 180.0) % 360.0 - 180.0
+        moved = seen["beta"], command[2], seen["rud_sat"], off, seen["h"] - h, seen["vc"]
+        rows.append((*moved, command[3]))
+    return np.array(rows[round(FAILS / T) :]), schedule.at(seen["h"], seen["vc"]).envelope.vc_min
+
+
+def engines(names):
+    """The table of failed engines."""
+    lines = [ENGINES]
+    for name in names or fleet():
+        if Airframe(name).engines < 2:
+            continue
+        for climbs, phase in ((True, "climb"), (False, "cruise")):
+            cells = [f"| {name}, {phase}"]
+            for share in (0.2, 1.0):
+                try:
+                    y, slowest = engine_out(name, share, climbs)
+                except BlocksError as error:
+                    cells.append(f"{error}"[:60] + " | | | | ")
+                    continue
+                last = y[-round(LAST / T) :].mean(axis=0)
+                cells.append(
+                    f"{abs(last[0]):.1f}, {np.abs(y[:, 0]).max():.1f} | {last[1]:+.2f} "
+                    f"| {np.abs(y[:, 3]).max():.1f} | {y[:, 5].min():.0f} ({slowest:.0f}) "
+                    f"| {y[-1, 4] - y[0, 4]:+.0f}"
+                )
+            lines.append(" | ".join(cells) + " |")
+            print(lines[-1], flush=True)
+    if not names:
+        put(DOCS / "evidence" / "autopilots.md", "engines", "\n".join(lines))
+
+
 def main(cases=CASES):
     """Print what is not kept, and how often."""
     counts, untrimmed = Counter(), Counter()
@@ -147,4 +227,7 @@ def main(cases=CASES):
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    if sys.argv[1:2] == ["engines"]:
+        engines(sys.argv[2:])
+    else:
+        main(*map(int, sys.argv[1:]))

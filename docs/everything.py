@@ -49,6 +49,7 @@ FLIGHTS = {
     "cruise": ["docs/gain_tables.py", "--cruise"],
     "random cases": ["docs/monte_carlo.py"],
     "landings": ["docs/landings.py"],
+    "failed engines": ["docs/demands.py", "engines"],
 }
 STEPS = {**QUICK, **FLIGHTS}
 

@@ -6,6 +6,7 @@ and three airspeeds, where it trims there, in
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--limits`` the limits of the envelope are measured anew, and the tables keep their gains.
+With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines.
 With ``--fly`` the steps are flown with the existing tables, for
 the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
 with ``--cruise`` those of airliners at cruise altitudes.
@@ -28,7 +29,10 @@ from pathsim_jsbsim_blocks.design import (
     design_gains,
     design_schedule,
 )
+from pathsim_jsbsim_blocks.design.designed import linear_model
 from pathsim_jsbsim_blocks.design.envelope import envelope
+from pathsim_jsbsim_blocks.design.outer import design_rudder, design_yaw
+from pathsim_jsbsim_blocks.design.plant import Plant
 from pathsim_jsbsim_blocks.design.requirements import (
     ALTITUDE_KEPT,
     ALTITUDE_KEPT_OFF,
@@ -37,6 +41,7 @@ from pathsim_jsbsim_blocks.design.requirements import (
     MAX_SIDESLIP,
     STEP_REQUIREMENTS,
 )
+from pathsim_jsbsim_blocks.design.search import PITCH, ROLL, Neighbours, closed
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
@@ -143,16 +148,81 @@ def limits(names):
         name = document["aircraft"]
         if names and name not in names:
             continue
-        points = document.pop("points")
-        for point in points:
+        for point in document["points"]:
             limits = point["gains"]["envelope"]
             if path == table_of(name):
                 limits.update(measured(name, point))
             limits.update(zip(("vmo", "mmo"), FASTEST.get(name, ()), strict=False))
-        head = json.dumps(document)[:-1] + ', "points": ['
-        rows = ",\n".join(json.dumps(point) for point in points)
-        path.write_text(f"{head}\n{rows}\n]}}\n", encoding="utf-8")
-        print(path.stem, flush=True)
+        rewrite(path, document)
+
+
+def rewrite(path, document):
+    """Write a table's document, a line for each point."""
+    points = document.pop("points")
+    head = json.dumps(document)[:-1] + ', "points": ['
+    rows = ",\n".join(json.dumps(point) for point in points)
+    path.write_text(f"{head}\n{rows}\n]}}\n", encoding="utf-8")
+    print(path.stem, flush=True)
+
+
+def yaw(names):
+    """Design the rudder's gains of the designed tables anew; the others stay."""
+    for name in names or aircraft_names():
+        path = table_of(name)
+        if not path.exists() or (not names and Airframe(name).engines < 2):
+            continue
+        document = json.loads(path.read_text(encoding="utf-8"))
+        there, rows = read_gains(path).points, document["points"]
+        middle = there[document["nominal"]]
+        order = sorted(
+            range(len(there)),
+            key=lambda i: (
+                abs(math.log(there[i].speed / middle.speed)),
+                abs(there[i].altitude - middle.altitude),
+            ),
+        )
+        known = {}
+        for i in order:
+            beside = sorted(known, key=lambda j: math.dist(place(there[j]), place(there[i])))[:2]
+            near = [replace(there[j].gains, yaw=known[j]) for j in beside]
+            found = rudder_of(name, there[i], near)
+            if found is None:
+                continue
+            known[i], report = found
+            rows[i]["gains"]["yaw"] = rounded(known[i])
+            if report:
+                rows[i]["report"]["yaw"] = {
+                    k: x for k, x in rounded(report).items() if k != "late" and x != math.inf
+                }
+        document["yaw"] = f"designed again at {len(known)} of {len(rows)} points, the rest kept"
+        rewrite(path, document)
+
+
+def place(point):
+    """Logarithm of the airspeed, and the altitude in 100,000 ft: neighbours are near in both."""
+    return math.log(point.speed), point.altitude / 1e5
+
+
+def rounded(numbers):
+    """The numbers of gains or of a report, with the digits of a table."""
+    values = {k: x for k, x in vars(numbers).items() if isinstance(x, float) and math.isfinite(x)}
+    return {k: float(f"{x:.6g}") for k, x in values.items()}
+
+
+def rudder_of(name, point, near):
+    """Gains of the rudder at a point and their report, within the table's other loops; or None."""
+    flight = flight_of(name)
+    condition = replace(flight.condition, altitude=point.altitude, speed=point.speed)
+    try:
+        plane = Aircraft(name, condition=condition, create=flight.create)
+    except TrimError:
+        return None
+    model, gains = linear_model(plane), point.gains
+    plant = closed(Plant.of(model), PITCH, gains.pitch, "theta_cmd")
+    room, vt = 1.0 - abs(plane.trim.rudder), float(model.x0[model.states.index("vt")])
+    damper = design_yaw(plant, room)
+    rolling = closed(plant, ROLL, gains.roll, "phi_cmd")
+    return design_rudder(rolling, damper, room, vt, gains.roll.ramp, Neighbours(near))
 
 
 def measured(name, point):
@@ -470,6 +540,7 @@ if __name__ == "__main__":
     do.add_argument("--fly", dest="do", action="store_const", const=fly, default=main)
     do.add_argument("--off", dest="do", action="store_const", const=fly_off)
     do.add_argument("--limits", dest="do", action="store_const", const=limits)
+    do.add_argument("--yaw", dest="do", action="store_const", const=yaw)
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     options = parser.parse_args()
     options.do(options.aircraft)

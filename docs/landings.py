@@ -31,12 +31,14 @@ FLEET = {
 CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
 ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
 INTERCEPT = 20.0  # deg
+BOUNCES = 10.0  # s after the first touchdown
 # the touchdown's limits beside the distance: from the centre line [ft], sink rate, bank [deg]
 ACROSS, SINK, BANK = 30.0, 6.0, 5.0
 ROWS = {
     "past": "past the aiming point [ft]",
     "across": "right of the centre line [ft]",
-    "sink": "sink rate [ft/s]",
+    "sink": "sink rate of the hardest touchdown [ft/s]",
+    "bounce": "bounce [ft]",
     "bank": "bank [deg]",
     "crab": "heading less course [deg]",
     "vc": "airspeed [KCAS]",
@@ -118,7 +120,9 @@ def land(name, case):
     try:
         while diagram.sim.time < 300.0 and outputs["phase"] < 2.0:
             fly(diagram.sim, 2.0)
-        fly(diagram.sim, 30.0 if outputs["phase"] == 3.0 else 5.0)
+        fly(diagram.sim, BOUNCES)
+        if outputs["phase"] == 3.0:
+            fly(diagram.sim, 30.0)
     except FlightError as crash:
         error = str(crash)
     _, (height, _) = diagram.height.read()
@@ -144,7 +148,10 @@ def land(name, case):
         touch = int(wheels.argmax())
         crab = (heading[touch] - case["course"] + 180.0) % 360.0 - 180.0
         found.update(past=BEYOND - distance[touch], across=across[touch], bank=bank[touch])
-        found.update(sink=-climb[touch - 1], crab=crab, vc=vc[touch])
+        # the hardest of them, after a bounce too
+        touches = np.flatnonzero((wheels[1:] > 0.0) & (wheels[:-1] == 0.0))
+        found.update(sink=-climb[touches].min(), crab=crab, vc=vc[touch])
+        found["bounce"] = height[touch:].max() - height[touch]
     return found
 
 

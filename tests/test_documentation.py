@@ -278,7 +278,7 @@ def test_one_command_makes_all_that_is_generated(monkeypatch):
     run = {word for command in steps for word in command}
     scripts = {f"docs/{p.name}" for p in (ROOT / "docs").glob("*.py")}
     # these are part of others, or print what no page has
-    others = ("block_pictures", "conf", "demands", "everything", "fleet", "hooks")
+    others = ("block_pictures", "conf", "everything", "fleet", "hooks")
     assert scripts - run == {f"docs/{name}.py" for name in others}
 
 

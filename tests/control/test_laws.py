@@ -580,12 +580,16 @@ class Flare:
         if before == 0:
             self.pitch, self.roll = attitude(-1.0, *self.limits), attitude(1.0, *self.limits)
             self.pitch.b, self.pitch.u, self.roll.u = 1.0, now["elevator"], now["aileron"]
-            self.integral = now["theta"] - math.degrees(now["hdot"] + gust) / v
-            self.demanded, self.psi = now["hdot"], now["psi"]
-            self.theta = self.lowest = self.reference = now["theta"]
+            self.lowest = self.reference = now["theta"]
             self.bank, self.rudder, self.throttle = now["phi"], now["rudder"], now["throttle"]
+            self.psi = now["psi"]
         elif self.phase != 3:  # an angle of attack for the same lift
             self.integral -= math.degrees(2.0 / 4.0) * gained / v
+        if before == 0 or self.phase != before:
+            self.integral = now["theta"] - math.degrees(now["hdot"] + gust) / v
+            self.demanded, self.theta = now["hdot"], now["theta"]
+            if self.phase == 3:
+                self.lowest = now["theta"]
         lift = 0.0
         if last is not None:
             lift = self.smooth("lift", 0.2, (now["hdot"] - last["hdot"]) / T)
@@ -595,11 +599,14 @@ class Flare:
         return out
 
     def beam(self, now, last):
-        self.aside = 0.0
+        self.aside = self.along = 0.0
         if last is not None:
             across = (now["loc_ft"] - last["loc_ft"]) / T
+            along = (last["loc_dist"] - now["loc_dist"]) / T
             self.slow.setdefault("aside", across)
+            self.slow.setdefault("along", along)
             self.aside = self.smooth("aside", 0.5, across)
+            self.along = self.smooth("along", 0.5, along)
 
     def begin(self, now, height, steepest):
         c, before = FLARE, self.phase
@@ -609,6 +616,8 @@ class Flare:
         self.least = min(self.least, height) if before == 1 else height
         if self.phase == 1 and now["wow"]:
             self.phase = 2
+        elif self.phase == 2 and not now["wow"] and height > 1.0:
+            self.phase = 1
         astray = height < c["decide"] and abs(now["loc_ft"]) > c["across_max"]
         if now["go_around"] or (self.phase < 2 and (astray or height > self.least + 10.0)):
             self.phase = 3
@@ -619,19 +628,26 @@ class Flare:
         c, goes = FLARE, self.phase == 3
         spare = now["hdot"] + v / G * (acceleration + 0.1 * (v - self.kept))
         slower = max(c["climb"], spare - v / G * 0.1 * 0.1 * self.kept)
-        target = clip(now["hdot"], steepest, -c["sink"])
+        target = clip(now["hdot"], steepest, 0.5 * (steepest - c["sink"]))
         if goes:
             target = clip(spare, 0.3 * c["climb"], slower)
         step = clip(target - self.demanded, -8.0 * T, 8.0 * T)
         self.demanded += step
         error, lag = self.demanded - now["hdot"], v / (4.0 * G)
-        ahead = self.demanded + gust + lag * (error + 0.22 * (step / T - lift))
+        omega = min(1.0, 0.3 * ATTITUDE["Kp"] / ATTITUDE["Kr"])
+        ahead = self.demanded + gust + lag * (omega * error + 0.22 * (step / T - lift))
         if not goes and now["hdot"] < steepest:
             ahead -= lag * now["hdot"] / c["tau"]
         asked = self.integral + math.degrees(ahead / v)
         highest = 15.0 if goes and height > 30.0 else c["theta_max"]
-        wanted = clip(asked, -10.0 if goes else min(self.lowest, c["theta_max"]), highest)
-        self.integral += T * (math.degrees(error / v) + wanted - asked)
+        lowest = -10.0 if goes and height > 100.0 else min(self.lowest, c["theta_max"])
+        # no further where the elevator is at its stop; a positive one is nose down
+        if self.pitch.u <= self.limits[0]:
+            highest = min(highest, self.reference)
+        elif self.pitch.u >= self.limits[1]:
+            lowest = max(lowest, self.reference)
+        wanted = clip(asked, lowest, highest)
+        self.integral += omega * T * (math.degrees(error / v) + wanted - asked)
         if self.rolls:
             lowered = self.theta - (2.0 * T if now["wow"] else 0.0)
             wanted, self.demanded = max(lowered, min(self.theta, 0.0)), now["hdot"]
@@ -663,7 +679,8 @@ class Flare:
         self.rudder = clip(moved, -1.0, 1.0)
         self.throttle = 1.0 if goes else max(self.throttle - 0.2 * T, -1.0)
         brakes = self.phase == 2 and now["wow"] and self.theta <= 0.0
-        self.brakes = min(self.brakes + 0.25 * T, 1.0) if brakes else 0.0
+        most = clip(abs(self.along) / 20.0, 0.1, 1.0)
+        self.brakes = min(self.brakes + 0.25 * T, most) if brakes else 0.0
         own = [elevator, aileron, self.rudder, self.throttle, self.brakes]
         own.append(clip(-error, -1.0, 1.0) if rolls else 0.0)
         passed = [now[x] for x in ("elevator", "aileron", "rudder", "throttle")]
@@ -676,7 +693,7 @@ class Flare:
 @pytest.mark.parametrize("astray", [False, True])
 @pytest.mark.parametrize("alpha", [0.0, 3.0])
 def test_flare_hold(wires, alpha, astray):
-    # 8 s of approach, flare, roll-out from 25 s, go-around from 35 s
+    # 8 s of approach, flare, roll-out from 25 s with a bounce, go-around from 35 s
     limits, rng, t = (-0.25, 0.25), np.random.default_rng(10), T * np.arange(N)
 
     def along(*values, noise=0.0):
@@ -687,13 +704,14 @@ def test_flare_hold(wires, alpha, astray):
         "hdot": along(-6.0, -6.0, -2.0, 0.0, 8.0, noise=1.0),
         "vc": along(90.0, 80.0, 75.0, 50.0, 70.0, noise=1.0),
         "loc_ft": along(3.0, 8.0, -5.0, 5.0, 9.0, noise=1.0),
-        "loc_dist": 9000.0 - 130.0 * t,
+        "loc_dist": 9000.0 - np.cumsum(T * np.interp(t, [0.0, 25.0, 33.0], [130.0, 130.0, 6.0])),
         "alpha": along(alpha, alpha, alpha, alpha, alpha, noise=alpha / 4),
         **{name: wander(rng, 0.05) for name in ("elevator", "aileron", "rudder", "throttle")},
-        "wow": ((t > 25.0) & (t < 38.0)).astype(float),
+        "wow": ((t > 25.0) & (t < 38.0) & ~((t > 27.0) & (t < 28.0))).astype(float),
         "go_around": (t > 35.0).astype(float),
         "off": (t > 43.0).astype(float),
     }
+    wires["h_agl"] += 3.0 * ((t > 27.0) & (t < 28.0))
     if astray:
         wires["loc_ft"] = wires["loc_ft"] + 30.0 * (t > 12.0)
     gains = {"altitude": ALTITUDE, "pitch": ATTITUDE, "roll": ATTITUDE}
@@ -703,7 +721,7 @@ def test_flare_hold(wires, alpha, astray):
     assert_same(laws(block, **wires), expected, limits)
     assert set(expected["phase"]) == ({0.0, 3.0} if astray else {0.0, 1.0, 2.0, 3.0})
     if not astray:
-        assert expected["brakes"].max() == 1.0
+        assert 0.2 < expected["brakes"].max() <= 1.0
 
 
 def test_yaw_damper(wires):
@@ -743,6 +761,15 @@ def test_turn_coordination(wires):
                 integral -= Ki * T * beta[k]
         u[k], engaged = last, not wires["off"][k]
     assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
+
+
+def test_without_sideslip_the_rudder_has_no_integral(wires):
+    on = {name: x for name, x in wires.items() if name != "off"}
+    numbers = {"K": 0.02, "tau": 1.5, "Kroll": -0.01, "Kbank": -0.004}
+    plain, integral = (
+        laws(YawDamper(gains={**numbers, "Ki": Ki}, T=T), **on) for Ki in (0.0, 0.05)
+    )
+    assert np.array_equal(plain["rudder"], integral["rudder"])
 
 
 def test_turns_are_fed_forward(wires):

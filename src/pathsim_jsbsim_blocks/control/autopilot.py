@@ -131,7 +131,8 @@ class Autopilot(Hold):
     alpha
         angle of attack in deg; without a wire (0) there is no protection from the stall
     beta
-        angle of sideslip in deg; without a wire (0) turns are not coordinated
+        angle of sideslip in deg; without a wire (0) turns are not coordinated, and that of a failed
+        engine remains
     v_mode
         with ``pitch_mode`` at 0: 0 altitude hold, 1 the rate of climb, 2 the airspeed with the
         elevator at a given throttle; 1 and 2 until the altitude ``h_ref``, if there is one, is

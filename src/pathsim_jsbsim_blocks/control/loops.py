@@ -406,7 +406,9 @@ class YawState(NamedTuple):
 class YawLoop:
     """Rudder from washed-out yaw rate, sideslip and roll, as in `YawDamper`.
 
-    At engagement the output continues from its present value; while off it decays with tau.
+    At engagement the output continues from its present value; while off it decays with tau. The
+    integral takes out a steady sideslip, of a failed engine for example, and gives its rudder back
+    when the asymmetry ends. Without a sideslip (0) there is nothing to integrate.
     """
 
     START = YawState()
@@ -441,7 +443,7 @@ class YawLoop:
             integral = self.Kp * beta - turn
         v = self.K * (r - slow) - (self.Kp * beta - integral) + turn
         u = clip(v, self.low, self.high)
-        if self.Ki == 0.0:
+        if self.Ki == 0.0 or beta == 0.0:
             integral *= self._fade
         else:
             change = -self.Ki * self.T * beta

@@ -202,7 +202,7 @@ def design_gains(
             reason="no throttle",
             loop="speed",
         )
-    model = _model(plane)
+    model = linear_model(plane)
 
     def airframe() -> Airframe:
         return Airframe(
@@ -270,7 +270,8 @@ def check_near(near: Any, kind: type) -> None:
         refuse("near", near, f"near must be a list of {kind.__name__}, not {reprlib.repr(near)}")
 
 
-def _model(plane: Aircraft) -> LinearModel:
+def linear_model(plane: Aircraft) -> LinearModel:
+    """What the loops are shaped for: the aircraft about its trim."""
     try:
         with warnings.catch_warnings():
             # kinks at the trim; the steps are flown on the aircraft itself

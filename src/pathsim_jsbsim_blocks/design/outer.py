@@ -101,10 +101,11 @@ def dutch_roll(plant: Plant) -> tuple[float, float] | None:
     return float(w[i]), float(-s[i].real / w[i])
 
 
-# shares of the damper's gain, and of what the rudder can do to the sideslip; Ki / Kp, 1/s
+# shares of the damper's gain; of the sideslip, what the rudder takes out at once, and the rate in
+# 1/s with which its integral takes out the rest
 _SLIP_DAMPERS = np.linspace(0.0, 3.0, 7)
-_SLIP_GAINS = np.linspace(0.0, 1.4, 8)
-_SLIP_RATES = np.linspace(0.0, 1.4, 5)
+_SLIP_GAINS = np.array([0.0, 0.2, 0.4, *np.linspace(0.8, 5.6, 7)])
+_SLIP_RATES = np.array([0.1, 0.15, 0.3, 0.6])
 
 # rad/s up to which a turn is entered
 _ENTRY = 0.6
@@ -120,7 +121,8 @@ def design_rudder(
 ) -> tuple[YawGains, LoopReport | None]:
     """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft and nothing else.
 
-    ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
+    An integral takes out the sideslip that remains, of a failed engine for example. ``plant`` has
+    the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
     """
     T = plant.T
     rudder, bank = plant.response(OMEGA, "rudder"), plant.response(OMEGA, "phi_cmd")
@@ -128,8 +130,7 @@ def design_rudder(
     slip = np.abs(rudder["beta"][:60]).max()
     dampers = damper.K * _SLIP_DAMPERS if damper.K else np.zeros(1)
     K, P, rate = grid(dampers, _SLIP_GAINS, _SLIP_RATES)
-    P = P * sign * 4.0 / slip
-    K, P, Ki = near.joined("yaw", K=K, Kp=P, Ki=P * rate)
+    K, P, Ki = near.joined("yaw", K=K, Kp=sign * P / slip, Ki=sign * rate * (1.0 + P) / slip)
     used = (np.abs(K) * req.YAW_RATE + np.abs(P) * req.SIDESLIP) / room
     K, P, Ki, used = (x[used <= req.RUDDER_USE] for x in (K, P, Ki, used))
     law = yaw_law(K[:, None], damper.tau, P[:, None], Ki[:, None])
@@ -144,7 +145,8 @@ def design_rudder(
         + 0.5 * used
         + near.cost("yaw", K=K, Kp=P, Ki=Ki)
     )
-    score[requirement_met(margins(OMEGA, L)) > 0] = np.inf
+    level = requirement_met(margins(OMEGA, L))
+    score = np.where(level < len(MARGINS), score + 10.0 * level, np.inf)
     chosen = damper
     for i in np.argsort(score)[:30]:
         if not math.isfinite(score[i]):

@@ -30,12 +30,12 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     with u along the flight path and w up. Both are noise through a lag, of L / V and L / 2V, with
     the rms and the lengths of `dryden_field`, as JSBSim's MIL-spec turbulence has them.
 
-    If the model has states that no output shows, the plant stays as it is: what the air does to
-    them is unknown.
+    If the model has states that no output shows, or lacks one of these, the plant stays as it is:
+    what the air does to it is unknown.
     """
     n, T = len(plant.A), plant.T
     states = list(model.states)
-    if "x1" in states:
+    if "x1" in states or not {"vt", "alpha", "h"} <= set(states):
         return plant
     vt = float(model.x0[states.index("vt")])
     field = dryden_field(altitude)

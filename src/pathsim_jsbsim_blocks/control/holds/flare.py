@@ -12,6 +12,7 @@ from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
 from ..channels import LateralState, Motion, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
+from ..gain_tables import slowest
 from ..gains import Gains
 from ..loops import DEGREES, AltitudeLoop, ReferenceState, attitude_loop, wrap
 from ..pid import PID, clip
@@ -22,7 +23,8 @@ __all__ = ["FlareHold"]
 _TREND = 2.0  # s, time constant of the acceleration
 
 _STEEPEST = -10.0  # deg, pitch reference
-_BANDWIDTH = 1.0  # rad/s, of the rate of climb
+# rad/s, of the rate of climb, and of Kp / Kr of the pitch loop, about its bandwidth
+_BANDWIDTH, _OF_PITCH = 1.0, 0.3
 _LIFT_SLOPE = 4.0  # g per rad of alpha; V over g times this is the lag of hdot behind the pitch
 _DAMPING = 0.22  # of that lag, gain on the rate of the error
 _SMOOTH = 0.2  # s, time constant of that rate
@@ -40,10 +42,15 @@ _YAW_DAMPING = 0.5  # s
 _RUDDER = 1.0  # 1/s, of the rudder
 _IDLE = 0.2  # 1/s, of the throttle
 _BALLOON = 10.0  # ft, climb in the flare that begins a go-around
+_HOP = 1.0  # ft, height of the wheels from which a bounce is flown
+_CLIMBS = 100.0  # ft, below which a go-around does not lower its nose
 _CLEAR = 30.0  # ft, height above which no tail strikes
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
+# ft/s, ground speed below which the brakes ease, and share that remains: full brakes push a light
+# aircraft back after its stop
+_STOPS, _HELD = 20.0, 0.1
 
 
 class FlareState(NamedTuple):
@@ -110,19 +117,23 @@ class FlareHold(Hold):
     no more sink than there is. It takes over without a bump.
 
     In the flare the throttle moves to idle, the rudder turns the nose to the runway's course, and a
-    bank of at most ``bank_max`` keeps the aircraft on the centre line. Where the sink has ended
-    earlier than the law above asks, that is kept down to the sink of the touchdown, and the nose is
-    never lower than at the beginning. With the wheels on the ground it lowers the nose, steers
-    along the centre line and brakes.
+    bank of at most ``bank_max`` keeps the aircraft on the centre line. Of a sink that has ended
+    earlier than the law above asks, half is asked for again, and the nose is never lower than at
+    the beginning. The bandwidth omega is at most 1 rad/s, and 0.3 Kp / Kr of the pitch loop; below
+    the airspeeds that the gains are for it falls with the square of the airspeed. With the wheels
+    on the ground it lowers the nose, steers along the centre line and brakes, at last gently. A
+    bounce is flared again.
 
     A go-around, at any height and on the ground too, applies full throttle, keeps the heading with
     a bank of at most ``bank_max``, and climbs at ``climb``: less where that costs airspeed, more
-    where the airspeed is 10 % higher than at the beginning. On the ground the nose is raised at the
-    airspeed of the touchdown.
+    where the airspeed is 10 % higher than at the beginning. Below 100 ft the nose is never lower
+    than at its beginning, unless the angle of attack is at its limit. On the ground it is raised at
+    the airspeed of the touchdown.
 
     It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
     beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
-    more than ``sink_max``, where it is longer than ``float_max``, and where it climbs by 10 ft.
+    more than ``sink_max``, where it is longer than ``float_max``, and where it climbs by 10 ft, in
+    a bounce too.
 
     Parameters
     ----------
@@ -239,6 +250,7 @@ class FlareHold(Hold):
         )
         self.roll = attitude_loop(T, roll, c.authority, carry=self.scheduled)
         self.follows(roll=self.roll, **self.vertical.loops)
+        self._slowest = slowest(self.gains)
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
@@ -246,9 +258,11 @@ class FlareHold(Hold):
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
         height, switches = h - self.checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
         seen = Seen(height, hdot, theta, alpha, psi, r, vc, given, *switches)
-        flew = state.phase != APPROACH
+        before = state.phase
         state = self._in_air(self._phase(state._replace(beam=beam), seen), seen)
-        if not flew:
+        if before == APPROACH:
+            state = self._taken_over(state, seen)
+        if state.phase != before or before == APPROACH:
             state = self._begun(state, seen)
         slow = state.phase == GO_AROUND and seen.down and state.v < state.kept
         rolls = state.phase == ROLL_OUT or slow
@@ -296,6 +310,8 @@ class FlareHold(Hold):
             phase = FLARE
         if phase == FLARE and seen.down:
             phase = ROLL_OUT
+        elif phase == ROLL_OUT and not seen.down and height > _HOP:
+            phase = FLARE
         floated, least = state.floated, height
         if before == FLARE:
             floated += self.clock.period * state.beam.along
@@ -337,20 +353,38 @@ class FlareHold(Hold):
             kept=state.kept if state.phase >= ROLL_OUT else v,
         )
 
-    def _begun(self, state: FlareState, seen: Seen) -> FlareState:
-        """The state of a flare that goes on from the commands of the approach."""
+    def _taken_over(self, state: FlareState, seen: Seen) -> FlareState:
+        """The state that goes on from the commands of the approach."""
         elevator, aileron, rudder, throttle = seen.given
         return state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            integral=seen.theta - DEGREES * (seen.hdot + state.gust) / state.v,
-            hdot_cmd=seen.hdot,
-            theta=seen.theta,
             lowest=seen.theta,
             psi=seen.psi,
             rudder=rudder,
             throttle=throttle,
         )
+
+    def _begun(self, state: FlareState, seen: Seen) -> FlareState:
+        """The state of a phase that begins at the present pitch angle and rate of climb."""
+        goes = state.phase == GO_AROUND
+        return state._replace(
+            integral=seen.theta - DEGREES * (seen.hdot + state.gust) / state.v,
+            hdot_cmd=seen.hdot,
+            theta=seen.theta,
+            lowest=seen.theta if goes else state.lowest,
+        )
+
+    def _bandwidth(self, v: float) -> float:
+        """Of the rate of climb in rad/s, at an airspeed in ft/s: the pitch loop must follow.
+
+        Below the slowest point of the gains the elevator has less effect than they reckon with.
+        """
+        pitch = self.vertical.pitch.pid
+        if pitch.Kr <= 0.0:
+            return _BANDWIDTH
+        slower = 1.0 if self._slowest is None else min(v / self._slowest, 1.0)
+        return min(_BANDWIDTH, _OF_PITCH * pitch.Kp / pitch.Kr * slower**2)
 
     def _pitch(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
@@ -362,8 +396,8 @@ class FlareHold(Hold):
             fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.kept
             target = clip(spare, 0.3 * c.climb, max(fast, c.climb))
         else:
-            # a sink that ended early is not asked for again
-            target = clip(hdot, steepest, -c.sink)
+            # of a sink that ended early half is asked for again
+            target = clip(hdot, steepest, 0.5 * (steepest - c.sink))
         step = clip(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
         error, lift = hdot_cmd - hdot, state.lift
@@ -373,16 +407,23 @@ class FlareHold(Hold):
         ahead = hdot_cmd + state.gust
         if not goes and hdot < steepest:
             ahead += lag * -hdot / c.tau
-        ahead += lag * (_BANDWIDTH * error + _DAMPING * (step / T - lift))
+        bandwidth = self._bandwidth(v)
+        ahead += lag * (bandwidth * error + _DAMPING * (step / T - lift))
         asked = state.integral + DEGREES / v * ahead
         altitude, highest = self.vertical.altitude, c.theta_max
         lowest = min(state.lowest, c.theta_max)
-        if goes:
+        if goes and height > _CLEAR:
+            highest = altitude.theta_max
+        if goes and height > _CLIMBS:
             lowest = altitude.pid.low
-            if height > _CLEAR:
-                highest = altitude.theta_max
-        theta = clip(asked, lowest, highest)
-        gained = _BANDWIDTH * T * (DEGREES / v * error + theta - asked)
+        # at its stop the elevator does not follow any further
+        pitch, loop = state.vertical.pitch, self.vertical.pitch.pid
+        if pitch.law.u >= loop.high:
+            highest = min(highest, pitch.reference)
+        elif pitch.law.u <= loop.low:
+            lowest = max(lowest, pitch.reference)
+        theta = min(max(asked, lowest), highest)
+        gained = bandwidth * T * (DEGREES / v * error + theta - asked)
         if rolls:
             hdot_cmd = hdot
             theta = max(state.theta - (_LOWER * T if seen.down else 0.0), min(state.theta, 0.0))
@@ -423,6 +464,7 @@ class FlareHold(Hold):
         """Throttle and brakes."""
         T, brakes = self.clock.period, 0.0
         if state.phase == ROLL_OUT and down and state.theta <= 0.0:
-            brakes = min(state.brakes + _BRAKE * T, 1.0)
+            most = clip(abs(state.beam.along) / _STOPS, _HELD, 1.0)
+            brakes = min(state.brakes + _BRAKE * T, most)
         throttle = 1.0 if state.phase == GO_AROUND else max(state.throttle - _IDLE * T, -1.0)
         return throttle, brakes

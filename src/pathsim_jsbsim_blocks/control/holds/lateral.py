@@ -168,7 +168,8 @@ class YawDamper(Hold):
         &\\quad + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
 
     sampled at T. The wash-out leaves steady turns unopposed. With the ports ``beta``, ``p`` and
-    ``phi`` wired, turns are coordinated: the last two act before any sideslip has built up.
+    ``phi`` wired, turns are coordinated: the last two act before any sideslip has built up. The
+    integral holds the rudder that a failed engine takes.
 
     Parameters
     ----------
@@ -188,7 +189,8 @@ class YawDamper(Hold):
     off
         0 engaged; otherwise the rudder increment decays to 0 with tau
     beta
-        angle of sideslip in deg; without a wire (0) it is not fed back
+        angle of sideslip in deg; without a wire (0) it is not fed back, and that of a failed engine
+        remains
     %(vc)s
     p, phi
         roll rate in deg/s, bank in deg; without a wire (0) they are not fed forward
