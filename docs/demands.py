@@ -8,7 +8,7 @@ altitude and airspeed are drawn anew for each; half of them fly in moderate turb
 engine of a fifth of those with several fails. References lead beyond every limit, and modes change.
 
 With ``engines`` the outer engine of each aircraft with several fails, in a climb at full throttle
-and in cruise, with the tanks at a fifth and full, for the table of docs/evidence/autopilots.md.
+and in cruise, with the tanks at a fifth and full, for docs/evidence/autopilots-engines.csv.
 """
 
 import sys
@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 from gain_tables import flight_of, fuel, table_of
-from generate import DOCS, put
+from generate import write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed
@@ -210,7 +210,7 @@ def engines(names):
             lines.append(" | ".join(cells) + " |")
             print(lines[-1], flush=True)
     if not names:
-        put(DOCS / "evidence" / "autopilots.md", "engines", "\n".join(lines))
+        write_table("autopilots-engines", "\n".join(lines) + "\n")
 
 
 def main(cases=CASES):

@@ -302,14 +302,57 @@ def test_a_downdraft_in_the_flare_is_countered():
     assert 0.0 < -climb[int(wheels.argmax()) - 1] < 4.4
 
 
-def test_a_flare_that_climbs_is_given_up():
+@pytest.mark.parametrize(
+    ("heights", "expected"),
+    [
+        ((17.0, 15.0, 10.0, 15.0, 19.0, 21.0), (1, 1, 1, 1, 1, 3)),
+        # 0 is on the wheels: a bounce, a step of the runway, and a bounce of more than 10 ft
+        ((5.0, 0.0, 2.0, 7.0, 3.0, 0.0, 0.5), (1, 2, 1, 1, 1, 2, 2)),
+        ((5.0, 0.0, 2.0, 8.0, 13.0, 20.0), (1, 2, 1, 1, 3, 3)),
+    ],
+)
+def test_a_flare_that_climbs_is_given_up_and_a_bounce_is_flared_again(heights, expected):
     flare = FlareHold("c172p")
     state, phases = flare.initial_state(), []
-    for height in (17.0, 15.0, 10.0, 15.0, 19.0, 21.0):
+    for height in heights:
         given = {"h_agl": height + 4.0, "hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
+        given["wow"] = float(height == 0.0)
         y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
         phases.append(y[flare.output_port_labels["phase"]])
-    assert phases == [1.0, 1.0, 1.0, 1.0, 1.0, 3.0]
+    assert tuple(phases) == expected
+
+
+def test_a_low_go_around_never_lowers_its_nose():
+    # the airspeed falls by 4 ft/s2, which asks for a descent
+    flare = FlareHold("c172p")
+    state, cmd = flare.initial_state(), {}
+    for k in range(360):
+        height = 60.0 if k < 240 else 120.0
+        given = {"h_agl": height, "hdot": 6.0, "theta": 5.0, "vc": 70.0 - 0.02 * k, "alpha": 2.0}
+        given |= {"loc_dist": 9e3, "go_around": 1.0}
+        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
+        cmd[height] = y[flare.output_port_labels["theta_cmd"]]
+        assert height > 100.0 or cmd[height] >= 5.0
+    assert cmd[120.0] < 3.0
+
+
+@pytest.mark.long
+def test_an_aircraft_that_has_stopped_stands():
+    # on full brakes it rolled backwards, its nose went up by 5 deg, and it tipped onto its tail
+    diagram = load_diagram("autoland_c172p")
+    approached(diagram, lambda outputs: outputs["phase"] == 2.0)
+    fly(diagram.sim, 90.0)
+    time, (theta, _, _) = diagram.attitude.read()
+    _, (_, distance) = diagram.ground.read()
+    late = time > time[-1] - 30.0
+    assert np.ptp(distance[late]) < 0.5
+    assert np.ptp(theta[late]) < 1.0
+    assert diagram.aircraft.outputs["gear/wow"]
+
+
+def test_gains_without_a_landing_say_so():
+    with pytest.warns(RuntimeWarning, match="no landings were flown with these gains of the A320"):
+        FlareHold("A320")
 
 
 @pytest.mark.long

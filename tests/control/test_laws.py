@@ -582,7 +582,7 @@ class Flare:
             self.pitch.b, self.pitch.u, self.roll.u = 1.0, now["elevator"], now["aileron"]
             self.lowest = self.reference = now["theta"]
             self.bank, self.rudder, self.throttle = now["phi"], now["rudder"], now["throttle"]
-            self.psi = now["psi"]
+            self.psi, self.kept = now["psi"], v
         elif self.phase != 3:  # an angle of attack for the same lift
             self.integral -= math.degrees(2.0 / 4.0) * gained / v
         if before == 0 or self.phase != before:

@@ -18,6 +18,7 @@ from pathsim_jsbsim_blocks.design.outer import (
     design_altitude,
     design_feed,
     design_heading,
+    design_rudder,
     design_speed,
     design_yaw,
     dutch_roll,
@@ -326,3 +327,19 @@ def test_little_rudder_is_kept_for_the_turn():
     # a thousandth of the rudder: a degree of sideslip is cheaper
     short = coordinate(turning(0.12, -0.08, -3.0), YawGains(K=0.0), 0.001, 10.0)
     assert abs(short.Kbank) < 0.2 * abs(free.Kbank)
+
+
+@pytest.mark.parametrize("power", [-3.0, 5.0])
+def test_a_steady_sideslip_is_taken_out_and_its_rudder_given_back(power):
+    yaw, _ = design_rudder(turning(0.12, -0.08, power), YawGains(K=0.0), 1.0, 300.0, 10.0)
+    beta, total, found = 0.0, 0.0, []
+    for push in (1.0, 0.0):  # deg/s, as a failed engine does; 0.67 deg without the rudder
+        for _ in range(round(45.0 / T)):
+            rudder = -yaw.Kp * beta - yaw.Ki * total
+            total += T * beta
+            beta += T * (push - 1.5 * beta + power * rudder)
+        found.append((abs(beta), abs(rudder)))
+    (slip, held), (_, after) = found
+    assert slip < 0.02
+    assert held == pytest.approx(1.0 / abs(power), rel=0.05)
+    assert after < 0.03 * held

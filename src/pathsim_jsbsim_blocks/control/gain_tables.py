@@ -64,18 +64,23 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
 
 def schedule_of(gains: Any) -> GainSchedule | None:
     """The schedule that ``gains`` is or names; None for gains that do not depend on the speed."""
+    schedule = named(gains)
+    return schedule if schedule and len(schedule.points) > 1 else None
+
+
+def named(gains: Any) -> GainSchedule | None:
+    """The table that ``gains`` is or names, of one point too; None for other gains."""
     if isinstance(gains, str):
         gains = table(gains)
-    return gains if isinstance(gains, GainSchedule) and len(gains.points) > 1 else None
+    return gains if isinstance(gains, GainSchedule) else None
 
 
 def slowest(gains: Any) -> float | None:
     """True airspeed in ft/s of the slowest point that gains are for; None where they name none."""
-    if isinstance(gains, str):
-        gains = table(gains)
-    if not isinstance(gains, GainSchedule):
+    schedule = named(gains)
+    if schedule is None:
         return None
-    return min(true_airspeed(point.speed, point.altitude) for point in gains.points)
+    return min(true_airspeed(point.speed, point.altitude) for point in schedule.points)
 
 
 def tables() -> list[str]:
@@ -153,6 +158,7 @@ def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
             for point in document["points"]
         ),
         nominal=document["nominal"],
+        landing=str(document.get("landing", "")),
     )
 
 
@@ -166,6 +172,7 @@ def document_of(schedule: GainSchedule) -> dict[str, Any]:
         "format": FORMAT,
         "aircraft": schedule.aircraft,
         "nominal": schedule.nominal,
+        **({"landing": schedule.landing} if schedule.landing else {}),
         "points": [
             {
                 "altitude": point.altitude,

@@ -286,6 +286,8 @@ class GainSchedule:
         or none
     nominal : int
         index of the point whose gains a hold uses that does not know the airspeed
+    landing : str
+        landings flown with these gains; "" for none
 
     Raises
     ------
@@ -296,6 +298,7 @@ class GainSchedule:
     aircraft: str
     points: tuple[DesignPoint, ...]
     nominal: int = 0
+    landing: str = ""
 
     def __post_init__(self) -> None:
         points = self.points

@@ -6,13 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..._core.callers import warn_user
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
 from ..channels import LateralState, Motion, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
-from ..gain_tables import slowest
+from ..gain_tables import named, slowest
 from ..gains import Gains
 from ..loops import DEGREES, AltitudeLoop, ReferenceState, attitude_loop, wrap
 from ..pid import PID, clip
@@ -129,6 +130,8 @@ class FlareHold(Hold):
     where the airspeed is 10 % higher than at the beginning. Below 100 ft the nose is never lower
     than at its beginning, unless the angle of attack is at its limit. On the ground it is raised at
     the airspeed of the touchdown.
+
+    Gains with which no landings were flown warn once when the block is made.
 
     It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
     beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
@@ -251,6 +254,13 @@ class FlareHold(Hold):
         self.roll = attitude_loop(T, roll, c.authority, carry=self.scheduled)
         self.follows(roll=self.roll, **self.vertical.loops)
         self._slowest = slowest(self.gains)
+        table = named(self.gains)
+        if table and not table.landing:
+            least = min(point.speed for point in table.points)
+            warn_user(
+                f"FlareHold: no landings were flown with these gains of the {table.aircraft}, for "
+                f"{least:.0f} KCAS and more; below, elevator and rudder have less effect"
+            )
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
@@ -360,6 +370,7 @@ class FlareHold(Hold):
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
             lowest=seen.theta,
+            kept=state.v,
             psi=seen.psi,
             rudder=rudder,
             throttle=throttle,
