@@ -45,6 +45,7 @@ HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
 PITCH = {"Kp": 0.1, "Ki": 0.1}
 
 
+@pytest.mark.filterwarnings("ignore:FlareHold. no landings")
 @pytest.mark.parametrize("hold", HOLDS)
 @pytest.mark.parametrize("table", ["c172p", "737", "global5000"])
 def test_every_hold_takes_every_table(hold, table):
@@ -211,6 +212,7 @@ def test_between_its_points_a_schedule_interpolates(schedule, h, vc, Kp, climb):
     assert gains.heading == GAINS["737"].heading
 
 
+@pytest.mark.filterwarnings("ignore:FlareHold. no landings")
 @pytest.mark.parametrize("hold", HOLDS)
 def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monkeypatch):
     assert hold(gains=schedule).gains is schedule
