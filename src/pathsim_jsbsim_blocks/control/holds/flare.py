@@ -13,7 +13,7 @@ from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
 from ..channels import LateralState, Motion, Vertical, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
-from ..gain_tables import named, slowest
+from ..gain_tables import named
 from ..gains import Gains
 from ..loops import DEGREES, AltitudeLoop, ReferenceState, attitude_loop, wrap
 from ..pid import PID, clip
@@ -253,13 +253,13 @@ class FlareHold(Hold):
         )
         self.roll = attitude_loop(T, roll, c.authority, carry=self.scheduled)
         self.follows(roll=self.roll, **self.vertical.loops)
-        self._slowest = slowest(self.gains)
-        table = named(self.gains)
+        table, self._slowest = named(self.gains), 0.0  # KCAS
+        if table:
+            self._slowest = min(point.speed for point in table.points)
         if table and not table.landing:
-            least = min(point.speed for point in table.points)
             warn_user(
                 f"FlareHold: no landings were flown with these gains of the {table.aircraft}, for "
-                f"{least:.0f} KCAS and more; below, elevator and rudder have less effect"
+                f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
             )
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
@@ -394,7 +394,7 @@ class FlareHold(Hold):
         pitch = self.vertical.pitch.pid
         if pitch.Kr <= 0.0:
             return _BANDWIDTH
-        slower = 1.0 if self._slowest is None else min(v / self._slowest, 1.0)
+        slower = min(v / max(KNOT * self._slowest, 1.0), 1.0)
         return min(_BANDWIDTH, _OF_PITCH * pitch.Kp / pitch.Kr * slower**2)
 
     def _pitch(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
