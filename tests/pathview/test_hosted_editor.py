@@ -83,7 +83,7 @@ def test_the_documentation_names_the_diagrams_that_run_there(hosted):
     if not page.exists():
         pytest.skip("the documentation is not installed")
     section = page.read_text(encoding="utf-8").partition("## The hosted editor")[2]
-    named = re.findall(r"^- `(\w+)`", section.partition("\n## ")[0], re.MULTILINE)
+    named = re.findall(r"`(\w+)`", section.partition("diagrams run:")[2].partition("\n\n")[0])
     assert sorted(named) == hosted["runs"]
 
 
