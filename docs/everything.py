@@ -47,6 +47,7 @@ FLIGHTS = {
     "steps": ["docs/gain_tables.py", "--fly"],
     "off design": ["docs/gain_tables.py", "--off"],
     "cruise": ["docs/gain_tables.py", "--cruise"],
+    "near the ground": ["docs/gain_tables.py", "--slow"],
     "random cases": ["docs/monte_carlo.py"],
     "landings": ["docs/landings.py"],
     "failed engines": ["docs/demands.py", "engines"],

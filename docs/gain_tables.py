@@ -9,7 +9,7 @@ With ``--limits`` the limits of the envelope are measured anew, and the tables k
 With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines.
 With ``--fly`` the steps are flown with the existing tables, for
 the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
-with ``--cruise`` those of airliners at cruise altitudes.
+with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 from generate import write_table
 
-from pathsim_jsbsim_blocks import Aircraft, TrimCondition
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
 from pathsim_jsbsim_blocks.design import (
     DesignedGains,
@@ -519,6 +519,105 @@ def compared():
             yield row.replace(name, f"{name}, {kind}", 1)
 
 
+# ft above the ground; of the lowest level airspeed: found by steps of this ratio, and where flights
+# begin, in this order; what is asked for; s; random seeds; MIL-spec, 15 kt at 20 ft
+NEAR, FINE, BEGINS, TOO_SLOW, NEAR_SECONDS, SEEDS = (
+    200.0,
+    0.99,
+    (1.25, 1.35, 1.5),
+    0.8,
+    90.0,
+    (1, 2, 3),
+)
+LIGHT = {
+    "atmosphere/turb-type": 3.0,
+    "atmosphere/turbulence/milspec/severity": 3.0,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 25.0,
+}
+SLOW_T = 1 / 60
+
+SLOW_HEADER = """\
+| aircraft | lowest level KCAS by trim | asked for | lowest height of three, ft | lowest KCAS \
+| largest alpha, mean of 2 s, less alpha_max, deg |
+|---|--:|--:|--:|--:|--:|
+"""
+
+
+def lowest_level(name, condition, create):
+    """The lowest airspeed in KCAS at which the aircraft trims on the way down from a condition."""
+    speed = condition.speed
+    while True:
+        try:
+            trim(Airframe(name, create=create), replace(condition, speed=FINE * speed), hint=False)
+        except BlocksError:
+            return speed
+        speed *= FINE
+
+
+def begun(name, condition, lowest, flight, seed):
+    """An aircraft in turbulence, at the first of some airspeeds at which it trims."""
+    for share in BEGINS:
+        try:
+            return Aircraft(
+                name,
+                condition=replace(condition, speed=share * lowest),
+                create=flight.create,
+                properties={**LIGHT, "atmosphere/randomseed": float(seed)},
+                T=SLOW_T,
+                substeps=2,
+                output_properties=["h_agl"],
+            )
+        except TrimError as error:
+            failed = error
+    raise failed
+
+
+def slow_flight(name, plane, vc_ref):
+    """Height, airspeed and angle of attack beyond its limit, at each sample."""
+    autopilot = Autopilot(str(table_of(name)), vc_ref=vc_ref, T=SLOW_T)
+    ports, state, rows = list(plane.output_port_labels), autopilot.initial_state(), []
+    y, limits = plane.outputs.to_array(), read_gains(table_of(name))
+    for k in range(round(NEAR_SECONDS / SLOW_T)):
+        seen = dict(zip(ports, map(float, y), strict=True))
+        if k % 60 == 0:
+            limit = limits.at(seen["h"], seen["vc"]).envelope.alpha_max
+        rows.append((seen["h_agl"], seen["vc"], seen["alpha"] - limit))
+        u = [seen.get(port, 0.0) for port in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
+    return np.array(rows).T
+
+
+def slow_row(name):
+    """One row of the table of flights near the ground that are asked to be too slow."""
+    flight = flight_of(name)
+    condition = replace(flight.condition, altitude=NEAR, solver="newton")
+    lowest = lowest_level(name, condition, flight.create)
+    heights, speeds, alphas = [], [], []
+    for seed in SEEDS:
+        plane = begun(name, condition, lowest, flight, seed)
+        try:
+            h, vc, alpha = slow_flight(name, plane, TOO_SLOW * lowest)
+        except FlightError:
+            return f"| {name} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | ends | | |\n"
+        heights.append(h.min())
+        speeds.append(vc.min())
+        alphas.append(np.convolve(alpha, np.full(120, 1 / 120), "valid").max())
+    worst = f"{min(heights):.0f} | {min(speeds):.0f} | {max(alphas):+.1f}"
+    return f"| {name} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | {worst} |\n"
+
+
+def fly_slow(names):
+    """Ask for an airspeed that is too low near the ground, in turbulence."""
+    rows = []
+    for name in names or aircraft_names():
+        if table_of(name).exists():
+            rows.append(slow_row(name))
+            print(rows[-1], end="", flush=True)
+    if not names:
+        write_table("autopilots-near-ground", SLOW_HEADER + "".join(rows))
+
+
 def main(names):
     TABLES.mkdir(exist_ok=True)
     for name in names or (name for name in aircraft_names() if name not in KEPT):
@@ -542,5 +641,6 @@ if __name__ == "__main__":
     do.add_argument("--limits", dest="do", action="store_const", const=limits)
     do.add_argument("--yaw", dest="do", action="store_const", const=yaw)
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
+    do.add_argument("--slow", dest="do", action="store_const", const=fly_slow)
     options = parser.parse_args()
     options.do(options.aircraft)

@@ -256,6 +256,47 @@ def test_throttle_is_added_where_the_ground_forbids_the_descent():
     assert np.min(record["h"]) > 60.0
 
 
+LIGHT = {  # 15 kt at 20 ft
+    "atmosphere/turb-type": 3.0,
+    "atmosphere/turbulence/milspec/severity": 3.0,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 25.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "speed", "asked", "seed"),
+    first([("c172p", 59.0, 38.0, 2), ("MD11", 206.0, 132.0, 1), ("T37", 97.0, 62.0, 1)]),
+)
+def test_no_height_near_the_ground_is_given_for_an_airspeed_that_is_too_low(
+    name, speed, asked, seed
+):
+    # 0.8 of the lowest airspeed that trims: each of them came down to the ground within 46 s,
+    # because the lead on the angle of attack took gusts for a pull-up
+    plane = Aircraft(
+        name,
+        condition=TrimCondition(altitude=200.0, speed=speed),
+        properties={**LIGHT, "atmosphere/randomseed": seed},
+        T=T,
+        substeps=2,
+        output_properties=["h_agl"],
+    )
+    ports = {"h_agl": lambda t: float(plane.outputs["h_agl"])}
+    record = fly(plane, 60.0, ports, T=T, vc_ref=asked)
+    assert np.min(record["h"]) > 150.0
+    assert record["vc"][-1] < 0.95 * speed
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "speed"), [("OV10", 193.0), ("c182", 108.0)])
+def test_a_descent_takes_no_more_than_its_airspeed_leaves(name, speed):
+    # 23 and 9 kt too fast before
+    plane = Aircraft(name, altitude=5000.0, speed=speed, T=T, substeps=2)
+    record = fly(plane, 450.0, {"h_ref": step(-3000.0)}, T=T)
+    assert np.max(record["vc"]) < speed + 5.0
+    assert np.min(record["vc"]) > speed - 12.0
+    assert record["h"][-1] == pytest.approx(2000.0, abs=5.0)
+
+
 def test_no_descent_below_100_ft_above_the_ground():
     plane = Aircraft(
         "c172p", altitude=1000.0, speed=90.0, T=T, substeps=2, output_properties=["h_agl"]
@@ -344,6 +385,31 @@ def idle(seconds, hold, *unwired):
 def test_glideslope_hold_gives_way_before_the_stall(unwired, stalls):
     hold = GlideslopeHold("c172p", threshold=(1.0, 0.0))
     assert (idle(20.0, hold, *unwired) > limits("c172p").alpha_max + 1.0) == stalls
+
+
+def test_a_path_that_cannot_be_flown_is_left():
+    # at idle on 3 deg: it kept the path below 50 kt, and fell
+    plane = Aircraft("c172p", altitude=1500.0, speed=70.0, heading=0.0, T=T, substeps=2)
+    station, level = plane.outputs["lat"] + 0.082, RollHold("c172p", phi_ref=0.0, T=T)
+    path = GlideslopeHold("c172p", threshold=(station, plane.outputs["lon"]), T=T)
+    states, y, rows = [path.initial_state(), level.initial_state()], plane.outputs.to_array(), []
+    for k in range(round(90.0 / T)):
+        seen = dict(zip(STATES, map(float, y), strict=False))
+        commands = []
+        for i, hold in enumerate((path, level)):
+            u = [seen.get(port, 0.0) for port in hold.input_port_labels]
+            command, states[i] = hold.law(u, states[i])
+            commands.append(command)
+        (elevator, *_, captured), (aileron, *_) = commands
+        idle = -1.0 if k * T > 25.0 else 0.0
+        y = plane.advance(k + 1, [elevator, aileron, 0.0, idle, 0.0, 0.0, 0.0])
+        rows.append((captured, seen["vc"], seen["alpha"]))
+    captured, vc, alpha = np.array(rows).T
+    assert captured[round(25.0 / T)] == 1.0
+    assert captured[-1] == 0.0
+    assert np.min(vc) > 51.0
+    assert np.max(alpha) < limits("c172p").alpha_max
+    assert np.ptp(vc[round(80.0 / T) :]) < 1.0
 
 
 @pytest.mark.parametrize("hold", [AltitudeHold, GlideslopeHold])
@@ -563,9 +629,21 @@ def test_the_pitch_leads_an_angle_of_attack_that_rises():
     guard, alpha = Protection(1 / 120, 12.0, None), 4.0
     state = guard.START
     for _ in range(240):
-        alpha += 3.0 / 120  # 3 deg/s
-        found, state = guard.sample(state, 8.0, alpha, 0.0, 0.0, 70.0, False, False)
-    assert found.theta_max == pytest.approx(8.0 + 12.0 - alpha - 0.4 * 3.0, abs=0.01)
+        alpha += 3.0 / 120  # 3 deg/s, by the pitch angle
+        found, state = guard.sample(state, alpha, alpha, 0.0, 0.0, 70.0, False, False)
+    assert found.theta_max == pytest.approx(12.0 - 0.4 * 3.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("phi", "share"), [(0.0, 0.0), (60.0, 0.75)])
+def test_a_gust_shorter_than_2_s_lowers_the_nose_in_a_steep_bank_only(phi, share):
+    # an exponential lag of 2 s; the share of alpha that pitch less path angle does not show
+    guard = Protection(1 / 120, 12.0, None)
+    _, state = guard.sample(guard.START, 4.0, 4.0, 0.0, 0.0, 70.0, False, False, phi=phi)
+    for _ in range(60):
+        found, state = guard.sample(state, 4.0, 8.0, 0.0, 0.0, 70.0, False, False, phi=phi)
+    seen = share + (1.0 - share) * (1.0 - np.exp(-0.25))
+    lead = 0.4 * share * 4.0 / 0.15 * np.exp(-59 / 120 / 0.15)  # of the gust's own rate, passing
+    assert found.theta_max == pytest.approx(4.0 + 12.0 - 4.0 - 4.0 * seen - lead, abs=0.05)
 
 
 @pytest.mark.parametrize(("share", "excess"), [(1.0, 20.0), (0.9, 0.0), (0.5, 0.0)])

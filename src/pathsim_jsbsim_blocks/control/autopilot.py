@@ -230,14 +230,15 @@ class Autopilot(Hold):
         full = thr_sat > 0.0
         allowed, guard = vertical.guard(before, now, vc, full, vc_cmd, pitching, phi, h_agl)
         wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", vc_ref, vc))
-        wanted = max(min(wanted, allowed.vc_max), allowed.vc_min)
+        wanted = self.airspeed_within(allowed, wanted, vc)
         throttle, vc_cmd, speed = self.speed.sample(
-            state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off or on_pitch, allowed.boost
+            *(state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off or on_pitch),
+            *(allowed.boost, allowed.feed),
         )
         asked, given, pitched = self.wanted("hdot_ref", hdot_ref), None, ReferenceLoop.START
         if on_pitch:
             rate, vc_cmd, pitched = self.on_pitch.sample(
-                state.pitched, vc, h, hdot, wanted, keeps, state.climb.cut, False
+                state.pitched, vc, h, hdot, wanted, keeps, before.altitude.cut, False
             )
             asked, given = (rate, 0.0), None if speed_off else self._given(thr_ref, allowed, rate)
         # what was found at engagement goes along from one loop to the other
@@ -281,6 +282,12 @@ class Autopilot(Hold):
         the rate of climb that holds the airspeed is forbidden.
         """
         target, increment = self.wanted("thr_ref", thr_ref)
+        asked = (target or 0.0) + increment
+        if abs(asked) > 1.0:
+            self._warn_once(
+                "thr_ref",
+                f"thr_ref is {asked:g}; it is an increment of the throttle, whose range is 0 to 1",
+            )
         boost = allowed.boost if rate < allowed.climb_min else min(allowed.boost, 0.0)
         return target, increment + boost
 

@@ -56,7 +56,6 @@ class ClimbState(NamedTuple):
     mode: float = 0.0  # 0 for none
     captured: bool = False
     found: float = 0.0  # rate of climb at the beginning, ft/s
-    cut: float = 0.0  # ft/s, of the rate of climb asked for
 
 
 class Vertical:
@@ -92,22 +91,9 @@ class Vertical:
         # positive elevator is nose down
         stop = not now.off and (now.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
         measured = now.theta, now.alpha, now.h, now.hdot, vc
-        return protection.sample(state.guard, *measured, stop, *signals)
+        return protection.sample(state.guard, *measured, stop, *signals, cut=state.altitude.cut)
 
-    def for_altitude(
-        self,
-        state: VerticalState,
-        now: Motion,
-        allowed: Allowed,
-        reference: Reference,
-        idle: bool,
-    ) -> tuple[float, float, AltitudeState]:
-        """Pitch angle, rate of climb and next state; while ``idle`` the loop waits to begin."""
-        found, error = self.altitude.error(state.altitude, now.h, reference)
-        hdot_cmd = self.altitude.climb_rate(error)
-        return self._at_rate(state, now, allowed, found, hdot_cmd, idle)
-
-    def _at_rate(
+    def at_rate(
         self,
         state: VerticalState,
         now: Motion,
@@ -116,18 +102,22 @@ class Vertical:
         hdot_cmd: float,
         idle: bool,
     ) -> tuple[float, float, AltitudeState]:
+        """Pitch angle, rate of climb as allowed and next state, from the rate demanded.
+
+        While ``idle`` the loop waits to begin.
+        """
         altitude, protection = self.altitude, self.protection(now.alpha)
         most = -math.inf
         if protection and protection.flies_envelope:
             # it limits the climb; level flight may take all of the angle of attack
             most = protection.alpha_max
         altitude.allow(most)
-        hdot_cmd = min(max(hdot_cmd, allowed.climb_min), allowed.climb_max)
+        asked, hdot_cmd = hdot_cmd, min(max(hdot_cmd, allowed.climb_min), allowed.climb_max)
         theta = self.pitch.reference(state.pitch, now.theta)
         wanted, law = altitude.climb(state.altitude.law, hdot_cmd, now.hdot, theta, state.cut)
         if idle:
             return wanted, 0.0, AltitudeLoop.START
-        return wanted, hdot_cmd, AltitudeState(found, law)
+        return wanted, hdot_cmd, AltitudeState(found, law, asked - hdot_cmd)
 
     def for_climb(
         self,
@@ -155,8 +145,8 @@ class Vertical:
             level = level._replace(found=now.h)
         found, error = altitude.error(level, now.h, reference)
         hdot_cmd = altitude.climb_rate(error, share)
-        off, captured = idle or mode == 0.0, False
-        if not off:
+        captured = False
+        if not idle and mode != 0.0:
             chosen = reference != (None, 0.0)
             swift = altitude.capture_rate(error)
             met = chosen and error * rate_asked > 0.0 and abs(swift) <= abs(rate_asked)
@@ -168,9 +158,8 @@ class Vertical:
                     hdot_cmd = swift
             else:
                 hdot_cmd = rate_asked
-        wanted, hdot_cmd, after = self._at_rate(state, now, allowed, found, hdot_cmd, idle)
-        cut = 0.0 if off or captured else rate_asked - hdot_cmd
-        return wanted, hdot_cmd, after, ClimbState(0.0 if idle else mode, captured, rate, cut)
+        wanted, hdot_cmd, after = self.at_rate(state, now, allowed, found, hdot_cmd, idle)
+        return wanted, hdot_cmd, after, ClimbState(0.0 if idle else mode, captured, rate)
 
     def fly(
         self,

@@ -12,7 +12,7 @@ from .channels import Vertical
 from .gain_tables import loop_gains, schedule_of
 from .gains import AltitudeGains, AttitudeGains, EnvelopeLimits
 from .loops import AltitudeLoop, HeadingLoop, Reference, ReferenceLoop, attitude_loop
-from .protection import Protection
+from .protection import Allowed, Protection
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -20,6 +20,7 @@ Authority = float | tuple[float, float]
 # increments that must be meant absolute: from this share of the measured value on, which is at
 # least so much
 MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, 30.0, "kt")}
+FAR_BELOW = 0.5  # of the lowest airspeed, a demand that must be meant otherwise
 
 # docstring sections shared by the holds
 fill = filler(
@@ -134,7 +135,7 @@ class Hold(SampledLaw):
 
     START: ClassVar[Any]
     reference = "increment"
-    _warned_of_increment = False
+    _warned_of: frozenset[str] = frozenset()  # ports that a warning was about
 
     def initial_state(self) -> Any:
         return self.START
@@ -211,17 +212,30 @@ class Hold(SampledLaw):
         """Reference from the value at a port, which may be absolute."""
         if self.reference == "absolute" and port in self.inputs.wired:
             return value, 0.0
-        if value > 0.0 and port in MEANT_ABSOLUTE and not self._warned_of_increment:
-            self._check_increment(port, value, measured)
+        if value > 0.0 and port in MEANT_ABSOLUTE:
+            share, least, unit = MEANT_ABSOLUTE[port]
+            if measured >= least and value >= share * measured:
+                self._warn_once(
+                    port,
+                    f"{value:g} {unit} at {port} is an increment and asks for "
+                    f"{measured + value:.0f} {unit}; reference='absolute' makes the port the "
+                    "reference itself",
+                )
         return getattr(self.checked, port), value
 
-    def _check_increment(self, port: str, value: float, measured: float) -> None:
-        """Warn once of an increment that is nearly as large as the measured value."""
-        share, least, unit = MEANT_ABSOLUTE[port]
-        if measured >= least and value >= share * measured:
-            self._warned_of_increment = True
-            warn_user(
-                f"{type(self).__name__}: {value:g} {unit} at {port} is an increment and asks for "
-                f"{measured + value:.0f} {unit}; reference='absolute' makes the port the "
-                "reference itself"
+    def airspeed_within(self, allowed: Allowed, wanted: float, vc: float) -> float:
+        """The airspeed wanted in kt, within the limits; one far below the lowest is warned of."""
+        lowest = allowed.vc_min
+        # below 0.9 of the present one: without a demand the two are the same
+        if wanted < FAR_BELOW * lowest and wanted < 0.9 * vc:
+            self._warn_once(
+                "vc_ref",
+                f"vc_ref asks for {wanted:.0f} kt, far below the lowest airspeed of this flight, "
+                f"{lowest:.0f} kt, which is flown instead",
             )
+        return max(min(wanted, allowed.vc_max), lowest)
+
+    def _warn_once(self, port: str, text: str) -> None:
+        if port not in self._warned_of:
+            self._warned_of |= {port}
+            warn_user(f"{type(self).__name__}: {text}")

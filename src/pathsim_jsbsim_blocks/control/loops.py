@@ -215,6 +215,7 @@ class AltitudeState(NamedTuple):
 
     found: float = 0.0  # altitude at engagement
     law: PIDState = PID.START
+    cut: float = 0.0  # ft/s, what was cut off the rate of climb demanded
 
 
 class AltitudeLoop:
@@ -334,15 +335,17 @@ class SpeedLoop:
         sat: float,
         off: bool,
         boost: float = 0.0,
+        feed: float = 0.0,
     ) -> tuple[float, float, ReferenceState]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
         ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
-        boost would leave it no error to correct; at the aircraft's limit it stays.
+        boost would leave it no error to correct; at the aircraft's limit it stays. ``feed`` is
+        added too, and goes as it came.
         """
         rest = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
         u, reference, state = self.loop.sample(
-            state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot
+            state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot + feed
         )
         if boost and not off:
             pid, law = self.pid, state.law

@@ -30,6 +30,7 @@ class Allowed(NamedTuple):
     boost: float = 0.0  # throttle to add, or to take where negative
     vc_min: float = -math.inf  # kt
     vc_max: float = math.inf
+    feed: float = 0.0  # throttle that makes way for a descent, at most 0
 
 
 EVERYTHING = Allowed()
@@ -38,9 +39,10 @@ EVERYTHING = Allowed()
 class ProtectionState(NamedTuple):
     """State of a `Protection`."""
 
-    known: bool = False  # the angle of attack and its rate
-    alpha: float = 0.0
-    alpha_rate: float = 0.0
+    known: bool = False  # the angle of attack
+    own: float = 0.0  # deg, angle of attack by the aircraft's own motion, and its rate, deg/s
+    own_rate: float = 0.0
+    gust: float = 0.0  # deg, what the air adds to it, filtered
     v: float = 0.0  # true airspeed, 0 while unknown
     acceleration: float = 0.0
     airspeed: float = 0.0  # v without gusts
@@ -57,22 +59,25 @@ class Protection:
     """Limits of the references that keep the aircraft off the stall, the ground and overspeed.
 
     .. math::
-        \\theta &\\le \\theta + \\alpha_\\mathrm{max} - \\alpha - \\tau \\dot\\alpha \\\\
+        \\theta &\\le \\theta + \\alpha_\\mathrm{max} - \\hat\\alpha - \\tau\\dot{\\hat\\alpha} \\\\
         V_\\mathrm{min} &= 1.1 \\, V \\sqrt{\\frac{\\alpha}{n \\, \\alpha_\\mathrm{max}}} \\\\
         \\dot h_\\mathrm{cmd} &\\le \\hat P + \\frac{k V}{g} (V - V_\\mathrm{min}), \\qquad
         P = \\dot h + \\frac{V \\dot V}{g} \\\\
-        \\dot h_\\mathrm{cmd} &\\ge \\hat P + \\frac{k V}{g} (V - V_\\mathrm{max}) \\\\
+        \\dot h_\\mathrm{cmd} &\\ge P + \\frac{k V}{g} (V - V_\\mathrm{max}) \\\\
         \\dot h_\\mathrm{cmd} &\\ge k (h_0 - h_\\mathrm{agl})
 
     The first makes the pitch loop hold the largest angle of attack where more pitch would exceed
-    it. The lowest airspeed follows from the angle of attack that the aircraft flies at, which shows
-    its weight, flaps and load factor; n is the part of a passing pull-up. Where the elevator
-    reaches its stop, the angle of attack found there takes the place of the largest one.
+    it. Its estimate follows pitch less path angle, and with a lag of 2 s what is measured: gusts
+    that pass do not lower the nose. The lowest airspeed follows from the angle of attack that the
+    aircraft flies at, which shows its weight, flaps and load factor; n is the part of a passing
+    pull-up. Where the elevator reaches its stop, the angle of attack found there takes the place of
+    the largest one.
 
     The third lets the airspeed fall towards the lowest one no faster than with the time constant
-    1/k, and demands a descent below it; the fourth ends a descent at the highest airspeed, and the
-    fifth above the ground. The excess P is that at full throttle: the table's, until the throttle
-    is at its stop; from then on what is measured.
+    1/k, and demands a descent below it, but not near the ground; the fourth ends a descent at the
+    highest airspeed, or a little above the one demanded, and the fifth above the ground. The excess
+    of a climb is that at full throttle: the table's, until the throttle is at its stop; from then
+    on what is measured.
 
     Without an ``envelope`` only the angle of attack is limited.
     """
@@ -98,11 +103,14 @@ class Protection:
     GENTLE = 10.0  # deg, which takes hardly any thrust
     RELEARN = 0.02  # deg/s, with which more of the elevator's reach is tried
     CLEARANCE = 100.0  # ft above the ground, where a descent ends
+    TRADED = 500.0  # ft above the ground, below which no height is given for airspeed
 
     # of the airspeed demanded
     BOOST_ENDS_ABOVE = 0.985
     CLIMB_YIELDS_BELOW = 0.97  # from 1 on, from the climb at full throttle to that measured
     CLIMB_TRADED_BELOW = 0.95  # the airspeed is regained at the climb's expense
+    DESCENT_YIELDS_ABOVE = 1.02  # the descent takes no more than the airspeed leaves
+    MAKES_WAY = 2.0  # throttle taken, of that which the rest of the descent would save
 
     # of the lowest airspeed
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve, a descent may regain the one demanded
@@ -143,17 +151,21 @@ class Protection:
         hold_pitch: bool = False,
         phi: float = 0.0,
         h_agl: float = 0.0,
+        *,
+        cut: float = 0.0,
     ) -> tuple[Allowed, ProtectionState]:
         """Limits of the references, and the next state.
 
         ``full_throttle`` and ``full_elevator`` say whether the excess and the angle of attack
         measured are all there is; ``vc_cmd`` is the airspeed that has priority over a climb, None
         for none; ``hold_pitch`` limits the pitch reference to the path angles of the rates of climb
-        too. A ``vc`` or ``h_agl`` of 0, without a wire, limits nothing.
+        too; ``cut`` is the last rate of climb demanded less the one allowed. A ``vc`` or ``h_agl``
+        of 0, without a wire, limits nothing.
         """
         per_knot = true_airspeed(1.0, h)
-        state = self._filtered(state, alpha, vc * per_knot, hdot, phi, full_elevator, full_throttle)
-        theta_max = theta + self.alpha_max - alpha - self.LEAD * state.alpha_rate
+        stops = full_elevator, full_throttle
+        state = self._filtered(state, theta, alpha, vc * per_knot, hdot, phi, *stops)
+        theta_max = theta + self.alpha_max - self._ahead(state)
         if not self.flies_envelope:
             return Allowed(theta_max), state
         v, moving, used = state.v, vc > 0.0, self._used(state)
@@ -164,36 +176,47 @@ class Protection:
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = max(state.measured + spare, -self.descent_max)
-        most, boost = sustained, 0.0
+        floor = given = -math.inf
+        if h_agl > 0.0:
+            floor = self.DECAY * (self.CLEARANCE - h_agl)
+            given = max(floor, min(self.DECAY * (self.TRADED - h_agl), 0.0))
+        most, boost, feed, kept = sustained, 0.0, 0.0, fastest
         if vc_cmd is not None:
             wanted = max(vc_cmd * per_knot, 1.0)
             most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
+            # a sink that the pitch may not end, or not yet, takes all of the throttle
+            boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
             beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
             boost -= clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
-        least = -math.inf
+            kept = min(self.DESCENT_YIELDS_ABOVE * wanted, fastest)
+        least = slow = floor
         if moving:
             # level flight at idle is enough to slow down
-            least = min(state.measured + stiffness * (v - fastest), 0.0)
-        if h_agl > 0.0:
-            least = max(least, self.DECAY * (self.CLEARANCE - h_agl))
+            least = max(least, min(state.measured + stiffness * (v - fastest), 0.0))
+            slow = max(floor, min(state.measured + stiffness * (state.airspeed - kept), 0.0))
+            if slow > least and cut < 0.0:
+                # the throttle makes way for a descent that the airspeed does not allow with it
+                feed = max(self.MAKES_WAY * cut / (self.climb_max + self.descent_max), -1.0)
         theta_min = -math.inf
         if hold_pitch:
             path = DEGREES / max(v, self.SLOWEST)
             theta_min = alpha + path * max(least, -v)
             if moving:
-                theta_max = min(theta_max, alpha + path * min(max(sustained, least), v))
+                theta_max = min(theta_max, alpha + path * min(max(sustained, least, given), v))
         # at the load factor of a turn
         turning = used / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
         vc_min = state.airspeed * turning**0.5 / per_knot
         if moving:
-            most = max(most, least)
+            most = max(most, least, given)
         else:
             most, boost = math.inf, 0.0
-        return Allowed(theta_max, theta_min, most, least, boost, vc_min, vc_max), state
+        rates = most, max(least, slow)
+        return Allowed(theta_max, theta_min, *rates, boost, vc_min, vc_max, feed), state
 
     def _filtered(
         self,
         state: ProtectionState,
+        theta: float,
         alpha: float,
         v: float,
         hdot: float,
@@ -204,15 +227,22 @@ class Protection:
         """The state with what has been measured."""
         slow, begun = self._slow_filter, state.v != 0.0
         level = (alpha - self.alpha_zero) * math.cos(RADIANS * phi)
-        alpha_rate = acceleration = 0.0
+        own = alpha
+        if v > 0.0:
+            # pitch less path angle is alpha cos(phi), and tells less of it in a steep bank
+            path = DEGREES * hdot / max(state.airspeed or v, self.SLOWEST)
+            upright = math.cos(RADIANS * phi)
+            own += upright * (theta - path - upright * alpha)
+        own_rate, gust, acceleration = 0.0, alpha - own, 0.0
         airspeed, climb = v, hdot
         if begun:
             acceleration = state.acceleration
             acceleration += slow * ((v - state.v) / self.T - acceleration)
             airspeed = state.airspeed + slow * (v - state.airspeed)
         if state.known:
-            alpha_rate = state.alpha_rate
-            alpha_rate += self._alpha_filter * ((alpha - state.alpha) / self.T - alpha_rate)
+            own_rate = state.own_rate
+            own_rate += self._alpha_filter * ((own - state.own) / self.T - own_rate)
+            gust = state.gust + slow * (gust - state.gust)
             climb = state.climb + slow * (hdot - state.climb)
             level = state.level + slow * (level - state.level)
 
@@ -234,9 +264,13 @@ class Protection:
         if full_elevator and stopped > self.STOPPED:
             reach = min(reach, max(alpha, self.alpha_zero + 1.0))
         return ProtectionState(
-            *(True, alpha, alpha_rate, v, acceleration, airspeed),
+            *(True, own, own_rate, gust, v, acceleration, airspeed),
             *(available, measured, climb, load, level, stopped, reach),
         )
+
+    def _ahead(self, state: ProtectionState) -> float:
+        """The angle of attack without passing gusts, deg, as the aircraft's motion goes on."""
+        return state.own + state.gust + self.LEAD * state.own_rate
 
     def _used(self, state: ProtectionState) -> float:
         """Lift of straight and level flight, of the largest that it may take at this airspeed."""
@@ -272,7 +306,7 @@ class Protection:
         angle of attack leaves, to which it is proportional: the bank gives way before the pitch,
         and where less than `CLIMB_KEPT` is left, before the height.
         """
-        alpha = state.alpha + self.LEAD * state.alpha_rate - self.alpha_zero
+        alpha = self._ahead(state) - self.alpha_zero
         left = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / max(alpha, 1e-6)
         load = left * state.load / math.cos(RADIANS * phi)
         if self.flies_envelope:

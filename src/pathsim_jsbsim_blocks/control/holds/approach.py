@@ -13,7 +13,7 @@ from ...axes.navigation import distance, place_unchecked, point
 from ..channels import LateralState, Motion, VerticalState
 from ..controller import Authority, Hold, authority_limits, fill
 from ..gains import Gains
-from ..loops import DEGREES, AltitudeLoop, AltitudeState, wrap
+from ..loops import DEGREES, wrap
 from ..pid import clip
 from ..receivers import above_path
 from .course import SEPARATION, SMOOTHING
@@ -188,9 +188,9 @@ class GlideslopeHold(Hold):
     it. Until it is captured, the altitude found at engagement is held. It is captured where it
     demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
     ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
-    ``FlareHold`` comes after it. With the port ``alpha`` wired it keeps the
-    angle of attack below its limit; the lowest airspeed of the gain table is that of the clean
-    aircraft and has no effect here.
+    ``FlareHold`` comes after it. With the ports ``alpha`` and
+    ``vc`` wired it keeps the angle of attack below its limit and the airspeed above its lowest: a
+    path that the thrust does not sustain is left, with the nose down and ``captured`` 0.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ class GlideslopeHold(Hold):
         distance to the threshold (with a receiver, to its station) in ft, negative beyond it once
         the path is captured
     captured
-        1 from the capture on, otherwise 0
+        1 from the capture on, 0 before it and where the path is left
 
     %(raises)s
     """
@@ -299,22 +299,18 @@ class GlideslopeHold(Hold):
 
         vertical, before, idle = self.vertical, state.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
-        # without the airspeed: its lowest is that of the clean aircraft
-        allowed, guard = vertical.guard(before, now, 0.0, True)
+        allowed, guard = vertical.guard(before, now, vc, True)
         found, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)
         descent, lower = self._descent(above, speed or 0.0, level)
         # the speed is known once the distance has changed
         met = lower and rate > 0.0 and (self.checked.from_above or degrees <= _ON_GLIDE_PATH)
-        captured = not idle and (state.captured or met)
-        hdot_cmd = descent if captured else level
-        reference = vertical.pitch.reference(before.pitch, theta)
-        wanted, climb = vertical.altitude.climb(
-            before.altitude.law, hdot_cmd, hdot, reference, before.cut
-        )
-        altitude = AltitudeLoop.START if idle else AltitudeState(found, climb)
+        # below a path that takes more than the thrust gives
+        left = descent > allowed.climb_max and (degrees < -_ON_GLIDE_PATH or not state.captured)
+        captured = not idle and (state.captured or met) and not left
+        demanded = descent if captured or left else level
+        wanted, hdot_cmd, altitude = vertical.at_rate(before, now, allowed, found, demanded, idle)
         elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
-        hdot_cmd = 0.0 if idle else hdot_cmd
         return (
             [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
             GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),

@@ -182,7 +182,9 @@ class AltitudeHold(Hold):
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         allowed, guard = vertical.guard(state, now, vc, True)
         reference = self.wanted("h_ref", h_ref, h)
-        wanted, hdot_cmd, altitude = vertical.for_altitude(state, now, allowed, reference, idle)
+        wanted, hdot_cmd, altitude, _ = vertical.for_climb(
+            *(state, now, allowed, ClimbState(), 0.0), (None, 0.0), reference, idle
+        )
         elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, wanted)
         return [elevator, theta_cmd, hdot_cmd], VerticalState(altitude, pitch, guard, cut)
 
@@ -353,10 +355,10 @@ class SpeedOnPitchHold(Hold):
         before = state.vertical
         allowed, guard = vertical.guard(before, now, vc, True)
         wanted, keeps = self.speed.loop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref, vc))
-        wanted = max(min(wanted, allowed.vc_max), allowed.vc_min)
+        wanted = self.airspeed_within(allowed, wanted, vc)
         off = idle or state.climb.captured
         rate, vc_cmd, speed = self.speed.sample(
-            state.speed, vc, h, hdot, wanted, keeps, state.climb.cut, off
+            state.speed, vc, h, hdot, wanted, keeps, before.altitude.cut, off
         )
         reference = self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
