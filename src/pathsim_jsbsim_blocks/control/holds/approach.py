@@ -306,13 +306,13 @@ class GlideslopeHold(Hold):
         # the speed is known once the distance has changed
         met = lower and rate > 0.0 and (self.checked.from_above or degrees <= _ON_GLIDE_PATH)
         # below a path that takes more than the thrust gives
-        left = descent > allowed.climb_max and (degrees < -_ON_GLIDE_PATH or not state.captured)
-        captured = not idle and (state.captured or met) and not left
-        demanded = descent if captured or left else level
+        left = descent > allowed.climb_max and degrees < -_ON_GLIDE_PATH
+        captured = not idle and (state.captured or met)
+        demanded = descent if captured else level
         wanted, hdot_cmd, altitude = vertical.at_rate(before, now, allowed, found, demanded, idle)
         elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
         return (
-            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured)],
+            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured and not left)],
             GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),
         )
 
