@@ -227,8 +227,9 @@ class Autopilot(Hold):
         # the loop of the throttle and that of the elevator hold one airspeed
         held = state.pitched if state.pitched.law.engaged else state.speed
         vc_cmd = self.speed.loop.reference(held, vc)
-        full = thr_sat > 0.0
-        allowed, guard = vertical.guard(before, now, vc, full, vc_cmd, pitching, phi, h_agl)
+        full, eases = thr_sat > 0.0, mode == 0.0 or captured
+        signals = full, vc_cmd, pitching, phi, h_agl, eases
+        allowed, guard = vertical.guard(before, now, vc, *signals)
         wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", vc_ref, vc))
         wanted = self.airspeed_within(allowed, wanted, vc)
         throttle, vc_cmd, speed = self.speed.sample(

@@ -151,6 +151,7 @@ class Protection:
         hold_pitch: bool = False,
         phi: float = 0.0,
         h_agl: float = 0.0,
+        eases: bool = False,
         *,
         cut: float = 0.0,
     ) -> tuple[Allowed, ProtectionState]:
@@ -159,8 +160,9 @@ class Protection:
         ``full_throttle`` and ``full_elevator`` say whether the excess and the angle of attack
         measured are all there is; ``vc_cmd`` is the airspeed that has priority over a climb, None
         for none; ``hold_pitch`` limits the pitch reference to the path angles of the rates of climb
-        too; ``cut`` is the last rate of climb demanded less the one allowed. A ``vc`` or ``h_agl``
-        of 0, without a wire, limits nothing.
+        too; ``eases`` limits a descent to what the airspeed leaves; ``cut`` is the last rate of
+        climb demanded less the one allowed. A ``vc`` or ``h_agl`` of 0, without a wire, limits
+        nothing.
         """
         per_knot = true_airspeed(1.0, h)
         stops = full_elevator, full_throttle
@@ -188,7 +190,8 @@ class Protection:
             boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
             beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
             boost -= clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
-            kept = min(self.DESCENT_YIELDS_ABOVE * wanted, fastest)
+            if eases:
+                kept = min(self.DESCENT_YIELDS_ABOVE * wanted, fastest)
         least = slow = floor
         if moving:
             # level flight at idle is enough to slow down
