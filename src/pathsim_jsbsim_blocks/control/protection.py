@@ -164,8 +164,7 @@ class Protection:
         climb demanded less the one allowed. A ``vc`` or ``h_agl`` of 0, without a wire, limits
         nothing.
         """
-        per_knot = true_airspeed(1.0, h)
-        stops = full_elevator, full_throttle
+        per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
         state = self._filtered(state, theta, alpha, vc * per_knot, hdot, phi, *stops)
         theta_max = theta + self.alpha_max - self._ahead(state)
         if not self.flies_envelope:
@@ -178,28 +177,25 @@ class Protection:
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = max(state.measured + spare, -self.descent_max)
-        floor = given = -math.inf
-        if h_agl > 0.0:
-            floor = self.DECAY * (self.CLEARANCE - h_agl)
-            given = max(floor, min(self.DECAY * (self.TRADED - h_agl), 0.0))
+        above = h_agl if h_agl > 0.0 else math.inf
+        floor = self.DECAY * (self.CLEARANCE - above)
+        given = max(floor, min(self.DECAY * (self.TRADED - above), 0.0))
         most, boost, feed, kept = sustained, 0.0, 0.0, fastest
         if vc_cmd is not None:
             wanted = max(vc_cmd * per_knot, 1.0)
             most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
-            # a sink that the pitch may not end, or not yet, takes all of the throttle
-            boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
-            beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
-            boost -= clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
+            boost = self._boost(state, boost, floor, fastest)
             if eases:
                 kept = min(self.DESCENT_YIELDS_ABOVE * wanted, fastest)
-        least = slow = floor
+        least = eased = floor
         if moving:
             # level flight at idle is enough to slow down
             least = max(least, min(state.measured + stiffness * (v - fastest), 0.0))
-            slow = max(floor, min(state.measured + stiffness * (state.airspeed - kept), 0.0))
-            if slow > least and cut < 0.0:
+            eased = max(least, min(state.measured + stiffness * (state.airspeed - kept), 0.0))
+            if eased > least:
                 # the throttle makes way for a descent that the airspeed does not allow with it
-                feed = max(self.MAKES_WAY * cut / (self.climb_max + self.descent_max), -1.0)
+                travel = self.climb_max + self.descent_max
+                feed = clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
         theta_min = -math.inf
         if hold_pitch:
             path = DEGREES / max(v, self.SLOWEST)
@@ -213,8 +209,7 @@ class Protection:
             most = max(most, least, given)
         else:
             most, boost = math.inf, 0.0
-        rates = most, max(least, slow)
-        return Allowed(theta_max, theta_min, *rates, boost, vc_min, vc_max, feed), state
+        return Allowed(theta_max, theta_min, most, eased, boost, vc_min, vc_max, feed), state
 
     def _filtered(
         self,
@@ -297,6 +292,13 @@ class Protection:
         missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed - self.AHEAD * rate
         boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return max(most, -self.descent_max), boost
+
+    def _boost(self, state: ProtectionState, boost: float, floor: float, fastest: float) -> float:
+        """Throttle to add, or to take above the highest airspeed."""
+        # a sink that the pitch may not end, or not yet, takes all of the throttle
+        boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
+        beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
+        return boost - clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
 
     def pitch_rate(self, vc: float, h: float) -> float:
         """Rate of the pitch reference in deg/s that the load factor allows at an airspeed."""
