@@ -253,8 +253,10 @@ def assert_in_table(table, place, made):
     schedule = read_gains(TABLES / f"{table}.json")
     (point,) = [p for p in schedule.points if (p.altitude, p.speed) == place]
     published = {"vmo", "mmo"}  # not designed
+    # its yaw loop was designed later, within the others: the roll loop is designed over it
+    later = "yaw" in json.loads((TABLES / f"{table}.json").read_text(encoding="utf-8"))
     for loop, gains in vars(point.gains).items():
-        if loop == "yaw":  # designed within the loops of the table, or before its integral
+        if loop == "yaw" or (later and loop == "roll"):
             continue
         found = {k: v for k, v in vars(getattr(made, loop)).items() if k not in published}
         of_table = {k: v for k, v in vars(gains).items() if k not in published}
