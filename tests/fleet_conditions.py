@@ -88,7 +88,6 @@ BY_NEWTON = {
     "C130": ("glide", 163),
     "dr1": ("full", 48),
     "fokker50": ("glide", 177),
-    "L410": ("glide", 165),
     "p51d": ("glide", 160),
     "pc7": ("full", 136),
     "pogo-jsbsim": ("full", 167),

@@ -59,8 +59,9 @@ def test_the_airspeed_is_held_by_the_elevator_at_a_given_throttle(name, throttle
     assert np.max(np.abs(flight["vc"][climbs] - speed)) < 9.0
     assert abs(flight["vc"][capture] - speed) < 1.5
     # the throttle's loop takes over what the aircraft has, so that its command does not jump
+    # by more than what makes way for the rest of the descent
     taken = flight["throttle"] - flight["thr_sat"]
-    assert abs(taken[capture + 2] - taken[capture]) < 0.05
+    assert abs(taken[capture + 2] - taken[capture]) < 0.1
     assert abs(flight["h"][-1] - h0 - height) < 5.0
     assert np.max(np.abs(flight["vc"][capture:] - speed)) < 10.0
     assert abs(flight["vc"][-1] - speed) < 4.0

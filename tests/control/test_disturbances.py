@@ -195,8 +195,8 @@ def test_turbulence_at_low_speed_on_designed_gains(name):
         flight = fly(plane, 90.0, unwired=(), gains=gains)
         worst[gains] = np.max(np.abs(flight["h"] - altitude))
         assert np.mean(flight["thr_sat"] != 0.0) < 0.05
-    assert worst[f"{name}-designed"] < 60.0
-    assert worst[f"{name}-designed"] < 0.85 * worst[name]
+    assert worst[f"{name}-designed"] < 65.0
+    assert worst[f"{name}-designed"] < 0.9 * worst[name]
 
 
 def test_turbulence_at_75_kcas_on_designed_gains():
