@@ -77,9 +77,10 @@ def shown(notebook):
             continue
         outputs = [output.get("data", {}) for output in cell.outputs]
         figures = sum("image/png" in data for data in outputs)
+        # what is printed and what is warned of have no order between them
         text = "".join(
             output.get("text", "") or output.get("data", {}).get("text/plain", "")
-            for output in cell.outputs
+            for output in sorted(cell.outputs, key=lambda output: output.get("name") == "stderr")
         )
         numbers = [float(number.replace(",", "")) for number in NUMBER.findall(text)]
         yield NUMBER.sub("#", text).split(), numbers, figures

@@ -272,7 +272,7 @@ amp = Amplifier(np.array(2.0))
 def build(k):
     return Amplifier(np.asarray(k))
 amp = build(0.7)
-## numpy: masked array -> equal +SRC
+## numpy: masked array -> refused +SRC
 table = np.ma.array([1.0, 2.0, 3.0], mask=[False, True, False])
 src = Source(lambda t: float(table.sum()) * t)
 ## numpy: matrix in Fortran order -> equal +AMP

@@ -44,6 +44,8 @@ def test_a_whole_script_becomes_a_model_that_flies_as_it_does(name, tmp_path, mo
     monkeypatch.chdir(folder)
     monkeypatch.syspath_prepend(str(folder))
     try:
-        assert_equal(first_run(script, monkeypatch), there)
+        # `steadystate` samples before its last iteration
+        skip = "steadystate" in name
+        assert_equal(first_run(script, monkeypatch), there, skip)
     finally:
         sys.modules.pop("plantlib", None)

@@ -125,7 +125,7 @@ def test_a_case_that_kills_its_worker_is_named():
         return {"y": x}
 
     with pytest.warns(RuntimeWarning) as said:
-        table = quiet(build, {"x": [1, 2, 3]})
+        table = quiet(build, {"x": [1, 2, 3]}, jobs=2)
     assert any("worker died at x=2, seed=" in str(w.message) for w in said)
     assert table.completed.tolist() == [True, False, True]
     assert table.reason[1] == "worker died"
