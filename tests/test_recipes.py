@@ -117,8 +117,8 @@ def test_a_port(tree):
     flight = tree / "src" / package.__name__ / "flight"
     edit(
         flight.parent / "_core" / "aircraft_ports.py",
-        '    "thr_sat": EXCESS,\n',
-        '    "thr_sat": EXCESS,\n    "ny": ("accelerations/Ny", 1.0),\n',
+        '"thr_sat"), EXCESS),\n',
+        '"thr_sat"), EXCESS),\n    "ny": Port("accelerations/Ny"),\n',
     )
     edit(flight / "docstrings.py", "    nx, nz\n", "    nx, ny, nz\n")
     promise(tree, "Aircraft")

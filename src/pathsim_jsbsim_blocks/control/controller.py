@@ -225,9 +225,9 @@ class Hold(SampledLaw):
 
     def airspeed_within(self, allowed: Allowed, wanted: float, vc: float) -> float:
         """The airspeed wanted in kt, within the limits; one far below the lowest is warned of."""
-        lowest = allowed.vc_min
+        lowest, (_, flying, _) = allowed.vc_min, MEANT_ABSOLUTE["vc_ref"]
         # below 0.9 of the present one: without a demand the two are the same
-        if wanted < FAR_BELOW * lowest and wanted < 0.9 * vc:
+        if flying <= lowest and wanted < min(FAR_BELOW * lowest, 0.9 * vc):
             self._warn_once(
                 "vc_ref",
                 f"vc_ref asks for {wanted:.0f} kt, far below the lowest airspeed of this flight, "

@@ -5,7 +5,7 @@ from pathsim.blocks import Scope
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, fly
 
 plane = Aircraft("c172p", altitude=5000, speed=90, heading=350)
-pilot = Autopilot("c172p", psi_ref=30.0, h_ref=200.0)
+pilot = Autopilot("c172p", psi_ref=30.0, h_ref=5200.0)
 scope = Scope(labels=["psi", "h", "vc", "phi"])
 names = ["theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "alpha", "beta"]
 wires = [Connection(plane[n], pilot[n]) for n in names]
