@@ -41,8 +41,9 @@ def test_the_first_case_is_within_what_the_page_says(monte_carlo, column, name):
     assert found.completed.all()
     for key, (label, limit) in monte_carlo.ROWS.items():
         worst = float(table[label][column].split(", ")[1].split(" ")[0])
-        # two digits on the page
-        assert found[key].max() <= worst + 0.06 * abs(worst), label
+        # two digits on the page, and an earlier law, as it says
+        more = 0.0 if limit == monte_carlo.ENDLESS else 0.1 * limit
+        assert found[key].max() <= worst + 0.15 * abs(worst) + more, label
         if key in monte_carlo.STILL:
             assert found[key].max() <= limit, label
         if limit != monte_carlo.ENDLESS:
