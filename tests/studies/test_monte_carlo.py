@@ -1,7 +1,5 @@
 """The flights behind docs/evidence/monte-carlo.md."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path
