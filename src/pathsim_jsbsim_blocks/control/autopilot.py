@@ -287,7 +287,8 @@ class Autopilot(Hold):
         if abs(asked) > 1.0:
             self._warn_once(
                 "thr_ref",
-                f"thr_ref is {asked:g}; it is an increment of the throttle, whose range is 0 to 1",
+                "thr_ref is {:g}; it is an increment of the throttle, whose range is 0 to 1",
+                asked,
             )
         boost = allowed.boost if rate < allowed.climb_min else min(allowed.boost, 0.0)
         return target, increment + boost

@@ -17,9 +17,11 @@ from .protection import Allowed, Protection
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
 
+FLYING = 30.0  # kt, the least airspeed of a flight
+
 # increments that must be meant absolute: from this share of the measured value on, which is at
 # least so much
-MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, 30.0, "kt")}
+MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, FLYING, "kt")}
 FAR_BELOW = 0.5  # of the lowest airspeed, a demand that must be meant otherwise
 
 # docstring sections shared by the holds
@@ -135,7 +137,7 @@ class Hold(SampledLaw):
 
     START: ClassVar[Any]
     reference = "increment"
-    _warned_of: frozenset[str] = frozenset()  # ports that a warning was about
+    _warned_of: frozenset[str] = frozenset()  # ports and parameters
 
     def initial_state(self) -> Any:
         return self.START
@@ -217,25 +219,27 @@ class Hold(SampledLaw):
             if measured >= least and value >= share * measured:
                 self._warn_once(
                     port,
-                    f"{value:g} {unit} at {port} is an increment and asks for "
-                    f"{measured + value:.0f} {unit}; reference='absolute' makes the port the "
-                    "reference itself",
+                    "{:g} {} at {} is an increment and asks for {:.0f} {}; reference='absolute' "
+                    "makes the port the reference itself",
+                    *(value, unit, port, measured + value, unit),
                 )
         return getattr(self.checked, port), value
 
     def airspeed_within(self, allowed: Allowed, wanted: float, vc: float) -> float:
         """The airspeed wanted in kt, within the limits; one far below the lowest is warned of."""
-        lowest, (_, flying, _) = allowed.vc_min, MEANT_ABSOLUTE["vc_ref"]
+        lowest = allowed.vc_min
         # below 0.9 of the present one: without a demand the two are the same
-        if flying <= lowest and wanted < min(FAR_BELOW * lowest, 0.9 * vc):
+        if lowest >= FLYING and wanted < min(FAR_BELOW * lowest, 0.9 * vc):
             self._warn_once(
                 "vc_ref",
-                f"vc_ref asks for {wanted:.0f} kt, far below the lowest airspeed of this flight, "
-                f"{lowest:.0f} kt, which is flown instead",
+                "vc_ref asks for {:.0f} kt, far below the lowest airspeed of this flight, "
+                "{:.0f} kt, which is flown instead",
+                *(wanted, lowest),
             )
         return max(min(wanted, allowed.vc_max), lowest)
 
-    def _warn_once(self, port: str, text: str) -> None:
-        if port not in self._warned_of:
-            self._warned_of |= {port}
-            warn_user(f"{type(self).__name__}: {text}")
+    def _warn_once(self, about: str, text: str, *values: Any) -> None:
+        # a law asks at each sample: the text is made once
+        if about not in self._warned_of:
+            self._warned_of |= {about}
+            warn_user(f"{type(self).__name__}: {text.format(*values)}")

@@ -188,9 +188,9 @@ class GlideslopeHold(Hold):
     it. Until it is captured, the altitude found at engagement is held. It is captured where it
     demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
     ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
-    ``FlareHold`` comes after it. With the ports ``alpha`` and
-    ``vc`` wired it keeps the angle of attack below its limit and the airspeed above its lowest: a
-    path that the thrust does not sustain is left, with the nose down and ``captured`` 0.
+    ``FlareHold`` comes after it. With the ports ``alpha`` and ``vc`` wired it keeps the angle of
+    attack below its limit and the airspeed above its lowest: a path that the thrust does not
+    sustain is left, with the nose down and ``captured`` 0.
 
     Parameters
     ----------

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.callers import warn_user
 from ..._core.checks import number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
@@ -257,9 +256,11 @@ class FlareHold(Hold):
         if table:
             self._slowest = min(point.speed for point in table.points)
         if table and not table.landing:
-            warn_user(
-                f"FlareHold: no landings were flown with these gains of the {table.aircraft}, for "
-                f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
+            self._warn_once(
+                "gains",
+                "no landings were flown with these gains of the {}, for {:.0f} KCAS and more; "
+                "below, the controls have less effect",
+                *(table.aircraft, self._slowest),
             )
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
