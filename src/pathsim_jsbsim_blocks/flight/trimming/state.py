@@ -67,7 +67,8 @@ UNITS = {
 
 
 def _read(name: str) -> Any:
-    return dataclasses.field(metadata={"property": name})
+    """A field that shows an output of an aircraft, or a property."""
+    return dataclasses.field(metadata={"property": property_of(name)})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,16 +117,16 @@ class TrimState:
 
     aircraft: str
     condition: TrimCondition
-    altitude: float = _read(property_of("h"))
-    speed: float = _read(property_of("vc"))
-    mach: float = _read(property_of("mach"))
-    tas: float = _read(property_of("vt"))
-    alpha: float = _read(property_of("alpha"))
-    beta: float = _read(property_of("beta"))
-    theta: float = _read(property_of("theta"))
-    phi: float = _read(property_of("phi"))
-    psi: float = _read(property_of("psi"))
-    gamma: float = _read(property_of("gamma"))
+    altitude: float = _read("h")
+    speed: float = _read("vc")
+    mach: float = _read("mach")
+    tas: float = _read("vt")
+    alpha: float = _read("alpha")
+    beta: float = _read("beta")
+    theta: float = _read("theta")
+    phi: float = _read("phi")
+    psi: float = _read("psi")
+    gamma: float = _read("gamma")
     throttle: tuple[float, ...]
     thrust: float
     pitch_trim: float = _read("fcs/pitch-trim-cmd-norm")
@@ -147,10 +148,10 @@ class TrimState:
     p: float
     q: float
     r: float
-    nz: float = _read(property_of("nz"))
+    nz: float = _read("nz")
     ny: float = _read("accelerations/Ny")
-    gear: float = _read(property_of("gear"))
-    flaps: float = _read(property_of("flaps"))
+    gear: float = _read("gear")
+    flaps: float = _read("flaps")
     free: tuple[str, ...]
     drift: Drift | None = None
 
