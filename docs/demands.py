@@ -17,7 +17,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from gain_tables import flight_of, fuel, table_of
+from gain_tables import flight_of, flown_by, fuel, seen_by, table_of
 from generate import write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
@@ -106,6 +106,14 @@ def demanded(rng, seen):
     }
 
 
+def pilot(name):
+    """An autopilot with the gains of an aircraft, its references wired and absolute."""
+    autopilot = Autopilot(str(table_of(name)), reference="absolute", T=T)
+    for port in (port for port in Autopilot.input_port_labels if port.endswith("_ref")):
+        autopilot[port].get_inputs()  # as a connection does
+    return autopilot
+
+
 def fly(case):
     """Name, what is not kept ("" for nothing) and the number of conditions without a trim."""
     rng, names = np.random.default_rng(case), fleet()
@@ -114,27 +122,26 @@ def fly(case):
     if plane is None:
         return name, "no trim", failed
     table = read_gains(table_of(name))
-    autopilot = Autopilot(str(table_of(name)), reference="absolute", T=T)
-    for port in (name for name in Autopilot.input_port_labels if name.endswith("_ref")):
-        autopilot[port].get_inputs()  # as a connection does
     fails = rng.uniform(0.0, SECONDS) if plane.airframe.engines > 1 and rng.random() < 0.2 else 1e9
-    ports, state = list(plane.output_port_labels), autopilot.initial_state()
-    seen, asked, rows = dict(zip(ports, map(float, plane.outputs.to_array()), strict=True)), {}, []
-    for k in range(round(SECONDS / T)):
+    references, rows = {}, []
+
+    def asked(k, seen):
+        nonlocal references
         if k % round(SECONDS / CHANGES / T) == 0:
-            asked = demanded(rng, seen)
-        u = [seen[n] if n in seen else asked.get(n, 0.0) for n in autopilot.input_port_labels]
-        command, state = autopilot.law(u, state)
+            references = demanded(rng, seen)
         if k * T > fails:
             stop_engine(plane)
-        try:
-            y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
-        except FlightError as error:
-            return name, f"ends: {error}"[:90], failed
-        seen = dict(zip(ports, y, strict=True))
-        limits = table.at(seen["h"], seen["vc"]).envelope if k % 6 == 0 else limits  # noqa: F821
-        fastest = fastest_airspeed(limits.vmo, limits.mmo, seen["h"])
-        rows.append((seen["alpha"] - limits.alpha_max, seen["vc"] - fastest - FAST))
+        return references
+
+    try:
+        flight = flown_by(pilot(name), plane, round(SECONDS / T), asked)
+        for k, (_, seen) in enumerate(flight):
+            if k % 6 == 0:
+                limits = table.at(seen["h"], seen["vc"]).envelope
+            fastest = fastest_airspeed(limits.vmo, limits.mmo, seen["h"])
+            rows.append((seen["alpha"] - limits.alpha_max, seen["vc"] - fastest - FAST))
+    except FlightError as error:
+        return name, f"ends: {error}"[:90], failed
     alpha, fast = np.array(rows).T
     if turbulent:
         window = round(MEAN / T)
@@ -166,21 +173,18 @@ def engine_out(name, share, climbs):
         fuel={tank: share * full for tank, full in tanks.items()},
     )
     plane = Aircraft(name, condition=condition, create=flight.create, T=T, substeps=2)
-    autopilot = Autopilot(str(table_of(name)), reference="absolute", T=T)
-    for port in (port for port in Autopilot.input_port_labels if port.endswith("_ref")):
-        autopilot[port].get_inputs()  # as a connection does
-    ports, state, rows = list(plane.output_port_labels), autopilot.initial_state(), []
-    seen = dict(zip(ports, map(float, plane.outputs.to_array()), strict=True))
-    asked = {f"{port}_ref": seen[port] for port in ("h", "psi", "vc")}
+    seen, rows = seen_by(plane), []
+    references = {f"{port}_ref": seen[port] for port in ("h", "psi", "vc")}
     if climbs:
-        asked |= {"v_mode": 2.0, "thr_ref": 1.0, "h_ref": seen["h"] + CLIMBS}
+        references |= {"v_mode": 2.0, "thr_ref": 1.0, "h_ref": seen["h"] + CLIMBS}
     psi, h = seen["psi"], seen["h"]
-    for k in range(round((FAILS + AFTER) / T)):
-        u = [seen[n] if n in seen else asked.get(n, 0.0) for n in autopilot.input_port_labels]
-        command, state = autopilot.law(u, state)
+
+    def asked(k, seen):
         if k * T >= FAILS:
             stop_engine(plane)
-        seen = dict(zip(ports, plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0]), strict=True))
+        return references
+
+    for command, seen in flown_by(pilot(name), plane, round((FAILS + AFTER) / T), asked):
         off = (seen["psi"] - psi + 180.0) % 360.0 - 180.0
         moved = seen["beta"], command[2], seen["rud_sat"], off, seen["h"] - h, seen["vc"]
         rows.append((*moved, command[3]))

@@ -427,15 +427,21 @@ def off_point(name, schedule, condition, create):
     return "; ".join(missed) or "passes"
 
 
-def fly_off(names):
-    """Fly off-design with the tables, and put the rows into the page."""
+def rows_of(row, names):
+    """A row of a table for each aircraft that has gains, as it is flown."""
     rows = []
     for name in names or aircraft_names():
         if table_of(name).exists():
-            rows.append(off_design(name))
+            rows.append(row(name))
             print(rows[-1], end="", flush=True)
+    return "".join(rows)
+
+
+def fly_off(names):
+    """Fly off-design with the tables, and put the rows into the page."""
+    rows = rows_of(off_design, names)
     if not names:
-        write_table("designed-gains-off-design", OFF_HEADER + "".join(rows))
+        write_table("designed-gains-off-design", OFF_HEADER + rows)
 
 
 def fly_cruise(names):
@@ -496,13 +502,9 @@ def count_jumps():
 
 def fly(names):
     """Fly the steps with the tables, and put the rows into the page."""
-    rows = []
-    for name in names or aircraft_names():
-        if table_of(name).exists():
-            rows.append(flights(name, *nominal(name)))
-            print(rows[-1], end="", flush=True)
+    rows = rows_of(lambda name: flights(name, *nominal(name)), names)
     if not names:
-        write_table("designed-gains-steps", HEADER + "".join(rows))
+        write_table("designed-gains-steps", HEADER + rows)
         write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
         print("".join(count_jumps()))
 
@@ -572,19 +574,40 @@ def begun(name, condition, lowest, flight, seed):
     raise failed
 
 
+def seen_by(plane):
+    """The outputs of an aircraft by name."""
+    return dict(zip(plane.output_port_labels, map(float, plane.outputs.to_array()), strict=True))
+
+
+def flown_by(autopilot, plane, samples, asked):
+    """Fly without a diagram: the commands, and the outputs after them, at each sample.
+
+    ``asked(k, seen)`` gives references, and may do something to the aircraft.
+    """
+    ports, state, seen = list(plane.output_port_labels), autopilot.initial_state(), seen_by(plane)
+    for k in range(samples):
+        inputs = asked(k, seen) | seen
+        u = [inputs.get(port, 0.0) for port in autopilot.input_port_labels]
+        command, state = autopilot.law(u, state)
+        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
+        seen = dict(zip(ports, y, strict=True))
+        yield command, seen
+
+
 def slow_flight(name, plane, vc_ref):
     """Height, airspeed and angle of attack beyond its limit, at each sample."""
     autopilot = Autopilot(str(table_of(name)), vc_ref=vc_ref, T=SLOW_T)
-    ports, state, rows = list(plane.output_port_labels), autopilot.initial_state(), []
-    y, limits = plane.outputs.to_array(), read_gains(table_of(name))
-    for k in range(round(NEAR_SECONDS / SLOW_T)):
-        seen = dict(zip(ports, map(float, y), strict=True))
+    limits, limit, rows = read_gains(table_of(name)), 0.0, []
+
+    def noted(k, seen):
+        nonlocal limit
         if k % 60 == 0:
             limit = limits.at(seen["h"], seen["vc"]).envelope.alpha_max
         rows.append((seen["h_agl"], seen["vc"], seen["alpha"] - limit))
-        u = [seen.get(port, 0.0) for port in autopilot.input_port_labels]
-        command, state = autopilot.law(u, state)
-        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
+        return {}
+
+    for _ in flown_by(autopilot, plane, round(NEAR_SECONDS / SLOW_T), noted):
+        pass
     return np.array(rows).T
 
 
@@ -609,13 +632,9 @@ def slow_row(name):
 
 def fly_slow(names):
     """Ask for an airspeed that is too low near the ground, in turbulence."""
-    rows = []
-    for name in names or aircraft_names():
-        if table_of(name).exists():
-            rows.append(slow_row(name))
-            print(rows[-1], end="", flush=True)
+    rows = rows_of(slow_row, names)
     if not names:
-        write_table("autopilots-near-ground", SLOW_HEADER + "".join(rows))
+        write_table("autopilots-near-ground", SLOW_HEADER + rows)
 
 
 def main(names):
