@@ -9,19 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from held_flight import held
 from how_many import bounded
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    AirspeedHold,
-    AltitudeHold,
-    FlightError,
-    RollHold,
-    TrimError,
-    fly,
-)
+from pathsim_jsbsim_blocks import TrimError
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, last
 
@@ -42,38 +33,21 @@ RATE = 1.0  # kt/s, at which the holds get there
 SETTLING, KEPT = 60.0, 30.0  # s
 
 
-def is_kept(name, plane, start, speed, bank):
+def is_kept(plane, start, speed, bank):
     """Whether holds keep an airspeed in KCAS and a bank in deg, from a trim in level flight."""
-    aircraft = Aircraft(name, condition=start, create=plane.create)
-    level, throttle = AltitudeHold(gains=name), AirspeedHold(gains=name, reference="absolute")
-    wings, scope = RollHold(gains=name, phi_ref=0.0), Scope()
     arrival = abs(speed - start.speed) / RATE
     change = np.sign(speed - start.speed)
-    knots = Source(lambda t: start.speed + change * RATE * min(t, arrival))
-    banks = Source(lambda t: min(max(t - arrival, 0.0) * 3.0, bank))
-    # no alpha: protection would not let it slow down so far
-    read = {
-        level: ("h", "hdot", "theta", "q", "elev_sat", "vc"),
-        throttle: ("vc", "hdot", "thr_sat"),
-        wings: ("phi", "p", "ail_sat"),
-    }
-    wires = [Connection(aircraft[n], hold[n]) for hold, names in read.items() for n in names]
-    wires += [
-        Connection(knots, throttle["vc_ref"]),
-        Connection(banks, wings["phi_ref"]),
-        Connection(level["elevator"], aircraft["elevator"]),
-        Connection(throttle["throttle"], aircraft["throttle"]),
-        Connection(wings["aileron"], aircraft["aileron"]),
-        *(Connection(aircraft[n], scope[i]) for i, n in enumerate(("vc", "h", "phi", "thr_sat"))),
-    ]
-    blocks = [aircraft, level, throttle, wings, knots, banks, scope]
-    sim = Simulation(blocks, wires, dt=aircraft.T, log=False)
     duration = arrival + SETTLING + KEPT
-    try:
-        fly(sim, duration, progress=False)
-    except FlightError:
+    flight = held(
+        start,
+        plane,
+        duration,
+        vc_ref=lambda t: start.speed + change * RATE * min(t, arrival),
+        phi_ref=lambda t: min(max(t - arrival, 0.0) * 3.0, bank),
+    )
+    if flight is None:
         return False
-    time, (vc, h, phi, saturated) = scope.read()
+    time, (vc, h, phi, saturated) = flight
     then = time > duration - KEPT
     return (
         abs(vc[then] - speed).max() < 1.0
@@ -109,13 +83,13 @@ def test_what_is_refused_is_not_flown_by_holds(name):
     level = [condition for (bank, _), (condition, ok) in found.items() if ok and not bank]
     # the holds do keep what trims
     middle = len(level) // 2
-    assert is_kept(name, plane, level[middle - 1], level[middle].speed, 0.0)
+    assert is_kept(plane, level[middle - 1], level[middle].speed, 0.0)
     refused = [key for key, (_, ok) in found.items() if not ok]
     assert refused
     tried = random.Random(48).sample(refused, min(FLOWN, len(refused)))
     flown = [
         (bank, speed)
         for bank, speed in tried
-        if is_kept(name, plane, min(level, key=lambda c: abs(c.speed - speed)), speed, bank)
+        if is_kept(plane, min(level, key=lambda c: abs(c.speed - speed)), speed, bank)
     ]
     assert flown == []

@@ -4,10 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from held_flight import held
 
-from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, AltitudeHold, FlightError, RollHold, fly
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane
 from pathsim_jsbsim_blocks.studies.performance import _levels
 
@@ -18,34 +16,17 @@ AIRCRAFT = ("737", "A4", "A320", "B747", "F4N", "MD11", "T37", "T38", "fokker100
 
 def is_kept(plane, speed):
     """Whether holds keep level flight at an airspeed in KCAS for 30 s, slowing down to it."""
-    start, name = 1.4 * speed, plane.airframe.aircraft
-    aircraft = Aircraft(name, condition=replace(plane.base, speed=start), create=plane.create)
-    level, throttle = AltitudeHold(gains=name), AirspeedHold(gains=name, reference="absolute")
-    wings, scope = RollHold(gains=name, phi_ref=0.0), Scope()
-    reference = Source(lambda t: speed + max(start - speed - 0.5 * t, 0.0))
-    # no alpha: protection would not let it slow down so far
-    read = {
-        level: ("h", "hdot", "theta", "q", "elev_sat", "vc"),
-        throttle: ("vc", "hdot", "thr_sat"),
-        wings: ("phi", "p", "ail_sat"),
-    }
-    wires = [Connection(aircraft[n], hold[n]) for hold, names in read.items() for n in names]
-    wires += [
-        Connection(reference, throttle["vc_ref"]),
-        Connection(level["elevator"], aircraft["elevator"]),
-        Connection(throttle["throttle"], aircraft["throttle"]),
-        Connection(wings["aileron"], aircraft["aileron"]),
-        Connection(aircraft["vc"], scope[0]),
-        Connection(aircraft["h"], scope[1]),
-    ]
-    blocks = [aircraft, level, throttle, wings, reference, scope]
-    sim = Simulation(blocks, wires, dt=aircraft.T, log=False)
+    start = 1.4 * speed
     duration = 2.0 * (start - speed) + 50.0
-    try:
-        fly(sim, duration, progress=False)
-    except FlightError:
+    flight = held(
+        replace(plane.base, speed=start),
+        plane,
+        duration,
+        vc_ref=lambda t: speed + max(start - speed - 0.5 * t, 0.0),
+    )
+    if flight is None:
         return False
-    time, (vc, h) = scope.read()
+    time, (vc, h, *_) = flight
     last = time > duration - 30.0
     return np.ptp(h[last]) < 20.0 and abs(vc[last] / speed - 1.0).max() < 0.015
 
