@@ -443,25 +443,12 @@ def test_where_a_zero_crossing_sees_the_output_of_a_sampled_block(blocks, solver
     assert held
 
 
-@dataclass(eq=False)
-class Number(SampledLaw):
-    """y[k] = k + 1, whatever comes in."""
-
-    T: float
-
-    def initial_state(self):
-        return 0.0
-
-    def law(self, u, state):
-        return [state + 1.0], state + 1.0
-
-
 def beside_a_state(count, dt, start=0.0, **solver):
     """A law beside a state whose derivative is constant: an adaptive step is as long as it may."""
     constant, state, scope = Constant(1.0), Integrator(0.0), Scope()
     sim = Simulation(
         [constant, state, count, scope],
-        [Connection(constant, state), Connection(count, scope)],
+        [Connection(constant, state, count), Connection(count, scope)],
         dt=dt,
         log=False,
         **solver,
@@ -474,7 +461,7 @@ def beside_a_state(count, dt, start=0.0, **solver):
 @pytest.mark.parametrize("T", [0.1, 0.03])
 @pytest.mark.parametrize("start", [0.0, 2.5])
 def test_an_adaptive_step_is_cut_to_end_at_the_instant(solver, T, start):
-    sim, scope = beside_a_state(Number(T), 0.25, start, Solver=solver, dt_max=10.0)
+    sim, scope = beside_a_state(Total(T), 0.25, start, Solver=solver, dt_max=10.0)
     sim.run(12 * T)
     time, (y,) = scope.read()
     # no step ends anywhere else: a cut is right at once
@@ -485,7 +472,7 @@ def test_an_adaptive_step_is_cut_to_end_at_the_instant(solver, T, start):
 @pytest.mark.parametrize("start", [0.0, 2.5])
 def test_a_step_beyond_the_instant_is_refused_with_the_part_up_to_it(start):
     # `run` never tries it, it asks for the next instant first; a diagram stepped by hand does
-    sim, _ = beside_a_state(Number(0.1), 0.25, start, Solver=RKDP54)
+    sim, _ = beside_a_state(Total(0.1), 0.25, start, Solver=RKDP54)
     for dt, part in ((0.07, None), (0.12, 0.25), (0.03, None), (0.3, 1 / 3)):
         success, _, scale, *_ = sim.timestep(dt)
         assert success is (part is None)
@@ -496,7 +483,7 @@ def test_a_step_beyond_the_instant_is_refused_with_the_part_up_to_it(start):
 @pytest.mark.parametrize("parts", [1, 3])
 def test_far_from_0_instants_are_still_told_apart(T, start, parts):
     # there the diagram's own clock is off by more than a short period's share
-    count = Number(T)
+    count = Total(T)
     sim, _ = beside_a_state(count, T / parts, start)
     for _ in range(40 * parts):
         sim.timestep(T / parts)
@@ -507,7 +494,7 @@ def test_far_from_0_instants_are_still_told_apart(T, start, parts):
 def test_a_period_in_parts_that_round_is_met_once(parts):
     T = 0.1
     seen = []
-    law, source = Number(T), Source(lambda t: seen.append(t) or 0.0)
+    law, source = Total(T), Source(lambda t: seen.append(t) or 1.0)
     sim = Simulation([source, law], [Connection(source, law)], dt=T / parts, log=False)
     sim.run(50.0)
     assert law.outputs[0] == 501.0
