@@ -3,7 +3,8 @@
     python docs/add_diagram.py NAME ...
     python docs/add_diagram.py --models     all models again, and nothing else
 
-The first needs Chromium. Positions in a model that is there already are kept.
+The first needs Chromium. Blocks are placed anew: a kept position of an older model may be too close
+for a block that has become larger.
 """
 
 import sys
@@ -18,15 +19,17 @@ from pathsim_jsbsim_blocks.cli import main as command
 from pathsim_jsbsim_blocks.pathview import export_script
 
 
-def write_models():
-    """The models of all diagrams, with the ports that their blocks have now."""
-    for name in diagram_names():
-        export_script(find_diagram(name), check=0.5)
+def write_model(name, check=60.0):
+    """The model of a diagram, with the ports that its blocks have now."""
+    script = find_diagram(name)
+    with tempfile.TemporaryDirectory() as folder:  # without the positions of the model beside it
+        model = export_script(script, Path(folder, f"{name}.pvm"), check)
+        script.with_suffix(".pvm").write_bytes(model.read_bytes())
 
 
 def main(names):
     for name in names:
-        export_script(find_diagram(name))
+        write_model(name)
         with tempfile.TemporaryDirectory() as folder:
             figure = Path(folder, f"{name}.png")
             command(["run", name, "--save", str(figure)])
@@ -36,4 +39,8 @@ def main(names):
 
 
 if __name__ == "__main__":
-    write_models() if sys.argv[1:] == ["--models"] else main(sys.argv[1:])
+    if sys.argv[1:] == ["--models"]:
+        for diagram in diagram_names():
+            write_model(diagram, check=0.5)
+    else:
+        main(sys.argv[1:])

@@ -78,6 +78,9 @@ NAMES = """() => {
             || names.some(other => other !== name && touch(rect, box(other)));
     }).map(name => name.innerText);
 }"""
+PATHS = (
+    "() => [...document.querySelectorAll('.svelte-flow__edge-path')].map(e => e.getAttribute('d'))"
+)
 WIRES = "() => document.querySelectorAll('.svelte-flow__edge-path').length"
 
 
@@ -92,10 +95,13 @@ def test_names_are_whole_and_no_wire_crosses_them(names, editor, models):
         editor.page.wait_for_function(
             f"count => ({WIRES})() === count", arg=len(model["graph"]["connections"])
         )
-        for _ in range(80):  # the diagram assembles itself: on a busy machine slowly
-            if not (wrong := editor.page.evaluate(NAMES)):
+        drawn, before, wrong = [], None, True
+        for _ in range(20):  # wires are led around the blocks after these are there
+            if drawn == before and not wrong:
                 break
-            editor.page.wait_for_timeout(250)
+            editor.page.wait_for_timeout(500)
+            drawn, before = editor.page.evaluate(PATHS), drawn
+            wrong = editor.page.evaluate(NAMES)
         crossed |= {name: wrong} if wrong else {}
         labels = editor.page.locator(".port-label").all_inner_texts()
         nodes = model["graph"]["nodes"]

@@ -19,12 +19,6 @@ scope = Scope()
 sim = Simulation([src, scope], [Connection(src, scope)], dt=0.05, log=False)
 sim.run(0.5)
 """,
-    "TWO": """
-scope = Scope()
-sim = Simulation([src, two, scope], [Connection(src, scope[0]), Connection(two, scope[1])],
-                 dt=0.05, log=False)
-sim.run(0.5)
-""",
     "AMP": """
 src, scope = Source(np.sin), Scope()
 sim = Simulation([src, amp, scope], [Connection(src, amp), Connection(amp, scope)], dt=0.05, log=False)
@@ -40,74 +34,6 @@ sim = Simulation([i, a, s], [Connection(i, a, s), Connection(a, i)], dt=0.01, lo
 """
 
 TEXT = r"""
-## shared: list of two functions -> equal +TWO
-hits = [0]
-def wave(t):
-    hits[0] += 1
-    return float(hits[0])
-src, two = Source(wave), Source(lambda t: 10.0 * hits[0])
-## shared: dict of two functions -> equal +TWO
-memory = {"last": 0.0}
-def keep(t):
-    memory["last"] += t
-    return memory["last"]
-def tell(t):
-    return -memory["last"]
-src = Source(keep)
-two = Source(tell)
-## shared: dataclass -> refused +TWO
-from dataclasses import dataclass, field
-@dataclass
-class Plant:
-    k: float = 2.0
-    log: list = field(default_factory=list)
-plant = Plant(k=3.0)
-def wave(t):
-    plant.log.append(t)
-    return plant.k * t
-src, two = Source(wave), Source(lambda t: len(plant.log) + 0.0)
-## shared: list in two partials -> refused +TWO
-from functools import partial
-def grow(bag, t):
-    bag.append(t)
-    return sum(bag)
-def size(bag, t):
-    return float(len(bag))
-bag = []
-src, two = Source(partial(grow, bag)), Source(partial(size, bag))
-## shared: default argument of two functions -> refused +TWO
-def grow(t, bag=[]):
-    bag.append(t)
-    return sum(bag)
-def size(t, bag=grow.__defaults__[0]):
-    return float(len(bag))
-src, two = Source(grow), Source(size)
-## shared: view of an array -> equal +TWO
-buffer = np.zeros(3)
-tail = buffer[1:]
-def write(t):
-    buffer[2] = t
-    return t
-src, two = Source(write), Source(lambda t: tail[1])
-## shared: list within a factory -> refused +TWO
-def build():
-    hits = [0]
-    def wave(t):
-        hits[0] += 1
-        return float(hits[0])
-    return Source(wave), Source(lambda t: 10.0 * hits[0])
-src, two = build()
-## shared: object with two methods -> refused +TWO
-class Counter:
-    def __init__(self, start):
-        self.n = start
-    def up(self, t):
-        self.n += 1
-        return float(self.n)
-    def look(self, t):
-        return float(self.n)
-counter = Counter(5)
-src, two = Source(counter.up), Source(counter.look)
 ## shared: callable object -> equal +SRC
 class Ramp:
     slope = 2.0

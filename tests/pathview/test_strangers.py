@@ -24,7 +24,6 @@ from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 pytest.importorskip("pathview")
 
 ORDINARY = (
-    "shared: list within a factory",
     "changed: global set by a function only",
     "changed: source function replaced",
     "random: Generator already drawn from, used late",
