@@ -1,16 +1,10 @@
-"""Seeded corruptions of files, and what a study and a checkpoint make of them."""
+"""Seeded corruptions of files, and what a study makes of them."""
 
-import json
-import math
 import random
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Integrator, Scope, Source
-
-from pathsim_jsbsim_blocks import Aircraft, BlocksError, PitchHold
+from pathsim_jsbsim_blocks import BlocksError
 from pathsim_jsbsim_blocks.studies.workers import run_parts
 
 
@@ -70,81 +64,4 @@ def resumed_from_corruptions(folder, seed, count):
         except BlocksError:
             refused += 1
             assert path.read_bytes() == damaged
-    return refused
-
-
-def flight():
-    """A diagram with blocks of ours and of PathSim, some in a subsystem, and its scope."""
-    plane = Aircraft("c172p", altitude=5000, speed=90, record_inputs=True)
-    hold, wobble = PitchHold(gains="c172p", theta_ref=3.0), Source(lambda t: math.sin(2 * t) / 50)
-    port, integrator, scope = Interface(), Integrator(0.0), Scope()
-    part = Subsystem(
-        [port, integrator], [Connection(port, integrator), Connection(integrator, port)]
-    )
-    return Simulation(
-        [hold, plane, wobble, part, scope],
-        [
-            Connection(plane["theta"], hold["theta"], part, scope[0]),
-            Connection(plane["q"], hold["q"]),
-            Connection(hold["elevator"], plane["elevator"]),
-            Connection(wobble, plane["aileron"]),
-            Connection(part, scope[1]),
-        ],
-        dt=1 / 120,
-        log=False,
-    ), scope
-
-
-def changed_in_json(text, draw):
-    """One value of a JSON file made another one, and the file written as it was."""
-    data = json.loads(text)
-    places = []
-
-    def walk(node):
-        for key, value in node.items() if isinstance(node, dict) else enumerate(node):
-            places.append((node, key))
-            if isinstance(value, (dict, list)):
-                walk(value)
-
-    walk(data)
-    node, key = draw.choice(places)
-    value = node[key]
-    if isinstance(node, dict) and draw.random() < 0.2:
-        del node[key]
-    elif isinstance(value, bool) or value is None:
-        node[key] = draw.choice([not value, 1.0, "x"])
-    elif isinstance(value, (int, float)):
-        node[key] = draw.choice([value + 1, -value - 1, value * 2 + 1e-9, None, "x", math.nan])
-    else:
-        node[key] = draw.choice([None, {}, [], "x", 3])
-    return json.dumps(data, indent=2)
-
-
-def loaded_from_corruptions(folder, seed, count):
-    """Number of typed errors among ``count`` corruptions, all others flew the same flight."""
-    draw = random.Random(seed)
-    whole, scope = flight()
-    whole.run(0.5)
-    base = Path(folder) / "flight"
-    files = base.with_suffix(".json"), base.with_suffix(".npz")
-    whole.save_checkpoint(str(base))
-    whole.run(0.5)
-    recorded, contents, refused = scope.read(), [file.read_bytes() for file in files], 0
-    for _ in range(count):
-        which = draw.randrange(3)
-        if which == 2:
-            files[0].write_text(changed_in_json(contents[0], draw))
-        else:
-            files[which].write_bytes(corrupted(contents[which], draw))
-        again, other = flight()
-        try:
-            again.load_checkpoint(str(base))
-        except BlocksError:
-            refused += 1
-            assert again.time == 0.0
-        else:
-            again.run(0.5)
-            assert all(map(np.array_equal, other.read(), recorded))
-        for file, content in zip(files, contents, strict=True):
-            file.write_bytes(content)
     return refused

@@ -29,16 +29,14 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     PitchHold,
     PropertyError,
-    RampSource,
     RollHold,
     TrimCondition,
     TrimError,
     fly,
 )
-from pathsim_jsbsim_blocks._core.pathsim_internals import port_names
 from pathsim_jsbsim_blocks.errors import KeywordError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.linear import LinearModelBlock, flying_qualities
+from pathsim_jsbsim_blocks.linear import flying_qualities
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
 pytestmark = pytest.mark.matrix
@@ -416,30 +414,6 @@ def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
 def test_more_fuel_than_a_tank_holds_is_refused(fuel):
     with pytest.raises(ParameterError, match=r"tank\[1\].* 1000.* holds 185 lb"):
         Aircraft("c172p", **fuel)
-
-
-@pytest.mark.parametrize(
-    ("block", "right", "wrong"),
-    [
-        (lambda: Aircraft("c172p", altitude=5000, speed=90), "theta", "thta"),
-        (lambda: Aircraft("c172p", speed=90, output_properties=["flaps"]), "flaps", "flap"),
-        (PitchHold, "elevator", "elevater"),
-        (ISAtmosphere, "pressure", "presure"),
-        (RampSource, "out", "outt"),
-        (
-            lambda: LinearModelBlock(Aircraft("c172p", speed=90).linear_model("algebraic")),
-            "theta",
-            "thta",
-        ),
-    ],
-)
-def test_an_output_read_by_a_wrong_name_is_refused(block, right, wrong):
-    outputs = block().outputs
-    assert outputs[right] == outputs[list(port_names(outputs)).index(right)]
-    with pytest.raises(ParameterError, match=rf"no port '{wrong}'; did you mean .*'{right}'"):
-        outputs[wrong]
-    with pytest.raises(ParameterError, match=rf"no port 'xyzxyz'; there is .*{right}"):
-        outputs["xyzxyz"]
 
 
 @pytest.mark.parametrize(

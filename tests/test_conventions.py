@@ -97,9 +97,15 @@ def test_a_port_that_does_not_exist_is_refused(name):
     block = made(name)
     with pytest.raises(BlocksError, match="no port 'no_such_port'"):
         block["no_such_port"]
-    for known in [*block.inputs._mapping, *block.outputs._mapping]:
-        with pytest.raises(BlocksError, match=f"did you mean .*{known!r}"):
-            block[0, known + "_"]
+    for ports in (block.inputs, block.outputs):
+        for known in ports._mapping:
+            said = f"no port '{known}_'; did you mean .*{known!r}"
+            with pytest.raises(BlocksError, match=said):
+                block[0, f"{known}_"]
+            with pytest.raises(ParameterError, match=said):
+                ports[f"{known}_"]
+            with pytest.raises(ParameterError, match=said):
+                ports[f"{known}_"] = 1.0
 
 
 @each(PUBLIC)

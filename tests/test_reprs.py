@@ -5,9 +5,7 @@ import pytest
 from pathsim_jsbsim_blocks import (
     Aircraft,
     DoubletSource,
-    FlightRecorder,
     JSBSimFDM,
-    ParameterError,
     PitchHold,
     UnitConversion,
 )
@@ -57,23 +55,6 @@ def test_inputs_print_and_are_written_by_name():
     assert lines == [
         [name, "2.5" if name == "theta_ref" else "0"] for name in PitchHold.input_port_labels
     ]
-
-
-@pytest.mark.parametrize(
-    ("make", "side", "name", "near"),
-    [
-        (PitchHold, "inputs", "thta", "theta"),
-        (DoubletSource, "outputs", "oout", "out"),
-        (UnitConversion, "inputs", "inn", "in"),
-        (FlightRecorder, "inputs", "ltt", "lat"),
-    ],
-)
-def test_a_port_that_does_not_exist_is_not_read_nor_written(make, side, name, near):
-    ports = getattr(make(), side)
-    with pytest.raises(ParameterError, match=f"no port '{name}'; did you mean .*'{near}'"):
-        ports[name]
-    with pytest.raises(ParameterError, match=f"no port '{name}'; did you mean .*'{near}'"):
-        ports[name] = 1.0
 
 
 def test_looking_at_an_input_is_no_wire():

@@ -6,6 +6,7 @@ process goes on with the next property.
 """
 
 import contextlib
+import random
 import re
 import signal
 import subprocess
@@ -36,6 +37,7 @@ def deaths(aircraft, pattern=""):
 
 def write_all(aircraft, pattern, start):
     from fleet_conditions import FLYING
+    from how_many import bounded
     from jsbsim import BaseError
 
     from pathsim_jsbsim_blocks import BlocksError, TrimCondition
@@ -60,6 +62,8 @@ def write_all(aircraft, pattern, start):
     first = Airframe(aircraft, create=create)
     writable = [n for n in first.property_names() if first.has(n) and "w" in first.access(n)]
     names = [n for n in writable if re.match(pattern, n)]
+    if not pattern:  # of all, a sample
+        names = random.Random(52).sample(names, len(names) // bounded(4, 1))
     for i, name in [*enumerate(names)][start:]:
         before, after = Airframe(aircraft, create=create), Airframe(aircraft, create=create)
         attempt(after, (i, name), trim, TrimCondition(**at, mode=mode), hint=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from how_many import bounded
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Amplifier, Integrator, Scope, Source
 from pathsim.events import ZeroCrossing
@@ -150,7 +151,7 @@ def check(seed):
     assert len(time) - both <= 2
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(300, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [12, pytest.param(bounded(100, 300), marks=pytest.mark.long)])
 def test_random_diagrams(count):
     for seed in range(count):
         check(seed)

@@ -107,8 +107,8 @@ def lives(count):
     [
         # 64800 steps at two numbers a second are 10 kB; a leak of 100 bytes a step were 6 MB
         (minutes, 10, 3.0),
-        # an aircraft takes 0.37 MB: 900 that stay were 330 MB
-        (lives, 1000, 8.0),
+        # an aircraft takes 0.37 MB: 270 that stay were 100 MB
+        (lives, 300, 8.0),
     ],
 )
 def test_memory_stays_bounded(flight, count, most):

@@ -5,7 +5,7 @@ from fleet_conditions import FLYING, NOT_FLYING
 from how_many import bounded
 from written_properties import deaths
 
-# one of each kind of engine, a glider, an airship; all 59 take half an hour
+# one of each kind of engine, a glider, an airship; all 59 with all properties take half an hour
 SAMPLE = ["737", "ah1s", "c172p", "DHC6", "f16", "SGS", "Submarine_Scout"]
 
 

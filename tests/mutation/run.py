@@ -16,14 +16,17 @@ import argparse
 import ast
 import contextlib
 import hashlib
+import math
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter, defaultdict
 from importlib import import_module
 from pathlib import Path
@@ -39,6 +42,8 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("src/pathsim_jsbsim_blocks")
 WANTED = 0.92
+WAITING = 20  # times the limit of processor time, after which a mutant waits for ever
+BROKEN = 99  # exit code where pytest itself fails
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).parent))
@@ -210,12 +215,16 @@ def changed(before: str, after: str) -> tuple[int, str, str]:
 
 
 def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, str]:
-    """ "passed", "failed" or "timeout", seconds, and the test that failed."""
+    """ "passed", "failed" or "timeout", seconds, and the test that failed.
+
+    The limit is one of processor time, so that other work on the machine kills no mutant.
+    """
     start = time.monotonic()
     report = tree / "report.txt"
     child = os.fork()
     if not child:
         os.setsid()
+        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 5))
         fd = os.open(report, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(fd, 1)
         os.dup2(fd, 2)
@@ -226,7 +235,7 @@ def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, s
             *(p for p in sys.path if p not in (str(ROOT / "src"), str(Path(__file__).parent), "")),
         ]
         pytest = import_module("pytest")
-        code = 99
+        code = BROKEN
         try:
             code = pytest.main(
                 [
@@ -238,9 +247,13 @@ def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, s
                     "--tb=no",
                     "-p",
                     "no:xdist",
+                    "-W",  # plugins are imported already
+                    "ignore::pytest.PytestAssertRewriteWarning",
                     *tests,
                 ]
             )
+        except BaseException:
+            traceback.print_exc()
         finally:
             sys.stdout.flush()
             os._exit(int(code))
@@ -249,14 +262,20 @@ def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, s
         taken = time.monotonic() - start
         if pid:
             break
-        if taken > limit:
+        if taken > WAITING * limit:
             os.killpg(child, signal.SIGKILL)
             os.waitpid(child, 0)
             return "timeout", taken, ""
         time.sleep(0.02)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(child, signal.SIGKILL)  # what the tests have started and left
-    lines = report.read_text(errors="replace").splitlines()
+    text = report.read_text(errors="replace")
+    code = os.waitstatus_to_exitcode(status)
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        return "timeout", taken, ""
+    if code == BROKEN:  # pytest itself: it says nothing of a mutant
+        raise SystemExit(text)
+    lines = text.splitlines()
     failed = next((x.split(" - ")[0] for x in lines if x.startswith(("FAILED", "ERROR"))), "")
     if status == 0:
         return "passed", taken, ""

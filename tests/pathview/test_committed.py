@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from how_many import EXPORTED
+from how_many import EXPORTED, bounded
 
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview import export_script
@@ -16,7 +16,10 @@ pytest.importorskip("pathview")
     ("name", "check"),
     [
         *((name, 0.5) for name in EXPORTED),
-        *(pytest.param(name, math.inf, marks=pytest.mark.long) for name in diagram_names()),
+        *(
+            pytest.param(name, bounded(20.0, math.inf), marks=pytest.mark.long)
+            for name in diagram_names()
+        ),
     ],
 )
 def test_a_model_is_current_and_flies_as_its_script(name, check, tmp_path):

@@ -4,6 +4,7 @@ import ast
 import json
 
 import pytest
+from how_many import bounded
 from mutated_models import (
     NESTED,
     Watch,
@@ -19,9 +20,9 @@ pytest.importorskip("pathview")
 
 @pytest.mark.long
 def test_mutated_models_execute_nothing(tmp_path):
-    outcomes = convert_mutants(400, 7, tmp_path)
-    assert outcomes["script"] > 50
-    assert outcomes["DiagramError"] > 50
+    outcomes = convert_mutants(bounded(2000, 20_000), 7, tmp_path)
+    assert outcomes["script"] > 250
+    assert outcomes["DiagramError"] > 250
 
 
 def test_the_watch_sees_what_is_executed():
