@@ -105,6 +105,14 @@ def test_whole_numbers_keep_every_digit():
     refuse(checks.whole, "n", 3, low=4)
 
 
+def test_lists_of_numbers():
+    for value in ([1, 2.5], (1, 2.5), np.array([1, 2.5])):
+        assert checks.numbers("x", value) == [1.0, 2.5]
+    for value in ("12", 3.0, np.array(1.0), None):
+        refuse(checks.numbers, "x", value, text="must be a list of numbers")
+    assert refuse(checks.numbers, "x", [1, "a"], text="must be a number").parameter == "x[1]"
+
+
 def test_choices_and_switches():
     assert checks.one_of("mode", "full", ["full", "none"]) == "full"
     error = refuse(checks.one_of, "mode", "ful", ["full", "none"], text="did you mean 'full'")

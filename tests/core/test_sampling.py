@@ -36,6 +36,17 @@ class Total(SampledLaw):
         return [state + u[0]], state + u[0]
 
 
+@dataclass(eq=False)
+class Area(Total):
+    """y[k] = T (u[0] + ... + u[k-1])"""
+
+    def build(self):
+        self.step = self.clock.period
+
+    def law(self, u, state):
+        return [state], state + self.step * u[0]
+
+
 class Count(SampledPlant):
     """y[k] = k, and what was latched for each period; one step of its own per advance."""
 
@@ -347,6 +358,18 @@ def test_a_law_waits_for_the_instant_of_the_start():
     law = Total(T)
     assert law.clock.index == 0
     assert law.clock.next() == 0.0
+
+
+def test_a_new_period_is_that_of_the_next_reset():
+    one, area = Constant(1.0), Area(T)
+    sim = Simulation([one, area], [Connection(one, area)], dt=T, log=False)
+    for period in (T, 2 * T):
+        sim.run(1.0)
+        assert (area.clock.period, area.clock.now[0]) == (period, round(1.0 / period) + 1)
+        assert area.outputs[0] == pytest.approx(1.0)
+        area.T = 2 * T
+        assert area.clock.period == period
+        sim.reset()
 
 
 def test_a_run_that_begins_elsewhere_counts_on_from_there():

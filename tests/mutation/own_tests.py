@@ -133,7 +133,7 @@ OWN_TESTS = {
     "design/margins": ["test_margins.py"],
     "design/plant": ["test_plant.py", "test_gusts.py"],
     "design/turbulence": ["test_gusts.py"],
-    "_core/parameters": ["test_parameters.py", "test_promises.py"],
+    "_core/parameters": ["test_parameters.py", "test_promises.py", "test_conventions.py"],
     "pathview/": ["test_names.py", "test_export.py", "test_convert.py"],
     "pathview/check": ["test_convert.py"],
     "pathview/generate": ["test_convert.py"],

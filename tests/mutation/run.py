@@ -43,6 +43,9 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("src/pathsim_jsbsim_blocks")
 WANTED = 0.92
 WAITING = 20  # times the limit of processor time, after which a mutant waits for ever
+# plugins are imported already, which pytest would warn of
+PYTEST = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
+PYTEST += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
 BROKEN = 99  # exit code where pytest itself fails
 
 sys.dont_write_bytecode = True
@@ -237,21 +240,7 @@ def run_tests(tree: Path, tests: list[str], limit: float) -> tuple[str, float, s
         pytest = import_module("pytest")
         code = BROKEN
         try:
-            code = pytest.main(
-                [
-                    "-x",
-                    "-q",
-                    "-p",
-                    "no:cacheprovider",
-                    "--no-header",
-                    "--tb=no",
-                    "-p",
-                    "no:xdist",
-                    "-W",  # plugins are imported already
-                    "ignore::pytest.PytestAssertRewriteWarning",
-                    *tests,
-                ]
-            )
+            code = pytest.main([*PYTEST, *tests])
         except BaseException:
             traceback.print_exc()
         finally:

@@ -149,6 +149,9 @@ def test_errors_of_the_script_are_at_its_own_lines(tmp_path):
     with pytest.raises(ZeroDivisionError) as caught:
         built(tmp_path, {"GAIN": 5.0, "first.gain": 1.0}, text)
     assert caught.traceback[-1].lineno + 1 == text.rstrip().count("\n") + 1
+    # the call itself says what is wrong with its arguments
+    with pytest.raises(TypeError, match=r"__init__\(\) takes .* positional arguments"):
+        built(tmp_path, {"first.gain": 1.0}, SCRIPT.replace("(-RATE)", "(-RATE, 1, 2, 3)"))
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def document_of(schedule: GainSchedule) -> dict[str, Any]:
         "format": FORMAT,
         "aircraft": schedule.aircraft,
         "nominal": schedule.nominal,
-        **({"landing": schedule.landing} if schedule.landing else {}),
+        "landing": schedule.landing,
         "points": [
             {
                 "altitude": point.altitude,
