@@ -92,20 +92,3 @@ def test_controllers_work(without):
 
 def test_a_diagram_runs(without):
     assert without["moved"] > 0.0
-
-
-def test_the_command_lists_the_diagrams():
-    names = run(
-        HIDE
-        + """
-import contextlib, io
-from pathsim_jsbsim_blocks.cli import main
-said = io.StringIO()
-with contextlib.redirect_stdout(said):
-    status = main(["list"])
-lines = said.getvalue().splitlines()
-print(json.dumps([status, [line.split()[0] for line in lines if line.startswith("  ")]]))
-"""
-    )
-    assert names[0] == 0
-    assert "elevator_doublet" in names[1]

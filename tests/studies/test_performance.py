@@ -15,7 +15,7 @@ from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, loading
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, last, loading
 from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     _PARTS,
@@ -162,16 +162,14 @@ def test_a_model_that_climbs_ever_better_has_no_ceiling():
         assert row["reason"] == "above 90000 ft: its rate of climb is least at 55000 ft"
 
 
-def test_what_comes_after_the_time_of_a_part_says_so():
+def test_a_search_without_an_end_stops(monkeypatch):
+    monkeypatch.setattr("pathsim_jsbsim_blocks.studies.flight_tests._MOST", 10)
     plane = Plane(C172P)
-    state = plane.glide(80.0)
-    plane._deadline = 0.0
-    assert plane.fly(state, 1.0) is None
-    plane.put("best glide ratio", 9.0, 80.0)
-    assert plane.rows[-1]["reason"] == "out of time"
-    plane.put("Vy", None)
-    plane.climb(80.0)
-    assert plane.reason == "out of time"
+    last(lambda speed: plane.glide(80.0), plane.glide(80.0), 1.1)
+    assert plane.reason == "more than 10 trims"
+
+
+def test_an_altitude_that_no_model_reaches_is_a_reason_in_the_table():
     assert _work([{**C172P, "part": "turn", "altitude": 1e9}])[0]["rows"][0]["reason"]
 
 

@@ -231,10 +231,11 @@ def writable(parameter: str, value: Any) -> Path:
 
 
 def ending(parameter: str, path: Path, *endings: str) -> Path:
-    """``path`` if it has one of ``endings``; the error names it with the first of them."""
+    """``path`` if it has one of ``endings``; the error names it with the nearest of them."""
     if path.suffix.lower() not in endings:
         known = " or ".join(x for x in endings if x)
-        hint = did_you_mean([os.path.splitext(path)[0] + endings[0]])
+        close = nearest(path.suffix, endings, 1) or endings
+        hint = did_you_mean([os.path.splitext(path)[0] + close[0]])
         refuse(parameter, str(path), f"{parameter} must end in {known}, not {path.name!r}{hint}")
     return path
 

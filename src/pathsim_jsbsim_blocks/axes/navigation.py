@@ -101,7 +101,7 @@ def arc_about(centre: Place, first: Place, last: Place, side: float) -> Arc:
 def bearing_from(centre: Place, there: Place) -> float:
     """Bearing in deg from one place to another that is near it."""
     d = tuple(b - a for a, b in zip(centre.position, there.position, strict=True))
-    return math.degrees(math.atan2(_dot(d, centre.east), _dot(d, centre.north)))
+    return _course(d, centre)
 
 
 def place(lat: float, lon: float) -> Place:
@@ -203,7 +203,7 @@ def point(parameter: str, value: Any) -> tuple[float, float]:
     )
 
 
-def _course(direction: Vector, here: Place) -> float:
+def _course(direction: tuple[float, ...], here: Place) -> float:
     return math.degrees(math.atan2(_dot(direction, here.east), _dot(direction, here.north))) % 360.0
 
 

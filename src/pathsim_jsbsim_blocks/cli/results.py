@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import inspect
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,15 +24,6 @@ from .arguments import (
     values_in_range,
 )
 from .saving import check_file, saving_figures
-
-
-def studies() -> Mapping[str, Any]:
-    """The studies by name; none where jsbsim is not installed."""
-    if importlib.util.find_spec("jsbsim") is None:
-        return {}
-    from ..studies import STUDIES
-
-    return STUDIES
 
 
 @command(

@@ -15,7 +15,6 @@ from ..errors import BlocksError
 from .arguments import FIGURE, TOOLBOX, TRUST, command, file, number, option, repeatable
 from .console import directory_is_gone, report, tell
 from .editor import asking
-from .results import studies
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
 
 GROUPS = {
@@ -28,13 +27,14 @@ GROUPS = {
 @command("the diagrams and studies of the catalogue")
 def list_(args: argparse.Namespace) -> None:
     from ..catalogue import diagram_groups, find_diagram
+    from ..studies import STUDIES
 
     parts = {}
     for group, names in diagram_groups().items():
         texts = [find_diagram(name).read_text(encoding="utf-8") for name in names]
         docs = [ast.get_docstring(ast.parse(text)) or "" for text in texts]
         parts[GROUPS[group]] = dict(zip(names, docs, strict=True))
-    parts["Studies"] = {n: inspect.getdoc(study.table) or "" for n, study in studies().items()}
+    parts["Studies"] = {n: inspect.getdoc(study.table) or "" for n, study in STUDIES.items()}
     width = max(len(name) for part in parts.values() for name in part)
     for i, (title, part) in enumerate(parts.items()):
         print(f"{chr(10) * (i > 0)}{title}")
@@ -78,9 +78,10 @@ def run(args: argparse.Namespace) -> int:
     from ..catalogue import find_diagram
     from ..scripts.runs import with_duration, with_progress
     from ..scripts.script import Script, main_program
+    from ..studies import STUDIES
 
     keep_warnings_visible()  # those of a script without a block of ours too
-    if args.name in studies():
+    if args.name in STUDIES:
         refuse("name", args.name, f"{args.name} is a study: pathsim-jsbsim study {args.name}")
     settings, duration, source = _settings(args.set), args.duration, None
     if duration is not None:
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
         script = Path(args.name).absolute()
         source = _code_of_model(script, args)
     else:
-        script = find_diagram(args.name, studies()).absolute()
+        script = find_diagram(args.name, STUDIES).absolute()
     signals = signals_writer(args.csv, args.csv_rate)
     status = 0
     try:

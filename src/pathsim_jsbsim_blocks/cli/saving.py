@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -65,23 +65,14 @@ def saving_figures(path: Path | None) -> contextlib.AbstractContextManager[None]
 
 def recording_scopes(objects: Iterable[Any]) -> list[Any]:
     """Scopes with a recording, of all simulations among ``objects``."""
-    from pathsim import Simulation, Subsystem
+    from pathsim import Simulation
     from pathsim.blocks import Scope
 
-    def scopes(blocks: Iterable[Any]) -> Iterator[Scope]:
-        for block in blocks:
-            if isinstance(block, Scope):
-                yield block
-            elif isinstance(block, Subsystem):
-                yield from scopes(block.blocks)
+    from .._core.wiring import contents
 
     simulations = {id(x): x for x in objects if isinstance(x, Simulation)}
-    return [
-        scope
-        for simulation in simulations.values()
-        for scope in scopes(simulation.blocks)
-        if scope.read()[0] is not None
-    ]
+    blocks = [block for sim in simulations.values() for block in contents(sim)[0]]
+    return [x for x in blocks if isinstance(x, Scope) and x.read()[0] is not None]
 
 
 def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:

@@ -54,6 +54,7 @@ NAMES: dict[str, Any] = {
     "some": lambda *x: float(any(x)),
     "either": lambda a, b: float((a != 0) != (b != 0)),
     "negate": lambda x: float(not x),
+    "limited": lambda x, low, high: low if x < low else high if x > high else x,  # NaN stays
 }
 
 

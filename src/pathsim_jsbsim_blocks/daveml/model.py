@@ -184,7 +184,7 @@ class DaveModel:
     def _compiled(self) -> Any:
         """A function of the inputs that gives all variables, with one line for each."""
         local = {name: f"v{i}" for i, name in enumerate(self.variables)}
-        names: dict[str, Any] = {**NAMES, "limited": _limited}
+        names = {**NAMES}
         lines = [f"def function({', '.join(local[v.id] for v in self.inputs)}):"]
         lines += [f" {local[v.id]} = {_code(v, local, names)}" for v in self.variables.values()]
         lines.append(f" return [{', '.join(local.values())}]")
@@ -206,10 +206,6 @@ def _code(v: Variable, local: Mapping[str, str], names: dict[str, Any]) -> str:
         code = python_of(v.expression, local.__getitem__)
     free = v.low == -math.inf and v.high == math.inf
     return code if free else f"limited({code}, {v.low!r}, {v.high!r})"
-
-
-def _limited(x: float, low: float, high: float) -> float:
-    return low if x < low else high if x > high else x  # NaN stays
 
 
 def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:

@@ -127,7 +127,7 @@ def _flown(plane: Plane, blocks: list[Any], wires: list[Any], ends: Any) -> tupl
     """Way over the ground in ft, airspeed, height of the CG, weight on wheels, ground speed."""
     aircraft, scope = blocks[0], Scope()
     wires += [Connection(aircraft[n], scope[i]) for i, n in enumerate(_READ)]
-    done = Condition(lambda t: plane.late() or ends(), func_act=lambda t: sim.stop())
+    done = Condition(lambda t: ends(), func_act=lambda t: sim.stop())
     sim = Simulation([*blocks, scope], wires, [done], dt=aircraft.T, log=False)
     sim.run(_LONGEST)
     _, (speed, height, gear, ground) = scope.read()

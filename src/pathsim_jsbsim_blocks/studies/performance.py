@@ -23,7 +23,6 @@ from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
 from .flight_tests import (
     LARGE,
-    LATE,
     Find,
     Plane,
     Row,
@@ -132,7 +131,7 @@ def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
             plane.rows.append({**row, "quantity": f"{best} {name}"})
         elif levels and best == "best":
             why = "the model burns no fuel" if exact else "no throttle setting flies level"
-            plane.put("best specific range", None, reason=LATE if plane.late() else why)
+            plane.put("best specific range", None, reason=why)
     for level in exact[len(exact) // 2 :][:1]:
         rate = plane.energy_rate(level)
         less = None if rate is None else level.weight * rate / 60.0 / level.tas
@@ -446,7 +445,7 @@ def performance_table(
     flaps : float or iterable, optional
         flap commands for the stall speeds, 0 to 1; default 0, 0.5 and 1
     root, jobs, resume, progress
-        as in `trim_sweep`; parts that ran out of time are kept so
+        as in `trim_sweep`
 
     Returns
     -------
@@ -454,8 +453,7 @@ def performance_table(
         one row for each value: ``chart``, ``quantity``, its condition (``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``speed_kcas``, ``load_factor``), ``value`` and ``unit``,
         ``flown``, what a time history has found, ``difference_percent`` of it, and ``reason``: why
-        there is no value, what limits it, or "out of time": each part of the work has 8 to 16 s of
-        processor time
+        there is no value, or what limits it
 
     Raises
     ------

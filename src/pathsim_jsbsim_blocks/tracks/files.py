@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, must_be, nearest, refuse, writable
+from .._core.checks import ending, must_be, refuse, writable
 from .._core.extras import required
 from .._core.files import replacing
 from .acmi import write_acmi
@@ -59,12 +59,8 @@ _START = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
 
 def track_file(parameter: str, path: Any) -> Path:
     """``path`` if tracks can be written there."""
-    path = writable(parameter, path)
-    ending = path.suffix.lower()
-    if ending not in _FORMATS:
-        why = f"{parameter} must end in one of {', '.join(_FORMATS)}, not {path.name!r}"
-        refuse(parameter, str(path), why + did_you_mean(nearest(ending, _FORMATS, 1)))
-    for package in _FORMATS[ending][1]:
+    path = ending(parameter, writable(parameter, path), *_FORMATS)
+    for package in _FORMATS[path.suffix.lower()][1]:
         required(package, "tracks")
     return path
 
