@@ -66,7 +66,9 @@ def test_an_engine_without_a_table_of_injection_has_none():
         Airframe("B747").write({"propulsion/engine[1]/injection_cmd": 1})
 
 
-@pytest.mark.parametrize(("aircraft", "running"), [("c172p", -1), ("c172p", 0), ("737", 1)])
+@pytest.mark.parametrize(
+    ("aircraft", "running"), [("c172p", -1), ("c172p", 0), ("737", 0), ("737", 1)]
+)
 def test_engines_that_a_model_has_may_be_started(aircraft, running):
     plane = Aircraft(
         aircraft,

@@ -39,6 +39,7 @@ OWN_TESTS = {
     "flight/trimming/search": ["test_newton.py"],
     "flight/trimming/trimmer": ["test_newton.py", "test_trim.py"],
     "flight/trimming/condition": ["test_promises.py", "test_newton.py", "test_trim.py"],
+    "flight/trimming/initial": ["test_writable.py", "test_trim.py"],
     "flight/trimming/": ["test_trim.py", "test_newton.py"],
     "sources": ["test_sources.py", "test_promises.py"],
     "air/atmosphere": ["test_atmosphere.py", "test_atmosphere_blocks.py"],

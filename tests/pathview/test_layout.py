@@ -194,6 +194,11 @@ def test_a_way_back_from_the_second_row_stands_below_the_first():
     _, y, turned = placed(graph(chain))
     assert turned == {"back"}
     assert y["b"] < y["back"] < y["i"]
+    # and that of a loop in the second row below that
+    chain = "r>a a>b b>c c>d d>e e>f f>g g>h h>i i>scope i>back back>h.1"
+    _, y, turned = placed(graph(chain))
+    assert turned == {"back"}
+    assert y["b"] < y["h"] < y["back"]
 
 
 def test_the_way_back_runs_below_from_right_to_left_at_equal_distances():
