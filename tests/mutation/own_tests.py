@@ -108,8 +108,8 @@ OWN_TESTS = {
     "control/sensor": ["test_sensor_actuator.py", "test_promises.py"],
     "control/actuator": ["test_sensor_actuator.py", "test_promises.py"],
     "control/holds/course": ["test_navigation.py", "test_promises.py"],
-    "control/holds/approach": ["test_navigation.py", "test_landing.py"],
-    "control/holds/flare": ["test_landing.py"],
+    "control/holds/approach": ["test_promises.py", "test_navigation.py", "test_landing.py"],
+    "control/holds/flare": ["test_promises.py", "test_landing.py"],
     "control/autopilot": [
         "test_laws.py",
         "test_promises.py",
