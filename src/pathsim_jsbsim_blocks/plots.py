@@ -389,7 +389,8 @@ def saving_to(path: str | Path) -> Iterator[None]:
     path = path if path.suffix else path.with_suffix(".png")
     known = FigureCanvasBase.get_supported_filetypes()
     one_of("the ending of save", path.suffix[1:].lower(), known)
-    targets = _numbered(path)
+    more = (path.with_stem(f"{path.stem}_{n}") for n in itertools.count(2))
+    targets = itertools.chain([path], more)
     _save_to.append(targets)
     try:
         yield
@@ -397,12 +398,6 @@ def saving_to(path: str | Path) -> Iterator[None]:
         _save_to.pop()
     if next(targets) == path:
         refuse("save", str(path), f"no figure was shown that could be saved as {str(path)!r}")
-
-
-def _numbered(path: Path) -> Iterator[Path]:
-    yield path
-    for n in itertools.count(2):
-        yield path.with_stem(f"{path.stem}_{n}")
 
 
 def _label(scope: Scope, i: int) -> tuple[str, str]:

@@ -101,7 +101,6 @@ def run_batch(
         cannot be sent to other processes, a file that cannot be written or belongs to another batch
     """
     pd = required("pandas", "studies")
-    required("joblib", "studies")
 
     points = expand("cases", cases)
     rows = _seeded(points, whole("seed", seed, low=0))
@@ -244,7 +243,7 @@ def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
 
 def _check_sent(parameter: str, function: Any) -> None:
     """Refuse a function that cannot be sent to other processes."""
-    import joblib
+    joblib = required("joblib", "studies")
 
     try:
         pickle.dumps(joblib.wrap_non_picklable_objects(function))

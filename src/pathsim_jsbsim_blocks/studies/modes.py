@@ -80,7 +80,6 @@ def modes_over_speed(
         before the work begins: unknown aircraft
     """
     pd = required("pandas", "studies")
-    required("joblib", "studies")
     altitude = number("altitude", altitude)
     if aircraft is None and speeds is not None:
         refuse("speeds", speeds, "speeds are those of one aircraft: name it")

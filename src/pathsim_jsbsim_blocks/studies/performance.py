@@ -463,7 +463,6 @@ def performance_table(
         for a model that is unknown or cannot be initialised
     """
     pd = required("pandas", "studies")
-    required("joblib", "studies")
     airframe, _, _ = prepared(aircraft, root)
     jet = bool(airframe.engines and not airframe.of_engines("propeller-rpm"))
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)

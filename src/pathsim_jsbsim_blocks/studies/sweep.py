@@ -93,7 +93,6 @@ def trim_sweep(
         before the work begins: unknown aircraft, property, tank or point mass
     """
     pd = required("pandas", "studies")
-    required("joblib", "studies")
 
     points = expand("grid", grid)
     conditions = [trim_condition(i, point) for i, point in enumerate(points)]

@@ -19,6 +19,7 @@ from typing import Any
 
 from .._core.callers import warn_user
 from .._core.checks import flag, refuse, whole
+from .._core.extras import required
 from ..errors import ParameterError
 from .journal import Journal
 from .kept import study_key
@@ -48,6 +49,7 @@ def run_parts(
     """Rows of all points, in the order of the points."""
     from tqdm import tqdm
 
+    required("joblib", "studies")
     flag("progress", progress)
     if jobs != -1:
         try:
