@@ -1,18 +1,25 @@
 """Names, order and defaults of parameters and ports: models and scripts rely on each of them.
 
-``data/promises.json`` lists them. Additions come last.
+``data/promises.json`` lists them. Additions come last. What the last version had and this one has not
+is listed under "gone", so that nothing else goes unseen.
 """
 
+import importlib
 import inspect
 import json
+import re
+from importlib import metadata
 from pathlib import Path
 
+import pytest
 from how_many import each
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
+from pathsim_jsbsim_blocks.cli import main
 
-PROMISES = json.loads((Path(__file__).parent / "data" / "promises.json").read_text())
+LISTS = json.loads((Path(__file__).parent / "data" / "promises.json").read_text())
+PROMISES = LISTS["blocks"]
 PUBLIC = {
     name: thing
     for name in package.__all__
@@ -48,3 +55,40 @@ def test_ports_are_numbered_in_their_order(name):
     for side in ("inputs", "outputs"):
         ports = promise(PUBLIC[name])[side] or []
         assert [number for _, number in ports] == list(range(len(ports)))
+
+
+def named(name):
+    """A public thing by its module's name and its own, or None."""
+    module, _, own = name.rpartition(".")
+    return getattr(importlib.import_module(f"{package.__name__}.{module}".rstrip(".")), own, None)
+
+
+def options(command, capsys):
+    """The options that a command's help shows."""
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    return re.findall(r"--[a-z][\w-]*", capsys.readouterr().out)
+
+
+def test_what_has_gone_since_the_last_version_is_listed(capsys):
+    gone = []
+    for name, parameters in LISTS["names"].items():
+        if (thing := named(name)) is None:
+            gone.append(name)
+        elif parameters is not None:
+            now = [*inspect.signature(thing).parameters]
+            kept = [p for p in parameters if p in now]
+            assert kept == [p for p in now if p in parameters], f"{name}: order"
+            gone += [f"{name}({p})" for p in parameters if p not in now]
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    commands = capsys.readouterr().out
+    for command, promised in LISTS["commands"].items():
+        if not re.search(rf"^ +{command} ", commands, re.MULTILINE):
+            gone.append(f"pathsim-jsbsim {command}")
+        else:
+            now = options(command, capsys)
+            gone += [f"pathsim-jsbsim {command} {o}" for o in promised if o not in now]
+    extras = metadata.metadata("pathsim-jsbsim-blocks").get_all("Provides-Extra")
+    gone += sorted({*LISTS["extras"]} - {*extras})
+    assert sorted(gone) == LISTS["gone"]

@@ -61,7 +61,8 @@ print(json.dumps(test_promises.promise(pathsim_jsbsim_blocks.{name})))
 """
     status, said = python(tree, "-c", show)
     assert status == 0, said
-    promises = json.loads(table.read_text()) | {name: json.loads(said)}
+    promises = json.loads(table.read_text())
+    promises["blocks"][name] = json.loads(said)
     table.write_text(json.dumps(promises))
 
 
