@@ -167,12 +167,16 @@ class Aircraft(FlightBlock):
         return [*inputs, Channel("throttle", engines, 1.0, "norm")], outputs
 
     def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
-        return super()._no_port(
-            f"{message}{'' if message.endswith('?') else '.'} Other properties are ports with "
-            "input_properties=[...] and output_properties=[...], or of JSBSimFDM",
-            port,
-            close,
+        kinds = zip(("input_properties", "output_properties"), self._short, strict=True)
+        ways = [f"{kind}=[{port!r}]" for kind, short in kinds if port in short]
+        further = (
+            f"{port!r} is one with {' or '.join(ways)}"
+            if ways
+            else "Other properties are ports with input_properties=[...] and "
+            "output_properties=[...], or of JSBSimFDM"
         )
+        end = "" if message.endswith("?") else "."
+        return super()._no_port(f"{message}{end} {further}", port, close)
 
     def _warn_of_units(self, port: int, increment: float) -> None:
         """Warn once of an increment that must be in another unit: degrees, or percent."""
