@@ -17,7 +17,7 @@ from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimE
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.trimming import trimmer
+from pathsim_jsbsim_blocks.flight.trimming import equations
 from pathsim_jsbsim_blocks.flight.trimming.check import HandsOff
 from pathsim_jsbsim_blocks.flight.trimming.search import bounded, solution
 from pathsim_jsbsim_blocks.flight.trimming.trimmer import Trimmer
@@ -635,8 +635,20 @@ def test_a_trim_that_does_not_hold_is_warned_of():
         trim(Airframe("XB-70"), TrimCondition(altitude=27000, speed=300, mode="glide", gear=0))
 
 
+def test_beside_a_refused_point_the_next_is_refused_sooner_for_the_same_reason():
+    airframe, efforts, reasons = Airframe("737"), [], []
+    for gamma in (9.0, 8.0):
+        climb = TrimCondition(altitude=15000, speed=300, gamma=gamma)
+        with pytest.raises(TrimError) as error:
+            trim(airframe, climb, hint=False, warm=True)
+        efforts.append(Trimmer.of(airframe)._effort.steps)
+        reasons.append((error.value.reason, error.value.limit))
+    assert reasons == [("thrust", 1.0)] * 2
+    assert efforts[1] < 0.8 * efforts[0]
+
+
 def test_the_search_has_a_budget(monkeypatch):
-    monkeypatch.setattr(trimmer, "_EFFORT", 2_000)
+    monkeypatch.setattr(equations, "_EFFORT", 2_000)
     airframe = Airframe("c172p")
     with pytest.raises(TrimError):
         trim(airframe, TrimCondition(speed=140), hint=False)

@@ -31,7 +31,6 @@ from .property_tree import PropertyTree
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
 _MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
-_GROUND = "ic/terrain-elevation-ft"
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
 
@@ -90,8 +89,6 @@ class Airframe(PropertyTree):
     ParameterError
         for integrators, a planet or a gravity that JSBSim does not have
     """
-
-    _ground_before: float | None
 
     def __init__(
         self,
@@ -179,7 +176,6 @@ class Airframe(PropertyTree):
         self._of_engines: dict[str, list[str]] = {}
         self._tanks: list[str] | None = None
         self._feeds: list[list[int]] | None = None
-        self._ground_before = None
         self._choose_outputs()
         self._create()
 
@@ -247,17 +243,6 @@ class Airframe(PropertyTree):
                 message += f"{close or '.'} If it comes from outside (FlightGear), create it with "
                 message += f"create={{{missing!r}: 0.0}}"
             raise AircraftError(message, aircraft=self.aircraft, missing=missing)
-
-    def raise_ground(self, elevation: float) -> None:
-        """Put the ground at an elevation in ft above mean sea level."""
-        self._ground_before = self.fdm[_GROUND]
-        if self._ground_before != elevation:
-            self.fdm[_GROUND] = elevation
-
-    def lower_ground(self) -> None:
-        """Restore the ground elevation from before `raise_ground`."""
-        if self._ground_before is not None:
-            self.fdm[_GROUND], self._ground_before = self._ground_before, None
 
     def of_engines(self, quantity: str) -> list[str]:
         """Names of a quantity of each engine that has it."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import os
 import shutil
 import tempfile
@@ -63,14 +62,6 @@ def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, floa
 
 def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
     """Whether any wheel is marked retractable."""
-    file = ModelFile(aircraft, root)
-    state = file.path.stat()
-    return _any_wheel_retracts(aircraft, root, (state.st_mtime_ns, state.st_size))
-
-
-@functools.lru_cache
-def _any_wheel_retracts(aircraft: str, root: str | None, version: tuple[int, int]) -> bool:
-    """Read the model once for each version of its file: every reset of a fast aircraft asks."""
     file = ModelFile(aircraft, root)
     wheels = file.parsed().iterfind("ground_reactions/contact/retractable")
     try:

@@ -63,6 +63,9 @@ _SETTLED = 1e-6
 
 _READINGS = 30  # of one state, until a flight control system with memory has settled
 
+# steps of JSBSim for all searches of one trim
+_EFFORT = 100_000
+
 # what one reading with its share of the search, and JSBSim's own settling of an engine, count as in
 # steps of JSBSim; the latter takes 1 to 170
 _READING = 4
@@ -89,12 +92,12 @@ class Effort:
     Those that find a trim take 40,000 at most; a step takes 5 to 14 us (Short_S23: 60).
     """
 
-    def __init__(self, most: int):
-        self.steps, self.most = 0, most
+    def __init__(self) -> None:
+        self.steps = 0
 
     @property
     def over(self) -> bool:
-        return self.steps > self.most
+        return self.steps > _EFFORT
 
 
 class SteadyFlight:

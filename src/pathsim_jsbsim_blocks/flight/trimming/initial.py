@@ -118,7 +118,7 @@ def initialise(
     put("ic/phi-deg", 0.0)
     put("ic/psi-true-deg", heading)
     if on_ground:
-        airframe.raise_ground(condition.altitude)
+        put("ic/terrain-elevation-ft", condition.altitude)
         fdm["ic/h-agl-ft"] = _HEIGHT_BEFORE_SETTLING
     else:
         fdm["ic/h-sl-ft"] = condition.altitude

@@ -59,6 +59,7 @@ def descend(
         if slopes is None:
             slopes = flight.slopes(x, r)
             if not np.all(np.isfinite(slopes)):
+                slopes = None
                 break
         full = _step(flight, x, r, slopes)
         to = x + full

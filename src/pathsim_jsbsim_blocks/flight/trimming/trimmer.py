@@ -25,14 +25,11 @@ from .state import STATE, TrimState, not_finite, read_state
 # first guesses, one after the other until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
-# strides between the ends of two searches that count as one
-_SAME_END = 0.1
+# of the residuals, by which those of two ends at one limit may differ that count as one
+_SAME_END = 0.5
 
 # times the airspeed, at which the last guess is trimmed first
 _FASTER = 1.15
-
-# steps of JSBSim for all searches of one trim
-_EFFORT = 100_000
 
 # in this order a limit is taken for the cause of a failure: slow flight needs too much alpha first,
 # and then more thrust and elevator than there are; with the reason that the error gives
@@ -53,13 +50,18 @@ _ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
 
 class Seed(NamedTuple):
-    """Where a search has found its trim, for the next one near it."""
+    """Where a search has ended, for the next one near it."""
 
     names: list[str]
     x: np.ndarray
     slopes: np.ndarray
     has_memory: bool
     in_time: bool
+    trimmed: bool
+
+    def fits(self, flight: SteadyFlight) -> bool:
+        """Whether a flight has the same unknowns and residuals."""
+        return flight.names == self.names and len(self.slopes) == len(flight.used)
 
 
 class Trimmer:
@@ -101,19 +103,14 @@ class Trimmer:
 
         Nothing is flown where the trim repeats the last one of ``like``.
         """
-        self._effort = Effort(_EFFORT)
+        self._effort = Effort()
         by_jsbsim = condition.mode == "none" or condition.searched_by == "jsbsim"
         if self._spent or (self._used and (by_jsbsim or not warm)):
             self._renew()
         seed, self._seed = self._seed if warm else None, None
-        # unusable until a search succeeds
+        # unusable until Newton's search succeeds
         used, self._used, self._spent = self._used, True, True
         self._initialise(condition, setup)
-        if used and not_finite(read_state(self.airframe, condition)):
-            # a flight has left NaN or inf there
-            used, seed = False, None
-            self._renew()
-            self._initialise(condition, setup)
         self._refuse_impossible(condition)
         if not by_jsbsim:
             ways = [False, True]
@@ -133,12 +130,10 @@ class Trimmer:
     def _renew(self) -> None:
         self.airframe.renew()
         self._used = self._spent = False
-        self._seed = None
 
     def _initialise(self, condition: TrimCondition, setup: Mapping[str, float] | None) -> None:
         """Write a condition, start the engines and initialise; refuse what no search can trim."""
         airframe = self.airframe
-        airframe.lower_ground()
         written = properties(airframe, condition, setup)
         # without a search nothing needs the condition's own speed and attitude
         initial = {}
@@ -176,7 +171,6 @@ class Trimmer:
         if broken := not_finite(found):
             why = f"{', '.join(broken)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why)
-        self._spent = False
         return found
 
     def _by_newton(
@@ -190,7 +184,7 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None]:
         """The first trim that the seed or a guess leads to and that holds in a short flight."""
         airframe = self.airframe
-        if seed is not None:
+        if seed is not None and seed.trimmed:
             with airframe.engines_stopped():
                 if found := self._from_seed(condition, seed, fly):
                     return found
@@ -202,7 +196,7 @@ class Trimmer:
             used = True
             try:
                 with airframe.engines_stopped():
-                    return self._from_guesses(condition, in_time, fly)
+                    return self._from_guesses(condition, seed, in_time, fly)
             except TrimError as error:
                 refused = error
                 if error.reason != "no equilibrium":
@@ -218,7 +212,7 @@ class Trimmer:
         flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
         if "elevator" in seed.names:
             flight.without_pitch_trim()
-        if flight.names != seed.names or len(seed.slopes) != len(flight.used):
+        if not seed.fits(flight):
             return None
         flight.has_memory = seed.has_memory
         reached = descend(flight, seed.x, seed.slopes)
@@ -229,33 +223,33 @@ class Trimmer:
         return None
 
     def _from_guesses(
-        self, condition: TrimCondition, in_time: bool, fly: float
+        self, condition: TrimCondition, seed: Seed | None, in_time: bool, fly: float
     ) -> tuple[TrimState, HandsOff | None]:
         flight = SteadyFlight(self.airframe, condition, self._effort, in_time)
         flight.try_out()
         self._leaves_traces = flight.leaves_traces
         best: Reached | None = None
-        for reached in self._ends(flight):
+        slopes = seed.slopes if seed is not None and seed.fits(flight) else None
+        for reached in self._ends(flight, slopes):
             best = reached if best is None or reached.size < best.size else best
             if best.size <= 1.0 or self._effort.over or self.airframe.not_running():
                 break
         assert best is not None
+        self._keep(flight, best, trimmed=False)
         return self._arrived(condition, flight, best, fly)
 
-    def _ends(self, flight: SteadyFlight) -> Iterator[Reached]:
-        """Where searches from one first guess after the other end."""
+    def _ends(self, flight: SteadyFlight, slopes: np.ndarray | None) -> Iterator[Reached]:
+        """Where searches from one first guess after the other end; the first takes ``slopes``."""
         ends: list[np.ndarray] = []
-        slopes = None
+        before: Reached | None = None
         for alpha, throttle in _GUESSES:
             reached = descend(flight, _guess(flight, alpha, throttle), slopes, known=ends)
-            x = reached.x
-            at_limit = ((x <= flight.low) | (x >= flight.high)).any()
-            if at_limit and any(flight.near(x, end, _SAME_END) for end in ends):
-                # two searches from far apart that end at one limit: the others would too
+            yield reached
+            if before and _at_one_limit(flight, before, reached):
+                # two searches from far apart: the others would end there too
                 break
             ends.append(reached.x)
-            slopes = reached.slopes
-            yield reached
+            before, slopes = reached, reached.slopes
         i = flight.names.index("alpha")
         if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
             return
@@ -298,12 +292,16 @@ class Trimmer:
             flown = self._flown(condition, flight, x, fly)
             if flown.moves:
                 raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
-        if reached.slopes is not None:
-            seed = flight.names, x, reached.slopes, flight.has_memory, flight.in_time
-            self._seed = Seed(*seed)
+        self._keep(flight, reached, trimmed=True)
         self.in_time = flight.in_time
         self._leaves_traces, self._spent = flight.leaves_traces, False
         return state, flown
+
+    def _keep(self, flight: SteadyFlight, reached: Reached, *, trimmed: bool) -> None:
+        """Keep where a search has ended for the next trim."""
+        if reached.slopes is not None:
+            found = reached.x, reached.slopes, flight.has_memory, flight.in_time
+            self._seed = Seed(flight.names, *found, trimmed)
 
     def _flown(
         self, condition: TrimCondition, flight: SteadyFlight, x: np.ndarray, fly: float
@@ -314,7 +312,7 @@ class Trimmer:
         with other.engines_stopped():
             initialise(other, condition, condition.heading)
             other.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
-            there = SteadyFlight(other, condition, Effort(_EFFORT), flight.in_time)
+            there = SteadyFlight(other, condition, Effort(), flight.in_time)
             if "elevator" in flight.names:
                 there.without_pitch_trim()
             there.has_memory, there.leaps = flight.has_memory, flight.leaps
@@ -355,6 +353,14 @@ def _guess(flight: SteadyFlight, alpha: float, throttle: float) -> np.ndarray:
     if "throttle" in flight.names:
         x[flight.names.index("throttle")] = throttle
     return x
+
+
+def _at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
+    """Whether two searches have ended at a limit that they share, with like residuals."""
+    low = (one.x <= flight.low) & (other.x <= flight.low)
+    high = (one.x >= flight.high) & (other.x >= flight.high)
+    apart = np.linalg.norm(one.residuals - other.residuals)
+    return bool((low | high).any() and apart < _SAME_END * np.linalg.norm(one.residuals))
 
 
 def _at_other_end(flight: SteadyFlight, x: np.ndarray) -> np.ndarray | None:
