@@ -166,7 +166,7 @@ class Airframe(PropertyTree):
             if self._cg is not None:
                 stage = self._file.staged(self._cg)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
-            self._load()
+            self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
         # in this order: a model brings its planet, and a planet resets the integrators
         if self._planet is not None:
             self._do("put aircraft {!r} on this planet", self._load_planet)
@@ -174,7 +174,6 @@ class Airframe(PropertyTree):
             self.fdm[name] = value
         self._open_tree()
         self._of_engines: dict[str, list[str]] = {}
-        self._tanks: list[str] | None = None
         self._feeds: list[list[int]] | None = None
         self._choose_outputs()
         self._create()
@@ -199,9 +198,6 @@ class Airframe(PropertyTree):
             fdm.enable_output()
         else:
             fdm.disable_output()
-
-    def _load(self) -> None:
-        self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
 
     def _load_planet(self) -> bool:
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
@@ -254,10 +250,8 @@ class Airframe(PropertyTree):
     @property
     def tanks(self) -> list[str]:
         """Names of the contents of each tank."""
-        if self._tanks is None:
-            names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
-            self._tanks = list(itertools.takewhile(self.has, names))
-        return self._tanks
+        names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
+        return list(itertools.takewhile(self.has, names))
 
     def starved(self) -> list[int]:
         """Engines that have stopped while all the tanks that feed them are empty."""
@@ -354,8 +348,8 @@ class Airframe(PropertyTree):
         values = mapping(what, values)
         items = []
         for name, value in values.items():
-            put, check = self._writable(name)
-            items.append((put, number(f"{what}[{name!r}]", value)))
+            node, check = self._node(name, "w")
+            items.append((node.set_double_value, number(f"{what}[{name!r}]", value)))
             if check is not None:
                 check(f"{what}[{name!r}]", value)
         for put, value in items:

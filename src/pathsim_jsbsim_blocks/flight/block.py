@@ -38,8 +38,9 @@ from .console import capture_console
 from .contact import GroundContact
 from .flightgear import next_address
 from .property_ports import check_ports, listed
-from .trimming import TrimState, trim, trim_again
+from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
+from .trimming.trimmer import Trimmer
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
@@ -313,7 +314,9 @@ class FlightBlock(Parametric, SampledPlant):
             **{name: getattr(self, name) for name in _OF_AIRFRAME},
         )
         if before and before[0] == self._flying:
-            self.trim = trim_again(self.airframe, condition, self.setup, before[1])
+            # what was checked then is not checked again
+            like = Trimmer.of(before[1])
+            self.trim, _ = Trimmer.of(self.airframe).trim(condition, self.setup, like=like)
         else:
             self.trim = trim(self.airframe, condition, self.setup)
         write, read = self._connect()

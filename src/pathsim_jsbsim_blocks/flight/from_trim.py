@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -23,13 +23,6 @@ from .trimming.initial import here
 at_take_off: list[Callable[[Any], None]] = []
 
 
-class Flown(Flyable, Protocol):
-    """As much of an aircraft block as these functions need."""
-
-    setup: Mapping[str, float] | None
-    _before: Any
-
-
 @contextlib.contextmanager
 def _unobserved() -> Iterator[None]:
     """Context in which blocks take off without being recorded."""
@@ -40,7 +33,7 @@ def _unobserved() -> Iterator[None]:
         at_take_off[:] = observers
 
 
-def twin(flown: Flown) -> Any:
+def twin(flown: Flyable) -> Any:
     """A sealed block with the same parameters and a fresh aircraft, trimmed as this one was."""
     # the constructor of a user's subclass may have other parameters
     block: Any = next(c for c in type(flown).__mro__ if "__dataclass_fields__" in vars(c))
@@ -53,14 +46,14 @@ def twin(flown: Flown) -> Any:
     return other
 
 
-def trim_here(flown: Flown, changes: Mapping[str, Any]) -> TrimState:
+def trim_here(flown: Flyable, changes: Mapping[str, Any]) -> TrimState:
     """Trim the present flight with changes of its condition, as of `FlightBlock.trim_here`."""
     condition = here(flown.airframe, flown.trim.condition, flown.setup, changes)
     return trim(flown.airframe.twin(), condition)
 
 
 def linear_model(
-    flown: Flown,
+    flown: Flyable,
     method: str,
     inputs: Sequence[str] | None,
     outputs: Sequence[str] | None,
@@ -75,7 +68,7 @@ def linear_model(
     return make(lambda: twin(flown), inputs, outputs, amplitude)
 
 
-def response(flown: Flown, input: str, increments: Sequence[float], output: str) -> np.ndarray:
+def response(flown: Flyable, input: str, increments: Sequence[float], output: str) -> np.ndarray:
     """An output over increments on an input, as of `FlightBlock.response`."""
     plane = twin(flown)
     ports, channels = plane.channels()

@@ -27,8 +27,7 @@ class PropertyTree:
         self._created: set[str] = set()
         self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
-        self._checked: dict[tuple[str, str], jsbsim.FGPropertyNode] = {}
-        self._writers: dict[str, tuple[Callable[[float], Any], Check | None]] = {}
+        self._nodes: dict[tuple[str, str], tuple[jsbsim.FGPropertyNode, Check | None]] = {}
 
     @property
     def engines(self) -> int:
@@ -84,7 +83,7 @@ class PropertyTree:
         PropertyError
             if the name is malformed or unknown, or the property cannot be read
         """
-        return self._node(name, "r", "read").get_double_value
+        return self._node(name, "r")[0].get_double_value
 
     def writer(self, name: str) -> Callable[[float], Any]:
         """A function that writes a property; errors as in `reader`.
@@ -92,28 +91,19 @@ class PropertyTree:
         Where JSBSim can use some values only, the function refuses the others with a
         `ParameterError` or `PropertyError`.
         """
-        put, check = self._writable(name)
+        node, check = self._node(name, "w")
         if check is None:
-            return put
+            return node.set_double_value
 
         def put_checked(value: float) -> None:
             check(name, value)
-            put(value)
+            node.set_double_value(value)
 
         return put_checked
 
-    def _writable(self, name: str) -> tuple[Callable[[float], Any], Check | None]:
-        """What writes a property, and what refuses values of it."""
-        # `_node` refuses a name that is not text
-        if not isinstance(name, str) or name not in self._writers:
-            node = self._node(name, "w", "written")
-            check = value_check(self._path(node), self.aircraft, self.engines)
-            self._writers[name] = node.set_double_value, check
-        return self._writers[name]
-
     def reader_of(self, names: Iterable[str]) -> Callable[[], list[float]]:
         """A function that reads several properties at once; errors as in `reader`."""
-        nodes = [self._node(name, "r", "read") for name in names]
+        nodes = [self._node(name, "r")[0] for name in names]
         get = jsbsim.FGPropertyNode.get_double_value
         return lambda: list(map(get, nodes))
 
@@ -122,9 +112,9 @@ class PropertyTree:
 
         Errors as in `writer`.
         """
-        names = list(names)
-        nodes = [self._node(name, "w", "written") for name in names]
-        checks = [(i, n, c) for i, n in enumerate(names) if (c := self._writable(n)[1])]
+        found = [(name, *self._node(name, "w")) for name in names]
+        nodes = [node for _, node, _ in found]
+        checks = [(i, name, check) for i, (name, _, check) in enumerate(found) if check]
         put = jsbsim.FGPropertyNode.set_double_value
 
         def write(values: list[float]) -> None:
@@ -138,13 +128,17 @@ class PropertyTree:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""
         return _access(self._find(name))
 
-    def _node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
-        # `_checked_node` refuses a name that is not text
-        if not isinstance(name, str) or (name, way) not in self._checked:
-            self._checked[name, way] = self._checked_node(name, way, verb)
-        return self._checked[name, way]
+    def _node(self, name: str, way: str) -> tuple[jsbsim.FGPropertyNode, Check | None]:
+        """A property to read ("r") or write ("w"), and what refuses values to write."""
+        # `_usable` refuses a name that is not text
+        if not isinstance(name, str) or (name, way) not in self._nodes:
+            node, check = self._usable(name, way), None
+            if way == "w":
+                check = value_check(self._path(node), self.aircraft, self.engines)
+            self._nodes[name, way] = node, check
+        return self._nodes[name, way]
 
-    def _checked_node(self, name: str, way: str, verb: str) -> jsbsim.FGPropertyNode:
+    def _usable(self, name: str, way: str) -> jsbsim.FGPropertyNode:
         node, known = self._find(name), f"property {name!r} of aircraft {self.aircraft!r}"
         if way == "w" and (why := why_not(self._path(node), self.has)):
             raise self.property_error(name, f"{known} cannot be written: {why}")
@@ -154,6 +148,7 @@ class PropertyTree:
                 for n in nearest(name.rpartition("/")[2], self._catalogue(), 9)
                 if way in self.access(n) and not (way == "w" and why_not(n, self.has))
             ][:3]
+            verb = "read" if way == "r" else "written"
             raise self.property_error(name, f"{known} cannot be {verb}", close)
         return node
 

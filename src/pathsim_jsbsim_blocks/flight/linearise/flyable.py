@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,10 +16,12 @@ from ..trimming.state import TrimState
 
 
 class Flyable(Protocol):
-    """As much of an aircraft block as a linear model needs."""
+    """As much of an aircraft block as a linear model, a response or another trim needs."""
 
     airframe: Airframe
     trim: TrimState
+    setup: Mapping[str, float] | None
+    _before: Any
     T: float
     inputs: Any
     outputs: Any

@@ -16,7 +16,7 @@ from .nearest import with_nearest
 from .state import Drift, TrimState
 from .trimmer import Trimmer
 
-__all__ = ["Drift", "TrimCondition", "TrimState", "trim", "trim_again"]
+__all__ = ["Drift", "TrimCondition", "TrimState", "trim"]
 
 # KCAS, above which hardly any landing gear may be down
 _FAST_FOR_GEAR = 200.0
@@ -104,19 +104,6 @@ def trim(
                 f"the trim of {airframe.aircraft} at {condition} does not hold: {flown.leaves}"
             )
     return dataclasses.replace(found, drift=flown.drift) if flown and duration else found
-
-
-def trim_again(
-    airframe: Airframe,
-    condition: TrimCondition,
-    setup: Mapping[str, float] | None,
-    before: Airframe,
-) -> TrimState:
-    """Trim a freshly loaded airframe as another one of the model was trimmed there, bit for bit.
-
-    What was checked then is not checked again.
-    """
-    return Trimmer.of(airframe).trim(condition, setup, like=Trimmer.of(before))[0]
 
 
 def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:

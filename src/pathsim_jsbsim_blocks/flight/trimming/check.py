@@ -55,9 +55,11 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
     parts = [f"fcs/{name}-pos-norm" for name in ("elevator", "left-aileron", "right-aileron")]
     parts += ["fcs/rudder-pos-norm", *airframe.of_engines("thrust-lbs")]
     watched = airframe.reader_of(parts)
-    first, rates = watched(), _rates(airframe)
+    first, fdm = watched(), airframe.fdm
+    # of height in ft/s and of the heading in deg/s along the path
+    rates = fdm[property_of("hdot")], math.degrees(fdm["velocities/psidot-rad_sec"])
     names = [*_ACCELERATIONS, *_PATH.values(), STATE["speed"]]
-    read, run, dt = airframe.reader_of(names), airframe.fdm.run, airframe.dt
+    read, run, dt = airframe.reader_of(names), fdm.run, airframe.dt
     rows, moved = [read()], first
     for step in range(1, max(round(duration / dt), 1) + 1):
         run()
@@ -68,19 +70,12 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
     few = max(round(SHORT / dt), 1) + 1
     moves = _what_moves(condition, flight[:4, :few], dt)
     if moves:
-        weight = airframe.fdm[STATE["weight"]]
-        moves += _culprit(parts, first, moved, weight)
+        moves += _culprit(parts, first, moved, fdm[STATE["weight"]])
     off = _off_the_path(flight[4:-1], rates, dt)
     long = round(LONG / dt) + 1
     height, _, _, bank, _ = (float(x) for x in off[:, -1])
     drift = Drift(duration, height, float(flight[-1, -1] - flight[-1, 0]), bank)
     return HandsOff(moves, _what_leaves(off[:, :long]), drift)
-
-
-def _rates(airframe: Airframe) -> list[float]:
-    """Rates of height in ft/s and of the heading in deg/s along the path."""
-    fdm = airframe.fdm
-    return [fdm[property_of("hdot")], math.degrees(fdm["velocities/psidot-rad_sec"])]
 
 
 def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:
@@ -108,7 +103,7 @@ def _culprit(parts: list[str], before: list[float], after: list[float], weight: 
     return f" ({parts[i]} goes from {before[i]:.3g} to {after[i]:.3g})"
 
 
-def _off_the_path(flight: np.ndarray, rates: list[float], dt: float) -> np.ndarray:
+def _off_the_path(flight: np.ndarray, rates: tuple[float, float], dt: float) -> np.ndarray:
     """Distances from the steady path over time, in the units of `_BOUNDS`."""
     off = flight - flight[:, :1]
     time = dt * np.arange(off.shape[1])

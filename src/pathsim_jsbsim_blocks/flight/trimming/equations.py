@@ -118,8 +118,8 @@ class SteadyFlight:
         fdm = self._fdm = airframe.fdm
         self._gravity = fdm["accelerations/gravity-ft_sec2"]
         speed = fdm[STATE["tas"]]
-        # what the search does not move
-        self._given = {
+        # what the search does not move; true airspeed in ft/s
+        self.given = {
             "speed": speed,
             "throttle": condition.throttle or 0.0,
             **dict.fromkeys(("pitch_trim", "aileron", "rudder"), 0.0),
@@ -230,19 +230,6 @@ class SteadyFlight:
         if size(second - before) <= _SETTLED:
             self.without_pitch_trim()
 
-    @property
-    def speed(self) -> float:
-        """True airspeed in ft/s, where the search does not move it."""
-        return self._given["speed"]
-
-    def fly_at(self, speed: float) -> None:
-        """Take another airspeed, in ft/s."""
-        self._given["speed"] = speed
-
-    def near(self, x: np.ndarray, other: np.ndarray, strides: float) -> bool:
-        """Whether two states are apart by so many strides of each unknown at most."""
-        return bool((abs(x - other) <= strides * self.strides).all())
-
     def settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""
         self._settled_at = None
@@ -302,7 +289,7 @@ class SteadyFlight:
     def _put(self, x: Sequence[float] | np.ndarray) -> float:
         """Write state and controls; returns the throttle."""
         condition = self._condition
-        values = {**self._given, **dict(zip(self.names, np.asarray(x).tolist(), strict=True))}
+        values = {**self.given, **dict(zip(self.names, np.asarray(x).tolist(), strict=True))}
         v, alpha, beta, phi, gamma, psi = _FLIGHT(values)
         throttle = values["throttle"]
         theta = _theta(alpha, beta, phi, gamma)

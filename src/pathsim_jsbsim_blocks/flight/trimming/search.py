@@ -53,7 +53,7 @@ def descend(
     for _ in range(_ITERATIONS):
         if size(r) <= POLISHED or not math.isfinite(norm) or flight.effort.over:
             break
-        if any(flight.near(x, end, _ON_THE_WAY) for end in known):
+        if any((abs(x - end) <= _ON_THE_WAY * flight.strides).all() for end in known):
             break
         fresh = slopes is None
         if slopes is None:

@@ -130,6 +130,7 @@ class Trimmer:
     def _renew(self) -> None:
         self.airframe.renew()
         self._used = self._spent = False
+        self._seed = None
 
     def _initialise(self, condition: TrimCondition, setup: Mapping[str, float] | None) -> None:
         """Write a condition, start the engines and initialise; refuse what no search can trim."""
@@ -229,7 +230,7 @@ class Trimmer:
         flight.try_out()
         self._leaves_traces = flight.leaves_traces
         best: Reached | None = None
-        slopes = seed.slopes if seed is not None and seed.fits(flight) else None
+        slopes = seed.slopes if seed and not seed.trimmed and seed.fits(flight) else None
         for reached in self._ends(flight, slopes):
             best = reached if best is None or reached.size < best.size else best
             if best.size <= 1.0 or self._effort.over or self.airframe.not_running():
@@ -254,10 +255,10 @@ class Trimmer:
         if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
             return
         # where lift is short, the neighbour that has more is nearer than any guess
-        speed = flight.speed
-        flight.fly_at(_FASTER * speed)
+        speed = flight.given["speed"]
+        flight.given["speed"] = _FASTER * speed
         faster = descend(flight, _guess(flight, *_GUESSES[0]))
-        flight.fly_at(speed)
+        flight.given["speed"] = speed
         if faster.size <= 1.0:
             yield descend(flight, faster.x, faster.slopes, known=ends)
 
