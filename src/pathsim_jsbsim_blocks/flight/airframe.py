@@ -166,7 +166,7 @@ class Airframe(PropertyTree):
             if self._cg is not None:
                 stage = self._file.staged(self._cg)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
-            self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
+            self._load()
         # in this order: a model brings its planet, and a planet resets the integrators
         if self._planet is not None:
             self._do("put aircraft {!r} on this planet", self._load_planet)
@@ -198,6 +198,9 @@ class Airframe(PropertyTree):
             fdm.enable_output()
         else:
             fdm.disable_output()
+
+    def _load(self) -> None:
+        self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
 
     def _load_planet(self) -> bool:
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
