@@ -13,7 +13,6 @@ import pytest
 from how_many import first
 from plain_jsbsim import trimmed
 
-from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.catalogue import (
     diagram_folder,
     diagram_groups,
@@ -156,13 +155,6 @@ def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys):
     assert {row["requested_altitude_ft"] for row in rows} == {"3000.0"}
     # alpha at 3000 ft and 80 KCAS as published, at a different heading
     assert float(rows[1]["alpha_deg"]) == pytest.approx(2.534215, abs=5e-3)
-
-
-def test_run_takes_the_path_of_a_script(tmp_path, capsys):
-    script = tmp_path / "mine.py"
-    script.write_text("print('flown')\n")
-    assert main(["run", str(script)]) == 0
-    assert capsys.readouterr().out == "flown\n"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")
@@ -380,25 +372,6 @@ def test_a_full_disk_is_named_and_the_other_file_is_written(full, tmp_path, caps
     assert (tmp_path / other).stat().st_size > 50
 
 
-def test_figures_and_signals_that_do_not_fit_leave_the_files_before(tmp_path, capsys):
-    resource = pytest.importorskip("resource")
-    (tmp_path / "mine.py").write_text(SCRIPT)
-    (tmp_path / "helper.py").write_text("TEXT = ''\n")
-    files = tmp_path / "a.png", tmp_path / "a.csv"
-    for file in files:
-        file.write_text("before")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (40, hard))
-    try:
-        options = ["--save", str(files[0]), "--csv", str(files[1])]
-        assert main(["run", str(tmp_path / "mine.py"), *options]) == 1
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    assert "File too large" in capsys.readouterr().err
-    assert [file.read_text() for file in files] == ["before", "before"]
-    assert not list(tmp_path.glob(".*"))
-
-
 @full_disk
 def test_output_that_does_not_fit_on_the_disk():
     with open("/dev/full", "w") as full:
@@ -607,11 +580,6 @@ def test_aircraft_lists_all_bundled_models(capsys):
     assert len(lines) == 60
     assert any(line.startswith("737 ") and "2 engines" in line for line in lines)
     assert any(line.startswith("blank ") and "cannot load" in line for line in lines)
-
-
-def test_find_diagram_names_the_nearest():
-    with pytest.raises(ParameterError, match="van_der_pol"):
-        find_diagram("vanderpol")
 
 
 def test_modes_are_printed_with_their_levels(tmp_path, capsys):

@@ -15,6 +15,7 @@ from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import editor, main
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script, pvm
+from pathsim_jsbsim_blocks.pathview.expressions import is_data
 from pathsim_jsbsim_blocks.pathview.reader import read_diagram
 from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
 
@@ -987,3 +988,18 @@ def test_the_models_process_does_not_import_the_program_that_exports(tmp_path):
     )
     done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "once\n"), done.stderr
+
+
+class Pair(tuple):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("value", "data"),
+    [
+        *((x, True) for x in (1, 2.5, "x", None, [1, (2.0, {"x"})], {"a": [1]}, np.zeros(2))),
+        *((x, False) for x in (len, [len], {"a": len}, Pair((1, 2)), np.array([len]))),
+    ],
+)
+def test_what_is_data_all_the_way_down(value, data):
+    assert is_data(value) == data
