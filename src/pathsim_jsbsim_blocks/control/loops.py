@@ -431,9 +431,9 @@ class YawLoop:
         state: YawState,
         r: float,
         off: bool,
-        beta: float = 0.0,
-        p: float = 0.0,
-        phi: float = 0.0,
+        beta: float,
+        p: float,
+        phi: float,
     ) -> tuple[float, YawState]:
         """Rudder increment and next state, from rates in deg/s and angles in deg."""
         engaged, slow, u, integral = state
