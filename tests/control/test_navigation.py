@@ -317,7 +317,6 @@ def test_a_hold_that_is_off_lets_go_of_the_glide_slope():
         (CourseHold, {"lookahead": 0.0}, "lookahead"),
         (CourseHold, {"intercept": 91.0}, "intercept"),
         (CourseHold, {"intercept": 0.0}, "intercept"),
-        (CourseHold, {"lookahead": 0.0}, "lookahead"),
         (CourseHold, {"bank_max": 90.0}, "bank_max"),
         (CourseHold, {"waypoints": [(47.0, 11.0)], "fly_over": [2]}, "fly_over"),
         (CourseHold, {"waypoints": [(47.0, 11.0)], "fly_over": 1}, "fly_over"),
