@@ -212,7 +212,7 @@ src = Source(lambda t, nan=float("nan"): np.copysign(t, low) if t < high else na
 ## numpy: bool and integer gains -> equal +AMP
 amps = {name: Amplifier(k) for name, k in (("a", True), ("b", np.int8(3)))}
 amp = amps["b"]
-## pathsim: subclass of Simulation -> refused
+## pathsim: subclass of Simulation -> equal
 class Mine(Simulation):
     pass
 src, scope = Source(np.sin), Scope()

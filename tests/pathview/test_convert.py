@@ -621,7 +621,7 @@ BAD = {
             ],
             connections=[],
         ),
-        "blocks 'b' and 'S' have the same id 'S'",
+        "blocks 'S' and 'b' have the same id 'S'",
     ),
     "an interface outside": (
         changed(

@@ -538,8 +538,6 @@ REFUSED = {
         8,
         "'a' is in the diagram twice",
     ),
-    "iterations": (script(BLOCK).replace("log=False", "iterations_max=9"), 9, "iterations_max"),
-    "solver parameter": (script(BLOCK).replace("log=False", "Solver=ESDIRK43, xyz=1"), None, "xyz"),
     "not adaptive": (
         script(BLOCK, after="sim.run(3, adaptive=False)").replace("log=False", "Solver=RKCK54"),
         10,
@@ -735,6 +733,10 @@ def test_an_array_that_an_event_changes_later_stays_the_parameter(written):
         )
     )
     assert node(model, "amp")["params"] == {"gain": "gain"}
+
+
+def test_what_pathview_lacks_is_no_obstacle_where_the_flight_does_not_need_it(export):
+    assert export(script(BLOCK, after="sim.run(0.05)").replace("log=False", "iterations_max=9"))
 
 
 def test_a_parameter_changed_before_the_flight_needs_it_is_seen(written):

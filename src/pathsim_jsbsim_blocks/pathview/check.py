@@ -14,7 +14,7 @@ import pathsim.solvers
 from .._core.checks import did_you_mean, nearest
 from ..errors import DiagramError
 from ..scripts.names import bound, used
-from .shape import Json, with_parts
+from .shape import Json, graphs, with_parts
 from .toolboxes import unknown_block
 
 BUSES = {"BusCreator", "BusSelector"}
@@ -70,7 +70,7 @@ class Check:
         if solver and not isinstance(getattr(pathsim.solvers, solver, None), type):
             known = [n for n, v in vars(pathsim.solvers).items() if isinstance(v, type)]
             self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, known)))
-        self._ids(self.content["graph"])
+        self._ids()
         self._graph(self.content["graph"], None)
         for event in self.content["events"]:
             self._event(event)
@@ -78,21 +78,14 @@ class Check:
     def _refuse(self, reason: str) -> NoReturn:
         raise DiagramError(reason, path=self.path)
 
-    def _ids(self, graph: Json) -> dict[str, str]:
-        """Names of all blocks of a graph and below it, by id.
-
-        PathView's converter looks the ends of a wire up in one table of them all.
-        """
+    def _ids(self) -> None:
+        """PathView's converter looks the ends of a wire up in one table of all levels."""
         known: dict[str, str] = {}
-        for node in graph["nodes"]:
-            if node.get("graph"):
-                known.update(self._ids(node["graph"]))
-        for node in graph["nodes"]:
+        for node in (n for graph in graphs(self.content) for n in graph["nodes"]):
             if node["id"] in known:
                 what = f"blocks {known[node['id']]!r} and {node['name']!r} have the same id"
                 self._refuse(f"{what} {node['id']!r}: a wire to it could mean either")
             known[node["id"]] = node["name"]
-        return known
 
     def _graph(self, graph: Json, parent: Json | None) -> None:
         if parent is None and graph["events"]:
@@ -172,7 +165,7 @@ class Check:
                 # first, for its depth limit, which the next call lacks in Python 3.10
                 compile(source, what, mode, dont_inherit=True)
                 tree = ast.parse(source, mode=mode)
-            self._note_names(tree)
+            self.used.update(used(tree))
         except (SyntaxError, ValueError) as error:
             kind = "expression" if mode == "eval" else "code"
             self._refuse(
@@ -180,10 +173,8 @@ class Check:
             )
         except (RecursionError, MemoryError):
             self._refuse(f"{what} is nested too deep for Python: {str(value)[:60]!r}...")
-        return tree
-
-    def _note_names(self, tree: ast.AST) -> None:
-        self.used.update(used(tree))
+        functions = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
         for node in ast.walk(tree):
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            if isinstance(node, functions):
                 self.called_later.update(used(node))
+        return tree

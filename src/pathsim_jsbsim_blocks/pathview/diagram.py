@@ -85,6 +85,7 @@ class Diagram:
     graph: Graph
     context: str  # the model's code
     settings: dict[str, str]
+    duration: float  # of the run, s
     toolboxes: list[Toolbox]
     log: bool = True  # whether the simulation logs
     seeded: bool = False  # whether the code seeds NumPy's global generator

@@ -7,7 +7,6 @@ import warnings
 from pathlib import Path
 from typing import NoReturn
 
-from pathsim import Simulation
 from pathsim.blocks import Block
 
 from .._core.checks import as_path, number
@@ -17,7 +16,6 @@ from .diagram import Diagram
 from .proof import Proof, Rehearsal
 from .reader import read_diagram
 from .rehearsal import Difference, Job, seed_unseeded
-from .settings import setting_values
 from .shape import Json
 
 _CHECKED = 60.0  # s of processing
@@ -111,11 +109,10 @@ def _proven(
     script: FirstRun, rehearsal: Rehearsal, existing: Json | None, check: float
 ) -> tuple[Json, Proof]:
     """The model of a script, whose first run begins, which flies as it does."""
-    _refuse_own_simulation(script)
     diagram = read_diagram(script)
     content = pvm.model(diagram, existing)
     run = {
-        "duration": float(setting_values(script)["duration"]),
+        "duration": diagram.duration,
         "reset": bool(script.begun and script.begun.arguments.get("reset")),
         "adaptive": True,
     }
@@ -139,14 +136,6 @@ def _proven(
     if isinstance(outcome, Difference):
         _refuse(outcome, script, diagram)
     return content, outcome
-
-
-def _refuse_own_simulation(script: FirstRun) -> None:
-    simulation = script.simulation
-    if type(simulation) is not Simulation:
-        what = f"the simulation is a {type(simulation).__name__}"
-        place = script.built_at(simulation)
-        script.refuse(f"{what}; PathView has PathSim's Simulation only", place)
 
 
 def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:

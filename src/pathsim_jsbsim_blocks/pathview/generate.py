@@ -15,7 +15,7 @@ from .check import BUSES, NUMBERS, Check, compiling, complete
 from .clashes import without_clashes
 from .diagram import NOTE
 from .shape import Json, with_parts
-from .variables import plain, prefix_inside, printable
+from .variables import printable
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
@@ -37,38 +37,29 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
         raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
     except (RecursionError, MemoryError) as error:
         raise DiagramError("too deep or too large for a script", path=path) from error
-    return _with_names_of_ports(_finished(code, content, path), content, registry)
+    return _with_names_of_ports(_finished(code, content, path), registry)
 
 
-def _with_names_of_ports(code: str, content: Json, registry: Json) -> str:
+def _with_names_of_ports(code: str, registry: Json) -> str:
     """PathView's script with the names of ports that a block's class gives, if it has several."""
-    labels: dict[tuple[str, bool], dict[str, str]] = {}  # by variable, and whether of inputs
+    made = {
+        ast.unparse(n.targets[0]): ast.unparse(n.value.func)
+        for n in ast.parse(code).body
+        if isinstance(n, ast.Assign) and isinstance(n.value, ast.Call)
+    }
 
-    def add(graph: Json, prefix: str) -> None:
-        for node in graph["nodes"]:
-            if "graph" in node:
-                add(node["graph"], prefix_inside(node["name"], prefix))
-            entry = registry["blocks"].get(node["type"])
-            kind = entry and getattr(
-                sys.modules.get(entry["importPath"]), entry["blockClass"], None
-            )
-            for inputs in (False, True):
-                known = getattr(kind, f"{'input' if inputs else 'output'}_port_labels", None)
-                if known and len(known) > 1:
-                    numbers = {str(i): name for name, i in known.items()}
-                    labels[prefix + plain(node["name"]), inputs] = numbers
+    def named(wires: re.Match[str]) -> str:
+        texts: list[str] = []
+        for variable, port in re.findall(r"(\w+)\[(\d+)\]", wires[2]):
+            entry = registry["blocks"].get(made.get(variable, ""))
+            module = sys.modules.get(entry["importPath"]) if entry else None
+            kind = getattr(module, made.get(variable, ""), None)
+            known = getattr(kind, f"{'input' if texts else 'output'}_port_labels", None) or {}
+            names = [n for n, i in known.items() if len(known) > 1 and i == int(port)]
+            texts.append(f"{variable}[{json.dumps(names[-1]) if names else port}]")
+        return f"{wires[1]}{', '.join(texts)}),"
 
-    add(content["graph"], "")
-    lines = code.split("\n")
-    for i, line in enumerate(lines):
-        if re.fullmatch(r"\s+Connection\((\w+\[\d+\](, )?)+\),", line):
-            ends = re.findall(r"(\w+)\[(\d+)\]", line)
-            texts = []
-            for k, (variable, port) in enumerate(ends):
-                name = labels.get((variable, k > 0), {}).get(port)
-                texts.append(f"{variable}[{port if name is None else json.dumps(name)}]")
-            lines[i] = line[: line.index("(") + 1] + ", ".join(texts) + "),"
-    return "\n".join(lines)
+    return re.sub(r"(?m)^(\s+Connection\()((?:\w+\[\d+\](?:, )?)+)\),$", named, code)
 
 
 def _finished(code: str, content: Json, path: Path) -> str:

@@ -21,7 +21,7 @@ from ..scripts.first_run import FirstRun, named_arguments
 from .code import TAKEN, Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same
-from .settings import setting_expressions, setting_values
+from .settings import live_settings
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .variables import plain, prefix_inside, unique
 
@@ -54,9 +54,8 @@ class _Reader:
             part.target.params[name] = self._expression(part, name, value)
         for part in self.parts.values():
             part.target.params = {n: part.target.params[n] for n in part.arguments}
-        values = setting_values(self.script)
-        for name, node in setting_expressions(self.script).items():
-            values[name] = self._setting(node, values[name])
+        live = live_settings(self.script)
+        settings = {name: self._setting(*found) for name, found in live.items()}
         variables = self._name_parts()
         for part in self.parts.values():
             params = part.target.params.items()
@@ -68,7 +67,8 @@ class _Reader:
             graph=graph,
             context=context,
             seeded=seeded,
-            settings=values,
+            settings={"solver": sim.Solver.__name__, **settings},
+            duration=float(live["duration"][0]),
             toolboxes=self._toolboxes(),
             log=bool(sim.log),
             unseeded=[
@@ -103,10 +103,6 @@ class _Reader:
         return Graph(nodes, wires, [self._event(e, parent) for e in events])
 
     def _wires(self, connection: Connection, index: dict[int, int]) -> Iterator[Wire]:
-        kind = type(connection)
-        if kind is not Connection:
-            reason = f"a connection is a {kind.__name__}; PathView has PathSim's Connection only"
-            self._refuse(connection.source.block, reason)
         for source, out, target, into in ends(connection):
             for block in (source, target):
                 if id(block) not in index:
@@ -232,11 +228,9 @@ class _Reader:
             return None
         return named_arguments(made.node, list(_parameters(part.kind))).get(name)
 
-    def _setting(self, node: ast.expr, value: str) -> str:
-        for live in (float(value or "nan"), int(float(value)) if value else 0):
-            if kept := self.code.kept(node, live):
-                return kept
-        return value
+    def _setting(self, value: Any, node: ast.expr | None) -> str:
+        kept = node is not None and self.code.kept(node, value)
+        return kept or ("" if value is None else repr(float(value)))
 
     # names --------------------------------------------------------------------------------------
 
@@ -282,12 +276,7 @@ class _Reader:
         return shown if plain(shown) else part.kind.__name__
 
     def _original_name(self, part: Part) -> str:
-        """A name for a part that no variable of the module holds: its key or its original name."""
-        for value in self.script.namespace.values():
-            if isinstance(value, dict):
-                for key, item in value.items():
-                    if item is part.value and isinstance(key, str):
-                        return key
+        """A name for a part that no variable of the module holds: where it was built."""
         target = self.script.target(part.value)
         held = self.script.namespace.get(target)
         return "" if isinstance(held, (list, tuple, dict)) else target

@@ -76,13 +76,6 @@ def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
     return frozenset(names - elsewhere)
 
 
-def root(node: ast.AST) -> str | None:
-    """``x`` of ``x``, ``x.y[0]`` and the like; None of anything else."""
-    while isinstance(node, (ast.Attribute, ast.Subscript, ast.Starred)):
-        node = node.value
-    return node.id if isinstance(node, ast.Name) else None
-
-
 def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> list[ast.arg]:
     """All arguments of a function's definition, those with a position first."""
     a = function.args
