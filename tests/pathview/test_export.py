@@ -167,6 +167,7 @@ def test_settings_are_as_written_and_pathsims_defaults_otherwise(written):
     ("run", "duration"),
     [
         ("sim.run(20)", "20"),
+        ("from pathsim_jsbsim_blocks import fly\nfly(sim, 20)", "20"),
         ("sim.run(duration=2 * T)\nsim.plot()", "2 * T"),
         ("sim.run()", "10.0"),
         ("if __name__ == '__main__':\n    tf = 7\n    sim.run(tf)", "tf"),

@@ -229,8 +229,13 @@ class _Reader:
         return named_arguments(made.node, list(_parameters(part.kind))).get(name)
 
     def _setting(self, value: Any, node: ast.expr | None) -> str:
-        kept = node is not None and self.code.kept(node, value)
-        return kept or ("" if value is None else repr(float(value)))
+        if value is None:
+            return ""
+        whole = isinstance(value, float) and value.is_integer()  # `fly` makes 60.0 of 60
+        for live in (value, int(value)) if whole else (value,):
+            if node is not None and (kept := self.code.kept(node, live)):
+                return kept
+        return repr(float(value))
 
     # names --------------------------------------------------------------------------------------
 
