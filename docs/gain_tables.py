@@ -537,6 +537,11 @@ LIGHT = {
     "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 25.0,
 }
 SLOW_T = 1 / 60
+# of the airspeed of level flight, where gear and flaps come down; deg or of the throttle, by which
+# they change it
+FASTEST_DOWN, MOVED = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.45), 0.01
+# deg, where the flaps bring the stall below the angle of attack that the table allows
+ALPHA_DOWN = {"F80C": 12.0, "T38": 12.0, "fokker100": 10.0}
 
 SLOW_HEADER = """\
 | aircraft | lowest level KCAS by trim | asked for | lowest height of three, ft | lowest KCAS \
@@ -554,6 +559,28 @@ def lowest_level(name, condition, create):
         except BlocksError:
             return speed
         speed *= FINE
+
+
+def lowered(name, condition, create):
+    """The condition with gear and flaps down, at an airspeed where it trims; None without any."""
+
+    def trimmed(there):
+        return trim(Airframe(name, create=create), there, hint=False)
+
+    for share in FASTEST_DOWN:
+        down = replace(condition, gear=1.0, flaps=1.0, speed=share * condition.speed)
+        try:
+            there = trimmed(down)
+        except TrimError:
+            continue
+        try:
+            clean = trimmed(replace(condition, speed=down.speed))
+        except TrimError:
+            return down
+        # alpha or thrust: a model may have the commands and neither gear nor flaps
+        moved = abs(there.alpha - clean.alpha), abs(max(there.throttle) - max(clean.throttle))
+        return down if max(moved) > MOVED else None
+    return None
 
 
 def begun(name, condition, lowest, flight, seed):
@@ -594,15 +621,15 @@ def flown_by(autopilot, plane, samples, asked):
         yield command, seen
 
 
-def slow_flight(name, plane, vc_ref):
+def slow_flight(name, plane, vc_ref, alpha_max):
     """Height, airspeed and angle of attack beyond its limit, at each sample."""
-    autopilot = Autopilot(str(table_of(name)), vc_ref=vc_ref, T=SLOW_T)
+    autopilot = Autopilot(str(table_of(name)), vc_ref=vc_ref, T=SLOW_T, alpha_max=alpha_max)
     limits, limit, rows = read_gains(table_of(name)), 0.0, []
 
     def noted(k, seen):
         nonlocal limit
         if k % 60 == 0:
-            limit = limits.at(seen["h"], seen["vc"]).envelope.alpha_max
+            limit = alpha_max or limits.at(seen["h"], seen["vc"]).envelope.alpha_max
         rows.append((seen["h_agl"], seen["vc"], seen["alpha"] - limit))
         return {}
 
@@ -611,28 +638,39 @@ def slow_flight(name, plane, vc_ref):
     return np.array(rows).T
 
 
-def slow_row(name):
-    """One row of the table of flights near the ground that are asked to be too slow."""
+def slow_rows(name):
+    """Rows of the table of flights near the ground that are asked to be too slow."""
     flight = flight_of(name)
-    condition = replace(flight.condition, altitude=NEAR, solver="newton")
+    clean = replace(flight.condition, altitude=NEAR, solver="newton")
+    down = lowered(name, clean, flight.create)
+    rows = slow_row(name, name, clean, flight)
+    if down:
+        most = ALPHA_DOWN.get(name)
+        label = f"{name} with gear and flaps down" + (f"; alpha_max={most:g}" if most else "")
+        rows += slow_row(name, label, down, flight, most)
+    return rows
+
+
+def slow_row(name, label, condition, flight, alpha_max=None):
+    """The row of one configuration."""
     lowest = lowest_level(name, condition, flight.create)
     heights, speeds, alphas = [], [], []
     for seed in SEEDS:
         plane = begun(name, condition, lowest, flight, seed)
         try:
-            h, vc, alpha = slow_flight(name, plane, TOO_SLOW * lowest)
+            h, vc, alpha = slow_flight(name, plane, TOO_SLOW * lowest, alpha_max)
         except FlightError:
-            return f"| {name} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | ends | | |\n"
+            return f"| {label} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | ends | | |\n"
         heights.append(h.min())
         speeds.append(vc.min())
         alphas.append(np.convolve(alpha, np.full(120, 1 / 120), "valid").max())
     worst = f"{min(heights):.0f} | {min(speeds):.0f} | {max(alphas):+.1f}"
-    return f"| {name} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | {worst} |\n"
+    return f"| {label} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | {worst} |\n"
 
 
 def fly_slow(names):
     """Ask for an airspeed that is too low near the ground, in turbulence."""
-    rows = rows_of(slow_row, names)
+    rows = rows_of(slow_rows, names)
     if not names:
         write_table("autopilots-near-ground", SLOW_HEADER + rows)
 

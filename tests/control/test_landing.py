@@ -6,6 +6,7 @@ touchdown, 30 ft beside the centre line.
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -32,6 +33,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
 from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.control.gain_tables import document_of, table
 
 STATION = (47.0, 11.0)
 
@@ -353,8 +355,23 @@ def test_an_aircraft_that_has_stopped_stands():
 
 
 def test_gains_without_a_landing_say_so():
-    with pytest.warns(RuntimeWarning, match="no landings were flown with these gains of the A320"):
-        FlareHold("A320")
+    with pytest.warns(RuntimeWarning, match="no landings were flown with these gains of the A4"):
+        FlareHold("A4")
+
+
+def test_gains_with_which_an_aircraft_did_not_land_are_refused_with_the_reason(tmp_path):
+    with pytest.raises(ParameterError, match=r"not land the MD11 .* 0.3 of the elevator .*1.5 deg"):
+        FlareHold("MD11")
+    # a file of one's own tells it as a table does
+    copy = tmp_path / "mine.json"
+    document = document_of(table("MD11"))
+    copy.write_text(json.dumps(document))
+    with pytest.raises(ParameterError, match="MD11"):
+        FlareHold(str(copy))
+    del document["no_landing"]
+    copy.write_text(json.dumps(document))
+    with pytest.warns(RuntimeWarning, match="no landings were flown"):
+        FlareHold(str(copy))
 
 
 @pytest.mark.long

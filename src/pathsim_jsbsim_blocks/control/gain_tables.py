@@ -21,6 +21,7 @@ FORMAT = "pathsim-jsbsim-blocks gains 1"
 # designed, and three that were tuned by hand on the nonlinear aircraft in still air
 TABLES = Path(__file__).parent / "tables"
 _DIGITS = 6
+_LANDING = ("landing", "no_landing")
 
 
 def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
@@ -158,7 +159,7 @@ def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
             for point in document["points"]
         ),
         nominal=document["nominal"],
-        landing=str(document.get("landing", "")),
+        **{name: str(document.get(name, "")) for name in _LANDING},
     )
 
 
@@ -172,7 +173,7 @@ def document_of(schedule: GainSchedule) -> dict[str, Any]:
         "format": FORMAT,
         "aircraft": schedule.aircraft,
         "nominal": schedule.nominal,
-        "landing": schedule.landing,
+        **{name: getattr(schedule, name) for name in _LANDING},
         "points": [
             {
                 "altitude": point.altitude,

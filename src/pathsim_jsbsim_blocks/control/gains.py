@@ -288,6 +288,8 @@ class GainSchedule:
         index of the point whose gains a hold uses that does not know the airspeed
     landing : str
         landings flown with these gains; "" for none
+    no_landing : str
+        why `FlareHold` refuses these gains; "" where it does not
 
     Raises
     ------
@@ -299,6 +301,7 @@ class GainSchedule:
     points: tuple[DesignPoint, ...]
     nominal: int = 0
     landing: str = ""
+    no_landing: str = ""
 
     def __post_init__(self) -> None:
         points = self.points

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.checks import number, optional, positive
+from ..._core.checks import number, optional, positive, refuse
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
@@ -130,7 +130,8 @@ class FlareHold(Hold):
     than at its beginning, unless the angle of attack is at its limit. On the ground it is raised at
     the airspeed of the touchdown.
 
-    Gains with which no landings were flown warn once when the block is made.
+    Gains with which no landings were flown warn once when the block is made; those of an aircraft
+    that did not land are refused, with the reason.
 
     It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
     beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
@@ -255,6 +256,13 @@ class FlareHold(Hold):
         table, self._slowest = named(self.gains), 0.0  # KCAS
         if table:
             self._slowest = min(point.speed for point in table.points)
+        if table and table.no_landing:
+            refuse(
+                "gains",
+                self.gains,
+                f"FlareHold does not land the {table.aircraft} with these gains: "
+                f"{table.no_landing}",
+            )
         if table and not table.landing:
             self._warn_once(
                 "gains",
