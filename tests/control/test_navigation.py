@@ -441,6 +441,10 @@ def quarter(radius, **options):
     return CourseHold(waypoints=ends, arcs={1: (0.0, 0.0, "right")}, leg=1, **options)
 
 
+def test_a_short_lookahead_is_taken():
+    assert CourseHold(lookahead=0.5).lookahead == 0.5
+
+
 def test_radii_that_take_more_than_the_largest_bank_are_refused():
     # c172p: gains for 90 KCAS at 5000 ft, 97 kt true in ISA: 163.5 ft/s, and 25 deg
     least = 163.5**2 / (32.174 * math.tan(math.radians(25.0)))

@@ -89,6 +89,11 @@ def test_it_starts_where_the_reference_first_changes(ramp):
     assert found.step == pytest.approx(4.0, abs=0.05)
 
 
+def test_the_goal_is_the_last_reference():
+    t = ramp = np.arange(4.0)
+    assert response_quality(t, ramp, ramp).overshoot == 0.0
+
+
 def test_what_does_not_happen_is_nan():
     y = np.minimum(TIME / 50.0, 0.8)  # stays 20 % away
     found = response_quality(TIME, y, 1.0)

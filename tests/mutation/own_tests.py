@@ -117,6 +117,7 @@ OWN_TESTS = {
         "test_autopilot.py",
         "test_protection.py",
     ],
+    "control/controller": ["test_laws.py", "test_promises.py", "test_schedules.py"],
     "control/airspeeds": ["test_protection.py"],
     "control/protection": ["test_laws.py", "test_protection.py"],
     "control/response": ["test_response.py"],
