@@ -70,10 +70,11 @@ class Rehearsal:
     def build(self, job: Job) -> Difference | None:
         """Build the model; where it is not as its script's diagram is."""
         self._pipe, theirs = _processes().Pipe()
-        self._process = _processes().Process(target=rehearse, args=(theirs, job))
+        process = _processes().Process(target=rehearse, args=(theirs, job))
         # the process would import the main program
         with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
-            self._process.start()
+            process.start()
+        self._process = process
         theirs.close()
         return self._answer()
 
