@@ -50,6 +50,7 @@ FLIGHTS = {
     "near the ground": ["docs/gain_tables.py", "--slow"],
     "random cases": ["docs/monte_carlo.py"],
     "landings": ["docs/landings.py"],
+    "approaches in a crosswind": ["docs/landings.py", "crosswind"],
     "failed engines": ["docs/demands.py", "engines"],
 }
 STEPS = {**QUICK, **FLIGHTS}

@@ -291,9 +291,9 @@ def crosswind():
             print(name, number, ends[-1], flush=True)
         cells = [f"{ends.count(end)} of {APPROACHES}" for end in ("landed", "around")]
         cells.append(f"{min(speeds):.0f} to {max(speeds):.0f}")
-        for key in ("sink", "past", "across"):
+        for key, digits in (("sink", 1), ("past", 0), ("across", 0)):
             x = [abs(found[key]) for found in touches]
-            cells.append(f"{min(x):.1f} to {max(x):.1f}" if x else "")
+            cells.append(f"{min(x):.{digits}f} to {max(x):.{digits}f}" if x else "")
         lines.append(f"| {name} | {' | '.join(cells)} |")
     put(PAGE, "crosswind", "\n".join(lines))
 
