@@ -222,7 +222,7 @@ def test_the_command_writes_the_track_of_a_flight_that_ends_early(tmp_path, caps
     ("arguments", "text"),
     [
         (["step_response", "--track", "a.csv"], "the script flies no aircraft"),
-        (["hello_jsbsim", "--track", "a.kmz"], "did you mean '.kml'"),
+        (["hello_jsbsim", "--track", "a.kmz"], "did you mean 'a.kml'"),
         (["hello_jsbsim", "--flightgear", "127.0.0.1:"], "must be HOST:PORT"),
     ],
 )
