@@ -20,7 +20,7 @@ WORDS = "0123456789 " * 9 + "1"  # 100 characters
 
 def written(nodes, wires=(), events=(), docstring="", existing=None):
     graph = Graph(list(nodes), list(wires), list(events))
-    return model(Diagram(Path("diagram.py"), docstring, graph, "", {}, []), existing)
+    return model(Diagram(Path("diagram.py"), docstring, graph, "", {}, 1.0, []), existing)
 
 
 def positions(items):
