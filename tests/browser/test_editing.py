@@ -71,6 +71,7 @@ def test_a_bad_parameter_is_reported_and_the_run_goes_on_with_the_old_value(loop
     assert any("Kp must be a number, not 'steep'" in m for m in editor.messages())
 
 
+@pytest.mark.long
 def test_the_library_shows_our_blocks_by_category(editor, loop):
     editor.open("loop.pvm")
     editor.page.click("button[aria-label='Blocks']")

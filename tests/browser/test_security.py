@@ -153,6 +153,7 @@ NOTES = [
 ]
 
 
+@pytest.mark.long
 def test_a_model_opened_in_the_page_runs_nothing(editor, models, tmp_path):
     where = tmp_path / "ran"
     texts = [text.format(mark(where)) for text in TEXTS]
@@ -194,6 +195,7 @@ def test_another_page_cannot_make_the_editor_load_its_model(editor, elsewhere, m
     assert set(elsewhere.asked) <= {"/attack", "/favicon.ico"}
 
 
+@pytest.mark.long
 def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, tmp_path):
     where = tmp_path / "ran"
     editor.page.unroute_all()

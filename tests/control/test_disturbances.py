@@ -86,6 +86,7 @@ def test_a_plain_pid_stays_pinned_where_the_pitch_hold_has_recovered():
     assert np.max(np.abs(theta[t > 22.0] - trimmed)) > 1.0
 
 
+@pytest.mark.long
 def test_the_aircrafts_saturation_holds_the_autothrottle_back():
     # 60 kt up, more than the c172p can fly, for 60 s; then 10 kt down from where it began
     ports = {"vc_ref": lambda t: 60.0 if t < 60.0 - T / 2 else -10.0}

@@ -287,6 +287,7 @@ def test_a_landing_in_still_air(name):
     assert np.max(np.abs(across[touch:])) < 10.0
 
 
+@pytest.mark.long
 def test_a_downdraft_in_the_flare_is_countered():
     diagram = calm("c172p")
     plane = diagram.aircraft

@@ -164,6 +164,7 @@ def test_waypoints_in_wind(name):
         assert np.max(np.abs(here["phi"])) < 26.0
 
 
+@pytest.mark.long
 def test_a_leg_is_captured_from_the_side_at_the_intercept_angle():
     # 6000 ft left of a line to the east
     route = [(47.0, 11.0), (47.0, 11.5)]
@@ -392,6 +393,7 @@ def test_a_turn_allows_for_the_wind():
     assert overshoot("A320", wind, False, **start) > 1500.0
 
 
+@pytest.mark.long
 def test_a_waypoint_is_flown_over_on_request():
     route = [(0.02, 0.0), (0.02, 0.06)]
     hold = CourseHold("c172p", waypoints=route, fly_over=[1])

@@ -139,6 +139,7 @@ def test_designed_gains_are_replaced_by_their_names(found):
         replace(found.designs[0], speeds=slow)
 
 
+@pytest.mark.long
 def test_a_schedule_is_saved_where_a_hold_reads_it(found, tmp_path):
     with pytest.raises(ParameterError, match=r"must end in \.json.*did you mean"):
         found.save(tmp_path / "gains.txt")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from how_many import first
 from pathsim import Connection
 from pathsim.blocks import Scope
 from pymap3d import geodetic2ned
@@ -189,6 +190,7 @@ def mission():
     return diagram, saturation.read()[1]
 
 
+@pytest.mark.long
 def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
     diagram, saturation = mission
     time, h = signal(diagram.flight, "altitude")
@@ -206,12 +208,13 @@ def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
     assert np.mean(saturation[3] != 0.0) == pytest.approx(0.04, abs=0.005)
 
 
-@pytest.mark.parametrize("name", PANELS)
-def test_figures(flown, mission, name):
+@pytest.mark.parametrize("name", first([*PANELS], 5))
+def test_figures(flown, request, name):
     import matplotlib.pyplot as plt
 
     plt.switch_backend("agg")
-    diagram = mission[0] if name == "autopilot_mission" else flown(name)
+    mission = name == "autopilot_mission"
+    diagram = request.getfixturevalue("mission")[0] if mission else flown(name)
     figure = diagram.figure()
     assert len(figure.axes) == PANELS[name]
     for axes in figure.axes:

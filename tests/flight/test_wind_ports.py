@@ -138,6 +138,7 @@ def on_autopilot(plane, wind=None):
     return plane
 
 
+@pytest.mark.long
 def test_a_wind_blown_in_on_autopilot_ends_at_the_trim_with_that_wind():
     north, east = 25.0, -15.0
     # burnt fuel would change the trim
