@@ -630,7 +630,7 @@ def test_a_run_in_another_thread_is_not_taken_over(written):
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the pool is of forks")
 def test_a_run_in_another_process_is_refused(written):
     run = "from multiprocessing import get_context\nwith get_context('fork').Pool(1) as pool:\n"
-    with pytest.raises(DiagramError, match="in a process of its own"):
+    with pytest.raises(DiagramError, match="in a separate process"):
         written(
             script(
                 "a = Amplifier(2.0)",

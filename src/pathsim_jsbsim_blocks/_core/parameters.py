@@ -63,7 +63,7 @@ class Parametric(Block):
     is refused, the block stays as it was.
     """
 
-    # class variables, without annotations: they are no fields
+    # class variables, without annotations: they are not fields
     _built = False
     checked = SimpleNamespace()
 

@@ -62,7 +62,7 @@ def fly(
     Raises
     ------
     ParameterError
-        if the duration or the step is not positive and finite, or ``sim`` is no simulation
+        if the duration or the step is not positive and finite, or ``sim`` is not a simulation
     """
     if not isinstance(sim, Simulation):
         must_be("sim", sim, "a Simulation")

@@ -57,7 +57,7 @@ class Seeding:
             yield
 
     def seed_blocks(self, sim: Simulation, given: Collection[Any] = ()) -> None:
-        """Give each block but those of ``given`` a seed of its own, in the diagram's order."""
+        """Give each block but those of ``given`` its own seed, in the diagram's order."""
         self._look()
         self._blocks += seed_blocks(random_blocks(sim), self.seed, given)
         self._before = self._state()
@@ -97,7 +97,7 @@ def draws_from_shared(block: Any) -> bool:
 
 
 def seed_blocks(blocks: Sequence[Block], seed: int, given: Collection[Any] = ()) -> list[Block]:
-    """Give each block but those of ``given`` a seed of its own; returns those that have got one."""
+    """Give each block but those of ``given`` its own seed; returns those that have got one."""
     seeded = []
     children = np.random.SeedSequence(seed).spawn(len(blocks))
     for block, child in zip(blocks, children, strict=True):

@@ -194,7 +194,7 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
 
 
 def _quantities(case: float) -> dict[str, _Quantity]:
-    """What is compared: in the F-16's cases no rates and velocities, with limits of its own."""
+    """What is compared: in the F-16's cases no rates and velocities, with other limits."""
     if case not in _F16:
         return _QUANTITIES
     altitude, attitude = _F16[case]

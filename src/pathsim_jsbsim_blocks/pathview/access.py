@@ -17,7 +17,7 @@ _SAFE = ("GET", "HEAD")
 class Access:
     """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
-    Their values differ, so that the address, which other programs may see or log, is no cookie.
+    Their values differ, so that the address, which other programs may see or log, is not a cookie.
     ``served`` tells whether the page may open what a path names.
     """
 

@@ -31,7 +31,7 @@ def export_script(
     The model is the diagram at the start of that run. Blocks, wires, events and solver settings are
     read from the simulation. Parameters are taken from the source as written where that gives the
     diagram's values, and are its values elsewhere. The model is then built from its text in a
-    process of its own and flown beside the script: every output of every block at every step must
+    separate process and flown beside the script: every output of every block at every step must
     be the same, bit for bit. In the flight, random numbers without a seed are the same on both
     sides; a number that the script has drawn before is written as drawn. A warning names what
     comes after the first run.

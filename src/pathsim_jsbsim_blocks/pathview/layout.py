@@ -42,7 +42,7 @@ class Box(NamedTuple):
 
 
 def labelled(node: Node, ports: list[str]) -> bool:
-    """Whether to show the names of ports: they are no numbers, and no names of a recorder."""
+    """Whether to show the names of ports: they are not numbers, nor of a recorder."""
     return node.type not in RECORDERS and any(
         not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p) for p in ports
     )
@@ -206,7 +206,7 @@ def _feedback(
     chains: list[list[int]] = []
     todo = [i for i, source in fed.items() if (source, i) in cut]
     for i in todo:
-        # a second branch is a chain of its own
+        # a second branch is a separate chain
         chain = next((c for c in chains if c[-1] == fed[i]), None)
         if chain:
             chain.append(i)

@@ -17,7 +17,7 @@ _ADDRESS = re.compile(r"(https?://|mailto:)[^\s\"']*", re.IGNORECASE)
 
 
 def refuse_markup(content: Json, path: Path) -> None:
-    """Refuse a name that holds HTML beside a formula, and a note's link that is no web address."""
+    """Refuse a name with HTML beside a formula, and a note with a link that is not to the web."""
     named, addresses = [*(content.get("events") or [])], []
     for graph in graphs(content):
         named += [*(graph.get("nodes") or []), *(graph.get("events") or [])]

@@ -1,4 +1,4 @@
-"""Prove a model by flight: fly it beside its script, in a process of its own."""
+"""Prove a model by flight: fly it beside its script, in a separate process."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def _no_model(content: Any) -> str:
-    """Why a file's content is no model of a version that this package reads; else empty."""
+    """Why a file's content is not a model of a version that this package reads; else empty."""
     if not isinstance(content, dict):
         return "not a PathView model: no JSON object"
     if content.get("type") in ("block", "subsystem"):

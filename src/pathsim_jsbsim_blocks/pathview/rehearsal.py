@@ -1,4 +1,4 @@
-"""Build a model from its text, in a process of its own, and fly it beside its script.
+"""Build a model from its text, in a separate process, and fly it beside its script.
 
 `rehearse` is the program of that process; `proof` is the other side.
 """

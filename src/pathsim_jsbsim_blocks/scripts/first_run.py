@@ -99,7 +99,7 @@ class FirstRun(Script):
         if self._capturing:  # `capture` makes the first run itself
             return
         if os.getpid() != self._process:
-            self.refuse("the script runs its simulation in a process of its own")
+            self.refuse("the script runs its simulation in a separate process")
         lines = self._own_lines(traceback.walk_stack(None))[::-1]
         if run.method in _STATES:
             self.states.append((run.method, lines[-1] if lines else None))

@@ -74,7 +74,7 @@ class Script:
         return name in self._settings.assigned
 
     def load(self) -> types.ModuleType:
-        """Import the script as a module of its own; errors are those of `run`."""
+        """Import the script as a separate module; errors are those of `run`."""
         with _LOADING, main_program(self.path, self.path.stem) as module:
             self.run(module)
         return module

@@ -50,7 +50,7 @@ def run_batch(
         a diagram of the catalogue by its name, or the path of a script: each case names blocks and
         constants of it, ``{"hold.theta_ref": [2, 3, 4]}``, as ``load_diagram`` takes them. The
         script is imported, its ``sim`` flown and ``measure`` called. Every block with random
-        numbers, such as turbulence, sensors and PathSim's noise sources, gets a seed of its own
+        numbers, such as turbulence, sensors and PathSim's noise sources, gets its own seed
         from that of the case; a seed written in the script has no effect.
         Or a function, called as ``build(**case)``: builds the diagram, runs it, and returns what it
         measured as a dict of numbers or texts. A parameter ``seed`` receives the case's seed; the

@@ -77,7 +77,7 @@ def _rows(handbook: Any) -> pd.DataFrame:
         except OSError as error:
             raise FileError("read", path, error) from None
         except ValueError as error:
-            refuse("handbook", str(path), f"{str(path)!r} is no CSV file: {error}")
+            refuse("handbook", str(path), f"{str(path)!r} is not a CSV file: {error}")
     for name in _GIVEN:
         if name not in handbook.columns:
             refuse("handbook", [*handbook.columns], f"the handbook has no column {name!r}")

@@ -152,7 +152,7 @@ class Dryden:
         \\Phi_p(\\omega) = \\frac{\\sigma_w^2}{V L_w}
         \\frac{0.8 (\\pi L_w / 4 b)^{1/3}}{1 + (4 b \\omega / \\pi V)^2}
 
-    with a noise of its own for p. Each step uses the transition matrix of the filters and the
+    with a separate noise for p. Each step uses the transition matrix of the filters and the
     covariance of what the noise adds within it, and the first state is drawn from the stationary
     distribution: at any T the samples have the statistics of the continuous process. The class
     itself is stateless, as ``PID`` is. States and noise may be arrays, for many flights at once.
