@@ -124,8 +124,9 @@ def test_a_worker_killed_from_outside_costs_nothing(tmp_path):
 
 
 KILLED_AGAIN_AND_AGAIN = """
-import os, random, signal, sys, time
+import os, random, signal, sys, threading, time
 import pandas as pd
+from tqdm import tqdm
 from pathsim_jsbsim_blocks.studies import trim_sweep
 
 GRID = {"altitude": 15000, "speed": range(160, 460, 75), "gamma": range(-6, 6, 3)}
@@ -136,6 +137,8 @@ def sweep(path=None):
 def lines(path):
     return open(path).read().count("\\n") if os.path.exists(path) else 0
 
+# tqdm's default lock is a system semaphore: a child that is killed with it blocks its parent
+tqdm.set_lock(threading.RLock())
 whole = sweep()
 random.seed(1)
 midway = 0
