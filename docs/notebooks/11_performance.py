@@ -15,7 +15,7 @@
 from pathsim_jsbsim_blocks import studies
 
 table = studies.performance_table(
-    "c172p", altitudes=[0, 10000], flaps=[0, 1], jobs=1, progress=False
+    "c172p", altitudes=[0, 10000], flaps=[0, 1], progress=False
 )
 studies.performance_chart(table)
 
@@ -55,7 +55,7 @@ handbook = pd.DataFrame(
     ],
 ).assign(source="section 1, specifications")
 compared, at_2400 = studies.against_handbook(
-    "c172p", handbook, jobs=1, progress=False
+    "c172p", handbook, progress=False
 )
 compared[
     ["quantity", "flaps_norm", "value", "model", "difference_percent"]
