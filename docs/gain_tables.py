@@ -252,8 +252,9 @@ TUNED_AT = {
 }
 
 # older tables that are made again only by name: with little throttle left the new ones fly worse,
-# and the landings of the c172p were flown with its own
-KEPT = ("J3Cub", "c172p", "c172r", "c310", "dr1", "pa28")
+# the landings of the c172p were flown with its own, and JSBSim's search trims the Short_S23 at the
+# altitudes of its own only
+KEPT = ("J3Cub", "Short_S23", "c172p", "c172r", "dr1", "pa28")
 
 # a step of the airspeed is one down where level flight at its end would need more throttle than
 # this, and more than before

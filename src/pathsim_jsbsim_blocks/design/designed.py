@@ -350,42 +350,36 @@ def _speed_and_altitude(
 ) -> Held:
     """Gains of throttle and rate of climb: those that finish the steps, if any do.
 
-    Where they do not, the throttle's stops in turbulence count for less, and then more throttle is
-    fed forward too.
+    Where they do not, the throttle's stops in turbulence count for less.
     """
     room = (-trim.throttle[0], 1.0 - trim.throttle[0])
     climb_max = max(limits.climb_max, req.NO_CLIMB)
-    feed, per_knot = design_feed(plant, room, req.RISE)
+    rise = min(max(req.RISE_OF_EXCESS * climb_max, req.LEAST_RISE), req.RISE)
+    feed, per_knot = design_feed(plant, room, rise)
     step = STEP_REQUIREMENTS["speed"].size
     if per_knot * step >= req.THROTTLE_USE * room[1]:
         step = -step
     hdot_max = min(req.CLIMB, req.CLIMB_OF_SPEED * vt, req.CLIMB_OF_EXCESS * climb_max)
     band = req.BAND if trim.speed > limits.vc_min + req.NEAR_THE_LOWEST else req.GUST
 
-    def shaped(level: Plant, stops: float, feed: float) -> Held:
+    def shaped(level: Plant, stops: float) -> Held:
         throttle = design_speed(level, room, feed, step, stops, band, near)
         held = with_speed(plant, throttle[0])
         return *throttle, *design_altitude(held, ramp, hdot_max, room, stops, near)
 
-    def hold(stops: float, feed: float) -> Held:
+    def hold(stops: float) -> Held:
         # the airspeed with the attitude held, the altitude, and both with the other held
-        first = shaped(plant, stops, feed)
-        held = shaped(with_altitude(plant, first[2]), stops, feed)
+        first = shaped(plant, stops)
+        held = shaped(with_altitude(plant, first[2]), stops)
         for by, report in (("throttle", held[1]), ("pitch angle", held[3])):
             if not math.isfinite(report.settling):
                 raise Unstable(report.loop, f"no gains of the {by} settle a step in {report.loop}")
         return held
 
-    held = hold(1.0, feed)
+    held = hold(1.0)
     if _excess(held) > 1.0:
         with contextlib.suppress(Unstable):
-            held = max(held, hold(RELAXED_STOP_WEIGHT, feed), key=_finished)
-    rise = req.RISE_OF_EXCESS * climb_max
-    if _excess(held) > 1.0 and req.LEAST_RISE <= rise < req.RISE:
-        with contextlib.suppress(Unstable):
-            more = hold(RELAXED_STOP_WEIGHT, design_feed(plant, room, rise)[0])
-            if not (more[1].relaxed or more[3].relaxed):
-                held = min(held, more, key=_excess)
+            held = max(held, hold(RELAXED_STOP_WEIGHT), key=_finished)
     speed, quick, altitude, climbing = held
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing

@@ -293,10 +293,6 @@ _SPEED_TIMES = np.geomspace(6.0, 75.0, 7)
 _SPEED_RAMPS = np.geomspace(0.3, 1.0, 4)
 _SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
 
-# shares of the throttle that a rate of climb takes to be fed forward
-_SPEED_RISES = np.linspace(0.0, 1.0, 3)
-_UNFED = 20.0  # s of settling, for none of it
-
 # weight of the time within 0.2 kt, as a step of 25 kt needs it
 _LARGER = 0.5
 
@@ -324,9 +320,9 @@ def design_speed(
 ) -> tuple[SpeedGains, LoopReport]:
     """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
 
-    ``room`` are the throttle's lowest and highest increment, ``Kc`` is the most that is fed
-    forward, ``stops`` the weight of the throttle's stops in turbulence, of which the plant may have
-    some; the ``band`` in kt is for steps that settle with it.
+    ``room`` are the throttle's lowest and highest increment, ``Kc`` is what is fed forward,
+    ``stops`` the weight of the throttle's stops in turbulence, of which the plant may have some;
+    the ``band`` in kt is for steps that settle with it.
     """
 
     def best(shares: np.ndarray) -> tuple[SpeedGains, LoopReport]:
@@ -346,27 +342,25 @@ def design_speed(
 def _speed_candidates(
     plant: Plant,
     room: tuple[float, float],
-    most: float,
+    Kc: float,
     stops: float,
     near: Neighbours,
     shares: np.ndarray,
 ) -> tuple[np.ndarray, Margins, Rough, np.ndarray]:
     """Kp, Ki, Kd and Kc, of Kp some shares of the throttle for an error of 12 kt; their cost."""
     travel = min(-room[0], room[1])
-    share, time, rise = grid(shares, _SPEED_TIMES, _SPEED_RISES)
+    share, time = grid(shares, _SPEED_TIMES)
     Kp = share * travel / req.GUST
-    Kp, Ki, Kc = near.joined("speed", Kp=Kp, Ki=Kp / time, Kc=rise * most)
-    Kc = np.minimum(Kc, most)
-    gains = np.array([Kp, Ki, -Kp * SpeedGains.Tf, Kc])
+    Kp, Ki = near.joined("speed", Kp=Kp, Ki=Kp / time)
+    gains = np.array([Kp, Ki, -Kp * SpeedGains.Tf, np.full_like(Kp, Kc)])
     L, moves = moved(plant, speed_law(plant.T, *gains[:, :, None]), "throttle")
     found, none = margins(OMEGA, L), np.zeros(len(Kp))
     rough = Rough(none, none, at_a_stop(moves["throttle"], room))
     cost = (
         60.0 * requirement_met(found)
         + 10.0 * Kp * req.GUST / travel
-        + _UNFED * (1.0 - Kc / max(most, 1e-12))
         + rough.cost(stops)
-        + SPEED.required.quick * near.cost("speed", Kp=Kp, Ki=Ki, Kc=Kc)
+        + SPEED.required.quick * near.cost("speed", Kp=Kp, Ki=Ki)
     )
     return gains, found, rough, cost
 

@@ -116,9 +116,9 @@ RUDDER_USE, YAW_RATE, SIDESLIP, TURN_USE = 0.9, 10.0, 5.0, 0.6
 # largest share of the throttle's remaining travel that a step up in airspeed may hold
 THROTTLE_USE = 0.7
 
-# ft/s: rate of climb whose feed-forward may use all of the throttle's remaining travel, or, where
-# the steps are not finished at their end with it, so many times the excess climb, and no less than
-# the third; an excess climb below the last is none: the altitude is designed for a descent
+# ft/s: rate of climb whose feed-forward uses all of the throttle's remaining travel: the first, or
+# so many times the excess climb where that is less, but no less than the third; an excess climb
+# below the last is none: the altitude is designed for a descent
 RISE, RISE_OF_EXCESS, LEAST_RISE, NO_CLIMB = 40.0, 2.0, 25.0, 2.0
 
 # largest factor between a gain at neighbouring conditions, unless the aircraft changes by more, and
@@ -157,7 +157,7 @@ _FURTHER = f"""
 | rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_SPEED:.0%} of the airspeed, \
 {CLIMB_OF_EXCESS:.0%} of the excess |
 | rate of climb that is fed all of the throttle | {RISE:g} ft/s, \
-or {RISE_OF_EXCESS:g} times the excess, from {LEAST_RISE:g} ft/s on |
+or {RISE_OF_EXCESS:g} times the excess where less, but no less than {LEAST_RISE:g} ft/s |
 | step up of the airspeed in the design, of the throttle that is left | {THROTTLE_USE:g} |
 | error of the airspeed that uses all of the throttle | {GUST:g} kt |
 | error of the airspeed that counts in full | {BAND:g} kt, \
