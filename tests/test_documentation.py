@@ -39,12 +39,16 @@ def _in_an_empty_directory(tmp_path, monkeypatch):
     plt.close("all")
 
 
+FIVE = ("damped_oscillator", "step_response", "van_der_pol", "elevator_doublet", "pitch_hold")
+
 # what a user reads first is run with all tests, the other pages with the long ones
 FIRST = ("README.md", "tutorial.md")
 
 
-def marks(pages):
-    return () if {*pages} & {*FIRST} else pytest.mark.long
+def marks(pages, command=""):
+    # the diagrams of the README fly in tests/diagrams
+    quick = {*pages} & {*FIRST} and command.partition(" run ")[2] not in FIVE[:4]
+    return () if quick else pytest.mark.long
 
 
 @pytest.mark.parametrize(
@@ -81,7 +85,7 @@ def commands():
 
 
 COMMANDS = [
-    pytest.param(c, id=f"{', '.join(pages)}: {c}", marks=marks(pages))
+    pytest.param(c, id=f"{', '.join(pages)}: {c}", marks=marks(pages, c))
     for c, pages in commands()
     if c != "pathsim-jsbsim check"  # a step of .ci/run
 ]
@@ -151,9 +155,6 @@ def test_links_and_pictures_are_there(page):
             assert (page.parent / path).exists(), path
 
 
-FIVE = ("damped_oscillator", "step_response", "van_der_pol", "elevator_doublet", "pitch_hold")
-
-
 def test_the_readme_begins_with_five_diagrams():
     text = PAGES[0].read_text(encoding="utf-8")
     table = [line for line in text.partition("\n## ")[0].splitlines() if line.startswith("| ")]
@@ -173,13 +174,10 @@ def test_pages_are_short_enough_to_read():
     assert {p: n for p, n in how_to.items() if n > 1100} == {}
 
 
-def test_the_map_of_the_source_has_every_folder():
+def test_pages_have_every_folder_and_every_hold():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     folders = [m.name for m in pkgutil.iter_modules(package.__path__) if m.ispkg]
     assert [name for name in folders if f"`{name}/`" not in text] == []
-
-
-def test_the_page_on_autopilots_has_every_hold():
     text = (ROOT / "docs" / "autopilots.md").read_text(encoding="utf-8")
     assert [n for n in holds.__all__ if f"| `{n}` |" not in text] == []
 
@@ -206,9 +204,19 @@ MODULES = [
 ]
 
 
-@each(MODULES)
+# flown for seconds, as design/test_design.py does
+SLOW = f"{package.__name__}.design.designed"
+
+
+@each([name for name in MODULES if name != SLOW])
 def test_docstring_examples(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+@pytest.mark.long
+def test_the_docstring_example_of_the_design():
+    failed, tried = doctest.testmod(importlib.import_module(SLOW))
+    assert (failed, tried > 0) == (0, True)
 
 
 def test_the_block_reference_has_every_public_name():
@@ -256,12 +264,6 @@ def test_the_block_reference_finds_its_names():
                 pkgutil.resolve_name(path)
 
 
-def test_there_are_docstring_examples():
-    assert (
-        sum(len(doctest.DocTestFinder().find(importlib.import_module(n))) > 0 for n in MODULES) > 5
-    )
-
-
 def test_generated_pages_are_current(monkeypatch):
     # after a change: python docs/generate.py pages
     monkeypatch.syspath_prepend(ROOT / "docs")
@@ -291,6 +293,7 @@ def test_every_diagram_has_a_page_with_its_picture(monkeypatch):
     assert "\n.. math::\n    \\ddot x" in generate.diagram_page("van_der_pol")
 
 
+@pytest.mark.long
 def test_formulas_of_the_site_need_no_script(monkeypatch):
     pytest.importorskip("sphinx")
     from docutils import nodes

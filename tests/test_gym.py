@@ -57,51 +57,45 @@ def test_gymnasium_finds_no_fault_with_the_tasks(task):
 
 
 def test_the_picture_and_the_track_of_an_episode(tmp_path):
-    from pathsim_jsbsim_blocks.tracks import save_tracks
-
     env = gymnasium.make("pathsim-jsbsim/PitchHold-v0", render_mode="rgb_array").unwrapped
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.figure()
     flown(env, seed=1)
     picture = env.render()
-    assert picture.dtype == np.uint8
-    assert picture.shape[2] == 3
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
+    assert (picture.dtype, picture.shape[2]) == (np.uint8, 3)
+    assert np.ptp(picture) > 100
     track = env.track()
     assert np.allclose(track.time, 0.1 * np.arange(21))
     assert np.array_equal(track.signals["aircraft.elevator"][1:], ACTIONS[:, 0])
     assert track.h[0] == pytest.approx(5000)
-    save_tracks(tmp_path / "flight.kml", [track])
 
 
-@pytest.mark.parametrize("stages", [True, False], ids=["with stages", "flat"])
-def test_a_step_flies_what_a_run_flies(stages):
-    plane, hold, command = Aircraft("c172p", altitude=5000, speed=90), PitchHold(), Constant(0.0)
-    height = Integrator(0.0) if stages else Scope()
-    wires = [
-        Connection(plane["theta"], hold["theta"]),
-        Connection(plane["q"], hold["q"]),
-        Connection(hold["elevator"], plane["elevator"]),
-        Connection(plane["hdot"], height),
-        Connection(command, hold["theta_ref"]),
-    ]
-    sim = Simulation([plane, hold, command, height], wires, dt=1 / 120, log=False)
+@pytest.mark.parametrize("sink", [lambda: Integrator(0.0), Scope], ids=["with stages", "flat"])
+def test_a_step_flies_what_a_run_flies(sink):
+    def diagram(*more):
+        plane, hold, height = Aircraft("c172p", altitude=5000, speed=90), PitchHold(), sink()
+        wires = [
+            Connection(plane["theta"], hold["theta"]),
+            Connection(plane["q"], hold["q"]),
+            Connection(hold["elevator"], plane["elevator"]),
+            Connection(plane["hdot"], height),
+            *(Connection(block, hold["theta_ref"]) for block in more),
+        ]
+        blocks = [plane, hold, height, *more]
+        return plane, hold, height, Simulation(blocks, wires, dt=1 / 120, log=False)
+
+    command = Constant(0.0)
+    plane, _, height, sim = diagram(command)
+    ports, stages = [f"plane.{port}" for port in Aircraft.output_port_labels], height.engine
     expected = []
     for (reference,) in 10.0 * ACTIONS:
         command.value = reference
         sim.run(0.1)
         expected.append([*plane.outputs.to_array(), *([height.outputs[0]] if stages else [])])
-    other = Aircraft("c172p", altitude=5000, speed=90)
-    again, integral = PitchHold(), Integrator(0.0) if stages else Scope()
-    wires = [
-        Connection(other["theta"], again["theta"]),
-        Connection(other["q"], again["q"]),
-        Connection(again["elevator"], other["elevator"]),
-        Connection(other["hdot"], integral),
-    ]
-    diagram = Simulation([other, again, integral], wires, dt=1 / 120, log=False)
-    ports = [f"other.{port}" for port in Aircraft.output_port_labels]
+    plane, hold, integral, sim = diagram()  # noqa: RUF059, names of ports
     env = make_env(
-        diagram,
-        action={"again.theta_ref": (-10, 10)},
+        sim,
+        action={"hold.theta_ref": (-10, 10)},
         observation=[*ports, *(["integral.0"] if stages else [])],
         reward=lambda v: v["time"],
     )
@@ -113,20 +107,23 @@ def test_a_step_flies_what_a_run_flies(stages):
         assert np.array_equal(integral.read()[1], height.read()[1])
 
 
-def test_what_a_reward_sees():
+def test_a_reward_sees_the_values_of_all_ports():
     seen = []
-    env = bare(reward=lambda v: seen.append((v["time"], v["plane.elevator"], v["plane.h"])) or 3)
+    env = bare(reward=lambda v: seen.append(dict(v)) or 3)
     env.reset()
     _, reward, *_ = env.step([-0.1])
     assert (reward, type(reward)) == (3.0, float)
-    time, elevator, height = seen[0]
-    assert (time, elevator) == (pytest.approx(0.05), -0.1)
-    assert height == env.simulation.blocks[0].outputs["h"]
+    assert seen[0] == env.values
+    ports = {*Aircraft.input_port_labels, *Aircraft.output_port_labels}
+    assert {*seen[0]} == {"time", *(f"plane.{port}" for port in ports)}
+    assert (seen[0]["time"], seen[0]["plane.elevator"]) == (pytest.approx(0.05), -0.1)
+    assert seen[0]["plane.h"] == env.simulation.blocks[0].outputs["h"]
 
 
 def test_the_end_of_an_episode():
-    env = bare(duration=0.2, terminated=lambda v: v["plane.theta"] > 1.5)
+    env = bare(duration=0.17, terminated=lambda v: v["plane.theta"] > 1.5)
     env.reset()
+    # it lasts at least its duration
     assert [env.step([0.0])[2:4] for _ in range(4)] == [(False, False)] * 3 + [(False, True)]
     env.reset()
     while not (last := env.step([-0.3]))[2]:
@@ -148,12 +145,6 @@ def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
     assert (reward, terminated, truncated) == (-7.0, True, False)
     assert "touched the ground" in info["reason"]
     assert np.array_equal(flown(env), gentle)
-
-
-def test_restored_is_accepted_and_told():
-    with pytest.warns(RuntimeWarning, match="'restored' is gone: each episode loads and trims"):
-        env = bare(restart="restored")
-    assert np.array_equal(flown(env), flown(bare()))
 
 
 def test_a_second_environment_on_a_simulation_is_refused():
@@ -299,13 +290,11 @@ def test_worker_processes_fly_what_this_one_flies():
     ("options", "said"),
     [
         ({"action": {"plane.elevatr": (-1, 1)}}, "did you mean 'plane.elevator'"),
-        ({"action": {"plan.elevator": (-1, 1)}}, "did you mean 'plane.elevator'"),
         ({"action": {"plane.theta": (-1, 1)}}, "no 'plane.theta' in the diagram"),
         ({"action": {"plane.elevator": (1, -1)}}, "must not be above"),
         ({"action": {"plane.elevator": 1.0}}, r"range \(low, high\)"),
         ({"action": {}}, "at least one action"),
         ({"observation": ["plane.pitch"]}, "did you mean 'plane.theta'"),
-        ({"observation": ["theta"]}, "no 'theta'"),
         ({"vary": {"plane.sped": (80, 90)}}, "did you mean 'plane.speed'"),
         ({"vary": {"SPEED": (80, 90)}}, "those of scripts"),
         ({"settings": {"SPEED": 3}}, "those of scripts"),
@@ -314,7 +303,6 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"observation": "plane.theta"}, "observation must be"),
         ({"normalise": "no"}, "True or False"),
         ({"step": 0.013}, "multiple of dt"),
-        ({"step": 0.001}, "multiple of dt"),
         ({"duration": -1.0}, "duration"),
         ({"reward": 3.0}, "reward must be a function"),
         ({"normalise": True}, "normalise needs a range of 'plane.theta'"),
@@ -330,7 +318,7 @@ def test_bad_input_is_refused(options, said):
 
 @pytest.mark.parametrize(
     "action",
-    [[0.0, 0.0], [], [np.nan], [np.inf], 0.0, "up", None, {"elevator": 0.0}],
+    [[0.0, 0.0], [], [np.nan], 0.0, "up", None],
 )
 def test_bad_actions_are_refused(action):
     env = bare()
@@ -341,24 +329,20 @@ def test_bad_actions_are_refused(action):
 
 
 def test_diagrams_that_cannot_be_environments():
-    plane, dice, scope = (
-        Aircraft("c172p", altitude=5000, speed=90),
-        RandomNumberGenerator(),
-        Scope(),
-    )
+    plane, dice = Aircraft("c172p", altitude=5000, speed=90), RandomNumberGenerator()
     given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
-    random = Simulation([plane, dice, scope], [Connection(dice, scope)], dt=1 / 120, log=False)
-    with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's global"):
-        make_env(random, **given)
-    hidden = Subsystem([Interface(), RandomNumberGenerator()], [])
-    nested = Simulation([plane, hidden], [], dt=1 / 120, log=False)
-    with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's global"):
-        make_env(nested, **given)
+    for block in (dice, Subsystem([Interface(), dice], [])):
+        random = Simulation([plane, block], [], dt=1 / 120, log=False)
+        with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's glo"):
+            make_env(random, **given)
     adaptive = Simulation([plane], [], dt=1 / 120, Solver=RKCK54, log=False)
     with pytest.raises(ParameterError, match="fixed step"):
         make_env(adaptive, **given)
     with pytest.raises(ParameterError, match="did you mean 'pitch_hold'"):
         make_env("pitch_hld", **given)
+    del plane
+    with pytest.raises(ParameterError, match="where make_env is called"):
+        make_env(Simulation([Aircraft()], [], dt=1 / 120, log=False), **given)
 
 
 def test_a_refused_environment_leaves_the_simulation_as_it_was():
@@ -396,41 +380,12 @@ def test_a_reset_that_fails_ends_the_episode():
     assert np.array_equal(flown(env, seed=1), first)
 
 
-def test_a_picture_needs_an_episode():
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        bare().figure()
-
-
-def test_an_episode_lasts_at_least_its_duration():
-    env = bare(duration=0.12)
-    env.reset()
-    assert [env.step([0.0])[3] for _ in range(3)] == [False, False, True]
-
-
-def test_the_values_are_those_of_all_ports():
-    env = bare()
-    env.reset()
-    everything = dict(env.values)
-    ports = {*Aircraft.input_port_labels, *Aircraft.output_port_labels}
-    assert {*everything} == {"time", *(f"plane.{port}" for port in ports)}
-    assert everything["plane.h"] == pytest.approx(5000.0)
-
-
 def test_a_variable_that_the_script_does_not_have_is_refused_at_once(tmp_path):
     script = tmp_path / "flight.py"
     script.write_text("SPEED = 90.0\nprint(SPEED)\nsim = None\n")
     given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
     with pytest.raises(SettingError, match="did you mean 'SPEED'"):
         make_env(script, vary={"SPED": (80, 95)}, **given)
-
-
-def test_a_simulation_whose_blocks_are_no_variables():
-    def build():
-        plane = Aircraft("c172p", altitude=5000, speed=90)
-        return Simulation([plane], [], dt=1 / 120, log=False)
-
-    with pytest.raises(ParameterError, match="where make_env is called"):
-        make_env(build(), action=ELEVATOR, observation=PITCH, reward=level)
 
 
 @pytest.mark.long

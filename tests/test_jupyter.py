@@ -15,32 +15,28 @@ diagram = load_diagram("hello_jsbsim")
 diagram.sim.run(diagram.DURATION)
 """
 
-CELLS = [  # code, figures that it draws
-    (f"%run {find_diagram('hello_jsbsim').as_posix()}", 1),
-    (BUILD, 0),
-    ("figure = diagram.figure()", 0),
-    ("diagram.figure()", 1),
-    ("show(diagram.figure(), 'flight')", 1),
-    ("figure", 1),
-]
+CELLS = {  # code: figures that it draws
+    f"%run {find_diagram('hello_jsbsim').as_posix()}": 1,
+    BUILD: 0,
+    "figure = diagram.figure()": 0,
+    "diagram.figure()": 1,
+    "show(diagram.figure(), 'flight')": 1,
+    "figure": 1,
+}
 
 
 @pytest.mark.long
 def test_a_notebook_draws_each_figure_once_and_writes_no_file(tmp_path):
-    notebook = nbformat.v4.new_notebook(
-        cells=[nbformat.v4.new_code_cell(code) for code, _ in CELLS]
-    )
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(c) for c in CELLS])
+    resources = {"metadata": {"path": str(tmp_path)}}
     nbclient.NotebookClient(
-        notebook,
-        timeout=120,
-        kernel_name="python3",
-        resources={"metadata": {"path": str(tmp_path)}},
+        notebook, timeout=120, kernel_name="python3", resources=resources
     ).execute()
     drawn = [
         sum("image/png" in output.get("data", {}) for output in cell.outputs)
         for cell in notebook.cells
     ]
-    assert drawn == [figures for _, figures in CELLS]
+    assert drawn == [*CELLS.values()]
     assert list(tmp_path.iterdir()) == []
 
 

@@ -79,7 +79,7 @@ def test_a_hold(tree):
     assert set(re.findall(r"^FAILED .*::(\w+)", said, re.M)) == {
         "test_every_block_is_in_the_table",
         "test_the_block_reference_has_every_public_name",
-        "test_the_page_on_autopilots_has_every_hold",
+        "test_pages_have_every_folder_and_every_hold",
         "test_generated_pages_are_current",
     }
     promise(tree, "BankHold")
@@ -93,7 +93,7 @@ def test_a_hold(tree):
     edit(page, row, f"{row}\n{row.replace('RollHold', 'BankHold')}")
     status, said = python(tree, "docs/generate.py", "pages")
     assert status == 0, said
-    places = ("BankHold", "table", "reference", "autopilots", "imports", "generated")
+    places = ("BankHold", "table", "reference", "every_hold", "generated")
     again = ("tests/control/test_gains.py", "tests/linear/test_every_block.py", *GUARDS)
     run_tests(tree, *again, "-k", " or ".join(places))
 

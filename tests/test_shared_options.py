@@ -53,24 +53,16 @@ SUBJECTS = {
 }
 
 
-def shared_options():
-    """Options that several commands show, with each of these."""
-    (actions,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
-    commands = collections.defaultdict(list)
-    for command, parser in actions.choices.items():
-        for action in parser._actions:
-            if action.option_strings and action.dest != "help":
-                commands[action.option_strings[-1]].append(command)
-    return [(option, one) for option, many in commands.items() if len(many) > 1 for one in many]
+(actions,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
+COMMANDS = collections.defaultdict(list)  # by option
+for command, parser in actions.choices.items():
+    for action in parser._actions:
+        if action.option_strings and action.dest != "help":
+            COMMANDS[action.option_strings[-1]].append(command)
+SHARED = [(option, one) for option, many in COMMANDS.items() if len(many) > 1 for one in many]
 
 
-# a switch, without a value to refuse
-SWITCHES = ("--trust",)
-
-
-@pytest.mark.parametrize(
-    ("option", "command"), [x for x in shared_options() if x[0] not in SWITCHES]
-)
+@pytest.mark.parametrize(("option", "command"), [x for x in SHARED if x[0] != "--trust"])
 def test_a_shared_option_arrives(option, command, tmp_path, monkeypatch, capsys):
     value, text = REFUSED[option]
     subject = SUBJECTS.get(command, "c172p")
@@ -87,7 +79,7 @@ def test_a_shared_option_arrives(option, command, tmp_path, monkeypatch, capsys)
     assert out == ""  # before any work
 
 
-@pytest.mark.parametrize("command", [c for option, c in shared_options() if option == "--trust"])
+@pytest.mark.parametrize("command", COMMANDS["--trust"])
 def test_trust_opens_a_model_from_outside(command, tmp_path, monkeypatch):
     pytest.importorskip("pathview")
     opened = []
@@ -112,9 +104,8 @@ def test_the_help_has_each_command_once_in_its_group(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     lines = capsys.readouterr().out.splitlines()
-    groups = [line for line in lines if line in ("fly:", "look:", "study:", "exchange:")]
-    assert groups == ["fly:", "look:", "study:", "exchange:"]
-    (actions,) = (a for a in command_parser()._actions if isinstance(a, argparse._SubParsersAction))
+    groups = ["fly:", "look:", "study:", "exchange:"]
+    assert [line for line in lines if line in groups] == groups
     shown = [line.split()[0] for line in lines if line.startswith("  ") and line[2].isalpha()]
     assert shown[: len(actions.choices)] == [*actions.choices]
     assert shown[:2] == ["run", "view"]

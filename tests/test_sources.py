@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Integrator, Scope, StepSource
+from pathsim.blocks import Integrator, Scope
 from pathsim.solvers import RKBS32, RKCK54
 
 from pathsim_jsbsim_blocks import DoubletSource, MultistepSource, ParameterError, RampSource
@@ -32,58 +32,35 @@ def record(source, duration=3.0, **options):
     return time, data[0]
 
 
-def test_doublet_has_its_shape():
-    time, y = record(DoubletSource(amplitude=0.1, start=1.0, width=0.5, gap=0.25, polarity=-1))
-    inside = [(0.2, 0.0), (1.25, -0.1), (1.6, 0.0), (2.0, 0.1), (2.5, 0.0)]
-    for t, expected in inside:
-        assert y[abs(time - t).argmin()] == expected
-    # equal areas of both pulses: the net impulse is zero
-    assert abs(np.sum(y)) < 1e-12
-    assert np.sum(abs(y)) * 0.01 == pytest.approx(0.1, abs=1e-12)
-
-
-def test_doublet_without_gap_goes_straight_over():
-    time, y = record(DoubletSource(amplitude=1.0, start=1.0, width=0.5))
-    assert set(y) == {0.0, 1.0, -1.0}
-    assert y[abs(time - 1.49).argmin()] == 1.0
-    assert y[abs(time - 1.5).argmin()] == -1.0
-
-
-def test_multistep_is_a_3211_by_default():
-    time, y = record(MultistepSource(amplitude=0.5, start=0.0, step=0.2))
-    durations = [np.sum(y == v) * 0.01 for v in (0.5, -0.5)]
-    assert durations == pytest.approx([0.8, 0.6])
-    assert [y[abs(time - t).argmin()] for t in (0.3, 0.8, 1.1, 1.3, 1.5)] == [
-        0.5,
-        -0.5,
-        0.5,
-        -0.5,
-        0.0,
-    ]
-
-
-def test_multistep_takes_any_widths_and_signs():
-    time, y = record(
-        MultistepSource(amplitude=2.0, start=1.0, widths=[0.5, 0.25, 1.0], signs=[-1, 0, 0.5])
-    )
-    assert [y[abs(time - t).argmin()] for t in (0.5, 1.2, 1.6, 2.0, 2.9)] == [
-        0.0,
-        -2.0,
-        0.0,
-        1.0,
-        0.0,
-    ]
-
-
-def test_ramp_rises_straight_and_holds():
-    time, y = record(RampSource(final=-2.0, start=0.5, rise_time=1.5))
-    assert y == pytest.approx(-2.0 * np.clip((time - 0.5) / 1.5, 0.0, 1.0), abs=1e-12)
-
-
-def test_ramp_drops_after_its_hold():
-    time, y = record(RampSource(final=1.0, start=0.5, rise_time=0.5, hold=1.0))
-    assert y[abs(time - 1.99).argmin()] == 1.0
-    assert y[time > 2.005] == pytest.approx(0.0)
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        (
+            DoubletSource(amplitude=0.1, start=1.0, width=0.5, gap=0.25, polarity=-1),
+            {0.2: 0.0, 1.25: -0.1, 1.6: 0.0, 2.0: 0.1, 2.5: 0.0},
+        ),
+        (DoubletSource(amplitude=1.0, start=1.0, width=0.5), {0.99: 0, 1.49: 1, 1.5: -1, 2.0: 0}),
+        # a 3-2-1-1 by default
+        (
+            MultistepSource(amplitude=0.5, start=0.0, step=0.2),
+            {0.59: 0.5, 0.6: -0.5, 0.99: -0.5, 1.0: 0.5, 1.2: -0.5, 1.4: 0.0},
+        ),
+        (
+            MultistepSource(2.0, start=1.0, widths=[0.5, 0.25, 1.0], signs=[-1, 0, 0.5]),
+            {0.5: 0.0, 1.2: -2.0, 1.6: 0.0, 2.0: 1.0, 2.9: 0.0},
+        ),
+        (
+            RampSource(final=-2.0, start=0.5, rise_time=1.5, hold=0.4),
+            {0.5: 0.0, 0.8: -0.4, 1.25: -1.0, 2.0: -2.0, 2.39: -2.0, 2.41: 0.0},
+        ),
+    ],
+)
+def test_a_source_has_its_shape(source, expected):
+    time, y = record(source)
+    found = {t: y[abs(time - t).argmin()] for t in expected}
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert y[0] == 0.0 or source.start == 0.0
+    assert len(source) == 0  # nothing passes through
 
 
 def test_ramp_does_not_overshoot_within_the_step_that_passes_its_top():
@@ -93,14 +70,6 @@ def test_ramp_does_not_overshoot_within_the_step_that_passes_its_top():
     assert source.outputs[0] == 1.5
     source.update(1.51)
     assert source.outputs[0] == 2.0
-
-
-@pytest.mark.parametrize("name", SOURCES)
-def test_a_source_passes_nothing_through_and_starts_at_0(name):
-    source = SOURCES[name][0]()
-    source.update(0.0)
-    assert len(source) == 0
-    assert source.outputs["out"] == 0.0
 
 
 @pytest.mark.parametrize("solver", [RKBS32, RKCK54])
@@ -141,12 +110,6 @@ def test_the_integral_is_exact_because_no_edge_is_missed(name):
     sim.run(3.0)
     # the last stage before an edge is evaluated with the value after the edge only if it is missed
     assert float(state.outputs[0]) == pytest.approx(area, abs=1e-9)
-
-
-def test_doublet_is_the_step_source_with_its_levels():
-    _, ours = record(DoubletSource(amplitude=0.1, start=1.0, width=0.5, gap=0.2))
-    _, theirs = record(StepSource(amplitude=[0.1, 0.0, -0.1, 0.0], tau=[1.0, 1.5, 1.7, 2.2]))
-    assert np.array_equal(ours, theirs)
 
 
 @pytest.mark.parametrize("name", SOURCES)
@@ -192,14 +155,10 @@ def test_edges_that_cannot_be_told_apart_are_refused(make):
     [
         (lambda: DoubletSource(amplitude="big"), "amplitude"),
         (lambda: DoubletSource(width=0.0), "width"),
-        (lambda: DoubletSource(width=-1.0), "width"),
         (lambda: DoubletSource(gap=-0.1), "gap"),
-        (lambda: DoubletSource(start=float("nan")), "start"),
         (lambda: DoubletSource(start=-1.0), "start"),
         (lambda: DoubletSource(polarity=0), "polarity"),
-        (lambda: DoubletSource(amplitude=True), "amplitude"),
         (lambda: MultistepSource(widths=[1, 2], signs=[1]), "signs"),
-        (lambda: MultistepSource(widths=[], signs=[]), "signs"),
         (lambda: MultistepSource(widths="321"), "widths"),
         (lambda: MultistepSource(widths=np.array(2.0)), "widths"),
         (lambda: MultistepSource(widths=[1, 0, 1, 1]), "widths[1]"),

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from how_many import first
 
 SCRIPT = Path(__file__).parent / "warned_script.py"
 SAID = [
@@ -59,7 +58,9 @@ slow.linear_model(inputs=["throttle"])  # response
 """
 
 
-@pytest.mark.parametrize("start", first([[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]]))
+# in one process: core/test_wiring.py
+@pytest.mark.long
+@pytest.mark.parametrize("start", [[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]])
 def test_a_warning_shows_the_line_of_the_users_script(start, tmp_path):
     script = tmp_path / "mine.py"
     script.write_text(MINE)
@@ -87,16 +88,12 @@ def test_a_command_without_a_script_prints_a_warning_without_a_line(capsys):
     assert response.startswith("  787-8: the response of vt to throttle is not linear (a turbine's")
 
 
-def count(errors):
-    return [errors.count(text) for text in SAID]
-
-
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-@pytest.mark.parametrize("start", first([[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]]))
+@pytest.mark.parametrize("start", [[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]])
 def test_each_warning_is_seen_once(start):
     _, errors = python(*start, str(SCRIPT), code=0)
-    assert count(errors) == [1] * len(SAID)
+    assert [errors.count(text) for text in SAID] == [1] * len(SAID)
     assert errors.count(f"{SCRIPT}:36: RuntimeWarning: ") == 2
     assert "RuntimeWarning" in errors
 
