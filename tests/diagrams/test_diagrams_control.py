@@ -1,7 +1,5 @@
 """The autopilot diagrams: what their docstrings say is what they fly."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from how_many import first
@@ -15,18 +13,8 @@ from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
 
 T = 1 / 120
-PANELS = {
-    "pitch_hold": 4,
-    "altitude_hold": 4,
-    "heading_hold": 5,
-    "airspeed_hold": 4,
-    "yaw_damper": 3,
-    "autopilot_mission": 7,
-    "pitch_hold_primitives": 3,
-    "approach_737": 4,
-    "fleet_pitch_hold": 2,
-    "stall_protection": 3,
-}
+# curves that a figure must show, which may need the whole flight
+PANELS = {"pitch_hold": 4, "heading_hold": 5, "yaw_damper": 3, "approach_737": 4}
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +108,7 @@ def test_stall_protection(flown):
     assert np.abs(kept - 5000.0).max() < 13.0
 
 
+@pytest.mark.long
 def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
     diagram = flown("pitch_hold_primitives")
     time, theta = signal(diagram.pitch, "pitch angle")
@@ -134,6 +123,7 @@ def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
     assert elevator[-1] == pytest.approx(hold[-1], abs=0.002)
 
 
+@pytest.mark.long
 def test_altitude_hold(flown):
     diagram = flown("altitude_hold")
     time, h = signal(diagram.climb, "altitude")
@@ -179,20 +169,14 @@ def test_yaw_damper_doubles_the_damping(flown):
     assert np.mean(np.diff(crossings)[:4]) * 2 == pytest.approx(2.9, abs=0.1)  # s, the period
 
 
-@pytest.fixture(scope="module")
-def mission():
-    diagram = load_diagram("autopilot_mission")
-    saturation = Scope()
-    diagram.sim.add_block(saturation)
-    outputs = ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
-    diagram.sim.add_connection(Connection(diagram.aircraft[outputs], saturation[:4]))
-    fly_diagram(diagram.sim, diagram.DURATION)
-    return diagram, saturation.read()[1]
-
-
 @pytest.mark.long
-def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
-    diagram, saturation = mission
+def test_autopilot_mission_follows_every_reference_in_turbulence():
+    diagram, limits = load_diagram("autopilot_mission"), Scope()
+    diagram.sim.add_block(limits)
+    outputs = ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
+    diagram.sim.add_connection(Connection(diagram.aircraft[outputs], limits[:4]))
+    fly_diagram(diagram.sim, diagram.DURATION)
+    saturation = limits.read()[1]
     time, h = signal(diagram.flight, "altitude")
     _, psi = signal(diagram.flight, "heading")
     _, vc = signal(diagram.flight, "calibrated airspeed")
@@ -208,18 +192,12 @@ def test_autopilot_mission_follows_every_reference_in_turbulence(mission):
     assert np.mean(saturation[3] != 0.0) == pytest.approx(0.04, abs=0.005)
 
 
-@pytest.mark.parametrize("name", first([*PANELS], 5))
-def test_figures(flown, request, name):
-    import matplotlib.pyplot as plt
-
-    plt.switch_backend("agg")
-    mission = name == "autopilot_mission"
-    diagram = request.getfixturevalue("mission")[0] if mission else flown(name)
-    figure = diagram.figure()
+@pytest.mark.parametrize("name", first([*PANELS], 3))
+def test_figures(flown, name):
+    figure = flown(name).figure()
     assert len(figure.axes) == PANELS[name]
     for axes in figure.axes:
         curves = [line for line in axes.lines if len(line.get_ydata()) > 2]  # no reference lines
         assert curves
         for line in curves:
             assert np.count_nonzero(np.isfinite(line.get_ydata())) > 1000
-    plt.close(figure)

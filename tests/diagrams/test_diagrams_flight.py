@@ -41,6 +41,51 @@ def close(values, expected):
     np.testing.assert_allclose(values, expected, rtol=1e-11, atol=1e-9)
 
 
+# diagram, table, and the property of the table that each recorded signal is
+FLIGHTS = {
+    "trimmed_flight": (
+        "02_trimmed_flight.csv",
+        {
+            "flight altitude": "position/h-sl-ft",
+            "flight calibrated airspeed": "velocities/vc-kts",
+            "attitude angle of attack": "aero/alpha-deg",
+            "attitude pitch angle": "attitude/theta-deg",
+            "attitude roll angle": "attitude/phi-deg",
+            "heading heading": "attitude/psi-deg",
+            "load load factor nx": "accelerations/Nx",
+            "load load factor nz": "accelerations/Nz",
+            "track latitude": "position/lat-geod-deg",
+            "track longitude": "position/long-gc-deg",
+        },
+    ),
+    "aileron_turn": (
+        "02_aileron_turn.csv",
+        {
+            "scope roll angle": "attitude/phi-deg",
+            "scope heading": "attitude/psi-deg",
+            "scope altitude": "position/h-sl-ft",
+            "flow angle of attack": "aero/alpha-deg",
+            "flow sideslip angle": "aero/beta-deg",
+        },
+    ),
+}
+
+
+def compared(name):
+    """The diagram, flown as its table."""
+    file, signals = FLIGHTS[name]
+    module, expected = flown(name), table(file)
+    for place, prop in signals.items():
+        scope, _, label = place.partition(" ")
+        time, values = signal(getattr(module, scope), label)
+        close(at(time, values, expected["t_s"]), expected[prop])
+    return module
+
+
+def test_trimmed_flight():
+    compared("trimmed_flight")
+
+
 def test_hello_jsbsim():
     module = flown("hello_jsbsim")
     with (DATA / "01_hello_world.csv").open() as file:
@@ -73,6 +118,7 @@ def test_elevator_doublet():
     assert np.abs(alpha - alpha[0])[time > 17.0].max() < 0.1
 
 
+@pytest.mark.long
 def test_doublet_linear_nonlinear():
     module = flown("doublet_linear_nonlinear")
     expected = table("04_elevator_doublet.csv")
@@ -87,39 +133,8 @@ def test_doublet_linear_nonlinear():
     assert 0.05 < np.abs(difference).max() < 0.09
 
 
-def test_trimmed_flight():
-    module = flown("trimmed_flight")
-    expected = table("02_trimmed_flight.csv")
-    t = expected["t_s"]
-    for scope, label, name in (
-        ("flight", "altitude", "position/h-sl-ft"),
-        ("flight", "calibrated airspeed", "velocities/vc-kts"),
-        ("attitude", "angle of attack", "aero/alpha-deg"),
-        ("attitude", "pitch angle", "attitude/theta-deg"),
-        ("attitude", "roll angle", "attitude/phi-deg"),
-        ("heading", "heading", "attitude/psi-deg"),
-        ("load", "load factor nx", "accelerations/Nx"),
-        ("load", "load factor nz", "accelerations/Nz"),
-        ("track", "latitude", "position/lat-geod-deg"),
-        ("track", "longitude", "position/long-gc-deg"),
-    ):
-        time, values = signal(getattr(module, scope), label)
-        close(at(time, values, t), expected[name])
-
-
 def test_aileron_turn_is_no_ten_degree_turn():
-    module = flown("aileron_turn")
-    expected = table("02_aileron_turn.csv")
-    t = expected["t_s"]
-    for scope, label, name in (
-        ("scope", "roll angle", "attitude/phi-deg"),
-        ("scope", "heading", "attitude/psi-deg"),
-        ("scope", "altitude", "position/h-sl-ft"),
-        ("flow", "angle of attack", "aero/alpha-deg"),
-        ("flow", "sideslip angle", "aero/beta-deg"),
-    ):
-        time, values = signal(getattr(module, scope), label)
-        close(at(time, values, t), expected[name])
+    module = compared("aileron_turn")
     # what the docstring says: roll angle at 5, 15 and 28 s, its extremes afterwards, turn, loss
     time, phi = signal(module.scope, "roll angle")
     assert at(time, phi, np.array([5.0, 15.0, 28.0])) == pytest.approx([-57, -43, -60], abs=0.5)
@@ -132,6 +147,7 @@ def test_aileron_turn_is_no_ten_degree_turn():
     assert h[0] - h[-1] == pytest.approx(808, abs=0.5)
 
 
+@pytest.mark.long
 def test_dutch_roll():
     module = flown("dutch_roll")
     system = module.sim.to_statespace(

@@ -84,7 +84,6 @@ def test_noise_of_pathsim_is_as_if_built_with_the_seed(kind, period, tmp_path):
 @pytest.mark.parametrize(
     "block",
     [
-        "RandomNumberGenerator(0.2)",
         "RandomNumberGenerator()",
         "SinusoidalPhaseNoiseSource(sig_white=0.1)",
     ],
@@ -148,7 +147,6 @@ def test_a_seed_in_the_cases_wins(tmp_path):
 @pytest.mark.parametrize(
     ("blocks", "cases"),
     [
-        ({"sensor": "Sensor(bias=0.1, T=0.1)"}, {}),
         ({"_": "np.random.seed(1)", "sensor": "Sensor(T=0.1)"}, {}),
         ({"sensor": "Sensor(noise=1.0, T=0.1)"}, {"sensor.seed": [1, 2]}),
     ],

@@ -1,6 +1,5 @@
 """The file of a resumed study: a corruption gives the same table or a typed error."""
 
-import json
 import os
 import subprocess
 import sys
@@ -46,18 +45,29 @@ def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, damage):
     assert path.read_text() == damaged
 
 
-@pytest.mark.parametrize("text", ["my notes\n", "[" * 100_000 + "\n"])
-def test_a_file_of_other_data_is_refused_and_kept(tmp_path, text):
+EARLIER = '{"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"}\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("my notes\n", "holds other data"),
+        ("[" * 100_000 + "\n", "holds other data"),
+        (EARLIER, "holds a study written by another version"),
+    ],
+    ids=["notes", "deep", "earlier"],
+)
+def test_a_file_of_other_data_is_refused_and_kept(tmp_path, text, said):
     path = tmp_path / "notes.txt"
     path.write_text(text)
-    with pytest.raises(ParameterError, match="holds other data"):
+    with pytest.raises(ParameterError, match=said):
         run(resume=path)
     assert path.read_text() == text
 
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
-    for path in (tmp_path / "none" / "x", tmp_path / ("x" * 300), tmp_path):
-        with pytest.raises(ParameterError, match="cannot write") as error:
+    for path in (tmp_path / "none" / "x", tmp_path / ("x" * 300), tmp_path, "a\0"):
+        with pytest.raises(ParameterError, match=r"cannot write|must be a path") as error:
             Journal(path, "thirds", {})
         assert error.value.parameter == "resume"
 
@@ -70,15 +80,6 @@ def test_a_carriage_return_loses_no_finished_part(tmp_path):
     # white space within a line means nothing to JSON
     run(resume=path)
     assert path.read_bytes() == damaged
-
-
-def test_a_file_of_an_earlier_version_is_named(tmp_path):
-    path = tmp_path / "thirds.jsonl"
-    path.write_text(
-        json.dumps({"format": "pathsim-jsbsim study 1", "study": "x", "key": "0"}) + "\n"
-    )
-    with pytest.raises(ParameterError, match="holds a study written by another version"):
-        run(resume=path)
 
 
 SECOND = """
@@ -156,11 +157,6 @@ def test_a_full_disk_is_named(tmp_path):
     # to read it would never end
     with pytest.raises(ParameterError, match="cannot write '/dev/full': it is not a file"):
         run(resume="/dev/full")
-
-
-def test_a_path_with_nul_is_refused():
-    with pytest.raises(ParameterError, match="resume must be a path"):
-        Journal("a\0", "title", {})
 
 
 def test_without_the_extra_no_file_is_made(tmp_path, monkeypatch):

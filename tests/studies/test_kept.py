@@ -14,7 +14,7 @@ import pytest
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.studies import run_batch, trim_sweep
-from pathsim_jsbsim_blocks.studies.kept import differences, of_function, study_key
+from pathsim_jsbsim_blocks.studies.kept import of_function
 
 MODULE = """
 import functools
@@ -243,16 +243,5 @@ def test_a_product_of_cases_is_told(capsys):
         return capsys.readouterr().err
 
     assert "run_batch build, 3 x 4 = 12 cases" in said({"a": [1, 2, 3], "b": range(4), "c": [1]})
-    assert "run_batch build, 1,200 cases" in said({"a": range(1200)})
     pairs = pd.DataFrame({"a": [1.0, 2.0], "b": [3.0, 4.0]})
     assert "run_batch build, 2 cases" in said(pairs.to_dict("records"))
-
-
-def test_parts_that_differ_are_named():
-    kept = study_key({"seed": 1, "cases": list(range(100))})
-    assert differences(kept, study_key({"seed": 1, "cases": list(range(100))})) == ""
-    assert differences(kept, study_key({"seed": 2, "cases": list(range(100))})) == (
-        "seed (kept 1, now 2)"
-    )
-    assert differences(kept, study_key({"seed": 1, "cases": list(range(99))})) == "cases"
-    assert differences(kept, study_key({"seed": 1})) == "cases"

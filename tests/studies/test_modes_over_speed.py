@@ -1,12 +1,10 @@
 """The study of modes over airspeed."""
 
-import inspect
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from pathsim_jsbsim_blocks import AircraftError, ParameterError, TrimCondition, studies
+from pathsim_jsbsim_blocks import AircraftError, ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.studies import modes_chart, modes_over_speed
 
@@ -36,10 +34,8 @@ def test_the_frequencies_are_those_that_theory_expects(table):
     def size(row, mode):
         return np.hypot(row[f"{mode}_real"], row[f"{mode}_imag"])
 
-    assert size(fast, "short_period") / size(slow, "short_period") == pytest.approx(
-        110 / 80, rel=0.1
-    )
-    assert size(fast, "dutch_roll") / size(slow, "dutch_roll") == pytest.approx(110 / 80, rel=0.1)
+    for mode in ("short_period", "dutch_roll"):
+        assert size(fast, mode) / size(slow, mode) == pytest.approx(110 / 80, rel=0.1)
     true_airspeed = 80 * 1.6878 * 1.077  # ft/s at 5000 ft
     assert size(slow, "phugoid") == pytest.approx(2**0.5 * 32.174 / true_airspeed, rel=0.15)
 
@@ -48,30 +44,22 @@ def test_the_frequencies_are_those_that_theory_expects(table):
 def test_the_chart_has_frequency_damping_and_real_poles(table):
     figure = modes_chart(table)
     frequency, damping, real = figure.axes
-    assert {"short period", "phugoid", "Dutch roll"} <= {
-        line.get_label() for line in frequency.lines
-    }
-    assert {"roll", "spiral"} <= {line.get_label() for line in real.lines}
+    labels, poles = ({line.get_label() for line in ax.lines} for ax in (frequency, real))
+    assert {"short period", "phugoid", "Dutch roll"} <= labels
+    assert {"roll", "spiral"} <= poles
     assert len(damping.lines) == len(frequency.lines)
     plt.close(figure)
 
 
-def test_jobs_resume_and_progress_are_those_of_a_sweep():
-    here, there = (inspect.signature(f).parameters for f in (modes_over_speed, studies.trim_sweep))
-    for name in ("jobs", "resume", "progress"):
-        assert here[name].default == there[name].default, name
-
-
-def test_bad_input():
-    with pytest.raises(ParameterError, match="those of one aircraft"):
-        modes_over_speed(speeds=[100])
-    with pytest.raises(ParameterError, match="give those of 'A4'"):
-        modes_over_speed(aircraft="A4")
-    with pytest.raises(AircraftError, match="c172x"):
-        modes_over_speed(aircraft="c172q", speeds=[100])
-    with pytest.raises(ParameterError, match="speeds"):
-        modes_over_speed(aircraft="c172p", speeds=[])
-
-
-def test_it_is_in_the_catalogue():
-    assert studies.STUDIES["modes_over_speed"].table is modes_over_speed
+@pytest.mark.parametrize(
+    ("given", "error", "said"),
+    [
+        ({"speeds": [100]}, ParameterError, "those of one aircraft"),
+        ({"aircraft": "A4"}, ParameterError, "give those of 'A4'"),
+        ({"aircraft": "c172q", "speeds": [100]}, AircraftError, "c172x"),
+        ({"aircraft": "c172p", "speeds": []}, ParameterError, "speeds"),
+    ],
+)
+def test_bad_input(given, error, said):
+    with pytest.raises(error, match=said):
+        modes_over_speed(**given)

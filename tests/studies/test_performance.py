@@ -11,12 +11,11 @@ from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.cli.results import _print_table
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, last, loading
-from pathsim_jsbsim_blocks.studies.handbook import _GIVEN, _compared, _rows
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, loading
+from pathsim_jsbsim_blocks.studies.handbook import _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     _PARTS,
     COLUMNS,
@@ -34,6 +33,10 @@ from pathsim_jsbsim_blocks.studies.performance import (
 pandas = pytest.importorskip("pandas")
 
 C172P = {"aircraft": "c172p", "root": None, "altitude": 5000.0, "weight": None, "flaps": None}
+
+
+def plane_of(aircraft, altitude=0.0, **task):
+    return Plane({**C172P, "aircraft": aircraft, "altitude": altitude, **task})
 
 
 def plain_flight(state, seconds, elevator=0.0):
@@ -86,11 +89,11 @@ def test_stall_is_that_of_a_plain_deceleration():
 
 def test_full_flaps_of_an_airliner_have_a_stall_speed():
     """Below a lift coefficient of 1.2 the angle of attack would be under the model's least."""
-    plane = Plane({**C172P, "aircraft": "B747", "altitude": 0.0, "flaps": 1.0})
+    plane = plane_of("B747", flaps=1.0)
     _stall(plane)
     (row,) = plane.rows
-    assert row["value"] < 125.0
     assert row["flown"] == pytest.approx(row["value"], rel=0.01)
+    assert row["value"] < 125.0
 
 
 @pytest.mark.long
@@ -121,18 +124,11 @@ def test_take_off_run_is_that_of_a_plain_loop():
     assert 0.9 * 46 < found["landing ground roll"]["speed_kcas"] < 60.0
 
 
-def test_no_take_off_without_a_gain_table():
-    plane = Plane({**C172P, "aircraft": "DHC6"})
-    field(plane)
-    assert {row["reason"] for row in plane.rows} == {"no gain table"}
-
-
 def test_fuel_is_weighed_up_to_where_a_tank_runs_dry():
     """The Concorde's collector tanks are empty after 12 s; its next flight has engines again."""
-    plane = Plane({**C172P, "aircraft": "Concorde", "altitude": 0.0})
+    plane = plane_of("Concorde")
     _burn(plane, plane.trim(302.0))
-    _, specific = plane.rows
-    assert abs(specific["difference_percent"]) < 1.0
+    assert abs(plane.rows[1]["difference_percent"]) < 1.0
     plane.climb_to(30e3)
     climb = plane.climb(301.4)
     assert plane.energy_rate(climb) == pytest.approx(climb_rate(climb), rel=0.01)
@@ -140,14 +136,13 @@ def test_fuel_is_weighed_up_to_where_a_tank_runs_dry():
 
 def test_fuel_is_weighed_while_an_unstable_aircraft_stays_at_its_airspeed():
     """The XB-70 pitches up after 16 s with its controls fixed."""
-    plane = Plane({**C172P, "aircraft": "XB-70", "altitude": 0.0})
+    plane = plane_of("XB-70")
     _burn(plane, plane.trim(345.0))
-    _, specific = plane.rows
-    assert abs(specific["difference_percent"]) < 1.0
+    assert abs(plane.rows[1]["difference_percent"]) < 1.0
 
 
 def test_level_flight_goes_on_where_an_afterburner_has_too_much_thrust():
-    plane = Plane({**C172P, "aircraft": "F4N", "altitude": 30e3})
+    plane = plane_of("F4N", 30e3)
     assert plane.trim(450.0) is None
     fast = plane.level(450.0)
     assert (fast.mach > 1.1, fast.throttle[0], fast.gamma > 0.0) == (True, 1.0, True)
@@ -156,32 +151,21 @@ def test_level_flight_goes_on_where_an_afterburner_has_too_much_thrust():
 @pytest.mark.long
 def test_a_model_that_climbs_ever_better_has_no_ceiling():
     """The table of the F4N's engine ends at 50,000 ft."""
-    plane = Plane({**C172P, "aircraft": "F4N", "part": "level"})
+    plane = plane_of("F4N", 5000.0, part="level")
     _ceilings(plane)
     for row in plane.rows:
         assert row["reason"] == "above 90000 ft: its rate of climb is least at 55000 ft"
 
 
-def test_a_search_without_an_end_stops(monkeypatch):
-    monkeypatch.setattr("pathsim_jsbsim_blocks.studies.flight_tests._MOST", 10)
-    plane = Plane(C172P)
-    last(lambda speed: plane.glide(80.0), plane.glide(80.0), 1.1)
-    assert plane.reason == "more than 10 trims"
-
-
-def test_an_altitude_that_no_model_reaches_is_a_reason_in_the_table():
-    assert _work([{**C172P, "part": "turn", "altitude": 1e9}])[0]["rows"][0]["reason"]
-
-
 def test_a_chart_resumes_from_its_file(tmp_path, monkeypatch):
     asked = {"altitudes": 0.0, "flaps": 0.0, "jobs": 1, "progress": False}
     file, parts = tmp_path / "sgs126.jsonl", "pathsim_jsbsim_blocks.studies.performance._PARTS"
-    monkeypatch.setattr(parts, dict.fromkeys(_PARTS, _stall))
+    monkeypatch.setattr(parts, {**dict.fromkeys(_PARTS, lambda plane: None), "stall": _stall})
     table = performance_table("sgs126", **asked, resume=file)
     monkeypatch.setattr(parts, {})
     again = performance_table("sgs126", **asked, resume=file)
     pandas.testing.assert_frame_equal(table, again)
-    assert again.value.notna().sum() == 6
+    assert again.value.notna().sum() == 1
 
 
 @pytest.mark.long
@@ -211,50 +195,57 @@ def test_a_trim_keeps_the_mixture_that_it_is_given():
     assert lean.thrust > 2.0 * rich.thrust
 
 
-@pytest.mark.parametrize("weight", [1550.0, 1880.0, 2400.0])
+@pytest.mark.parametrize("weight", [1550.0, 2400.0])
 def test_loading_makes_up_a_weight(weight):
     plane = Plane({**C172P, "weight": weight})
     state = plane.glide(75.0)
     assert state.weight == pytest.approx(weight, abs=0.01)
 
 
-def test_the_lightest_weight_has_no_negative_payload():
-    """With 5 % of its fuel a Short S.23 without payload has 1e-13 lb less than its own weight."""
-    airframe = Plane({**C172P, "aircraft": "Short_S23"}).airframe
-    assert all(x >= 0.0 for x in loading(airframe, extremes(airframe)[0])["payload"])
+@pytest.mark.parametrize(
+    ("task", "reason"),
+    [
+        ({"part": "turn", "altitude": 1e9}, "altitude must lie in"),
+        ({"part": "stall", "weight": 9e9}, "not 9,000,000,000 lb"),
+        ({"part": "ceiling", "aircraft": "SGS"}, "no engine"),
+        ({"part": "field", "aircraft": "DHC6"}, "no gain table"),
+    ],
+)
+def test_what_a_model_cannot_do_is_a_reason_in_the_table(task, reason):
+    (found,) = _work([{**C172P, **task}])
+    assert all(reason in row["reason"] for row in found["rows"])
+    assert found["rows"]
 
 
-def test_a_weight_that_no_model_has_is_a_reason_in_the_table():
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"weights": -1.0}, "weight must be"),
+        ({"flaps": [0.0, 2.0]}, "flaps"),
+        ({"altitudes": []}, "no altitude"),
+        ({"altitudes": [[0.0]]}, "altitude must be a number"),
+    ],
+)
+def test_bad_numbers_are_refused_at_once(asked, said):
+    with pytest.raises(ParameterError, match=said):
+        performance_table("c172p", **asked)
+
+
+def test_loading_stays_within_what_a_model_weighs():
     with pytest.raises(ParameterError, match=r"c172p weighs from 1,5\d\d lb"):
         loading(Plane(C172P).airframe, 500.0)
-    ((row,),) = [x["rows"] for x in _work([{**C172P, "weight": 9e9, "part": "stall"}])]
-    assert "not 9,000,000,000 lb" in row["reason"]
-
-
-def test_without_engines_charts_say_so():
-    glider = {**C172P, "aircraft": "SGS"}
-    (ceiling,) = _work([{**glider, "part": "ceiling"}])
-    assert {row["reason"] for row in ceiling["rows"]} == {"no engine"}
-
-
-def test_bad_numbers_are_refused_at_once():
-    with pytest.raises(ParameterError, match="weight must be"):
-        performance_table("c172p", weights=-1.0)
-    with pytest.raises(ParameterError, match="flaps"):
-        performance_table("c172p", flaps=[0.0, 2.0])
-    with pytest.raises(ParameterError, match="no altitude"):
-        performance_table("c172p", altitudes=[])
-    with pytest.raises(ParameterError, match="altitude must be a number"):
-        performance_table("c172p", altitudes=[[0.0]])
+    # with 5 % of its fuel and without payload it has 1e-13 lb less than its own weight
+    airframe = plane_of("Short_S23").airframe
+    assert all(x >= 0.0 for x in loading(airframe, extremes(airframe)[0])["payload"])
 
 
 def glides_of(aircraft):
     """Glides of an aircraft at sea level from the stall on, and what is found in them."""
-    plane = Plane({**C172P, "aircraft": aircraft, "altitude": 0.0})
+    plane = plane_of(aircraft)
     slow = plane.slowest().speed
     _glides(plane, [plane.glide(factor * slow) for factor in (1.001, 1.12, 1.25, 1.4, 1.6, 2.0)])
     best = next(row for row in plane.rows if row["quantity"] == "best glide ratio")
-    return plane, [plane.glide(factor * slow) for factor in np.arange(1.0, 2.0, 0.02)], best
+    return plane, [plane.glide(factor * slow) for factor in np.arange(1.0, 2.0, 0.04)], best
 
 
 def lift_over_drag(aircraft, glide):
@@ -283,7 +274,7 @@ def test_the_best_glide_is_the_largest_lift_over_drag_of_the_model():
 def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide():
     """The drag of the T37's model grows with alpha itself, not with its square."""
     _, glides, best = glides_of("T37")
-    ratios = [lift_over_drag("T37", glide) for glide in glides[::5]]
+    ratios = [lift_over_drag("T37", glide) for glide in glides[::3]]
     assert ratios == sorted(ratios, reverse=True)
     assert math.isnan(best["value"])
     assert best["reason"] == "lift over drag grows down to the stall"
@@ -291,7 +282,7 @@ def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide(
 
 @pytest.mark.long
 def test_an_instantaneous_turn_is_at_least_the_sustained_one():
-    plane = Plane({**C172P, "aircraft": "T37", "altitude": 300.0})
+    plane = plane_of("T37", 300.0)
     _turns(plane)
     found = {(row["quantity"], row["speed_kcas"]): row["value"] for row in plane.rows}
     speeds = {speed for _, speed in found}
@@ -315,7 +306,6 @@ def test_an_instantaneous_turn_is_at_least_the_sustained_one():
 
 def test_a_point_without_trim_is_left_out_and_named():
     plane = Plane(C172P)
-    plane.slowest()
     find = lambda speed: None if 80.0 < speed < 90.0 else plane.climb(speed)  # noqa: E731
     plane.reason = "thrust"
     found = _curve(plane, find, [40.0, 70.0, 85.0, 95.0, 300.0], "rate of climb")
@@ -330,9 +320,10 @@ def test_a_point_without_trim_is_left_out_and_named():
     assert [round(x) for x in line.get_xdata()] == [70, 95]
 
 
+@pytest.mark.long
 def test_an_aircraft_that_climbs_with_the_throttle_closed_has_no_glide_ratio():
     """The Camel's engine gives thrust at any throttle."""
-    plane = Plane({**C172P, "aircraft": "Camel", "altitude": 0.0})
+    plane = plane_of("Camel")
     _glides(plane, [plane.glide(50.0)])
     reasons = {row["quantity"]: row["reason"] for row in plane.rows}
     assert reasons["best glide ratio"] == "it climbs with the throttle closed"
@@ -377,20 +368,13 @@ def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
         ({"unit": "N"}, "thrust required is in lbf, not 'N'"),
         ({"quantity": "thrust requird"}, "did you mean 'thrust required'"),
         ({"quantity": math.nan}, "no chart has nan"),
+        ({"altitude_ft": "sea level"}, "altitude_ft"),
+        ({"weight_lb": "x"}, "weight_lb"),
+        ({"value": ""}, "value"),
+        ({"value": 0}, "value"),
     ):
         with pytest.raises(ParameterError, match=message):
             against_handbook("c172p", pandas.DataFrame([{**asked, **wrong}]))
-
-
-@pytest.mark.parametrize(
-    ("column", "cell"),
-    [("altitude_ft", "sea level"), ("weight_lb", "x"), ("value", ""), ("value", 0)],
-)
-def test_a_cell_of_a_handbook_without_a_number_is_refused_before_any_trim(column, cell):
-    row = dict(zip(_GIVEN, ("stall speed", 0, "", 0, 51, "KCAS", ""), strict=True))
-    rows = pandas.DataFrame([{**row, "weight_lb": math.nan, column: cell}])
-    with pytest.raises(ParameterError, match=column):
-        against_handbook("c172p", rows)
 
 
 def v_n_rows(*points):
@@ -407,10 +391,7 @@ def test_lift_limit_is_a_parabola_that_ends_flat_only_at_the_limit_load_factor()
     assert (speed[-1], n[-1], n[-2]) == (150.0, 4.0, 4.0)
     speed, n = down.get_data()
     assert (speed[-1], n[-1]) == (70.0, pytest.approx(-0.5))
-
-
-def test_a_lift_limit_without_positive_load_factors_has_no_legend():
-    # pytest turns the warning of a legend without entries into an error
+    # without positive load factors there is no legend, of which matplotlib would warn
     assert v_n_rows((1.0, math.nan), (-0.5, 70.0))[0].get_data()[1][-1] == pytest.approx(-0.5)
 
 
@@ -422,11 +403,6 @@ def test_a_c172p_has_a_negative_lift_limit():
     # at -5 deg, the model's limit, its table has CL = -0.206, and 0.43 per rad of elevator, 23 deg
     keas = [math.sqrt(940.0 / (c * 0.5 * 0.0023769 * 174.0)) / 1.68781 for c in (0.206, 0.033)]
     assert keas[0] < speed < keas[1]
-
-
-def test_weights_and_ceilings_are_printed_in_full(capsys):
-    _print_table(pandas.DataFrame({"weight_lb": [107000.0], "value": [0.03712]}))
-    assert capsys.readouterr().out.split()[2:] == ["107000", "0.03712"]
 
 
 @pytest.mark.long

@@ -4,7 +4,9 @@ import contextlib
 import hashlib
 import math
 import random
+import re
 import sys
+from itertools import product
 from pathlib import Path
 
 import jsbsim
@@ -34,56 +36,45 @@ GRID = {
     "gamma": [-8, 0, 3],
 }
 
-UNITS = tuple(
-    ["ft", "kcas", "fps", "deg", "degps", "norm", "lb", "rad", "fps2", "radps2", "in", "mach", "g"]
-)
-
 
 def quiet(*args, **options):
     return trim_sweep(*args, **{"jobs": 1, "progress": False, **options})
 
 
-def test_a_dict_of_axes_is_their_product_and_the_last_axis_is_the_fastest():
+UNITS = re.compile("(^|_)(ft|kcas|fps|deg|degps|norm|lb|rad|fps2|radps2|in|mach|g)$")
+
+
+def test_a_table_of_the_product_of_axes():
     table = quiet("737", GRID)
     assert table.requested_speed_kcas.tolist() == [v for v in (120, 200, 300, 450) for _ in "abc"]
     assert table.requested_gamma_deg.tolist() == [-8, 0, 3] * 4
     assert (table.requested_altitude_ft == 15000).all()
-
-
-def test_rows_are_taken_as_they_stand_from_a_list_or_a_table():
-    rows = [{"speed": 200.0, "gamma": 3.0}, {"speed": 300.0, "gamma": 0.0}]
-    table = quiet("737", rows)
-    assert table.requested_gamma_deg.tolist() == [3, 0]
-    pd.testing.assert_frame_equal(table, quiet("737", pd.DataFrame(rows)), check_exact=True)
-
-
-def test_every_number_has_its_unit_in_the_name_of_its_column():
-    table = quiet("737", GRID)
-    for name in table.select_dtypes("number").columns:
-        assert name.rpartition("_")[2] in UNITS, name
+    # every number has its unit in the name of its column
+    assert all(UNITS.search(name) for name in table.select_dtypes("number"))
     assert table.trimmed.dtype == bool
-
-
-def test_what_a_point_leaves_open_is_nan():
-    table = quiet(
-        "737",
-        [
-            {"altitude": 30000, "mach": 0.8},
-            {"altitude": 30000, "mach": 0.7, "fuel": [1000, 1000, 1000]},
-        ],
-    )
-    assert table.requested_speed_kcas.isna().all()
-    assert table.requested_speed_kcas.dtype == float
-    assert table["requested_fuel_lb[2]"].isna().tolist() == [True, False]
-    np.testing.assert_allclose(table.mach, [0.8, 0.7], rtol=1e-12)
-
-
-def test_points_that_do_not_trim_say_why_and_hold_no_numbers():
-    table = quiet("737", GRID)
+    # points that do not trim say why and hold no numbers
     failed = table[~table.trimmed]
     assert set(failed.reason) == {"alpha limit", "thrust"}
     assert failed.loc[:, "altitude_ft":].isna().all(axis=None)
     assert table[table.trimmed].loc[:, "altitude_ft":].notna().all(axis=None)
+
+
+def test_rows_are_taken_as_they_stand_from_a_list_or_a_table():
+    angle = "propulsion/engine[0]/pitch-angle-rad"  # a property of JSBSim can be an axis
+    rows = [{"speed": 200.0, angle: 0.1}, {"speed": 200.0, angle: 0.0}]
+    table = quiet("737", rows)
+    assert table[f"requested_{angle}"].tolist() == [0.1, 0.0]
+    assert table.alpha_deg[0] < table.alpha_deg[1]
+    pd.testing.assert_frame_equal(table, quiet("737", pd.DataFrame(rows)), check_exact=True)
+
+
+def test_what_a_point_leaves_open_is_nan():
+    fast, slow = {"altitude": 30000, "mach": 0.8}, {"altitude": 30000, "mach": 0.7}
+    table = quiet("737", [fast, {**slow, "fuel": [1000, 1000, 1000]}])
+    assert table.requested_speed_kcas.isna().all()
+    assert table.requested_speed_kcas.dtype == float
+    assert table["requested_fuel_lb[2]"].isna().tolist() == [True, False]
+    np.testing.assert_allclose(table.mach, [0.8, 0.7], rtol=1e-12)
 
 
 def test_gear_fuel_and_wind_reach_the_aircraft():
@@ -112,13 +103,6 @@ def test_gear_fuel_and_wind_reach_the_aircraft():
     assert table["velocities/vg-fps"].diff()[1] == pytest.approx(50, abs=0.5)
 
 
-def test_a_jsbsim_property_can_be_an_axis():
-    angle = "propulsion/engine[0]/pitch-angle-rad"
-    table = quiet("737", {"altitude": 15000, "speed": 300, angle: [0.0, 0.1]})
-    assert table[f"requested_{angle}"].tolist() == [0.0, 0.1]
-    assert table.alpha_deg[1] < table.alpha_deg[0]
-
-
 def test_what_one_point_sets_does_not_reach_the_next():
     rows = [{"speed": 250}, {"speed": 250, "gear": 0}, {"speed": 250, "fuel": [1000, 1000, 1000]}]
     forward, backward = quiet("737", rows), quiet("737", rows[::-1])[::-1]
@@ -128,11 +112,8 @@ def test_what_one_point_sets_does_not_reach_the_next():
 
 @pytest.mark.parametrize(
     "more",
-    [
-        # a full trim moves the ailerons, a longitudinal one leaves them as they are
-        {"mode": "longitudinal"},
-        {"fcs/flap-cmd-norm": 0.5, "fcs/flap-pos-norm": 0.5},
-    ],
+    # a full trim moves the ailerons, a longitudinal one leaves them as they are
+    first([{"mode": "longitudinal"}, {"fcs/flap-cmd-norm": 0.5, "fcs/flap-pos-norm": 0.5}]),
     ids=["mode", "properties"],
 )
 def test_each_kind_of_point_gets_an_aircraft_of_its_own(more):
@@ -145,23 +126,14 @@ def test_each_kind_of_point_gets_an_aircraft_of_its_own(more):
 
 def test_a_file_of_other_outputs_or_another_mode_is_another_study(tmp_path):
     def sweep(outputs=(), **more):
-        return quiet("c172p", {"speed": 90, **more}, outputs=outputs, resume=tmp_path / "a.jsonl")
+        options = {"root": Path(jsbsim.get_default_root_dir()), "resume": tmp_path / "a.jsonl"}
+        return quiet("c172p", {"speed": 90, **more}, outputs=outputs, **options)
 
     first = sweep(["aero/alpha-rad"])
     pd.testing.assert_frame_equal(sweep(["aero/alpha-rad"]), first, check_exact=True)
-    for other in (
-        {"outputs": ["aero/beta-rad"]},
-        {},
-        {"outputs": ["aero/alpha-rad"], "mode": "longitudinal"},
-    ):
+    for other in ({}, {"outputs": ["aero/alpha-rad"], "mode": "longitudinal"}):
         with pytest.raises(ParameterError, match="holds another study"):
             sweep(**other)
-
-
-def test_the_root_may_be_a_path(tmp_path):
-    root = Path(jsbsim.get_default_root_dir())
-    table = quiet("c172p", {"speed": 90}, root=root, resume=tmp_path / "a.jsonl")
-    assert table.trimmed.all()
 
 
 @pytest.mark.parametrize(
@@ -178,7 +150,7 @@ def test_the_root_may_be_a_path(tmp_path):
             ("B747", 10000, [270, 90, 300, 90, 270]),
             ("c182", 3000, [90, 150, 90]),  # searches for seconds
         ],
-        7,
+        2,
     ),
 )
 def test_a_failed_search_does_not_show_in_the_next_point(aircraft, altitude, speeds):
@@ -205,11 +177,6 @@ def test_a_warm_trim_loads_again_only_after_a_search_that_left_something(aircraf
     assert (airframe.fdm is before) == keeps
     trim(airframe, condition, hint=False)
     assert airframe.fdm is not before
-
-
-def test_the_number_of_workers_does_not_change_a_bit():
-    one, two = (quiet("737", GRID, chunk=3, jobs=jobs) for jobs in (1, 2))
-    pd.testing.assert_frame_equal(one, two, check_exact=True)
 
 
 def test_nothing_is_printed_but_the_progress_bar(capfd, caplog):
@@ -248,20 +215,15 @@ def test_no_file_is_left_and_the_jsbsim_package_is_not_touched(tmp_path, monkeyp
     ("grid", "message"),
     [
         ({}, "grid is empty"),
-        ([], "grid is empty"),
         ({"speed": []}, "grid is empty: speed has no values"),
         (None, "must be a dict of axes"),
         ([1, 2], "one dict for each point"),
         ({"sped": [200]}, "did you mean 'speed'"),
         ({"speed": [200, math.nan]}, r"grid point 1: speed must be finite"),
         ({"speed": [200, 0]}, r"grid point 1: speed must be greater than 0"),
-        ({"speed": [-1]}, "speed must be greater than 0"),
-        ({"speed": ["fast"]}, "speed must be a number"),
-        ({"speed": [200], "fuel": [[-1, 5]]}, r"fuel\[0\] must be at least 0"),
         ({"speed": [200], "payload": [[-1]]}, r"payload\[0\] must be at least 0"),
         ({"speed": [200], "fuel": [100, 200]}, "fuel must be a list or a dict of weights"),
         ({"speed": [200], "mach": [0.5]}, "both mach and speed"),
-        ({"speed": [200], "mode": ["hover"]}, "mode must be one of"),
         ({"speed": [object()]}, "must be a number, text"),
         ({"speed": [200], "gear/gear-cmd-norm": ["up"]}, "gear/gear-cmd-norm must be a number"),
         (pd.DataFrame({"speed": [200.0, math.nan]}), "grid point 1: speed must be finite"),
@@ -290,12 +252,6 @@ def test_bad_parameters_are_refused_before_the_work_begins(
     monkeypatch.setattr(sweep, "run_parts", None)
     with pytest.raises(error, match=message):
         quiet(aircraft, grid, **options)
-
-
-@pytest.mark.parametrize("jobs", [0, -2, 1.5, "all"])
-def test_a_bad_number_of_workers_is_refused(jobs):
-    with pytest.raises(ParameterError, match=r"jobs .*-1: all cores"):
-        quiet("737", {"speed": [200]}, jobs=jobs)
 
 
 def test_without_the_extra_the_error_names_it(monkeypatch):
@@ -328,7 +284,7 @@ def same_whatever_the_order(aircraft, speeds, gammas, solver):
         pd.testing.assert_frame_equal(back, there, check_exact=True)
 
 
-@pytest.mark.parametrize("solver", ["newton", "jsbsim"])
+@pytest.mark.parametrize("solver", first(["newton", "jsbsim"]))
 def test_chunk_order_and_workers_do_not_show(solver):
     same_whatever_the_order("737", (0.9, 1.1), (-2, *range(-1, 3), 8, 3, 12, 1.5, 9, 0.5), solver)
 
@@ -345,12 +301,9 @@ def test_order_does_not_show_where_the_newton_search_depends_on_its_start():
 @pytest.mark.parametrize(
     ("aircraft", "solver"),
     [
-        *(
-            (name, "newton")
-            for name in ("c172p", "737", "DHC6", "A320", "f16", "T38", "c182", "OV10")
-        ),
+        *product(["c172p", "737", "A320", "f16", "T38", "OV10"], ["newton", "jsbsim"]),
         # JSBSim's search is refused with constant-speed propellers
-        *((name, "jsbsim") for name in ("c172p", "737", "A320", "f16", "T38", "OV10")),
+        *product(["DHC6", "c182"], ["newton"]),
     ],
 )
 def test_chunk_order_and_workers_do_not_show_for_several_aircraft(aircraft, solver):
