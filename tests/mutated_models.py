@@ -31,19 +31,14 @@ TEXTS = [
     f'"""; {EVIL} #',
     f"''' + {EVIL} + '''",
     f"\\\n{EVIL}",
-    "\\",
-    "\\N{x}",
     f"1); {EVIL} #",
-    f"1)\n{EVIL}\n#",
     f"1, {EVIL}",
     f"*{EVIL}",
-    f"**{EVIL}",
     f"x={EVIL}",
     EVIL,
     "1 # comment",
     "1, 2",
     "(1\n)",
-    "lambda: 1",
     "lambda t: max(t, 1)",
     "x for x in y",
     "(x := 3)",
@@ -53,32 +48,20 @@ TEXTS = [
     "\u202e",
     "\ufeff",
     "",
-    " ",
     "?",
     "1",
-    "0x",
-    "1_",
-    "é",
     "名前",
     "np",
-    "plt",
     "sim",
     "blocks",
-    "connections",
-    "events",
     "Simulation",
-    "Connection",
     "Interface",
     "max",
-    "print",
     "class",
-    "None",
     "lambda",
     "this",
-    "__main__",
     "unittest.__main__",
     "antigravity",
-    "pathsim-flight",
     "pathsim_flight",
     "os",
     "-" * 3000 + "1",
@@ -95,23 +78,8 @@ TEXTS = [
 ]
 VALUES = [
     *TEXTS,
-    None,
-    True,
-    False,
-    0,
-    1,
-    -1,
-    2,
-    10**40,
-    1.5,
-    float("nan"),
-    float("inf"),
-    [],
-    {},
-    [[]],
-    {"a": EVIL},
-    [EVIL],
-    {"x": EVIL, "y": 0},
+    *(None, True, False, 0, 1, -1, 2, 10**40, 1.5, float("nan"), float("inf")),
+    *([], {}, [[]], {"a": EVIL}, [EVIL], {"x": EVIL, "y": 0}),
 ]
 
 
@@ -205,32 +173,18 @@ def originals():
     return [NESTED] * len(small) + [json.loads(p.read_text(encoding="utf-8")) for p in small]
 
 
+REACH_CODE = (
+    *("id", "name", "type", "label", "code", "importPath", "pkg", "displayName", "content"),
+    *("sourceNodeId", "targetNodeId", "solver", "dt", "duration"),
+)
+
+
 def mutated(model, rng):
     """A copy of a model with one to three random changes, most of them where text reaches code."""
     model = copy.deepcopy(model)
     for _ in range(rng.randint(1, 3)):
         places = list(_places(model))
-        likely = [
-            p
-            for p in places
-            if p[1]
-            in (
-                "id",
-                "name",
-                "type",
-                "label",
-                "code",
-                "importPath",
-                "pkg",
-                "displayName",
-                "content",
-                "sourceNodeId",
-                "targetNodeId",
-                "solver",
-                "dt",
-                "duration",
-            )
-        ] or places
+        likely = [place for place in places if place[1] in REACH_CODE] or places
         holder, key = rng.choice(likely if rng.random() < 0.5 else places)
         _change(holder, key, rng, model)
     return model
@@ -266,6 +220,12 @@ def _change(holder, key, rng, model):
         holder[key] = _deep(rng.choice([3, 90, 150]))
 
 
+EXECUTED = (
+    *("exec", "import", "os.system", "os.fork", "os.exec", "os.posix_spawn"),
+    *("subprocess.Popen", "socket.connect", "webbrowser.open"),
+)
+
+
 class Watch:
     """What is executed or imported while it is on, by Python's own audit."""
 
@@ -274,17 +234,7 @@ class Watch:
         sys.addaudithook(self._hook)
 
     def _hook(self, event, args):
-        if self.on and event in (
-            "exec",
-            "import",
-            "os.system",
-            "subprocess.Popen",
-            "os.fork",
-            "os.exec",
-            "os.posix_spawn",
-            "socket.connect",
-            "webbrowser.open",
-        ):
+        if self.on and event in EXECUTED:
             self.seen.append((event, repr(args)[:200]))
 
     def __enter__(self):

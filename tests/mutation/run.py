@@ -117,18 +117,18 @@ def own_tests(tree: Path, module: Path) -> list[str]:
         for key in OWN_TESTS
         if path.endswith(f"/{key}") or (key.endswith("/") and f"/{key}" in path)
     ]
+    names, _, only = OWN_TESTS[max(keys, key=len)].partition(" -k ") if keys else ("", "", "")
     found = []
-    for name in OWN_TESTS[max(keys, key=len)] if keys else ():
-        if not name.endswith(".py"):  # an option
-            found.append(name)
-            continue
-        paths = sorted(
-            p for p in (tree / "tests").rglob(name) if not {"browser", "mutation"} & {*p.parts}
-        )
+    for name in names.split():
+        paths = [
+            p.relative_to(tree).as_posix()
+            for p in sorted((tree / "tests").rglob(f"test_{name}.py"))
+            if not {"browser", "mutation"} & {*p.parts}
+        ]
         if not paths:
-            raise SystemExit(f"no test file {name}, for {module}")
-        found += [p.relative_to(tree).as_posix() for p in paths]
-    return found
+            raise SystemExit(f"no test file test_{name}.py, for {module}")
+        found += paths
+    return [*found, "-k", only] if only else found
 
 
 def silent(source: str) -> list[tuple[int, int, int, int]]:
