@@ -264,7 +264,7 @@ def test_the_block_reference_finds_its_names():
                 pkgutil.resolve_name(path)
 
 
-def test_generated_pages_are_current(monkeypatch):
+def test_generated_pages_are_current_and_made_by_one_command(monkeypatch):
     # after a change: python docs/generate.py pages
     monkeypatch.syspath_prepend(ROOT / "docs")
     generate = importlib.import_module("generate")
@@ -272,25 +272,16 @@ def test_generated_pages_are_current(monkeypatch):
     blocks = (ROOT / "docs" / "reference" / "blocks.md").read_text(encoding="utf-8")
     assert generate.blocks_page() == blocks
     assert generate.scale_table() in (ROOT / "docs" / "monte-carlo.md").read_text(encoding="utf-8")
-
-
-def test_one_command_makes_all_that_is_generated(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
+    for name in diagram_names():
+        assert f".. image:: ../pictures/{name}.png" in generate.diagram_page(name), name
+    # a formula stays a directive, which Sphinx typesets
+    assert "\n.. math::\n    \\ddot x" in generate.diagram_page("van_der_pol")
     steps = importlib.import_module("everything").STEPS.values()
     run = {word for command in steps for word in command}
     scripts = {f"docs/{p.name}" for p in (ROOT / "docs").glob("*.py")}
     # these are part of others, or print what no page has
     others = ("block_pictures", "conf", "everything", "fleet", "hooks")
     assert scripts - run == {f"docs/{name}.py" for name in others}
-
-
-def test_every_diagram_has_a_page_with_its_picture(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    generate = importlib.import_module("generate")
-    for name in diagram_names():
-        assert f".. image:: ../pictures/{name}.png" in generate.diagram_page(name), name
-    # a formula stays a directive, which Sphinx typesets
-    assert "\n.. math::\n    \\ddot x" in generate.diagram_page("van_der_pol")
 
 
 @pytest.mark.long

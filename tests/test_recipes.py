@@ -80,7 +80,7 @@ def test_a_hold(tree):
         "test_every_block_is_in_the_table",
         "test_the_block_reference_has_every_public_name",
         "test_pages_have_every_folder_and_every_hold",
-        "test_generated_pages_are_current",
+        "test_generated_pages_are_current_and_made_by_one_command",
     }
     promise(tree, "BankHold")
     edit(

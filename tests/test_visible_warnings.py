@@ -111,10 +111,6 @@ STDOUT, STDERR = 0, 1
         ("simulate(log=True)", STDERR),
         # who listens elsewhere still does
         (
-            "logging.captureWarnings(True)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
-            STDOUT,
-        ),
-        (
             "Simulation([], [], log=False)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
             STDOUT,
         ),
