@@ -1,4 +1,4 @@
-"""Flights under the autopilot or under single holds, and how to read them."""
+"""Flights under the autopilot, and how to read them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,7 @@ import numpy as np
 from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Scope, Source
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    AirspeedHold,
-    AltitudeHold,
-    Autopilot,
-    HeadingHold,
-    PitchHold,
-    RollHold,
-    YawDamper,
-)
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, Sensor
 from pathsim_jsbsim_blocks import fly as fly_diagram
 
 T = 1 / 120
@@ -73,33 +64,27 @@ PROTECTION = ("alpha", "beta")  # ports of the protection and of coordinated tur
 
 
 def fly(
-    plane,
-    seconds,
-    ports=None,
-    pulse=None,
-    events=(),
-    sensors=None,
-    unwired=PROTECTION,
-    **parameters,
+    plane, seconds, ports=None, pulse=None, events=(), noise=None, unwired=PROTECTION, **parameters
 ):
     """Fly the autopilot; ``ports`` and ``pulse`` (by actuator) are functions of time.
 
-    ``sensors`` is a block between the aircraft's outputs and the autopilot; ``unwired`` are inputs
+    ``noise`` is the rms of what sensors add to the outputs of those names; ``unwired`` are inputs
     of the autopilot that get nothing.
     """
-    autopilot = Autopilot(**{"gains": plane.aircraft, **parameters})
+    autopilot, noise = Autopilot(**{"gains": plane.aircraft, **parameters}), noise or {}
     scope, commands = Scope(), Scope()
-    seen = plane if sensors is None else sensors
     names = [name for name in autopilot.input_port_labels if name in STATES and name not in unwired]
+    direct = tuple(name for name in names if name not in noise)
     blocks = [plane, autopilot, scope, commands]
     connections = [
-        Connection(seen[tuple(names)], autopilot[tuple(names)]),
+        Connection(plane[direct], autopilot[direct]),
         Connection(plane[: len(STATES)], scope[: len(STATES)]),
         Connection(autopilot[: len(COMMANDS)], commands[: len(COMMANDS)]),
     ]
-    if sensors is not None:
-        blocks.append(sensors)
-        connections.append(Connection(plane[: len(STATES)], sensors[: len(STATES)]))
+    for seed, (name, sigma) in enumerate(noise.items()):
+        blocks.append(Sensor(noise=sigma, seed=seed, T=T))
+        connections.append(Connection(plane[name], blocks[-1]))
+        connections.append(Connection(blocks[-1], autopilot[name]))
     for name, signal in (ports or {}).items():
         blocks.append(Source(lambda t, signal=signal: float(signal(t))))
         connections.append(Connection(blocks[-1], autopilot[name]))
@@ -115,40 +100,8 @@ def fly(
             connections.append(Connection(autopilot[name], plane[name]))
     sim = Simulation(blocks, connections, list(events), dt=T, log=False)
     fly_diagram(sim, seconds)
-    return record(scope, commands)
-
-
-def record(scope, commands):
     t, y = scope.read()
-    # the last command, hdot_cmd, is missing where no hold has it
-    return Record(zip(["t", *STATES, *COMMANDS], [t, *y, *commands.read()[1]], strict=False))
-
-
-def fly_holds(plane, seconds, vertical="altitude", lateral="heading", ports=None):
-    """The same with one block for each hold; ``ports`` are references by their port's name."""
-    gains = plane.aircraft
-    elevator = AltitudeHold(gains) if vertical == "altitude" else PitchHold(gains)
-    aileron = HeadingHold(gains) if lateral == "heading" else RollHold(gains)
-    holds = [elevator, aileron, AirspeedHold(gains), YawDamper(gains)]
-    scope, commands = Scope(), Scope()
-    blocks, connections = [plane, *holds, scope, commands], []
-    for hold in holds:
-        for name in hold.input_port_labels:
-            if name in STATES and name not in PROTECTION:
-                connections.append(Connection(plane[name], hold[name]))
-            elif name in (ports or {}):
-                signal = ports[name]
-                blocks.append(Source(lambda t, signal=signal: float(signal(t))))
-                connections.append(Connection(blocks[-1], hold[name]))
-        for name in hold.output_port_labels:
-            to = [commands[COMMANDS.index(name)]]
-            if name in plane.input_port_labels:
-                to.append(plane[name])
-            connections.append(Connection(hold[name], *to))
-    connections.append(Connection(plane[: len(STATES)], scope[: len(STATES)]))
-    sim = Simulation(blocks, connections, dt=T, log=False)
-    fly_diagram(sim, seconds)
-    return record(scope, commands)
+    return Record(zip(["t", *STATES, *COMMANDS], [t, *y, *commands.read()[1]], strict=True))
 
 
 def step(size, at=0.0):

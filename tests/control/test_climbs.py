@@ -8,9 +8,8 @@ from flights import POINTS, T, fly, start, step
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
-from test_navigation import flown
 
-from pathsim_jsbsim_blocks import HeadingHold, SpeedOnPitchHold, VerticalSpeedHold
+from pathsim_jsbsim_blocks import SpeedOnPitchHold
 from pathsim_jsbsim_blocks import fly as fly_diagram
 
 # rate of climb that the thrust sustains [ft/s], climb to capture [ft], largest load factor - 1 [g]
@@ -23,8 +22,9 @@ def climbed(name, seconds, mode, more=None, **parameters):
     return fly(start(name), seconds, ports, unwired=(), **parameters)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("name", first(CLIMBS))
+@pytest.mark.parametrize(
+    ("name", "sign"), first([("c172p", 1.0), ("c172p", -1.0), ("737", 1.0), ("737", -1.0)])
+)
 def test_a_rate_of_climb_is_held_until_the_altitude_is_captured(name, sign):
     rate, height, load = CLIMBS[name]
     rate, height, h0 = sign * rate, sign * height, POINTS[name]["altitude"]
@@ -68,9 +68,9 @@ def test_the_airspeed_is_held_by_the_elevator_at_a_given_throttle(name, throttle
 
 
 def test_modes_change_without_a_bump():
-    modes = np.repeat([0.0, 1.0, 2.0, 0.0, 2.0, 1.0, 0.0], 10)
+    modes = np.repeat([0.0, 1.0, 2.0, 0.0, 2.0, 1.0, 0.0], 5)
     flight = fly(
-        start("737"), 69.0, {"v_mode": lambda t: modes[int(t + T / 2)]}, unwired=(), theta_min=-5.0
+        start("737"), 34.0, {"v_mode": lambda t: modes[int(t + T / 2)]}, unwired=(), theta_min=-5.0
     )
     for name, most in (("elevator", 1e-3), ("throttle", 2e-3)):
         assert np.max(np.abs(np.diff(flight[name]))) < most
@@ -81,17 +81,9 @@ def test_modes_change_without_a_bump():
 
 
 def test_without_an_altitude_a_climb_goes_on():
-    flight = climbed("c172p", 60.0, 1.0, {"hdot_ref": lambda t: 5.0}, h_ref=None)
+    flight = climbed("c172p", 20.0, 1.0, {"hdot_ref": lambda t: 5.0}, h_ref=None)
     assert not flight["captured"].any()
-    assert flight["h"][-1] > 5260.0
-
-
-def test_a_block_holds_a_rate_of_climb():
-    hold = VerticalSpeedHold("c172p", hdot_ref=-6.0, h_ref=4900.0)
-    flight = flown(start("c172p"), 45.0, hold, HeadingHold("c172p"))
-    middle = (flight["t"] > 8.0) & (flight["captured"] == 0.0)
-    assert flight["hdot"][middle] == pytest.approx(np.full(middle.sum(), -6.0), abs=0.5)
-    assert flight["h"][-1] == pytest.approx(4900.0, abs=4.0)
+    assert flight["h"][-1] > 5060.0
 
 
 def test_a_block_exchanges_height_for_airspeed():

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flights import POINTS, STATES, T, fly, fly_holds, on, start, step, until, wrap
+from flights import POINTS, T, fly, on, start, step, until, wrap
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Scope, Source
 
-from pathsim_jsbsim_blocks import Aircraft, AltitudeHold, PitchHold, YawDamper
+from pathsim_jsbsim_blocks import PitchHold, YawDamper
 
 AIRCRAFT = list(POINTS)
 PITCH = {"pitch_mode": on, "roll_mode": on, "speed_off": on}
@@ -31,12 +31,11 @@ def test_pitch_step_to_3_deg(name, time, overshoot, error):
     assert np.max(np.abs(theta[-600:] - 3.0)) < error  # over the last 5 s
 
 
-@pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize(
     ("name", "pulse", "time"),
-    first([("c172p", 0.132, 2.5), ("737", 0.409, 3.0), ("global5000", 0.209, 3.0)]),
+    first([("c172p", 0.132, 2.5), ("737", -0.409, 3.0), ("global5000", 0.209, 3.0)]),
 )
-def test_pitch_upset_of_5_deg(name, pulse, time, sign):
+def test_pitch_upset_of_5_deg(name, pulse, time):
     plane = start(name)
     theta = plane.trim.theta
     flight = fly(
@@ -44,7 +43,7 @@ def test_pitch_upset_of_5_deg(name, pulse, time, sign):
         10.0,
         {**PITCH, "pitch_off": until(1.5)},
         theta_ref=theta,
-        pulse={"elevator": lambda t: sign * pulse * (0.5 < t + T / 2 < 1.5)},
+        pulse={"elevator": lambda t: pulse * (0.5 < t + T / 2 < 1.5)},
     )
     after = flight.after(1.5)
     assert abs(after["theta"][0] - theta) == pytest.approx(5.0, abs=0.3)
@@ -65,9 +64,9 @@ def test_roll_to_20_deg_and_back(name, overshoot):
 
 
 @pytest.mark.parametrize(
-    ("name", "time"), first([("c172p", 18.0), ("737", 40.0), ("global5000", 42.0)])
+    ("name", "time", "heading", "turn"),
+    first([("c172p", 18.0, 350.0, 20.0), ("737", 40.0, 90.0, 30.0), ("global5000", 42.0, 350, 20)]),
 )
-@pytest.mark.parametrize(("heading", "turn"), [(90.0, 30.0), (350.0, 20.0)])
 def test_heading(name, time, heading, turn):
     flight = fly(start(name, heading=heading), 50.0, {"psi_ref": step(turn)})
     assert flight.settled("psi", heading + turn, 0.5) < time
@@ -78,24 +77,14 @@ def test_heading(name, time, heading, turn):
     assert np.max(np.abs(flight["phi"])) < 25.5
 
 
-@pytest.mark.parametrize("name", first(AIRCRAFT))
-def test_half_a_turn_leaves_no_wound_up_integral(name):
-    flight = fly(start(name), 200.0, {"psi_ref": step(179.0)})
+@pytest.mark.parametrize(
+    ("name", "seconds"), first([("c172p", 70.0), ("737", 200.0), ("global5000", 200.0)])
+)
+def test_half_a_turn_leaves_no_wound_up_integral(name, seconds):
+    flight = fly(start(name), seconds, {"psi_ref": step(179.0)})
     error = wrap(flight["psi"] - 90.0 - 179.0)
     assert np.max(error[np.abs(error) < 90.0]) < 0.1
     assert abs(error[-1]) < 0.05
-
-
-@pytest.mark.long
-def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
-    # 9000 ft is above what full throttle can climb to at 90 KCAS
-    flight = fly(start("c172p"), 600.0, {"h_ref": step(4000.0)})
-    assert np.max(flight["throttle"]) > 0.3
-    assert np.min(flight["vc"]) > 0.79 * 90.0
-    assert np.max(flight["alpha"]) < 8.0
-    assert flight["h"][-1] - flight["h"][0] > 3500.0
-    # settled in level flight
-    assert abs(flight["hdot"][-1]) < 1.0
 
 
 @pytest.mark.long
@@ -116,7 +105,7 @@ def test_altitude_500_ft_up_and_held_for_300_s(name, time):
     first([("737", 28.0, 15.0), ("c172p", 15.0, 10.0), ("global5000", 28.0, 15.0)]),
 )
 def test_airspeed_10_kt_up(name, time, altitude):
-    flight = fly(start(name), 90.0, {"vc_ref": step(10.0)})
+    flight = fly(start(name), 60.0, {"vc_ref": step(10.0)})
     assert flight.settled("vc", flight["vc"][0] + 10.0, 0.5) < time
     assert np.max(np.abs(flight["h"] - flight["h"][0])) < altitude
     assert np.max(np.abs(np.diff(flight["vc_cmd"]))) < 3.0 * T  # kt per sample
@@ -124,21 +113,24 @@ def test_airspeed_10_kt_up(name, time, altitude):
 
 @pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_nothing_moves_in_still_air(name):
-    flight = fly(start(name), 60.0)
+    flight = fly(start(name), 20.0)
     assert np.max(np.abs(flight["h"] - flight["h"][0])) < 0.2
     assert np.max(np.abs(flight["psi"] - flight["psi"][0])) < 0.05
     assert np.max(np.abs(flight["vc"] - flight["vc"][0])) < 0.05
 
 
 @pytest.mark.parametrize(
-    "modes",
-    [{}, {"pitch_mode": on, "roll_mode": on}],
-    ids=["altitude and heading", "pitch and roll"],
-)
-@pytest.mark.parametrize(
-    "condition",
-    [{}, {"mode": "turn", "bank": 20.0}, {"gamma": 3.0}],
-    ids=["level", "turn", "climb"],
+    ("modes", "condition"),
+    first(
+        [
+            (PITCH, {"mode": "turn", "bank": 20.0}),
+            ({}, {"gamma": 3.0}),
+            (PITCH, {}),
+            (PITCH, {"gamma": 3.0}),
+            ({}, {"mode": "turn", "bank": 20.0}),
+        ],
+        2,
+    ),
 )
 @pytest.mark.parametrize("name", first(AIRCRAFT))
 def test_no_command_jumps_at_engagement(name, condition, modes):
@@ -206,43 +198,18 @@ def test_a_change_of_mode_makes_no_output_jump(name):
     assert np.max(np.abs(np.diff(flight["aileron"]))) < 0.03
 
 
-@pytest.mark.parametrize(
-    ("vertical", "lateral", "modes"),
-    [("altitude", "heading", {}), ("pitch", "roll", {"pitch_mode": on, "roll_mode": on})],
-)
-@pytest.mark.parametrize("name", first(["global5000", "c172p", "737"]))
-def test_the_autopilot_is_the_holds_in_one_block(name, vertical, lateral, modes):
-    ports = {
-        "h_ref": step(100.0, 1.0),
-        "theta_ref": step(2.0, 1.0),
-        "psi_ref": step(20.0, 2.0),
-        "phi_ref": step(15.0, 2.0),
-        "vc_ref": step(5.0, 3.0),
-    }
-    one = fly(start(name), 20.0, {**ports, **modes})
-    four = fly_holds(start(name), 20.0, vertical, lateral, ports)
-    for signal in [*STATES, "elevator", "aileron", "rudder", "throttle", "theta_cmd", "phi_cmd"]:
-        assert np.array_equal(one[signal], four[signal]), signal
-
-
-def dutch_roll(damper):
+def dutch_roll(gains):
     """Damping ratio of the sideslip after a rudder pulse, from its first three extremes."""
-    plane, scope = start("c172p"), Scope()
+    plane, scope, damper, total = start("c172p"), Scope(), YawDamper(gains), Adder("++")
     pulse = Source(lambda t: 0.2 * (1.0 < t + T / 2 < 1.5))
-    blocks = [plane, scope, pulse]
-    connections = [Connection(plane["beta"], scope)]
-    if damper is None:
-        connections.append(Connection(pulse, plane["rudder"]))
-    else:
-        total = Adder("++")
-        blocks += [damper, total]
-        connections += [
-            Connection(plane["r"], damper["r"]),
-            Connection(damper, total[0]),
-            Connection(pulse, total[1]),
-            Connection(total, plane["rudder"]),
-        ]
-    Simulation(blocks, connections, dt=T, log=False).run(10.0)
+    connections = [
+        Connection(plane["beta"], scope),
+        Connection(plane["r"], damper["r"]),
+        Connection(damper, total[0]),
+        Connection(pulse, total[1]),
+        Connection(total, plane["rudder"]),
+    ]
+    Simulation([plane, scope, pulse, damper, total], connections, dt=T, log=False).run(10.0)
     t, (beta,) = scope.read()
     beta = beta[t > 1.5]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(beta))))[:3] + 1
@@ -252,126 +219,26 @@ def dutch_roll(damper):
 
 
 def test_yaw_damper_doubles_the_damping_of_the_dutch_roll():
-    bare, damped = dutch_roll(None), dutch_roll(YawDamper("c172p"))
+    bare, damped = dutch_roll({"K": 0.0}), dutch_roll("c172p")
     assert 0.1 < bare < 0.25
     assert damped > 2.0 * bare
 
 
-def test_yaw_damper_leaves_a_steady_turn_alone():
-    flight = fly(start("c172p", mode="turn", bank=20.0), 30.0, {"pitch_mode": on, "roll_mode": on})
-    assert np.mean(flight["r"]) > 3.0  # deg/s
-    assert np.max(np.abs(flight["rudder"][1200:])) < 1e-3
-
-
-def test_yaw_damper_fades_out_when_it_is_switched_off():
-    flight = fly(
-        start("c172p"),
-        20.0,
-        {"yaw_off": lambda t: t > 3.0 - T / 2, "roll_mode": on, "phi_ref": step(20.0)},
-    )
-    u = flight["rudder"][int(3.0 / T) :]
-    assert abs(u[0]) > 0.01
-    assert u[240] == pytest.approx(u[0] * np.exp(-1.0), rel=0.01)  # 2 s, its time constant
-
-
-def test_reference_parameters_change_in_flight():
+def test_references_and_gains_change_in_flight():
     plane, hold, scope = start("c172p"), PitchHold("c172p"), Scope()
-    sim = Simulation(
-        [plane, hold, scope],
-        [
-            Connection(plane["theta"], hold["theta"], scope),
-            Connection(plane["q"], hold["q"]),
-            Connection(hold["elevator"], plane["elevator"]),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(5.0)
+    connections = [
+        Connection(plane["theta", "q"], hold["theta", "q"]),
+        Connection(hold["elevator"], plane["elevator"], scope),
+    ]
+    sim = Simulation([plane, hold, scope], connections, dt=T, log=False)
+    sim.run(2.0)
     hold.theta_ref = 4.0
     sim.run(10.0)
     assert plane.outputs["theta"] == pytest.approx(4.0, abs=0.05)
     hold.theta_ref = None  # what it finds
-    sim.run(5.0)
+    sim.run(2.0)
     assert plane.outputs["theta"] == pytest.approx(4.0, abs=0.1)
-
-
-def test_gains_and_tables_change_in_flight():
-    plane, hold, scope = start("c172p"), PitchHold("c172p", theta_ref=3.0), Scope()
-    sim = Simulation(
-        [plane, hold, scope],
-        [
-            Connection(plane["theta"], hold["theta"]),
-            Connection(plane["q"], hold["q"]),
-            Connection(hold["elevator"], plane["elevator"], scope),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(0.5)
     k = len(scope.read()[0])
     hold.gains = {"Kp": 0.0, "Ki": 0.0}
     sim.run(0.5)
-    after = scope.read()[1][0][k:]
-    assert np.ptp(after) < 1e-15
-    hold.gains = "737"
-    sim.run(1.0)
-    assert np.ptp(scope.read()[1][0][k + 60 :]) > 1e-3
-
-
-def test_altitude_hold_keeps_its_limits():
-    plane, hold, scope = start("c172p"), AltitudeHold("c172p", theta_max=2.0, hdot_max=5.0), Scope()
-    source = Source(lambda t: 1000.0)
-    sim = Simulation(
-        [plane, hold, source, scope],
-        [
-            Connection(plane["h", "hdot", "theta", "q"], hold["h", "hdot", "theta", "q"]),
-            Connection(source, hold["h_ref"]),
-            Connection(hold["elevator"], plane["elevator"]),
-            Connection(hold["theta_cmd", "hdot_cmd"], scope[:2]),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(20.0)
-    _, (theta, hdot) = scope.read()
-    assert np.max(theta) == 2.0
-    assert np.all(hdot == 5.0)
-
-
-def test_t_of_the_hold_may_be_a_multiple_of_the_aircrafts():
-    plane, hold = Aircraft("c172p", altitude=5000.0, speed=90.0), PitchHold(theta_ref=3.0, T=4 * T)
-    scope = Scope()
-    sim = Simulation(
-        [hold, plane, scope],
-        [
-            Connection(plane["theta"], hold["theta"], scope[0]),
-            Connection(plane["q"], hold["q"]),
-            Connection(hold["elevator"], plane["elevator"], scope[1]),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(10.0)
-    _, (theta, elevator) = scope.read()
-    assert abs(theta[-1] - 3.0) < 0.05
-    assert np.count_nonzero(np.diff(elevator)) <= 300  # 30 Hz
-
-
-def test_a_hold_of_ones_own_stores_its_parameters_after_its_base():
-    class Biased(PitchHold):
-        def __init__(self, gains="c172p", bias=0.0):
-            super().__init__(gains)
-            self.bias = bias
-
-        def law(self, u, state):
-            (elevator, *rest), after = super().law(u, state)
-            return [elevator + self.bias, *rest], after
-
-    hold = Biased(bias=0.1)
-    u = [3.0, *[0.0] * 5]
-    (plain, *_), _ = PitchHold().law(u, hold.initial_state())
-    for bias in (0.1, 0.2):
-        hold.set(bias=bias)
-        (biased, *_), _ = hold.law(u, hold.initial_state())
-        assert biased == pytest.approx(plain + bias, abs=1e-12)
-    assert repr(hold) == "Biased(bias=0.2)"
+    assert np.ptp(scope.read()[1][0][k:]) < 1e-15

@@ -252,12 +252,6 @@ def test_level_flight_with_the_nose_high_leaves_room_for_a_climb():
     assert record["h"][-1] == pytest.approx(5300.0, abs=10.0)
 
 
-def test_without_the_sideslip_turns_are_not_coordinated():
-    ports = {"roll_mode": step(1.0), "phi_ref": lambda t: 25.0 * (t > 1.0)}
-    record = fly(start("c172p"), 8.0, ports)
-    assert np.max(np.abs(record["beta"])) > 2.0
-
-
 @pytest.mark.parametrize(
     "points",
     [None, (3,), DesignPoint(0, 90, GAINS["c172p"]), iter([1])],
