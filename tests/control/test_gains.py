@@ -118,6 +118,7 @@ def test_numbers_and_tables_mix_by_loop():
         (AirspeedHold, "vc_ref", [90.0]),
         (Autopilot, "throttle_authority", "full"),
         (Autopilot, "psi_ref", "north"),
+        (PitchHold, "reference", "absolut"),
         (YawDamper, "T", -1.0),
     ],
 )
@@ -271,22 +272,27 @@ def test_files_that_are_no_gain_table(tmp_path, text, words):
         PitchHold(gains=str(path))
 
 
-def test_schedules_that_cannot_be(schedule):
-    points = schedule.points
-    with pytest.raises(ParameterError, match="sorted by altitude"):
-        GainSchedule("737", points[::-1])
-    with pytest.raises(ParameterError, match="index of one of 3 points"):
-        GainSchedule("737", points, nominal=3)
-    with pytest.raises(ParameterError, match="envelope limits, or none"):
-        GainSchedule(
-            "737",
-            (
-                DesignPoint(0.0, 200.0, dataclasses.replace(GAINS["737"], envelope=None)),
-                *points,
-            ),
-        )
-    with pytest.raises(ParameterError, match="AircraftGains"):
-        DesignPoint(0.0, 200.0, "737")
+BARE = DesignPoint(0.0, 200.0, dataclasses.replace(GAINS["737"], envelope=None))
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda points: GainSchedule("737", points[::-1]), "sorted by altitude"),
+        (lambda points: GainSchedule("737", points, nominal=3), "index of one of 3 points"),
+        (lambda points: GainSchedule("737", (BARE, *points)), "envelope limits, or none"),
+        (lambda points: GainSchedule("737", None), "list of DesignPoint"),
+        (lambda points: GainSchedule("737", (3,)), "list of DesignPoint"),
+        (lambda points: GainSchedule("737", points[0]), "list of DesignPoint"),
+        (lambda points: GainSchedule("737", iter([1])), "list of DesignPoint"),
+        (lambda points: DesignPoint(0.0, 200.0, "737"), "AircraftGains"),
+        (lambda points: GainSchedule("737", points).at(np.nan, 90.0), "must be"),
+        (lambda points: GainSchedule("737", points).at(0.0, None), "must be"),
+    ],
+)
+def test_schedules_that_cannot_be(schedule, make, words):
+    with pytest.raises(ParameterError, match=words):
+        make(schedule.points)
 
 
 def test_the_page_shows_the_gains_that_are_flown():

@@ -46,27 +46,26 @@ def limits(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "flight", "change", "height", "lowest"),
+    ("name", "flight", "change", "seconds", "lowest"),
     first(
         [
             # unprotected: 46 kt, alpha 24 deg and 4366 ft lost; alpha 45 deg and into the sea
             ("c172p", {}, -35.0, 60.0, 55.0),
-            ("c172p", {"altitude": 7000.0, "speed": 75.0}, -20.0, 60.0, 55.0),
+            ("c172p", {"altitude": 7000.0, "speed": 75.0}, -20.0, 100.0, 55.0),
             # it trims at 172.4 KCAS with 9.5 deg, alpha_max / 1.21
-            ("737", {}, -140.0, 60.0, 172.4),
+            ("737", {}, -140.0, 150.0, 172.4),
         ]
     ),
 )
-def test_slow_airspeeds_are_flown_without_a_stall(name, flight, change, height, lowest):
-    record = fly(
-        start(name, **flight), 100.0 if name == "c172p" else 150.0, {"vc_ref": step(change)}
-    )
+def test_slow_airspeeds_are_flown_without_a_stall(name, flight, change, seconds, lowest):
+    record = fly(start(name, **flight), seconds, {"vc_ref": step(change)})
     assert np.max(record["alpha"]) < limits(name).alpha_max
-    assert np.max(np.abs(record["h"] - record["h"][0])) < height
+    assert np.max(np.abs(record["h"] - record["h"][0])) < 60.0
     assert record["vc"][-1] == pytest.approx(lowest, abs=2.0)
     assert record["h"][-1] == pytest.approx(record["h"][0], abs=3.0)
 
 
+@pytest.mark.long
 def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
     # at 8000 ft and full throttle the c172p climbs at 6 ft/s; 10 are asked for
     record = fly(start("c172p", altitude=8000.0), 90.0, {"h_ref": step(2500.0)})
@@ -75,31 +74,33 @@ def test_a_climb_beyond_the_thrust_keeps_the_airspeed():
 
 
 @pytest.mark.filterwarnings("ignore:Autopilot.* far below")
-@pytest.mark.parametrize("name", first(["c172p", "737", "global5000"]))
-def test_pitch_hold_gives_way_before_the_stall(name):
+@pytest.mark.parametrize(
+    ("name", "seconds"), first([("c172p", 30.0), ("737", 90.0), ("global5000", 90.0)])
+)
+def test_pitch_hold_gives_way_before_the_stall(name, seconds):
     record = fly(
-        start(name), 90.0, {"pitch_mode": on, "theta_ref": step(25.0), "vc_ref": step(-300.0)}
+        start(name), seconds, {"pitch_mode": on, "theta_ref": step(25.0), "vc_ref": step(-300.0)}
     )
     assert np.max(record["alpha"]) < limits(name).alpha_max + 1.0
     assert np.max(record["theta"]) > record["theta"][0] + 5.0  # it does pitch up
 
 
 @pytest.mark.parametrize(
-    ("name", "flight", "alpha", "stall", "loss"),
+    ("name", "flight", "seconds", "alpha", "stall", "loss"),
     first(
         [
-            ("c172p", {"speed": 70.0}, 17.5, 16.1, 150.0),
-            ("737", {"altitude": 15_000.0, "speed": 200.0}, 18.0, 13.2, 1100.0),
-            ("global5000", {"speed": 190.0}, 18.0, 13.2, 1000.0),
+            ("c172p", {"speed": 70.0}, 60, 17.5, 16.1, 150.0),
+            ("737", {"altitude": 15_000.0, "speed": 200.0}, 200, 18.0, 13.2, 1100.0),
+            ("global5000", {"speed": 190.0}, 200, 18.0, 13.2, 1000.0),
         ]
     ),
 )
-def test_a_stall_entered_by_hand_is_recovered(name, flight, alpha, stall, loss):
+def test_a_stall_entered_by_hand_is_recovered(name, flight, seconds, alpha, stall, loss):
     # everything off, the throttle closed and the elevator pulled until the aircraft has stalled
     plane, autopilot = start(name, **flight), Autopilot(name)
     state, y = autopilot.initial_state(), [float(plane.outputs[n]) for n in STATES]
     stalled, record = False, []
-    for k in range(200 * 120):
+    for k in range(seconds * 120):
         seen = dict(zip(STATES, y, strict=True))
         stalled = stalled or seen["alpha"] > alpha
         u = [
@@ -164,7 +165,8 @@ HEAVY = {  # name: fuel of each of two tanks in lb, airspeed, airspeed demanded,
 }
 
 
-@pytest.mark.parametrize("name", first(HEAVY))
+@pytest.mark.long
+@pytest.mark.parametrize("name", HEAVY)
 def test_heavy_aircraft_stay_faster(name):
     pounds, speed, asked, lost = HEAVY[name]
     condition = TrimCondition(
@@ -182,14 +184,14 @@ def test_heavy_aircraft_stay_faster(name):
     assert record["h"][-1] == pytest.approx(7700.0, abs=10.0)
 
 
-@pytest.mark.parametrize("name", first(["f15", "c172r", "pa28"]))
-def test_a_steep_bank_at_low_airspeed_costs_no_height(name):
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "speed", "altitude", "gear"),
+    [("f15", 201.0, 7700.0, 0.0), ("c172r", 100.0, 5000.0, None), ("pa28", 96.0, 2000.0, None)],
+)
+def test_a_steep_bank_at_low_airspeed_costs_no_height(name, speed, altitude, gear):
     # 4,268 ft (f15) and more: the bank gives way before the height
-    gear = {"gear": 0.0} if name == "f15" else {}
-    speed, altitude = {"f15": (201.0, 7700.0), "c172r": (100.0, 5000.0), "pa28": (96.0, 2000.0)}[
-        name
-    ]
-    plane = Aircraft(name, altitude=altitude, speed=speed, T=T, substeps=2, **gear)
+    plane = Aircraft(name, altitude=altitude, speed=speed, T=T, substeps=2, gear=gear)
     ports = {"vc_ref": step(-0.35 * speed), "roll_mode": on, "phi_ref": step(60.0)}
     record = fly(plane, 60.0, ports, T=T)
     limit = loop_gains(name, "envelope")[0].alpha_max
@@ -201,7 +203,7 @@ def test_a_steep_bank_at_low_airspeed_costs_no_height(name):
 def test_flaps_lower_the_lowest_airspeed():
     # clean it is 178 kt, to which it accelerated by itself
     plane = Aircraft("737", altitude=3000.0, speed=150.0, flaps=0.5, gear=1.0, T=T, substeps=2)
-    record = fly(plane, 60.0, {}, T=T)
+    record = fly(plane, 15.0, {}, T=T)
     assert np.ptp(record["vc"]) < 1.0
 
 
@@ -246,7 +248,7 @@ def test_throttle_is_added_where_the_ground_forbids_the_descent():
         "h_ref": step(5000.0),
         "h_agl": lambda t: float(plane.outputs["h_agl"]),
     }
-    record = fly(plane, 90.0, ports, T=T, gains="F80C")
+    record = fly(plane, 45.0, ports, T=T, gains="F80C")
     assert np.min(record["h"]) > 60.0
 
 
@@ -294,28 +296,29 @@ def test_a_descent_takes_no_more_than_its_airspeed_leaves(name, speed):
 
 def test_no_descent_below_100_ft_above_the_ground():
     plane = Aircraft(
-        "c172p", altitude=1000.0, speed=90.0, T=T, substeps=2, output_properties=["h_agl"]
+        "c172p", altitude=350.0, speed=90.0, T=T, substeps=2, output_properties=["h_agl"]
     )
-    ports = {"h_ref": step(-1500.0), "h_agl": lambda t: float(plane.outputs["h_agl"])}
-    record = fly(plane, 200.0, ports, T=T)
+    ports = {"h_ref": step(-850.0), "h_agl": lambda t: float(plane.outputs["h_agl"])}
+    record = fly(plane, 60.0, ports, T=T)
     assert 90.0 < np.min(record["h"]) < 130.0
 
 
-@pytest.mark.parametrize(("name", "altitude", "speed"), first([("c182", 7700.0, 93.0)]))
-def test_descents_take_what_the_aircraft_has(name, altitude, speed):
+def test_descents_take_what_the_aircraft_has():
     # 1.9 ft/s, the climb that the engine has left there
-    plane = Aircraft(name, altitude=altitude, speed=speed, T=T, substeps=2)
-    record = fly(plane, 60.0, {"h_ref": step(-600.0)}, T=T)
+    plane = Aircraft("c182", altitude=7700.0, speed=93.0, T=T, substeps=2)
+    record = fly(plane, 30.0, {"h_ref": step(-600.0)}, T=T)
     assert np.min(record["hdot"]) < -8.0
-    assert record["h"][-1] > altitude - 601.0
-    assert np.max(record["vc"]) < speed + 30.0
+    assert np.max(record["vc"]) < 93.0 + 30.0
 
 
-@pytest.mark.parametrize("name", first(["c310", "OV10", "737"]))
-def test_a_failed_engine_leaves_no_heading_error(name):
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "altitude", "speed"),
+    [("c310", 5000.0, 111.0), ("OV10", 5000.0, 193.0), ("737", 10_000.0, 280.0)],
+)
+def test_a_failed_engine_leaves_no_heading_error(name, altitude, speed):
     # 3.1, 2.1 and 1.4 deg with the bank of straight flight of the gains
-    there = {"c310": (5000.0, 111.0), "OV10": (5000.0, 193.0), "737": (10_000.0, 280.0)}[name]
-    condition = TrimCondition(altitude=there[0], speed=there[1], gear=0.0, heading=90.0)
+    condition = TrimCondition(altitude=altitude, speed=speed, gear=0.0, heading=90.0)
     plane = Aircraft(name, condition=condition, T=T, substeps=2, input_properties=["throttle[0]"])
     autopilot = Autopilot(name, T=T)
     state, y, psi = autopilot.initial_state(), plane.outputs.to_array(), []
@@ -398,8 +401,8 @@ def test_without_the_airspeed_altitude_hold_keeps_the_angle_of_attack_alone():
         dt=1 / 120,
         log=False,
     )
-    sim.run(20.0)
-    assert plane.outputs["h"] > 5080.0
+    sim.run(10.0)
+    assert plane.outputs["h"] > 5040.0
 
 
 def test_a_gust_is_no_loss_of_energy():
@@ -548,30 +551,18 @@ def fly_a_sequence(seed):
     return name, alpha, stays > STAY, missed
 
 
-def check_a_sequence(seed):
-    name, alpha, reached, missed = fly_a_sequence(seed)
-    assert alpha < limits(name).alpha_max + 1.0, (seed, name)
-    assert reached, (seed, name, missed)
-
-
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:Autopilot.* far below")
-@pytest.mark.parametrize("seed", [0, 1, 2])
+# 297 is a c172p asked for 59 KCAS after a long descent at little throttle
+@pytest.mark.parametrize("seed", sorted({297, *range(bounded(15, 503))}))
 def test_no_sequence_of_references_leads_into_the_stall(seed):
-    check_a_sequence(seed)
-
-
-@pytest.mark.filterwarnings("ignore:Autopilot.* far below")
-@pytest.mark.long
-def test_many_sequences_of_references():
-    # 297 is a c172p asked for 59 KCAS after a long descent at little throttle
-    for seed in {297, *range(3, bounded(15, 503))}:
-        check_a_sequence(seed)
+    name, alpha, reached, missed = fly_a_sequence(seed)
+    assert alpha < limits(name).alpha_max + 1.0, name
+    assert reached, (name, missed)
 
 
 def test_a_limit_of_ones_own_and_none():
-    mild = {"vc_ref": step(-35.0)}
-    record = fly(start("c172p"), 60.0, mild, alpha_max=6.0)
+    record = fly(start("c172p"), 30.0, {"vc_ref": step(-35.0)}, alpha_max=6.0)
     assert np.max(record["alpha"]) < 7.0
     numbers = {name: getattr(GAINS["c172p"], name) for name in ("altitude", "pitch")}
     assert AltitudeHold(numbers).vertical.envelope is None

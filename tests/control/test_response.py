@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from how_many import first
 
 from pathsim_jsbsim_blocks import BlocksError, ParameterError
 from pathsim_jsbsim_blocks.control import response_quality
@@ -24,8 +25,10 @@ def second_order(damping, frequency, time=TIME):
     return np.real(y)
 
 
-@pytest.mark.parametrize("frequency", [0.5, 2.0])
-@pytest.mark.parametrize("damping", [0.2, 0.5, 0.7, 1.0, 1.5])
+@pytest.mark.parametrize(
+    ("damping", "frequency"),
+    first([(0.2, 2.0), (0.7, 0.5), (1.0, 2.0), (1.5, 0.5), (0.5, 2.0), (0.2, 0.5)], 4),
+)
 def test_second_order_systems_as_python_control_has_them(damping, frequency):
     control = pytest.importorskip("control")
     system = control.tf([frequency**2], [1.0, 2 * damping * frequency, frequency**2])
