@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 import pytest
-from flights import T
+from flights import T, samples
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
@@ -45,6 +45,11 @@ def seen(receiver, *u, samples=1):
         y, state = receiver.law(list(u), state)
         rows.append(y)
     return np.array(rows)
+
+
+def sampled(block, *rows):
+    """The outputs of the last of some samples."""
+    return list(samples(block, rows))[-1]
 
 
 @pytest.mark.parametrize("course", [0.0, 140.0, 265.0])
@@ -95,15 +100,14 @@ def test_a_beam_has_a_width_and_repeatable_noise():
     assert np.corrcoef(error[:-60], error[60:])[0, 1] == pytest.approx(math.exp(-1.0), abs=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "start", "below", "seconds"),
-    first(
-        [
-            # V tan(3 deg) is 27 ft/s and 8 ft/s, hdot_max 25 ft/s and 1.6 ft/s
-            ("737", {"altitude": 6000.0, "speed": 280.0, "gear": 0.0}, 2430.0, 200.0),
-            ("pa28", {"altitude": 2000.0, "speed": 95.0, "solver": "newton"}, 1156.0, 260.0),
-        ]
-    ),
+    [
+        # V tan(3 deg) is 27 ft/s and 8 ft/s, hdot_max 25 ft/s and 1.6 ft/s
+        ("737", {"altitude": 6000.0, "speed": 280.0, "gear": 0.0}, 2430.0, 200.0),
+        ("pa28", {"altitude": 2000.0, "speed": 95.0, "solver": "newton"}, 1156.0, 260.0),
+    ],
 )
 def test_the_altitude_is_held_until_the_glide_path_is_met(name, start, below, seconds):
     altitude = start["altitude"]
@@ -126,6 +130,7 @@ def test_the_altitude_is_held_until_the_glide_path_is_met(name, start, below, se
     assert flight["h"][-1] < altitude - 300.0
 
 
+@pytest.mark.long
 def test_on_request_the_glide_path_is_captured_from_above():
     away = 1500.0 / math.tan(math.radians(3.0))
     threshold = ((away - 6000.0) / 362_760.0, 0.0)
@@ -189,8 +194,8 @@ def approached(diagram, until=lambda outputs: outputs["phase"] >= 1.0):
 
 
 def calm(name, **more):
-    """A landing in still air, from 2000 ft before the glide path."""
-    height, longitude = {"737": (600.0, 10.945), "c172p": (300.0, 10.972)}[name]
+    """A landing in still air, from some seconds before the glide path."""
+    height, longitude = {"737": (600.0, 10.945), "c172p": (200.0, 10.980)}[name]
     own = load_diagram(f"autoland_{name}").aircraft.condition
     condition = TrimCondition(
         altitude=height + 500.0,
@@ -207,27 +212,29 @@ def calm(name, **more):
 
 def test_without_a_gain_on_the_heading_a_localizer_is_not_captured():
     hold = LocalizerHold(gains={"heading": {"Kp": 0.0, "Ki": 0.0}, "roll": "c172p"}, course=30)
-    state = hold.initial_state()
-    for distance in (20000.0, 19999.0, 19998.0):
-        outputs, state = hold.law([30.0, 0.0, 0.0, 500.0, distance, 0.0, 0.0, 0.0], state)
-    assert np.isfinite(outputs).all()
+    rows = [{"psi": 30.0, "loc_ft": 500.0, "loc_dist": 20_000.0 - k} for k in range(3)]
+    outputs = sampled(hold, *rows)
+    assert np.isfinite([*outputs.values()]).all()
     # the course line is approached infinitely slowly
-    assert outputs[2] == pytest.approx(30.0)
+    assert outputs["chi_cmd"] == pytest.approx(30.0)
 
 
 @pytest.mark.parametrize("heading", [270.0, 300.0, 190.0])
 def test_a_localizer_is_not_captured_outbound(heading):
     # from 8 nmi, on the course line: outbound, and crossing it at 150 and 100 deg
-    hold = LocalizerHold("c172p", course=90.0)
-    state = hold.initial_state()
     away = math.radians(heading - 90.0)
-    for k in range(240):
-        across, along = 130.0 * k * T * math.sin(away), 130.0 * k * T * math.cos(away)
-        u = [heading, 0.0, 0.0, across, 48_600.0 - along, 0.0, 0.0, 75.0]
-        outputs, state = hold.law(u, state)
-    aileron, _, _, captured = outputs
-    assert captured == float(heading == 190.0)
-    assert (aileron == 0.0) != captured
+    rows = [
+        {
+            "psi": heading,
+            "loc_ft": 130.0 * k * T * math.sin(away),
+            "loc_dist": 48_600.0 - 130.0 * k * T * math.cos(away),
+            "vc": 75.0,
+        }
+        for k in range(240)
+    ]
+    outputs = sampled(LocalizerHold("c172p", course=90.0), *rows)
+    assert outputs["captured"] == float(heading == 190.0)
+    assert (outputs["aileron"] == 0.0) != outputs["captured"]
 
 
 def test_a_localizer_is_captured_in_a_crosswind():
@@ -270,7 +277,7 @@ def test_a_landing_in_still_air(name):
     approached(diagram, lambda outputs: outputs["phase"] == 2.0)
     fly(diagram.sim, 8.0)
     assert diagram.flare.outputs["brakes"] > 0.9
-    fly(diagram.sim, 12.0)
+    fly(diagram.sim, 8.0)
     _, (_, wheels) = diagram.landing.read()
     _, (climb, vc) = diagram.rates.read()
     _, (across, distance) = diagram.ground.read()
@@ -306,38 +313,48 @@ def test_a_downdraft_in_the_flare_is_countered():
     assert 0.0 < -climb[int(wheels.argmax()) - 1] < 4.4
 
 
+SINKS = {"hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
+
+
 @pytest.mark.parametrize(
-    ("heights", "expected"),
+    ("heights", "ports", "expected"),
     [
-        ((17.0, 15.0, 10.0, 15.0, 19.0, 21.0), (1, 1, 1, 1, 1, 3)),
+        ((17, 15, 10, 15, 19, 21), {}, [1, 1, 1, 1, 1, 3]),
         # 0 is on the wheels: a bounce, a step of the runway, and a bounce of more than 10 ft
-        ((5.0, 0.0, 2.0, 7.0, 3.0, 0.0, 0.5), (1, 2, 1, 1, 1, 2, 2)),
-        ((5.0, 0.0, 2.0, 8.0, 13.0, 20.0), (1, 2, 1, 1, 3, 3)),
+        ((5, 0, 2, 7, 3, 0, 0.5), {}, [1, 2, 1, 1, 1, 2, 2]),
+        ((5, 0, 2, 8, 13, 20), {}, [1, 2, 1, 1, 3, 3]),
+        # another approach, after it was off
+        (
+            (80, 90, 200, 200, 5),
+            {"go_around": (1, 0, 0, 0, 0), "off": (0, 0, 1, 0, 0)},
+            [3, 3, 0, 0, 1],
+        ),
+        # a course that is not that of the runway, forgotten or in radians: it would steer off it
+        ((56,), {"psi": (90,)}, [3]),
     ],
 )
-def test_a_flare_that_climbs_is_given_up_and_a_bounce_is_flared_again(heights, expected):
-    flare = FlareHold("c172p")
-    state, phases = flare.initial_state(), []
-    for height in heights:
-        given = {"h_agl": height + 4.0, "hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
-        given["wow"] = float(height == 0.0)
-        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
-        phases.append(y[flare.output_port_labels["phase"]])
-    assert tuple(phases) == expected
+def test_flare_roll_out_and_go_around_follow_each_other(heights, ports, expected):
+    rows = [
+        SINKS | {"h_agl": height + 4.0, "wow": height == 0, "elevator": 0.01 * height}
+        for height in heights
+    ]
+    for port, values in ports.items():
+        rows = [row | {port: value} for row, value in zip(rows, values, strict=True)]
+    found = list(samples(FlareHold("c172p"), rows))
+    assert [y["phase"] for y in found] == expected
+    for y, row in zip(found, rows, strict=True):
+        assert y["phase"] > 0.0 or y["elevator"] == row["elevator"]
 
 
 def test_a_low_go_around_never_lowers_its_nose():
     # the airspeed falls by 4 ft/s2, which asks for a descent
-    flare = FlareHold("c172p")
-    state, cmd = flare.initial_state(), {}
-    for k in range(360):
-        height = 60.0 if k < 240 else 120.0
-        given = {"h_agl": height, "hdot": 6.0, "theta": 5.0, "vc": 70.0 - 0.02 * k, "alpha": 2.0}
-        given |= {"loc_dist": 9e3, "go_around": 1.0}
-        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
-        cmd[height] = y[flare.output_port_labels["theta_cmd"]]
-        assert height > 100.0 or cmd[height] >= 5.0
-    assert cmd[120.0] < 3.0
+    climbs = SINKS | {"hdot": 6.0, "theta": 5.0, "alpha": 2.0, "go_around": 1.0}
+    rows = [
+        climbs | {"h_agl": 60.0 if k < 240 else 120.0, "vc": 70.0 - 0.02 * k} for k in range(360)
+    ]
+    pitch = [y["theta_cmd"] for y in samples(FlareHold("c172p"), rows)]
+    assert min(pitch[:240]) >= 5.0
+    assert pitch[-1] < 3.0
 
 
 @pytest.mark.long
@@ -449,16 +466,14 @@ def test_a_go_around_keeps_its_heading_with_an_engine_at_idle():
 def test_a_receiver_tuned_to_another_station_captures_nothing(hold):
     # 3 nmi from one on the ground ahead, then 500 ft below and beside the beams of a nearer one
     block = hold("c172p")
-    ports = block.input_port_labels
-    block.inputs.wired = set(ports)
-    state, captured = block.initial_state(), []
+    block.inputs.wired = set(block.input_port_labels)
+    level = {"h": 500.0, "vc": 75.0, "theta": 2.0, "alpha": 2.0}
+    beams = {"loc_ft": 2500.0, "gs_ft": -500.0, "gs_deg": -1.5}
+    rows = []
     for k in range(480):
-        dist = 18_000.0 - k + (8000.0 if k < 240 else 0.0)
-        given = {"loc_ft": 2500.0, "loc_dist": dist, "gs_ft": -500.0, "gs_deg": -1.5}
-        given |= {"gs_dist": dist, "h": 500.0, "vc": 75.0, "theta": 2.0, "alpha": 2.0}
-        outputs, state = block.law([given.get(name, 0.0) for name in ports], state)
-        captured.append(outputs[block.output_port_labels["captured"]])
-    assert not any(captured)
+        away = 18_000.0 - k + (8000.0 if k < 240 else 0.0)
+        rows.append(level | beams | {"loc_dist": away, "gs_dist": away})
+    assert not any(y["captured"] for y in samples(block, rows))
 
 
 def test_without_wheels_to_feel_a_landing_warns():
@@ -473,20 +488,6 @@ def test_without_wheels_to_feel_a_landing_warns():
     ]
     with pytest.warns(RuntimeWarning, match="where no wire comes in: wow$"):
         fly(Simulation([plane, flare, zero], wires, dt=T, log=False), 0.1)
-
-
-def test_another_approach_after_a_go_around():
-    # the law alone: below 6 ft the flare begins
-    flare = FlareHold("c172p")
-    state, phases = flare.initial_state(), []
-    for height, around, off in ((80, 1, 0), (90, 0, 0), (200, 0, 1), (200, 0, 0), (5, 0, 0)):
-        given = {"h_agl": height + 4.0, "hdot": -8.0, "vc": 65.0, "loc_dist": 9e3, "alpha": 4.0}
-        given |= {"go_around": float(around), "off": float(off), "elevator": 0.01 * height}
-        y, state = flare.law([given.get(name, 0.0) for name in flare.input_port_labels], state)
-        phases.append(y[flare.output_port_labels["phase"]])
-        if phases[-1] == 0.0:
-            assert y[flare.output_port_labels["elevator"]] == 0.01 * height
-    assert phases == [3.0, 3.0, 0.0, 0.0, 1.0]
 
 
 @pytest.mark.long
@@ -519,26 +520,15 @@ def test_the_approach_after_a_go_around_lands():
 
 def test_in_the_roll_out_a_gust_is_no_stall():
     # at 13 KCAS an angle of attack of 60 deg is a breeze; the elevator went to its stop
-    flare = FlareHold("c172p")
-    state = flare.initial_state()
-    for k in range(360):
-        given = {"h_agl": 4.0, "vc": 40.0 - 0.075 * k, "loc_dist": 9e3 - k, "theta": -1.0}
-        given |= {"wow": 1.0, "alpha": 2.0 if k < 340 else 60.0}
-        u = [given.get(name, 0.0) for name in flare.input_port_labels]
-        y, state = flare.law(u, state)
-    outputs = dict(zip(flare.output_port_labels, y, strict=True))
+    rolls = {"h_agl": 4.0, "theta": -1.0, "wow": 1.0}
+    rows = [
+        rolls | {"vc": 40.0 - 0.075 * k, "loc_dist": 9e3 - k, "alpha": 2.0 if k < 340 else 60.0}
+        for k in range(360)
+    ]
+    outputs = sampled(FlareHold("c172p"), *rows)
     assert outputs["phase"] == 2.0
     assert outputs["theta_cmd"] == pytest.approx(-1.0)
     assert abs(outputs["elevator"]) < 0.1
-
-
-def test_it_goes_around_where_the_course_is_not_that_of_the_runway():
-    # forgotten, or in radians: it would steer off the runway
-    flare = FlareHold("c172p", course=math.radians(90.0))
-    given = {"h_agl": 60.0, "hdot": -6.0, "psi": 90.0, "vc": 65.0, "loc_dist": 9e3}
-    u = [given.get(name, 0.0) for name in flare.input_port_labels]
-    outputs, _ = flare.law(u, flare.initial_state())
-    assert outputs[flare.output_port_labels["phase"]] == 3.0
 
 
 @pytest.mark.long
