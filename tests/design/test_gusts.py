@@ -74,27 +74,31 @@ def test_moving_air_moves_the_linear_aircraft_as_the_flown_one(rough, wind, sign
         assert amplitudes[name] == pytest.approx(expected, abs=0.03 * abs(expected)), name
 
 
-def test_a_frozen_aircraft_rises_with_the_air(model):
-    # a plant that does nothing by itself: hdot is w
+@pytest.fixture
+def rising(model):
+    """How a plant that does nothing by itself rises with the air."""
     n = len(model.states)
     still = Plant(np.eye(n), np.zeros((n, 1)), np.zeros((len(LINEAR), n)), ["elevator"], LINEAR, T)
+    return lambda h, omega: in_turbulence(still, model, h).response(omega, "up")["hdot"]
+
+
+def test_a_frozen_aircraft_rises_with_the_air(rising):
     omega = np.geomspace(1e-4, 300.0, 2000)
-    rising = in_turbulence(still, model, 5000.0).response(omega, "up")["hdot"]
-    assert rms(omega, rising) == pytest.approx(dryden_field(5000.0).sigma_w, rel=0.01)
+    assert rms(omega, rising(5000.0, omega)) == pytest.approx(
+        dryden_field(5000.0).sigma_w, rel=0.01
+    )
     # and below 1000 ft the air rises less: MIL-F-8785C, a tenth of 30 kt
-    rising = in_turbulence(still, model, 900.0).response(omega, "up")["hdot"]
-    assert rms(omega, rising) == pytest.approx(3.0 * 1852 / 3600 / 0.3048, rel=0.01)
+    low = rms(omega, rising(900.0, omega))
+    assert low == pytest.approx(3.0 * 1852 / 3600 / 0.3048, rel=0.01)
 
 
-def test_the_air_rises_through_a_lag(model):
-    n = len(model.states)
-    still = Plant(np.eye(n), np.zeros((n, 1)), np.zeros((len(LINEAR), n)), ["elevator"], LINEAR, T)
+def test_the_air_rises_through_a_lag(rising):
     omega = np.array([0.01, 0.2, 3.0])
-    rising = in_turbulence(still, model, 5000.0).response(omega, "up")["hdot"]
     # the corner is 2 V / L with L of 1750 ft; 90 KCAS is 163.6 ft/s at 5000 ft (ISA)
     corner = 2.0 * 163.6 / 1750.0
     size = dryden_field(5000.0).sigma_w * np.sqrt(2.0 * corner)
-    assert np.abs(rising) == pytest.approx(size / np.hypot(omega, corner), rel=2e-3)
+    expected = size / np.hypot(omega, corner)
+    assert np.abs(rising(5000.0, omega)) == pytest.approx(expected, rel=2e-3)
 
 
 def test_the_rms_of_independent_noises_adds_in_squares():
@@ -112,30 +116,31 @@ def test_the_share_at_a_stop_is_that_of_normal_numbers(room):
     assert at_a_stop(np.array([0.0]), room)[0] == 0.0
 
 
-def judged(altitude=0.0, pitch=0.0, stop=0.0):
-    return Rough(*(np.array([x]) for x in (altitude, pitch, stop)))
+@pytest.mark.parametrize(
+    ("altitude", "pitch", "stop", "weight", "cost"),
+    [
+        # aimed at are 60 ft as 3.3 rms, 3.75 deg and 1 % of the time
+        (18.0, 3.7, 0.009, 1.0, 0.0),
+        (2.0 * 60.0 / 3.3, 0.0, 0.0, 1.0, 30.0),
+        (0.0, 1.25 * 3.75, 0.0, 1.0, 200.0),
+        (0.0, 0.0, 0.02, 1.0, 40.0),
+        (0.0, 0.0, 0.02, 0.3, 12.0),
+        # above 5.6 deg and 5 % a little less makes no difference
+        (0.0, 5.7, 0.0, 1.0, 400.0),
+        (0.0, 8.0, 0.0, 1.0, 400.0),
+        (0.0, 0.0, 0.051, 1.0, 160.0),
+        (0.0, 0.0, 0.3, 1.0, 160.0),
+    ],
+)
+def test_what_an_excess_costs(altitude, pitch, stop, weight, cost):
+    found = Rough(*(np.array([x]) for x in (altitude, pitch, stop)))
+    assert found.cost(weight)[0] == pytest.approx(cost)
 
 
-def test_what_an_excess_costs():
-    # twice what is aimed at, 60 ft as 3.3 rms and 1 % of the time; 1.25 times 3.75 deg
-    assert judged(altitude=2.0 * 60.0 / 3.3).cost(1.0)[0] == pytest.approx(30.0)
-    assert judged(pitch=1.25 * 3.75).cost(1.0)[0] == pytest.approx(200.0)
-    assert judged(stop=0.02).cost(1.0)[0] == pytest.approx(40.0)
-    assert judged(stop=0.02).cost(0.3)[0] == pytest.approx(12.0)
-    # above 5.6 deg and 5 % a little less makes no difference
-    assert judged(pitch=5.7).cost(1.0)[0] == judged(pitch=8.0).cost(1.0)[0] == 400.0
-    assert judged(stop=0.051).cost(1.0)[0] == judged(stop=0.3).cost(1.0)[0] == 160.0
-
-
-def test_what_is_asked_for_in_turbulence():
-    met = judged(18.0, 3.7, 0.009)
-    assert met.cost(1.0)[0] == 0.0
-    assert met.said(0) == ()
-    for worse in (judged(altitude=19.0), judged(pitch=4.0), judged(stop=0.02)):
-        assert worse.cost(1.0)[0] > 0.0
-    assert judged(stop=0.02).cost(0.0)[0] == 0.0
-    missed = judged(20.0, 5.2, 0.06).said(0)
-    assert missed == (
+def test_what_is_missed_is_said():
+    rough = Rough(*(np.array(x) for x in ((18.0, 20.0), (3.7, 5.2), (0.009, 0.06))))
+    assert rough.said(0) == ()
+    assert rough.said(1) == (
         "turbulence 20 ft rms",
         "turbulence 5.2 deg rms",
         "turbulence 6% at the throttle's stop",

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hand_tuned import GAINS
+from how_many import first
 from scipy.linalg import expm
 
 from pathsim_jsbsim_blocks.control.gains import YawGains
@@ -153,8 +154,8 @@ def climbing(speed, lag):
 
 @pytest.mark.parametrize(
     ("speed", "lag", "hdot_max", "ramp"),
-    # the last needs the pitch angle faster than it may move
-    [(400.0, 1.0, 20.0, 4.0), (170.0, 0.6, 8.0, 4.0), (400.0, 1.0, 20.0, 0.3)],
+    # the first needs the pitch angle faster than it may move
+    first([(400.0, 1.0, 20.0, 0.3), (400.0, 1.0, 20.0, 4.0), (170.0, 0.6, 8.0, 4.0)]),
 )
 def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
     plant = climbing(speed, lag)
@@ -186,8 +187,8 @@ def test_a_climb_settles_as_reported(speed, lag, hdot_max, ramp):
 
 @pytest.mark.parametrize(
     ("room", "step"),
-    # the last leaves the airspeed more than 4 kt behind its reference
-    [((-0.6, 0.4), 10.0), ((-0.3, 0.5), -10.0), ((-0.1, 0.1), 12.0)],
+    # the first leaves the airspeed more than 4 kt behind its reference
+    first([((-0.1, 0.1), 12.0), ((-0.3, 0.5), -10.0), ((-0.6, 0.4), 10.0)]),
 )
 def test_an_airspeed_settles_as_reported(room, step):
     # 6 kt/s of full travel against a drag that takes 60 s, behind an engine that takes 1 s
