@@ -35,7 +35,6 @@ def test_the_reference_velocities_are_those_of_the_regulation(altitude, eas):
 
 def test_shorter_gusts_are_weaker_by_the_sixth_root():
     assert design_gust_velocity(30.0, 0.0) == pytest.approx(56.0 * (30 / 350) ** (1 / 6))
-    assert design_gust_velocity(30.0, 0.0) == pytest.approx(37.18, abs=0.01)
 
 
 def test_a_gust_has_its_shape():
@@ -46,11 +45,6 @@ def test_a_gust_has_its_shape():
     assert y == pytest.approx(-15.0 * (1 - np.cos(np.pi * s / 200.0)), abs=1e-9)
     assert y[abs(time - 1.5).argmin()] == -30.0
     assert y[abs(time - 1.25).argmin()] == pytest.approx(-15.0)
-
-
-def test_the_default_amplitude_is_the_design_velocity():
-    _, y = record(OneMinusCosineGust(gradient=100.0, airspeed=100.0, altitude=10000.0))
-    assert y.max() == design_gust_velocity(100.0, 10000.0)
 
 
 def test_a_long_step_does_not_jump_over_a_short_gust():
@@ -73,15 +67,6 @@ def test_a_long_step_does_not_jump_over_a_short_gust():
     assert area[-1] == pytest.approx(2.0, rel=1e-3)
 
 
-def test_parameters_can_be_edited_before_the_gust():
-    gust, scope = OneMinusCosineGust(amplitude=10.0), Scope()
-    sim = Simulation([gust, scope], [Connection(gust, scope)], dt=0.01, log=False)
-    sim.run(0.5)
-    gust.set(amplitude=20.0, polarity=-1)
-    sim.run(4.0)
-    assert scope.read()[1][0].min() == pytest.approx(-20.0, rel=1e-4)
-
-
 @pytest.mark.parametrize("edited", [{"airspeed": 900.0}, {"gradient": 100.0}, {"start": 5.0}])
 def test_a_gust_edited_in_its_middle_does_not_come_again(edited):
     gust, scope = OneMinusCosineGust(300.0, airspeed=300.0, amplitude=10.0, start=0.5), Scope()
@@ -93,13 +78,6 @@ def test_a_gust_edited_in_its_middle_does_not_come_again(edited):
     # it was at its peak
     assert np.all(np.diff(y[time > 1.5]) <= 0.0)
     assert y[-1] == 0.0
-
-
-def test_a_bad_value_is_not_set():
-    gust = OneMinusCosineGust(airspeed=200.0)
-    with pytest.raises(ParameterError, match="airspeed"):
-        gust.set(amplitude=5.0, airspeed=-3.0)
-    assert (gust.amplitude, gust.airspeed) == (None, 200.0)
 
 
 @pytest.mark.parametrize(
@@ -126,11 +104,13 @@ def test_bad_parameters_are_refused_by_name(keywords, parameter):
     assert error.value.parameter == parameter
 
 
-def test_a_bad_alleviation_is_refused():
-    for factor in (0.0, 1.01):
-        with pytest.raises(ParameterError, match="alleviation"):
-            design_gust_velocity(100.0, 0.0, factor)
+@pytest.mark.parametrize("factor", [0.0, 1.01])
+def test_a_bad_alleviation_is_refused(factor):
+    with pytest.raises(ParameterError, match="alleviation"):
+        design_gust_velocity(100.0, 0.0, factor)
 
 
-def test_a_given_amplitude_takes_any_length():
+def test_the_amplitude_is_the_design_velocity_or_one_for_any_length():
+    gust = OneMinusCosineGust(gradient=100.0, airspeed=100.0, altitude=10000.0)
+    assert gust.peak == design_gust_velocity(100.0, 10000.0)
     assert OneMinusCosineGust(gradient=5000.0, amplitude=10.0, altitude=80000.0).peak == 10.0

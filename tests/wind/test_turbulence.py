@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Constant, Integrator, Scope
-from pathsim.solvers import RKDP54
+from pathsim.blocks import Constant, Scope
 from scipy.integrate import quad
 from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.signal import welch
@@ -79,7 +78,7 @@ def recorded(case, T, flights, samples):
     return out
 
 
-@pytest.fixture(scope="module", params=[LOW, MEDIUM], ids=["low", "medium"])
+@pytest.fixture(scope="module", params=[LOW, pytest.param(MEDIUM, marks=pytest.mark.long)])
 def turbulence(request):
     """10^5 s at 20 Hz, as 1000 flights of 102.4 s that start in the stationary state."""
     T = 1 / 20
@@ -251,52 +250,25 @@ def test_the_block_is_the_recursion_turned_to_north_and_east():
         state = dryden.step(state, 200.0, 230.0, rows[k + 1])
 
 
-def test_the_same_seed_is_the_same_flight_and_another_is_another():
+# large ones such as those of time.time_ns(), which a float does not hold
+@pytest.mark.parametrize("seed", [1, 2**60])
+def test_the_same_seed_is_the_same_flight_and_another_is_another(seed):
     def north(seed):
-        sim, scope = flown(DrydenTurbulence(seed=seed), 3000.0, 400.0, duration=2.0)
-        first = scope.read()[1]
+        sim, scope = flown(DrydenTurbulence(seed=seed), 3000.0, 400.0)
+        before = scope.read()[1]
         sim.run(2.0, reset=True)
-        assert np.array_equal(scope.read()[1], first)
-        return first[0]
+        assert np.array_equal(scope.read()[1], before)
+        return before[0]
 
-    one, again, other = north(1), north(1), north(2)
+    one, again, other = north(seed), north(seed), north(seed + 1)
     assert np.array_equal(one, again)
     assert abs(np.corrcoef(one, other)[0, 1]) < 0.9
-    assert not np.allclose(one, other)
 
 
-def test_large_seeds_one_apart_are_two_seeds():
-    # such as those of time.time_ns(), which a float does not hold
-    one, other = (
-        flown(DrydenTurbulence(seed=2**60 + i), 3000.0, 400.0, duration=0.1)[1].read()[1]
-        for i in (0, 1)
-    )
-    assert not np.allclose(one, other)
-
-
-def test_pieces_solver_stages_and_smaller_steps_change_nothing():
+def test_smaller_steps_change_nothing():
     _, scope = flown(DrydenTurbulence(), 3000.0, 400.0)
-    whole = scope.read()[1]
-    sim, scope = flown(DrydenTurbulence(), 3000.0, 400.0, duration=1.0)
-    sim.run(1.0)
-    assert np.array_equal(scope.read()[1], whole)
-    _, scope = flown(DrydenTurbulence(), 3000.0, 400.0, dt=1 / 240)
-    assert np.array_equal(scope.read()[1][:, ::2], whole)
-    scope = Scope()
-    block, h, vt, state = DrydenTurbulence(), Constant(3000.0), Constant(400.0), Integrator(0.0)
-    sim = Simulation(
-        [block, h, vt, scope, state],
-        [
-            Connection(h, block["h"]),
-            Connection(vt, block["vt"]),
-            Connection(block["north"], scope, state),
-        ],
-        Solver=RKDP54,
-        dt=1 / 120,
-        log=False,
-    )
-    sim.run(1.0, adaptive=False)
-    assert np.array_equal(scope.read()[1][0], whole[0, : len(scope.read()[0])])
+    _, fine = flown(DrydenTurbulence(), 3000.0, 400.0, dt=1 / 240)
+    assert np.array_equal(fine.read()[1][:, ::2], scope.read()[1])
 
 
 def test_frozen_air_and_calm_air():
@@ -317,11 +289,6 @@ def test_nan_is_handed_on_to_the_aircraft_which_refuses_it():
     block = DrydenTurbulence()
     y, _ = block.law([math.nan, 300.0, 0.0], block.initial_state())
     assert np.isnan(y[:2]).all()
-
-
-def test_a_wire_that_is_missing_is_named():
-    with pytest.warns(RuntimeWarning, match="DrydenTurbulence measures 0 .* h, vt"):
-        Simulation([DrydenTurbulence()], dt=1 / 120, log=False).run(0.1)
 
 
 @pytest.mark.parametrize(
@@ -349,15 +316,3 @@ def test_bad_parameters_are_refused_by_name(keywords, parameter):
 def test_a_bad_height_is_refused():
     with pytest.raises(ParameterError, match="h must be finite"):
         dryden_field(math.nan)
-
-
-def test_parameters_can_be_edited_while_it_runs():
-    block = DrydenTurbulence(sigma=5.0)
-    sim, scope = flown(block, 3000.0, 400.0, duration=1.0)
-    with pytest.raises(ParameterError):
-        block.sigma = -1.0
-    block.sigma = 10.0
-    sim.run(1.0)
-    _, twin = flown(DrydenTurbulence(sigma=5.0), 3000.0, 400.0)
-    after = slice(125, None)
-    assert scope.read()[1][:, after] == pytest.approx(2 * twin.read()[1][:, after], abs=1e-12)
