@@ -89,7 +89,7 @@ def test_pitch_hold_gives_way_before_the_stall(name, seconds):
     ("name", "flight", "seconds", "alpha", "stall", "loss"),
     first(
         [
-            ("c172p", {"speed": 70.0}, 60, 17.5, 16.1, 150.0),
+            ("c172p", {"speed": 70.0}, 100, 17.5, 16.1, 150.0),
             ("737", {"altitude": 15_000.0, "speed": 200.0}, 200, 18.0, 13.2, 1100.0),
             ("global5000", {"speed": 190.0}, 200, 18.0, 13.2, 1000.0),
         ]
