@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import warnings
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from pathsim.blocks import Block
 
@@ -13,9 +13,8 @@ from .._core.checks import as_path, number
 from ..scripts.first_run import FirstRun
 from . import pvm
 from .diagram import Diagram
-from .proof import Proof, Rehearsal
+from .proof import Difference, Job, Proof, prove, surroundings
 from .reader import read_diagram
-from .rehearsal import Difference, Job, seed_unseeded
 from .shape import Json
 
 _CHECKED = 60.0  # s of processing
@@ -89,8 +88,9 @@ def script_model(
 
     A warning names what the script does after its first run, which is not in the model.
     """
-    with _ONE_AT_A_TIME, Rehearsal(script) as rehearsal:
-        first_run = FirstRun(script, lambda s: _proven(s, rehearsal, existing, check))
+    with _ONE_AT_A_TIME:
+        process = surroundings()
+        first_run = FirstRun(script, lambda s: _proven(s, process, existing, check))
     found = [(line, f"the model opens {name!r}, which it finds only if it is started in the "
               "script's directory") for name, line in first_run.files.items()]  # fmt: skip
     if rest := first_run.left_out():
@@ -106,67 +106,52 @@ def script_model(
 
 
 def _proven(
-    script: FirstRun, rehearsal: Rehearsal, existing: Json | None, check: float
+    script: FirstRun, process: dict[str, Any], existing: Json | None, check: float
 ) -> tuple[Json, Proof]:
     """The model of a script, whose first run begins, which flies as it does."""
     diagram = read_diagram(script)
     content = pvm.model(diagram, existing)
-    run = {
-        "duration": diagram.duration,
-        "reset": bool(script.begun and script.begun.arguments.get("reset")),
-        "adaptive": True,
-    }
     blocks = {n: p.value for n, p in diagram.parts.items() if isinstance(p.value, Block)}
-    difference = rehearsal.build(
-        Job(
-            text=pvm.text(content),
-            path=str(script.path),
-            # the script has imported them already
-            toolboxes=[f"{t.package}:{t.import_path}" for t in diagram.toolboxes],
-            process=rehearsal.surroundings,
-            blocks=list(blocks),
-            parameters={name: diagram.parts[name].target.params for name in blocks},
-            seeded=diagram.seeded,
-            unseeded=diagram.unseeded,
-            run=run,
-        )
+    job = Job(
+        text=pvm.text(content),
+        path=script.path,
+        # the script has imported them already
+        toolboxes=[f"{t.package}:{t.import_path}" for t in diagram.toolboxes],
+        process=process,
+        blocks=list(blocks),
+        expressions=[e for name in blocks for e in diagram.parts[name].target.params.values()],
+        seeded=diagram.seeded,
+        unseeded=diagram.unseeded,
+        run={
+            "duration": diagram.duration,
+            "reset": bool(script.begun and script.begun.arguments.get("reset")),
+            "adaptive": True,
+        },
     )
-    seed_unseeded([blocks[n] for n in diagram.unseeded], diagram.seeded)
-    outcome = difference or rehearsal.fly(script.simulation, run, blocks, check)
-    if isinstance(outcome, Difference):
-        _refuse(outcome, script, diagram)
-    return content, outcome
+    try:
+        return content, prove(script.simulation, blocks, job, check)
+    except Difference as difference:
+        _refuse(difference, script, diagram)
 
 
 def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     """Say where the model is not as the script: block, port, time, and the likely line."""
-    if found.variable:
-        part = diagram.parts[found.variable].value
-        what = script.called(part)
-        place = script.last_mention(*script.names_of(part), script.target(part)) or script.built_at(
-            part
-        )
-    else:
-        part, what, place = None, found.name or "the model", script.run_call
-    if found.error and part is not None:
-        script.refuse(
-            f"PathView cannot evaluate parameter {found.name!r} of {what} before the blocks "
-            f"exist: {found.error}",
-            script.built_at(part),
-        )
-    if found.error:
-        script.refuse(f"{what} cannot be built: {found.error}", place)
-    values = f"{found.here}, and {found.there} in the model"
     at = f"at t = {found.time!r} s"
-    if part is None:
-        script.refuse(f"{at} the script {found.here}, and the model {found.there}", place)
+    if not found.variable:
+        parting = f"{at} the script {found.here}, and the model {found.there}"
+        script.refuse(parting, script.run_call)
+    part = diagram.parts[found.variable].value
+    built = script.built_at(part)
+    place = script.last_mention(*script.names_of(part), script.target(part)) or built
     why = "it depends on something that the model does not have, such as random numbers without "
     why += "a seed"
-    if place is not script.built_at(part):
+    if place is not built:
         why = f"line {getattr(place, 'lineno', 0)} may change it after it is built"
     if script.states:
         method, line = script.states[-1]
         why = f"{method}() in line {line} changes its state before the run"
     script.refuse(
-        f"{what} flies otherwise in the model: port {found.name} {at} is {values}; {why}", place
+        f"{script.called(part)} flies otherwise in the model: port {found.port} {at} is "
+        f"{found.here}, and {found.there} in the model; {why}",
+        place,
     )

@@ -1,27 +1,57 @@
-"""Prove a model by flight: fly it beside its script, in a separate process."""
+"""Prove a model by flight: built from its text in a separate process, it flies beside its script.
+
+`rehearse` is the program of that process, and `prove` the script's side.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import json
+import logging
 import multiprocessing
 import os
+import signal
 import sys
 import time
 import types
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 from pathsim import Simulation
+from pathsim.blocks import Block
 
-from .._core.pathsim_internals import each_sample
+from .._core.pathsim_internals import each_sample, port_names
+from .._core.seeding import seed_blocks
 from ..errors import DiagramError
-from .rehearsal import Difference, Ended, Job, Row, rehearse, row
+from .generate import to_python
+from .toolboxes import registry_for
 
 _AT_ONCE = 200  # rows
+
+# the outputs of all blocks when the simulation samples: time, and the values of each block
+Row = tuple[float, tuple[bytes, ...]]
+
+
+@dataclass
+class Job:
+    """A model, and what its script has when its first run begins."""
+
+    text: str  # of the model file
+    path: Path  # the script, for messages
+    toolboxes: list[str]  # what the model may import
+    process: dict[str, Any]  # `surroundings` before the script ran
+    blocks: list[str]  # PathView's variables
+    expressions: list[str]  # of all parameters
+    seeded: bool  # whether the script has seeded NumPy's global generator
+    unseeded: list[str]  # blocks that draw random numbers without a seed, by variable
+    run: dict[str, Any]  # arguments of the run
 
 
 @dataclass(frozen=True)
@@ -42,83 +72,173 @@ class Proof:
         )
 
 
-class Rehearsal:
-    """A process in which a script's model flies; it knows nothing of the script but the model.
+@dataclass
+class Difference(Exception):
+    """Where the model does not fly as the script's diagram."""
 
-    As a context: it ends with it.
+    time: float
+    here: str
+    there: str
+    variable: str = ""  # a block
+    port: str = ""
+
+
+class _Ended(BaseException):
+    """The time to compare is over."""
+
+
+def surroundings() -> dict[str, Any]:
+    """Where a script begins."""
+    return {"environment": dict(os.environ), "folder": os.getcwd(), "path": list(sys.path)}
+
+
+# the model's side ---------------------------------------------------------------------------------
+
+
+def rehearse(pipe: Connection, job: Job) -> None:
+    """Send why the model cannot be built, or "", then its rows, and how its flight has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the script's process ends this one
+    _be_pathview(job.process)
+    rows: list[Row] = []
+
+    def take(t: float) -> None:
+        rows.append(_row(t, blocks))
+        if len(rows) >= _AT_ONCE:
+            pipe.send(rows)
+            rows.clear()
+
+    end = "has ended"
+    try:
+        built = _built(job)
+        blocks = [built[name] for name in job.blocks]
+        _seed([built[name] for name in job.unseeded], job.seeded)
+        pipe.send("")
+        with each_sample(built["sim"], take):
+            built["sim"].run(**job.run)
+    except BaseException as error:
+        end = f"fails: {type(error).__name__}: {error}"
+    pipe.send(rows)
+    pipe.send(end)
+
+
+def _be_pathview(process: Mapping[str, Any]) -> None:
+    """PathView's process where the script began: other arguments, no output."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    os.environ.clear()
+    os.environ.update(process["environment"])
+    sys.path[:] = process["path"]
+    with contextlib.suppress(OSError):
+        os.chdir(process["folder"])
+    sys.argv = ["pathview", "serve", "--port", "5000"]
+    logging.disable(logging.INFO)
+    warnings.simplefilter("ignore")
+
+
+def _built(job: Job) -> dict[str, Any]:
+    """The names of the model's script, which it builds."""
+    content = json.loads(job.text)
+    # PathView evaluates parameters with the code alone, before there are blocks
+    namespace: dict[str, Any] = {"np": np, "__name__": "pathview"}
+    exec(compile(content["codeContext"]["code"], "code", "exec", dont_inherit=True), namespace)
+    for expression in job.expressions:
+        eval(compile(expression, expression, "eval", dont_inherit=True), namespace)
+    registry = registry_for(content, job.path, trust_toolboxes=job.toolboxes)
+    code = to_python(content, registry, job.path)
+    namespace = {"__name__": "pathview"}
+    exec(compile(code, "model", "exec", dont_inherit=True), namespace)
+    if job.run["reset"]:
+        namespace["sim"].reset()
+    return namespace
+
+
+# the script's side --------------------------------------------------------------------------------
+
+
+def prove(simulation: Simulation, blocks: Mapping[str, Block], job: Job, limit: float) -> Proof:
+    """Fly a simulation beside its model, for ``limit`` s of processing at most.
+
+    It raises a `Difference` where they part, and a `DiagramError` if there is no flight to compare.
     """
+    pipe, theirs = _processes().Pipe()
+    process = _processes().Process(target=rehearse, args=(theirs, job))
+    # the process would import the main program
+    with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
+        process.start()
+    theirs.close()
+    try:
+        if failed := _received(pipe, job.path):
+            reason = failed.removeprefix("fails: ")
+            raise DiagramError(f"the model cannot be built: {reason}", path=job.path)
+        _seed([blocks[name] for name in job.unseeded], job.seeded)
+        return _compared(simulation, blocks, job, pipe, time.process_time() + limit)
+    finally:
+        process.kill()
+        process.join()
+        pipe.close()
 
-    def __init__(self, script: str | Path) -> None:
-        self.script = script
-        # where the script begins
-        self.surroundings = {
-            "environment": dict(os.environ),
-            "folder": os.getcwd(),
-            "path": list(sys.path),
-        }
-        self._process: Any = None
 
-    def __enter__(self) -> Rehearsal:
-        return self
+def _compared(
+    simulation: Simulation, blocks: Mapping[str, Block], job: Job, pipe: Connection, end: float
+) -> Proof:
+    rows = _rows(pipe, job.path)
+    reached, steps, whole = 0.0, -1, True
 
-    def __exit__(self, *_: Any) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._pipe.close()
+    def take(t: float) -> None:
+        nonlocal reached, steps
+        mine, theirs = _row(t, blocks.values()), next(rows)
+        if isinstance(theirs, str):
+            raise Difference(t, "goes on", theirs)
+        if mine != theirs:
+            _part(blocks, mine, theirs)
+        reached, steps = t, steps + 1
+        if time.process_time() > end:
+            raise _Ended
 
-    def build(self, job: Job) -> Difference | None:
-        """Build the model; where it is not as its script's diagram is."""
-        self._pipe, theirs = _processes().Pipe()
-        process = _processes().Process(target=rehearse, args=(theirs, job))
-        # the process would import the main program
-        with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
-            process.start()
-        self._process = process
-        theirs.close()
-        return self._answer()
+    try:
+        with each_sample(simulation, take):
+            Simulation.run(simulation, **job.run)
+        if not isinstance(rest := next(rows), str):
+            raise Difference(rest[0], "has ended", "goes on")
+        if rest.startswith("fails"):
+            raise Difference(reached, "has ended", rest)
+    except _Ended:
+        whole = False
+    signals = sum(len(block.outputs) for block in blocks.values())
+    lost = (n for n, b in blocks.items() if np.isnan(b.outputs.to_array()).any())
+    return Proof(steps, signals, reached, whole, next(lost, ""))
 
-    def fly(
-        self, simulation: Simulation, run: dict[str, Any], blocks: dict[str, Any], limit: float
-    ) -> Proof | Difference:
-        """Fly a simulation beside the model, for ``limit`` s of processing at most."""
-        rows: list[Row] = []
-        reached, steps, end = 0.0, -1, time.process_time() + limit
 
-        def take(t: float) -> None:
-            nonlocal reached, steps
-            rows.append(row(t, blocks.values()))
-            reached, steps = t, steps + 1
-            if len(rows) >= _AT_ONCE:
-                self._send(rows)
-                rows.clear()
-            if time.process_time() > end:
-                raise Ended
+def _part(blocks: Mapping[str, Block], mine: Row, theirs: Row) -> None:
+    """Raise for the first output that is another one; NaN is equal to NaN."""
+    if mine[0] != theirs[0]:
+        raise Difference(mine[0], "samples then", f"samples at {theirs[0]!r}")
+    for (name, block), *both in zip(blocks.items(), mine[1], theirs[1], strict=True):
+        here, there = map(np.frombuffer, both)
+        if len(here) != len(there):
+            raise Difference(mine[0], f"has {len(here)} outputs", f"has {len(there)}", name)
+        unlike = (here.view("i8") != there.view("i8")) & ~(np.isnan(here) & np.isnan(there))
+        if unlike.any():
+            port = int(np.flatnonzero(unlike)[0])
+            label = next((n for n, k in port_names(block.outputs).items() if k == port), str(port))
+            raise Difference(
+                mine[0], repr(float(here[port])), repr(float(there[port])), name, label
+            )
 
-        try:
-            with each_sample(simulation, take):
-                Simulation.run(simulation, **run)
-            whole = True
-        except Ended:
-            whole = False
-        if rows:
-            self._send(rows)
-        self._send(whole)
-        signals = sum(len(block.outputs) for block in blocks.values())
-        lost = (n for n, b in blocks.items() if np.isnan(b.outputs.to_array()).any())
-        return self._answer() or Proof(steps, signals, reached, whole, next(lost, ""))
 
-    def _send(self, value: Any) -> None:
-        with contextlib.suppress(ConnectionError):  # its answer is missing then
-            self._pipe.send(value)
+def _rows(pipe: Connection, path: Path) -> Iterator[Row | str]:
+    """The model's rows as they come, and how its flight has ended."""
+    while not isinstance(message := _received(pipe, path), str):
+        yield from message
+    yield message
 
-    def _answer(self) -> Any:
-        try:
-            return self._pipe.recv()
-        except (EOFError, ConnectionError):
-            raise DiagramError(
-                "the model ends the process in which it flies: its code must not", path=self.script
-            ) from None
+
+def _received(pipe: Connection, path: Path) -> Any:
+    try:
+        return pipe.recv()
+    except (EOFError, ConnectionError):
+        why = "the model ends the process in which it flies: its code must not"
+        raise DiagramError(why, path=path) from None
 
 
 @functools.cache
@@ -129,3 +249,21 @@ def _processes() -> Any:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([rehearse.__module__, "pathview.converter"])
     return context
+
+
+# both sides ---------------------------------------------------------------------------------------
+
+
+def _row(t: float, blocks: Iterable[Block]) -> Row:
+    return float(t), tuple(block.outputs.to_array().tobytes() for block in blocks)
+
+
+def _seed(blocks: Iterable[Block], seeded: bool) -> None:
+    """Give blocks without a seed the same random numbers on both sides.
+
+    NumPy's global generator, too, unless the script has seeded it.
+    """
+    for number, block in enumerate(blocks):
+        seed_blocks([block], number)
+    if not seeded:
+        np.random.seed(0)  # noqa: NPY002
