@@ -6,13 +6,12 @@ block, and a subsystem or the simulation that lists a block would get another on
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection
 from pathlib import Path
 
 from ..errors import DiagramError
 from .shape import Json
-from .variables import plain, prefix_inside
+from .variables import plain, prefix_inside, unique
 
 # names that PathView's script binds in addition to the blocks and the code
 _GENERATED = {"np", "plt", "blocks", "connections", "events", "sim"}
@@ -32,31 +31,31 @@ def without_clashes(
     bound = {*assigned, *_GENERATED}
     taken: set[str] = set()  # variables of the levels done so far
 
-    def renamed(part: Json, kind: str, prefix: str, wishes: Collection[str]) -> Json:
+    def renamed(part: Json, kind: str, prefix: str) -> Json:
         if part["type"] in _NAMELESS:
             return part
-        whole, own = part["type"] == "Subsystem", _variables(part, prefix)
-        for name in sorted(own & bound):
+        whole = part["type"] == "Subsystem"
+        for name in sorted(_variables(part, prefix) & bound):
             if whole or name in called_later:
                 raise DiagramError(
                     f"{'subsystem' if whole else kind} {part['name']!r}: the model's code uses the "
                     f"name {name!r} for something else; rename one of them",
                     path=path,
                 )
-        if own & (bound | taken) or not plain(part["name"]):
+
+        def is_taken(name: str) -> bool:
+            own = _variables({**part, "name": name}, prefix)
+            return not plain(name) or bool(own & (bound | taken))
+
+        if is_taken(part["name"]):
             wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
-            names = itertools.chain([wish], (f"{wish} {i}" for i in itertools.count(2)))
-            used = {*bound, *taken, *wishes}
-            candidates = ({**part, "name": name} for name in names)
-            part = next(p for p in candidates if not _variables(p, prefix) & used)
+            part = {**part, "name": unique(wish, is_taken, " ")}
         taken.update(_variables(part, prefix))
         return part
 
     def level(graph: Json, prefix: str) -> Json:
-        parts = (*graph["nodes"], *graph["events"])
-        wishes = {variable for part in parts for variable in _variables(part, prefix)}
-        nodes = [renamed(n, "block", prefix, wishes) for n in graph["nodes"]]
-        events = [renamed(e, "event", prefix, wishes) for e in graph["events"]]
+        nodes = [renamed(n, "block", prefix) for n in graph["nodes"]]
+        events = [renamed(e, "event", prefix) for e in graph["events"]]
         for i, node in enumerate(nodes):
             if node["type"] == "Subsystem" and "graph" in node:
                 inside = level(node["graph"], prefix_inside(node["name"], prefix))
