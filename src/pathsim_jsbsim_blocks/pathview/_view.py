@@ -8,10 +8,8 @@ import tempfile
 import threading
 import webbrowser
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 from unittest.mock import patch
 
 from ..catalogue import find_diagram
@@ -95,21 +93,12 @@ def _temporary_files() -> Iterator[None]:
 @contextmanager
 def _interrupts() -> Iterator[None]:
     """Closing the terminal or ``kill`` ends the server as Ctrl-C does."""
-
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        raise KeyboardInterrupt
-
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    # only the main thread may handle signals
-    numbers = [
-        getattr(signal, n)
-        for n in names
-        if hasattr(signal, n) and threading.current_thread() is threading.main_thread()
-    ]
-    before = {n: signal.signal(n, interrupt) for n in numbers}
-    try:
-        with suppress(KeyboardInterrupt):
-            yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with ExitStack() as stack:
+        # only the main thread may handle signals
+        in_main = threading.current_thread() is threading.main_thread()
+        for name in ("SIGINT", "SIGTERM", "SIGHUP") if in_main else ():
+            if number := getattr(signal, name, None):
+                before = signal.signal(number, signal.default_int_handler)
+                stack.callback(signal.signal, number, before)
+        stack.enter_context(suppress(KeyboardInterrupt))
+        yield

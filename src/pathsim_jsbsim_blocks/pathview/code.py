@@ -31,12 +31,10 @@ from ..scripts.script import FOLLOWING
 from .expressions import Expressions, same
 from .shape import shortened
 from .sources import Found, of_class, of_function, one_line, text_of
-from .variables import unique
+from .variables import TAKEN, unique
 
 PARTS = (Block, Event, Simulation)
 _STAND_IN = re.compile(r"__part_(\d+)")
-# names that PathView's own script binds
-TAKEN = re.compile(r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64")
 _SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
 _CONTAINERS = (list, tuple, dict, set, np.ndarray)
 _LOCALS = {"globals", "locals", "vars", "eval", "exec"}

@@ -12,10 +12,9 @@ from typing import Any
 
 from ..errors import DiagramError
 from .check import BUSES, NUMBERS, Check, compiling, complete
-from .clashes import without_clashes
 from .diagram import NOTE
 from .shape import Json, with_parts
-from .variables import printable
+from .variables import printable, without_clashes
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:

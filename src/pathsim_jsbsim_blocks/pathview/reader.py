@@ -18,12 +18,12 @@ from pathsim.blocks import Block
 from .._core.pathsim_internals import own_events, port_names
 from .._core.seeding import draws_from_shared, is_random
 from ..scripts.first_run import FirstRun, named_arguments
-from .code import TAKEN, Code, Unwritable
+from .code import Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same
 from .settings import live_settings
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
-from .variables import plain, prefix_inside, unique
+from .variables import TAKEN, plain, prefix_inside, unique
 
 _BY_NAME = "PathView knows blocks by class name only"
 

@@ -1,10 +1,18 @@
-"""How PathView names the variables of a script."""
+"""How PathView names the variables of a script, and names that do not clash there."""
 
 from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+from ..errors import DiagramError
+from .shape import Json
+
+# names that PathView's own script binds
+TAKEN = re.compile(r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64")
+_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # have no variable of their own name
 
 
 def plain(name: str) -> str:
@@ -30,3 +38,64 @@ def unique(wish: str, taken: Callable[[str], bool], mark: str = "_") -> str:
     """A name that is not taken: ``wish``, or with a number behind it."""
     numbered = (f"{wish}{mark}{i}" for i in itertools.count(2))
     return next(name for name in itertools.chain([wish], numbered) if not taken(name))
+
+
+def without_clashes(
+    content: Json, assigned: Collection[str], called_later: Collection[str], path: Path
+) -> Json:
+    """A complete model with new names where a variable would be bound twice.
+
+    Otherwise a parameter that refers to a value of the code would get a block, and a subsystem or
+    the simulation that lists a block would get another one.
+
+    The outer block or event keeps its name; within one level, the first does. ``assigned`` are
+    names that the code binds, and built-in functions that it uses; ``called_later`` are names to
+    which functions refer. A `DiagramError` names what must not be renamed: what functions refer to,
+    and a subsystem, whose name is the prefix of the names of its blocks.
+    """
+    taken: set[str] = set()  # variables of the levels done so far
+
+    def is_bound(variable: str) -> bool:
+        return variable in assigned or bool(TAKEN.fullmatch(variable))
+
+    def renamed(part: Json, kind: str, prefix: str) -> Json:
+        if part["type"] in _NAMELESS:
+            return part
+        whole = part["type"] == "Subsystem"
+        for name in filter(is_bound, sorted(_variables(part, prefix))):
+            if whole or name in called_later:
+                raise DiagramError(
+                    f"{'subsystem' if whole else kind} {part['name']!r}: the model's code uses the "
+                    f"name {name!r} for something else; rename one of them",
+                    path=path,
+                )
+
+        def is_taken(name: str) -> bool:
+            own = _variables({**part, "name": name}, prefix)
+            return not plain(name) or bool(own & taken) or any(map(is_bound, own))
+
+        if is_taken(part["name"]):
+            wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
+            part = {**part, "name": unique(wish, is_taken, " ")}
+        taken.update(_variables(part, prefix))
+        return part
+
+    def level(graph: Json, prefix: str) -> Json:
+        nodes = [renamed(n, "block", prefix) for n in graph["nodes"]]
+        events = [renamed(e, "event", prefix) for e in graph["events"]]
+        for i, node in enumerate(nodes):
+            if node["type"] == "Subsystem" and "graph" in node:
+                inside = level(node["graph"], prefix_inside(node["name"], prefix))
+                nodes[i] = {**node, "graph": inside}
+        return {**graph, "nodes": nodes, "events": events}
+
+    # a model's own events stand beside its graph, those of subsystems in it
+    graph = level({**content["graph"], "events": content["events"]}, "")
+    return {**content, "graph": graph, "events": graph["events"]}
+
+
+def _variables(part: Json, prefix: str) -> set[str]:
+    # PathView puts nothing before a subsystem in a subsystem
+    if part["type"] == "Subsystem":
+        return {plain(part["name"]), f"{prefix_inside(part['name'], prefix)}interface"}
+    return {prefix + plain(part["name"])}
