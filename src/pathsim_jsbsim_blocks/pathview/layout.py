@@ -135,8 +135,8 @@ def _bands(
             (column[w.source] for w in graph.wires if w.target == i and w.source in column),
             default=last,
         )
-    # by the columns that are placed: how many rows, wires between them, the rows
-    best: dict[int, tuple[int, int, list[dict[int, int]]]] = {0: (0, 0, [])}
+    # by the columns that are placed: rows, wires between them, how unequal they are, the rows
+    best: dict[int, tuple[int, int, float, list[dict[int, int]]]] = {0: (0, 0, 0.0, [])}
     for end in range(1, last + 2):
         ways = []
         for start in range(end - 1, -1, -1):
@@ -145,7 +145,7 @@ def _bands(
             width = max((x + sizes[i][0] / 2 for i, x in at.items()), default=0.0)
             if width > page and start < end - 1:
                 break
-            count, wires, bands = best[start]
+            count, wires, unequal, bands = best[start]
             crossing = {
                 (w.source, w.output)
                 for w in graph.wires
@@ -154,9 +154,9 @@ def _bands(
                 and start
                 and (column[w.source] < start) != (column[w.target] < start)
             }
-            ways.append((count + 1, wires + len(crossing), [*bands, band]))
-        best[end] = min(ways, key=lambda way: way[:2])
-    return [band for band in best[last + 1][2] if band]
+            ways.append((count + 1, wires + len(crossing), unequal + width**2, [*bands, band]))
+        best[end] = min(ways, key=lambda way: way[:3])
+    return [band for band in best[last + 1][3] if band]
 
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:

@@ -13,6 +13,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ..catalogue import diagram_folder
 from ..errors import UntrustedModelError
@@ -47,8 +48,26 @@ def require_trust(content: Json, path: Path) -> None:
 
 
 def digest(content: Json) -> str:
-    """A digest of a model's content, whatever the order of its members."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    """A digest of a model's content without times of saving and positions of blocks."""
+
+    def lasting(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {
+                k: v if k == "params" else lasting(v)
+                for k, v in value.items()
+                if not (k == "position" and _coordinates(v))
+            }
+        return [lasting(v) for v in value] if isinstance(value, list) else value
+
+    metadata = content.get("metadata")
+    if isinstance(metadata, dict):
+        kept = {k: v for k, v in metadata.items() if k not in ("created", "modified")}
+        content = {**content, "metadata": kept}
+    return hashlib.sha256(json.dumps(lasting(content), sort_keys=True).encode()).hexdigest()
+
+
+def _coordinates(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(x, (int, float)) for x in value.values())
 
 
 def remember(value: str) -> None:
