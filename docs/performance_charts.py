@@ -54,8 +54,7 @@ take-off and landing; how many values of an aircraft were flown, the median of t
 the processor time, which two cores share: `chart` takes half of it. The last column has the values
 that are missing, with their reasons; a star marks one whose search ended early for such a reason.
 
-{flown} values were flown. The median difference of an aircraft is at most {median:.2g} %. Rows
-that say "out of time" were made with a limit of processor time, which charts no longer have.
+{flown} values were flown. The median difference of an aircraft is at most {median:.2g} %.
 
 `python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
 of each aircraft on one page (PDF):
