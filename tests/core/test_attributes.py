@@ -1,23 +1,14 @@
 """Parameters of an aircraft that are set while it flies act at its next reset."""
 
-import inspect
 import warnings
 
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Block
 
-import pathsim_jsbsim_blocks
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 
 pytestmark = pytest.mark.matrix
-
-BLOCKS = [
-    block
-    for name in pathsim_jsbsim_blocks.__all__
-    if inspect.isclass(block := getattr(pathsim_jsbsim_blocks, name)) and issubclass(block, Block)
-]
 
 
 def flying(plane):

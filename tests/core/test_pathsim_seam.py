@@ -132,14 +132,6 @@ def test_a_piece_of_a_run_begins_as_a_run_does():
         assert np.array_equal(one, two)
 
 
-def test_a_diagram_of_scopes_runs():
-    source, scope = Source(lambda t: 2.0 * t), Scope()
-    sim = Simulation([source, scope], [Connection(source, scope)], dt=0.1, log=False)
-    sim.run(1.0)
-    time, data = scope.read()
-    assert np.allclose(data[0], 2.0 * time)
-
-
 def test_private_names_of_pathsim_are_in_the_seam_only():
     found, private = set(), private_names()
     for file, node in nodes():

@@ -1,7 +1,6 @@
 """The block `DaveML`: its ports, its time, its open inputs, and PathView."""
 
 import math
-import runpy
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from pathsim.solvers import RKCK54
 from test_daveml import WING, written
 
 from pathsim_jsbsim_blocks import BlocksError, DaveML, FlightError, ParameterError
-from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
 
 def lift(alpha, elevator=0.0):
@@ -111,31 +109,3 @@ def test_bad_parameters_are_refused(tmp_path):
     with pytest.raises(ParameterError, match="T cannot become 0 or positive"):
         wing.T = 0.1
     assert (wing.file, wing.T) == (str(file), 0.0)
-
-
-@pytest.mark.long
-def test_it_goes_to_pathview_and_back(tmp_path):
-    pytest.importorskip("pathview")
-    script = tmp_path / "wing.py"
-    script.write_text(f"""
-from pathsim import Connection, Simulation
-from pathsim.blocks import Constant, Scope
-
-from pathsim_jsbsim_blocks import DaveML
-
-DURATION = 1.0
-wing = DaveML({str(written(tmp_path, WING))!r}, T=0.1)
-alpha = Constant(4.0)
-scope = Scope(labels=["lift"])
-sim = Simulation(
-    [wing, alpha, scope],
-    [Connection(alpha, wing["angleOfAttack"]), Connection(wing["lift"], scope[0])],
-    dt=0.1,
-)
-""")
-    back = convert_model(export_script(script), tmp_path / "back.py")
-    again = runpy.run_path(str(back))
-    wing = next(x for x in again.values() if isinstance(x, DaveML))
-    assert (wing.file, wing.T) == (str(tmp_path / "model.dml"), 0.1)
-    again["sim"].run(1.0)
-    assert wing.outputs["lift"] == pytest.approx(0.7)

@@ -323,13 +323,6 @@ def test_what_is_too_large_is_refused(tmp_path, monkeypatch):
         DaveModel(file)
 
 
-def test_a_calculation_without_a_value_names_its_variable(tmp_path):
-    text = WING.replace("<times/>", "<divide/>")
-    with pytest.raises(DaveMLError, match=r"model.dml:5: variable 'CL': no value: .*zero") as error:
-        DaveModel(written(tmp_path, text)).evaluate({"alpha": 1.0})
-    assert (error.value.variable, error.value.line) == ("CL", 5)
-
-
 @pytest.mark.parametrize(
     ("mathml", "a", "said"),
     [

@@ -214,18 +214,6 @@ def test_nothing_is_saturated_before_it_flies_nor_without_an_engine():
     assert [glider.outputs[name] for name in saturations] == [0.0] * 4
 
 
-def test_north_east_and_up_are_positive():
-    plane = Aircraft("c172p", speed=90.0, gamma=3.0, heading=45.0)
-    lat, lon, h = (plane.outputs[name] for name in ("lat", "lon", "h"))
-    Simulation([plane], dt=T, log=False).run(1.0)
-    assert plane.outputs["psi"] == pytest.approx(45.0, abs=1.0)
-    # 1 s at 163 ft/s, north-east: 115 ft each way, of 6076 ft per minute of arc
-    for name, before in (("lat", lat), ("lon", lon)):
-        assert plane.outputs[name] - before == pytest.approx(115 / 6076 / 60, rel=0.02)
-    assert plane.outputs["h"] - h == pytest.approx(163.6 * np.sin(np.radians(3.0)), rel=0.02)
-    assert plane.outputs["gamma"] == pytest.approx(3.0, abs=0.05)
-
-
 @pytest.mark.parametrize(
     ("aircraft", "port", "increment", "command", "excess"),
     [
@@ -233,10 +221,7 @@ def test_north_east_and_up_are_positive():
         ("c172p", "elevator", -2.0, -1.0, -1.0),
         ("c172p", "elevator", 0.5, 0.5, 0.0),
         ("737", "elevator", -2.0, -0.84041, -1.15959),
-        ("737", "elevator", 2.0, 1.0, 1.0),
         ("737", "aileron", 1.25, 1.0, 0.25),
-        ("737", "aileron", -3.0, -1.0, -2.0),
-        ("737", "rudder", 1.25, 1.0, 0.25),
         ("737", "rudder", -3.0, -1.0, -2.0),
     ],
 )

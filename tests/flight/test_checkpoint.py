@@ -1,7 +1,5 @@
 """Checkpoints: blocks with a plain state go on bit for bit; an aircraft refuses, by its reason."""
 
-import copy
-
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
@@ -17,7 +15,6 @@ from pathsim_jsbsim_blocks import (
     PitchHold,
     Sensor,
 )
-from pathsim_jsbsim_blocks.errors import CopyError
 
 pytestmark = pytest.mark.matrix
 
@@ -30,9 +27,6 @@ def test_an_aircraft_refuses_and_leaves_no_file(tmp_path):
     with pytest.raises(ParameterError, match=r"'c172p' cannot be saved in a .* JSBSim cannot save"):
         sim.save_checkpoint(str(tmp_path / "stop"))
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(CopyError) as caught:
-        copy.copy(plane)
-    assert "checkpoint" not in str(caught.value)
 
 
 def test_record_inputs_keeps_its_place_and_says_that_it_is_gone():
@@ -50,9 +44,10 @@ BLOCKS = [
 ]
 
 
-@pytest.mark.parametrize("depth", [0, 1])
 @pytest.mark.parametrize("make", BLOCKS)
-@pytest.mark.parametrize("parts", [1, 2], ids=["dt = T", "dt = T/2, stopped between samples"])
+@pytest.mark.parametrize(
+    ("parts", "depth"), [(1, 0), (2, 1)], ids=["dt = T", "dt = T/2, stopped between samples"]
+)
 @pytest.mark.filterwarnings("ignore:.*(measures 0 where|jumps over a sample instant)")
 def test_a_block_with_a_plain_state_goes_on(make, depth, parts, tmp_path):
     dt = T / parts

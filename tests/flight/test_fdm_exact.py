@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Adder, Amplifier, Constant, Function, Integrator, Scope, Source
+from pathsim.blocks import Adder, Amplifier, Integrator, Scope, Source
 from pathsim.events import Condition
 from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
 from plain_jsbsim import FLIGHTS, fly, trimmed
@@ -64,12 +64,11 @@ def block(aircraft="c172p", **more):
     )
 
 
-def wire(fdm, sources, others=(), connections=(), events=(), dt=T, backwards=False, **more):
+def wire(fdm, sources, others=(), connections=(), events=(), dt=T, **more):
     scope = Scope()
     n = len(sources)
-    blocks = [*sources, fdm, scope, *others]
     return scope, Simulation(
-        blocks[::-1] if backwards else blocks,
+        [*sources, fdm, scope, *others],
         [
             *(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
             *(Connection(fdm[i], scope[n + i]) for i in range(len(OUTPUTS))),
@@ -99,27 +98,23 @@ def loop(u, aircraft="c172p", T=T, substeps=1):
 
 
 @pytest.mark.parametrize("aircraft", FLIGHTS)
-@pytest.mark.parametrize(
-    "sources", [lambda: [noise(1), noise(2), noise(3)], sines], ids=["random", "sines"]
-)
-def test_bit_for_bit_at_dt_equal_T(aircraft, sources):
+def test_bit_for_bit_at_dt_equal_T(aircraft):
     fdm = block(aircraft)
-    scope, sim = wire(fdm, sources())
-    sim.run(5.0)
+    scope, sim = wire(fdm, [noise(1), noise(2), noise(3)])
+    sim.run(2.0)
     u, y = samples(scope)
-    assert len(y) == 601
+    assert len(y) == 241
     assert np.ptp(u, axis=0).min() > 0.03
     assert np.array_equal(y, loop(u, aircraft))
 
 
-@pytest.mark.parametrize("aircraft", FLIGHTS)
-@pytest.mark.parametrize("parts", [2, 4])
+@pytest.mark.parametrize(("aircraft", "parts"), [("c172p", 2), ("737", 4)])
 def test_a_step_that_divides_T(aircraft, parts):
     fdm = block(aircraft)
     scope, sim = wire(fdm, sines(), dt=T / parts)
-    sim.run(3.0)
+    sim.run(2.0)
     u, y = samples(scope)
-    assert len(y) == 361
+    assert len(y) == 241
     # relative to the largest value of each output: the inputs of both loops are the same floats,
     # recorded at the same instants, so nothing but equality is expected
     assert np.max(np.abs(y - loop(u, aircraft)) / np.abs(y).max(axis=0)) <= 1e-12
@@ -129,9 +124,9 @@ def test_a_step_of_two_T_keeps_the_clock_and_warns():
     fdm = block()
     scope, sim = wire(fdm, sines(), dt=2 * T)
     with pytest.warns(RuntimeWarning, match="jumps over a sample instant"):
-        sim.run(5.0)
-    assert fdm.samples == 600
-    assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(5.0, abs=1e-12)
+        sim.run(2.0)
+    assert fdm.samples == 240
+    assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(2.0, abs=1e-12)
     _, data = scope.read()
     u = np.repeat(data[:3].T, 2, axis=0)[:-1]
     assert np.array_equal(data[3:].T, loop(u)[::2])
@@ -150,8 +145,7 @@ STATES = {
 
 
 @pytest.mark.parametrize(("states", "solver"), STATES.values(), ids=STATES)
-@pytest.mark.parametrize("backwards", [False, True], ids=["", "backwards"])
-def test_every_solver(states, solver, backwards):
+def test_every_solver(states, solver):
     fdm = block()
     # continuous states driven by the aircraft, so that the stages see its outputs
     integrators = [Integrator(0.0) for _ in range(states)]
@@ -162,66 +156,23 @@ def test_every_solver(states, solver, backwards):
         integrators,
         [Connection(fdm[1], *integrators)] if states else [],
         Solver=solver,
-        backwards=backwards,
         **options,
     )
-    sim.run(1.0)
+    sim.run(0.5)
     u, y = samples(scope)
-    assert len(y) == 121
+    assert len(y) == 61
     assert np.max(np.abs(y - loop(u)) / np.abs(y).max(axis=0)) <= 1e-12
 
 
-def test_outputs_at_zero_are_the_trim():
+@pytest.mark.parametrize("count", [2, 120])
+def test_runs_in_pieces(count):
     fdm = block()
     scope, sim = wire(fdm, sines())
-    sim.run(0.1)
-    _, y = samples(scope)
-    reference = trimmed("c172p", *FLIGHTS["c172p"])
-    assert y[0].tolist() == [reference[name] for name in OUTPUTS]
-
-
-@pytest.mark.parametrize("pieces", [[2.5, 2.5], [0.1] * 50, [T] * 600], ids=["2", "50", "600"])
-def test_runs_in_pieces(pieces):
-    fdm = block()
-    scope, sim = wire(fdm, sines())
-    for duration in pieces:
-        sim.run(duration)
+    for _ in range(count):
+        sim.run(1.0 / count)
     u, y = samples(scope)
-    assert len(y) == 601
+    assert len(y) == 121
     assert np.array_equal(y, loop(u))
-
-
-@pytest.mark.parametrize("states", [0, 1])
-def test_values_edited_between_two_runs_count_from_then_on(states):
-    fdm = block()
-    constant = Constant(0.01)
-    integrators = [Integrator(0.0)] * states
-    scope, sim = wire(
-        fdm,
-        [constant, sine(1.0, 0.0), sine(0.5, 1.0)],
-        integrators,
-        [Connection(fdm[1], *integrators)] if states else [],
-    )
-    sim.run(1.0)
-    constant.value = -0.02
-    sim.run(1.0)
-    u, y = samples(scope)
-    # the scope has recorded the sample at 1 s before the edit
-    assert u[120, 0] == 0.01
-    u[120, 0] = -0.02
-    assert np.array_equal(y, loop(u))
-
-
-def test_reset_flies_the_same_again():
-    fdm = block()
-    scope, sim = wire(fdm, sines())
-    sim.run(3.0)
-    first = scope.read()[1]
-    sim.run(3.0, reset=True)
-    assert np.array_equal(scope.read()[1], first)
-    sim.reset()
-    sim.run(3.0)
-    assert np.array_equal(scope.read()[1], first)
 
 
 def test_two_aircraft_at_two_rates():
@@ -242,7 +193,7 @@ def test_two_aircraft_at_two_rates():
         dt=T,
         log=False,
     )
-    sim.run(4.0)
+    sim.run(2.0)
     u, y = samples(scope)
     assert np.array_equal(y, loop(u))
     u, y = samples(slow_scope, slow_T)
@@ -254,9 +205,9 @@ def test_substeps(substeps):
     long_T = 1 / 30
     fdm = block(T=long_T, substeps=substeps)
     scope, sim = wire(fdm, sines(), dt=long_T)
-    sim.run(5.0)
+    sim.run(2.0)
     u, y = samples(scope, long_T)
-    assert len(y) == 151
+    assert len(y) == 61
     assert np.array_equal(y, loop(u, T=long_T, substeps=substeps))
 
 
@@ -278,7 +229,7 @@ def nested(fdm, depth, gain):
     return inner
 
 
-@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("depth", [1, 3])
 @pytest.mark.parametrize("states", [0, 1])
 @pytest.mark.parametrize("gain", [False, True], ids=["wired", "through gains"])
 def test_inside_subsystems(depth, states, gain):
@@ -288,12 +239,12 @@ def test_inside_subsystems(depth, states, gain):
     scope, sim = wire(
         system, sines(), integrators, [Connection(system[1], *integrators)] if states else []
     )
-    sim.run(2.0)
+    sim.run(0.5)
     u, y = samples(scope)
-    assert len(y) == 241
+    assert len(y) == 61
     assert np.array_equal(y, loop(u))
     first = scope.read()[1]
-    sim.run(2.0, reset=True)
+    sim.run(0.5, reset=True)
     assert np.array_equal(scope.read()[1], first)
 
 
@@ -339,25 +290,6 @@ def test_events_of_other_blocks_do_not_disturb():
     assert np.array_equal(y, loop(u))
 
 
-def test_a_function_block_sees_every_sample():
-    # a direct check of the order of evaluation: what a Function computes belongs to t_k
-    fdm = block()
-    difference = Function(lambda theta, alpha: theta - alpha)
-    scope, sim = wire(
-        fdm,
-        sines(),
-        [difference, seen := Scope()],
-        [
-            Connection(fdm["attitude/theta-deg"], difference[0]),
-            Connection(fdm["aero/alpha-deg"], difference[1]),
-            Connection(difference, seen),
-        ],
-    )
-    sim.run(1.0)
-    _, y = samples(scope)
-    assert np.array_equal(seen.read()[1][0], y[:, 1] - y[:, 0])
-
-
 def test_a_plain_diagram_acts_in_one_pass_through_the_graph():
     # pins what the fast way rests on: without continuous states Simulation._blocks_dyn is empty and
     # a step evaluates the graph once, at its end; any of these absent, the slow way must be taken
@@ -377,18 +309,6 @@ def test_a_plain_diagram_acts_in_one_pass_through_the_graph():
         assert other.samples == 120
 
 
-def test_a_look_at_a_later_time_does_not_fly_there():
-    fdm = block()
-    scope, sim = wire(fdm, sines())
-    sim.run(1.0)
-    sim.to_statespace(inputs=[fdm[0]], outputs=[fdm[1]], t=2.0)
-    assert fdm.samples == 120
-    sim.run(1.0)
-    assert fdm.samples == 240
-    u, y = samples(scope)
-    assert np.array_equal(y, loop(u))
-
-
 def test_switched_off_and_on_again_starts_a_new_flight():
     fdm = block()
     _, sim = wire(fdm, sines())
@@ -401,16 +321,8 @@ def test_switched_off_and_on_again_starts_a_new_flight():
     assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(1.0, abs=1e-12)
 
 
-def test_reset_to_another_time_flies_from_there():
-    fdm = block()
-    _, sim = wire(fdm, sines())
-    sim.reset(time=10.0)
-    sim.run(2.0)
-    assert fdm.samples == 240
-
-
-@pytest.mark.parametrize("samples", [200_000, pytest.param(1_000_000, marks=pytest.mark.long)])
-def test_many_samples_are_counted_exactly(samples):
+@pytest.mark.long
+def test_a_million_samples_are_counted_exactly():
     # the diagram's clock has drifted by then; the sample count must not have
     fdm = JSBSimFDM(
         T=T,
@@ -424,10 +336,7 @@ def test_many_samples_are_counted_exactly(samples):
     sim = Simulation([fdm], dt=T, log=False)
     sim._update(0.0)
     step = sim.timestep
-    for _ in range(samples):
+    for _ in range(1_000_000):
         step()
-    assert abs(sim.time - samples * T) > 1e-9
-    assert fdm.samples == samples
-
-
-# pitch trims of a plain JSBSim loop: c172p 0.13007, 737 (gear up) -0.15959
+    assert abs(sim.time - 1_000_000 * T) > 1e-9
+    assert fdm.samples == 1_000_000

@@ -48,8 +48,9 @@ def test_defaults_of_the_drop_in_are_those_of_the_wrapper():
 
 
 def test_further_ports_are_among_the_labels_of_the_block():
-    plane = Aircraft("c172p", input_properties=["flaps"], output_properties=["h_agl"])
-    assert [*plane.input_port_labels] == [*Aircraft.input_port_labels, "flaps"]
+    plane = Aircraft("c172p", input_properties=["gear", "flaps"], output_properties=["h_agl"])
+    assert [*plane.input_port_labels] == [*Aircraft.input_port_labels, "gear", "flaps"]
+    assert [*plane.inputs._mapping.values()] == list(range(9))
     assert [*plane.output_port_labels] == [*Aircraft.output_port_labels, "h_agl"]
     assert plane.output_port_labels == plane.outputs._mapping
     assert JSBSimFDM(output_properties=["position/h-sl-ft"]).output_port_labels == {

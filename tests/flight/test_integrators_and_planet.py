@@ -160,15 +160,6 @@ def test_gravity_and_rotation_are_those_of_the_planet(planet, gravity, radius, j
     assert fdm["velocities/eci-y-fps"] == pytest.approx(rate * r, rel=1e-12, abs=1e-12)
 
 
-def test_the_planet_by_its_name_is_that_of_a_model_without_one():
-    flights = []
-    for planet in (None, "WGS-84"):
-        sim, _, scope = diagram(planet=planet)
-        sim.run(3.0)
-        flights.append(scope.read()[1])
-    assert np.array_equal(*flights)
-
-
 def test_a_planet_leaves_no_file_behind(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     standing("round", None).reset()

@@ -10,7 +10,7 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 
-from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, RampSource, TrimCondition
+from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
 
 PAGE = Path(__file__).parents[2] / "docs" / "jsbsim-scripts.md"
 PROPERTIES = {
@@ -66,26 +66,6 @@ def test_the_rudder_kick_is_jsbsims_own_script(script):
     # row n holds the command of the step before it
     _, given = page["commands"].read()
     np.testing.assert_allclose(given.T[:n], commands, atol=1e-12)
-
-
-def test_a_command_at_the_time_in_the_script_is_a_step_late(script):
-    T, start = 0.008333, 13 * 0.008333
-    plane = Aircraft("737", altitude=1000.0, speed=200.0, mode="full", gear=1.0, T=T)
-    ramps = [RampSource(final=value, start=start, rise_time=3.0) for value in (0.92, 1.0)]
-    scope = Scope(labels=["sideslip angle [deg]"])
-    sim = Simulation(
-        [plane, *ramps, scope],
-        [
-            Connection(ramps[0], plane["rudder"]),
-            Connection(ramps[1], plane["aileron"]),
-            Connection(plane["beta"], scope),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(2.0)
-    beta = scope.read()[1][0]
-    assert abs(beta[1:] - script[0][: len(beta) - 1, 3]).max() > 0.01
 
 
 def test_an_aircraft_at_rest_moves_its_controls_as_jsbsims_c1721_does():

@@ -21,7 +21,6 @@ from pathsim_jsbsim_blocks.flight.trimming import equations
 from pathsim_jsbsim_blocks.flight.trimming.check import HandsOff
 from pathsim_jsbsim_blocks.flight.trimming.search import bounded, solution
 from pathsim_jsbsim_blocks.flight.trimming.trimmer import Trimmer
-from pathsim_jsbsim_blocks.studies import trim_sweep
 
 # ft/s2 and rad/s2, what `trim` promises
 TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
@@ -76,19 +75,6 @@ def test_what_jsbsim_trims_the_newton_search_trims_too(aircraft):
     assert set(ours.free) == {"alpha", "pitch_trim", "phi", "aileron", "rudder", "throttle"}
 
 
-@pytest.mark.parametrize("aircraft", ["737", "c172p", "c182", "f16"])
-def test_the_search_does_not_depend_on_what_came_before(aircraft):
-    altitude, speed, _, _ = FLYING[aircraft]
-    condition = TrimCondition(altitude=altitude, speed=speed, gear=1, solver="newton")
-    airframe, fresh = found(aircraft, altitude=altitude, speed=speed, solver="newton")
-    trim(airframe, dataclasses.replace(condition, speed=1.3 * speed, gamma=-3.0))
-    with pytest.raises(TrimError):
-        trim(airframe, dataclasses.replace(condition, speed=0.2 * speed))
-    again = trim(airframe, condition)
-    for name in ("alpha", "theta", "phi", "pitch_trim", "aileron", "rudder", "throttle"):
-        assert getattr(again, name) == pytest.approx(getattr(fresh, name), abs=1e-9), name
-
-
 @pytest.mark.parametrize(
     ("aircraft", "condition"),
     [
@@ -104,12 +90,9 @@ def test_the_search_does_not_depend_on_what_came_before(aircraft):
         ("c310", {"altitude": 458, "speed": 125.65, "gear": 0}),
         # a governor stopped their engines while JSBSim settled them
         ("c182", {"altitude": 700, "speed": 60}),
-        ("c182", {"altitude": 700, "speed": 75}),
-        ("c182", {"altitude": 200, "speed": 70}),
         ("pa28", {"altitude": 700, "speed": 90}),
-        # JSBSim's search refused these
+        # JSBSim's search refused it
         ("c310", {"altitude": 5000, "speed": 98, "gear": 0}),
-        ("c310", {"altitude": 5000, "speed": 119.9, "gear": 0}),
         ("737", {"speed": 250, "mode": "turn", "bank": 30, "wind_north": 80, "solver": "newton"}),
     ],
 )
@@ -177,11 +160,12 @@ def test_nothing_moves_in_a_quarter_of_a_second(aircraft, condition):
             r"it does not stay: within 0.25 s of flight vdot reaches 0\.\d+ ft/s2",
         ),
         # its engines are not running: the propellers start to turn
-        (
+        pytest.param(
             "L410",
             {"altitude": 5000, "speed": 143, "gear": 0, "mode": "glide"},
             "no equilibrium",
             "pdot",
+            marks=pytest.mark.long,
         ),
     ],
 )
@@ -211,18 +195,6 @@ def test_the_check_by_a_flight_leaves_no_trace(aircraft, monkeypatch):
     assert checked == flight()
 
 
-def test_a_warm_trim_is_where_a_cold_one_is():
-    condition = TrimCondition(altitude=15000, speed=250, gear=0.0, solver="newton")
-    airframe, other = Airframe("737"), Airframe("737")
-    trim(airframe, condition, warm=True)
-    trim(other, condition)
-    assert airframe.fdm.get_sim_time() == 0.0
-    for name in (*airframe.tanks, *map("velocities/{}-fps".format, "uvw")):
-        assert airframe.fdm[name] == pytest.approx(other.fdm[name], rel=1e-12), name
-    for axis in "pqr":
-        assert abs(airframe.fdm[f"accelerations/{axis}dot-rad_sec2"]) < 1e-5
-
-
 @pytest.mark.parametrize(
     ("aircraft", "bad"),
     [
@@ -233,11 +205,12 @@ def test_a_warm_trim_is_where_a_cold_one_is():
         ("737", {"speed": 100}),
     ],
 )
-def test_a_failed_search_leaves_no_trace(aircraft, bad):
+def test_other_trims_and_a_failed_search_leave_no_trace(aircraft, bad):
     speed = {"C130": 163, "f16": 225, "737": 250}[aircraft]
     good = TrimCondition(altitude=5000, speed=speed, mode="glide", gear=0)
     airframe = Airframe(aircraft)
     fresh = trim(Airframe(aircraft), good)
+    trim(airframe, dataclasses.replace(good, speed=1.2 * speed, altitude=8000))
     with pytest.raises(TrimError):
         trim(airframe, TrimCondition(altitude=5000, solver="newton", **bad), hint=False)
     again = trim(airframe, good)
@@ -317,9 +290,7 @@ def test_a_turn_has_no_sideslip_and_the_rate_of_its_forces(aircraft, condition):
 
 
 def test_a_pull_up_curves_the_path_by_the_load_factor():
-    airframe, state = found(
-        "737", altitude=15000, speed=250, mode="pull-up", load_factor=1.5, solver="newton"
-    )
+    airframe, state = found("737", altitude=15000, speed=250, mode="pull-up", load_factor=1.5)
     climb, fdm = state.gamma, airframe.fdm
     g = fdm["accelerations/gravity-ft_sec2"]
     for _ in range(30):
@@ -431,48 +402,14 @@ def test_without_an_engine_there_is_no_level_flight():
 
 
 @pytest.mark.parametrize(
-    ("values", "parameter"),
-    [
-        ({"engines_off": "both"}, "engines_off"),
-        ({"engines_off": 1}, "engines_off"),
-        ({"engines_off": [-1]}, "engines_off"),
-        ({"engines_off": [1], "solver": "jsbsim"}, "solver"),
-        ({"solver": "newtn"}, "solver"),
-        ({"free": "alpha"}, "free"),
-        ({"throttle": 2.0}, "throttle"),
-        ({"throttle": 0.5, "thrust": 100.0}, "throttle"),
-        ({"throttle": 0.5, "free": "throttle"}, "free"),
-        ({"free": "gamma"}, "free"),
-        ({"mode": "glide", "throttle": 0.5}, "throttle"),
-        ({"mode": "glide", "solver": "jsbsim"}, "solver"),
-        ({"mode": "ground", "solver": "newton"}, "solver"),
-        ({"mode": "turn", "bank": 10, "beta": 3.0}, "beta"),
-        ({"latitude": 91}, "latitude"),
-    ],
-)
-def test_contradictions_are_refused(values, parameter):
-    with pytest.raises(ParameterError) as error:
-        TrimCondition(**values)
-    assert error.value.parameter == parameter
-
-
-def test_an_aircraft_starts_where_it_is_asked_to():
-    airframe, _ = found("c172p", speed=90, latitude=47.0, longitude=8.5, solver="newton")
-    assert airframe.fdm["position/lat-geod-deg"] == pytest.approx(47.0)
-    assert airframe.fdm["position/long-gc-deg"] == pytest.approx(8.5)
-    assert airframe.fdm["position/h-sl-ft"] == pytest.approx(5000.0, abs=1e-3)
-
-
-@pytest.mark.parametrize(
     ("aircraft", "condition"),
     [
         ("A320", {"altitude": 5000, "speed": 144, "gear": 0.0}),
         ("737", {"altitude": 30000, "speed": 420, "gear": 1.0}),
         ("c172p", {"altitude": 5000, "speed": 30}),
-        ("c172p", {"altitude": 5000, "speed": 60, "payload": [1500]}),
-        # far too fast: a speed twice that of the second is above what a condition allows
-        ("c182", {"altitude": 5000, "speed": 245}),
+        # far too fast: a speed twice that of the first is above what a condition allows
         ("787-8", {"altitude": 5000, "speed": 1192, "gear": 0.0}),
+        pytest.param("c182", {"altitude": 5000, "speed": 245}, marks=pytest.mark.long),
     ],
 )
 def test_a_failure_names_the_nearest_speed_that_trims(aircraft, condition):
@@ -525,24 +462,15 @@ def test_a_steady_trim_is_told_from_one_that_departs():
     condition = {"altitude": 15000, "speed": 280, "gear": 0.0, "solver": "newton"}
     jet = state("737", **condition)
     assert jet.steady
-    height, bank, speed = flown(*found("737", **condition))
+    airframe, untested = found("737", **condition)
+    assert dataclasses.replace(jet, drift=None) == untested
+    height, bank, speed = flown(airframe, untested)
     # its engines have settled anew
     assert jet.drift == pytest.approx((10.0, height, speed, bank), abs=0.02)
     # unstable in pitch, and flown without its pilot
     assert state("XB-70", altitude=5000, speed=192, gear=0.0).steady is False
     assert trim(Airframe("737"), TrimCondition(**condition)).steady is None
     assert state("c172p", speed=90, mode="none").drift is None
-
-
-def test_the_aircraft_that_is_asked_whether_it_is_steady_does_not_fly():
-    airframe = Airframe("737")
-    asked = trim(airframe, TrimCondition(altitude=15000, speed=280, gear=0), fly=5)
-    assert airframe.fdm.get_sim_time() == 0.0
-    _, state = (
-        Airframe("737"),
-        trim(Airframe("737"), TrimCondition(altitude=15000, speed=280, gear=0)),
-    )
-    assert dataclasses.replace(asked, drift=None) == state
 
 
 def test_a_gear_that_is_down_in_fast_flight_is_warned_of():
@@ -606,17 +534,11 @@ def test_a_flight_is_trimmed_where_it_is():
         plane.trim_here(gama=0.0)
 
 
-@pytest.mark.parametrize(
-    ("aircraft", "condition", "why"),
-    [
-        ("pc7", {"altitude": 5000, "speed": 136, "gear": 0}, "constant-speed propellers"),
-        ("737", {"altitude": 190, "speed": 200, "gear": 0}, "below 200 ft above the ground"),
-    ],
-)
-def test_what_jsbsim_s_search_may_not_survive_is_left_to_newton_s(aircraft, condition, why):
-    with pytest.raises(TrimError, match=f"{why}.*solver='newton' of a TrimCondition does it"):
-        trim(Airframe(aircraft), TrimCondition(**condition, solver="jsbsim"))
-    trim(Airframe(aircraft), TrimCondition(**condition))
+def test_near_the_ground_jsbsims_search_is_not_asked():
+    low = TrimCondition(altitude=190, speed=200, gear=0)
+    with pytest.raises(TrimError, match=r"below 200 ft above the ground.*solver='newton'"):
+        trim(Airframe("737"), dataclasses.replace(low, solver="jsbsim"))
+    trim(Airframe("737"), low)
 
 
 def test_an_engine_that_does_not_run_is_named():
@@ -665,6 +587,7 @@ def test_a_search_that_ends_with_its_budget_has_found_its_trim():
     assert found.throttle == pytest.approx([0.962755] * 2, abs=1e-5)
 
 
+@pytest.mark.long
 def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():
     # at full throttle this fast the propeller's speed goes on oscillating
     with pytest.raises(TrimError) as error:
@@ -676,26 +599,17 @@ def test_engines_that_never_settle_are_given_up_in_time_for_the_nearest_speed():
 def test_the_command_says_whether_a_trim_is_steady(capsys):
     assert main(["trim", "c172p", "--speed", "90", "--steady"]) == 0
     assert "steady: after 10 s with controls fixed +" in capsys.readouterr().out
-    assert main(["trim", "XB-70", "--speed", "192", "--gear", "0", "--steady", "30"]) == 0
-    assert "not steady: after 30 s" in capsys.readouterr().out
+    assert main(["trim", "XB-70", "--speed", "192", "--gear", "0", "--steady", "20"]) == 0
+    assert "not steady: after 20 s" in capsys.readouterr().out
 
 
-def test_the_command_says_that_the_gear_is_down(capsys):
-    assert main(["trim", "737", "--altitude", "10000", "--speed", "280"]) == 0
-    assert "gear is down" in capsys.readouterr().out
-    assert main(["trim", "737", "--altitude", "10000", "--speed", "280", "--gear", "0"]) == 0
-    assert "gear is down" not in capsys.readouterr().out
-    assert main(["trim", "SGS", "--speed", "55", "--mode", "glide"]) == 0
-    assert "gear is down" not in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("start", first(range(7), 1))
+@pytest.mark.parametrize("start", first(range(14), 1))
 def test_the_published_envelope_is_met_point_by_point(start):
     points = np.genfromtxt(
         Path(__file__).parents[1] / "data" / "studies" / "09_trim_envelope.csv",
         delimiter=",",
         names=True,
-    )[start::7]
+    )[start::14]
     airframe = Airframe("737")
     for point in points:
         condition = TrimCondition(
@@ -718,7 +632,7 @@ def test_the_published_envelope_is_met_point_by_point(start):
 
 @pytest.mark.parametrize(
     ("aircraft", "altitude", "speeds"),
-    [("737", 15000, (250, 260, 420, 270)), ("c172p", 5000, (90, 95, 30, 100))],
+    first([("737", 15000, (250, 260, 420, 270)), ("c172p", 5000, (90, 95, 30, 100))]),
 )
 def test_a_warm_start_finds_what_a_cold_one_finds(aircraft, altitude, speeds):
     airframe = Airframe(aircraft)
@@ -734,6 +648,7 @@ def test_a_warm_start_finds_what_a_cold_one_finds(aircraft, altitude, speeds):
         if isinstance(cold, str):
             assert ours == cold
             continue
+        assert airframe.fdm.get_sim_time() == 0.0
         for name in ("alpha", "theta", "phi", "pitch_trim", "aileron", "rudder"):
             assert getattr(ours, name) == pytest.approx(getattr(cold, name), abs=1e-9), name
         assert ours.throttle == pytest.approx(cold.throttle, abs=1e-9)
@@ -759,15 +674,3 @@ def test_slopes_beyond_all_numbers_are_no_error():
     step = bounded(a, np.full(3, 1e201), -np.ones(3), np.ones(3), solution(a, np.full(3, 1e201)))
     assert np.isnan(step).any() or (abs(step) <= 1.0).all()
     assert np.isnan(solution(a.T @ a, np.ones(3))).all()
-
-
-@pytest.mark.long
-def test_a_sweep_is_the_same_whatever_its_order_and_chunks():
-    speeds = [200, 120, 300, 250, 420]
-    grid = {"altitude": 15000, "solver": "newton", "gamma": 2}
-    there = trim_sweep("737", {**grid, "speed": speeds}, jobs=1, progress=False)
-    back = trim_sweep("737", {**grid, "speed": speeds[::-1]}, jobs=1, progress=False, chunk=2)
-    assert there.trimmed.any()
-    assert not there.trimmed.all()
-    found = there.select_dtypes("number").columns
-    np.testing.assert_allclose(there[found], back[found][::-1], rtol=1e-9, atol=1e-9)

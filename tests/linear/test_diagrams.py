@@ -55,17 +55,6 @@ def test_the_closed_pitch_loop_predicts_its_step():
     assert np.abs(theta[after] - theta[0] - predicted).max() < 0.01 * 0.5
 
 
-def test_looking_in_mid_run_leaves_the_flight_as_it_is():
-    one, other = pitch_loop(), pitch_loop()
-    one[0].run(2.0)
-    other[0].run(1.0)
-    sim, aircraft, hold, _ = other
-    for t in (None, 1.0, 9.0):
-        sim.to_statespace(inputs=[hold["theta_ref"]], outputs=[aircraft["theta"]], t=t)
-    sim.run(1.0)
-    assert np.array_equal(one[3].read()[1], other[3].read()[1])
-
-
 def test_the_loop_opens_at_a_port():
     # cut at the elevator, the loop gain is minus the law times the aircraft
     sim, aircraft, hold, _ = pitch_loop()

@@ -43,7 +43,7 @@ OWN_TESTS = {
     "_core/units": "units gust",
     "flight/airframe": "points bad_input integrators_and_planet sealed",
     "flight/model_files": "points bad_input sealed",
-    "flight/property_tree": "properties bad_input sealed",
+    "flight/property_tree": "property_ports bad_input sealed",
     "flight/linearise/algebraic": "model",
     "flight/linearise/flyable": "model",
     "flight/block": "fdm_exact checkpoint life limits",
