@@ -12,6 +12,7 @@ from pathsim_jsbsim_blocks import (
     BodyToWind,
     GeodeticToNED,
     JSBSimFDM,
+    LinearAircraft,
     Microburst,
     NEDToBody,
     TrimCondition,
@@ -26,18 +27,21 @@ BLOCKS = [
     if inspect.isclass(block := getattr(pathsim_jsbsim_blocks, name)) and issubclass(block, Block)
 ]
 
-# without these it has none
-PORTS = {
-    "input_properties": ["fcs/elevator-cmd-norm"],
-    "output_properties": ["attitude/theta-deg"],
-    "condition": TrimCondition(altitude=5000, speed=260, gear=0),
+OPTIONS = {
+    # without these it has none
+    JSBSimFDM: {
+        "input_properties": ["fcs/elevator-cmd-norm"],
+        "output_properties": ["attitude/theta-deg"],
+        "condition": TrimCondition(altitude=5000, speed=260, gear=0),
+    },
+    LinearAircraft: {"method": "algebraic"},
 }
 
 
 @pytest.mark.filterwarnings("ignore:c172p. the response of vt to elevator is not linear")
 @pytest.mark.parametrize("kind", BLOCKS, ids=lambda kind: kind.__name__)
 def test_it_has_a_linear_model(kind):
-    block = kind(**PORTS) if kind is JSBSimFDM else kind()
+    block = kind(**OPTIONS.get(kind, {}))
     A, B, C, D = block.to_statespace(0.0)
     (p, m), n = D.shape, len(A)
     assert (m, p) == (len(block.inputs), len(block.outputs))
