@@ -32,7 +32,7 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 # without a handler Python's last resort would write JSBSim's warnings to the console
 logging.getLogger(__name__).addHandler(logging.NullHandler())
