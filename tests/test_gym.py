@@ -324,7 +324,7 @@ def test_bad_input_is_refused(options, said):
 def test_bad_actions_are_refused(action):
     env = bare()
     env.reset()
-    with pytest.raises(ParameterError, match="action must be 1 numbers"):
+    with pytest.raises(ParameterError, match="action must be a list of 1 finite numbers"):
         env.step(action)
     env.step([0.0])
 

@@ -280,7 +280,7 @@ class DiagramEnv(gymnasium.Env):
         except (TypeError, ValueError):
             u = np.array(np.nan)
         if u.shape != self.action_space.shape or not np.isfinite(u).all():
-            must_be("action", action, f"{len(self._actions.names)} numbers")
+            must_be("action", action, f"a list of {len(self._actions.names)} finite numbers")
         show(self._source.outputs, self._actions.meant(u))
         info = {}
         try:

@@ -114,6 +114,8 @@ def over_one(**options):
         (lambda: over_one(near=[GAINS["737"]]), "near must be a list of DesignedGains"),
         (lambda: design_gains("A320", setups={}), "design_gains.*did you mean 'setup'"),
         (lambda: design_gains("A320", substep=2), "design_gains.*did you mean 'substeps'"),
+        # these belong in the condition
+        (lambda: design_gains("A320", altitude=5000), "design_gains has no parameter 'altitude'"),
         (lambda: design_gains("A320", check="no"), "check"),
         *(
             (lambda near=near: design_gains("A320", near=near), "near must be a list of AircraftG")

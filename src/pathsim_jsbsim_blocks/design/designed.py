@@ -48,6 +48,9 @@ from .turbulence import in_turbulence
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
+# of `Aircraft`, that a design passes on
+_OPTIONS = ("setup", "properties", "root", "create", "allow_network", "allow_files")
+
 # weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
 RELAXED_STOP_WEIGHT = 0.05
 
@@ -142,8 +145,7 @@ def design_gains(
     aircraft : str
         name of the JSBSim model
     condition : TrimCondition, optional
-        level flight; default: where `level_flight` trims it. Where JSBSim's search fails and the
-        Newton search does not, the gains are designed for the latter's trim
+        level flight; default: where `level_flight` trims it
     T : float
         sample period of the loops in s
     substeps : int
@@ -258,10 +260,10 @@ def _refused(aircraft: str, condition: TrimCondition) -> Iterator[None]:
 
 
 def check_options(function: Callable[..., Any], options: Mapping[str, Any]) -> None:
-    """Refuse keywords that neither the function, `design_gains` nor `Aircraft` has."""
-    owners: tuple[Callable[..., Any], ...] = (function, design_gains, Aircraft)
-    names = [name for owner in owners for name in inspect.signature(owner).parameters]
-    refuse_unknown(function.__name__, options, [x for x in dict.fromkeys(names) if x != "options"])
+    """Refuse keywords that neither the function nor `design_gains` documents."""
+    names = [*inspect.signature(function).parameters, *inspect.signature(design_gains).parameters]
+    known = [name for name in dict.fromkeys(names) if name != "options"]
+    refuse_unknown(function.__name__, options, [*known, *_OPTIONS])
 
 
 def check_near(near: Any, kind: type) -> None:

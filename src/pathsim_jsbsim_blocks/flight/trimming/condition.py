@@ -77,8 +77,8 @@ class TrimCondition:
     Parameters
     ----------
     altitude : float
-        altitude above mean sea level in ft, geometric, up to 278,386, where the standard atmosphere
-        ends (1,000,000 in mode "none")
+        altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
+        atmosphere (1,000,000 in mode "none")
     speed : float
         calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
     mach : float, optional
