@@ -311,6 +311,11 @@ def test_files_that_an_export_cannot_read_or_write_stay_as_they_are(saved, tmp_p
         ),
         ("k = [1.0]\ndef more(x):\n    k.append(x)\nmore(5)", "sum(k)", 6.0),
         ("table = []\nfor i in range(4):\n    table.append(2.0 * i)", "table[3]", 6.0),
+        (
+            "from pathsim_jsbsim_blocks import TrimCondition\nwhere = TrimCondition(speed=90)",
+            "where.speed",
+            90.0,
+        ),
     ],
 )
 def test_what_functions_need_is_written_as_it_is_when_the_run_begins(before, late, value, written):

@@ -66,6 +66,10 @@ class FixedMapping(Mapping):
     def __deepcopy__(self, memo: Any) -> dict[Any, Any]:
         return dict(self._values)
 
+    def __reduce__(self) -> tuple[type, tuple[dict[Any, Any]]]:
+        # whole from the start: an exported model builds conditions before it sets attributes
+        return type(self), (dict(self._values),)
+
 
 @known_keywords
 @dataclass(frozen=True)
