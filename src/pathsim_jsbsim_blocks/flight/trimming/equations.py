@@ -145,7 +145,8 @@ class SteadyFlight:
         unknowns["gamma"] = unknowns["gamma"]._replace(start=math.radians(condition.gamma))
         unknowns["speed"] = Unknown(speed, 0.3 * speed, 3.0 * speed, 0.2 * speed, 1e-5 * speed)
         # within 1 g of side load from the rate of a coordinated turn
-        rate, most = self._coordinated(math.radians(condition.bank), speed), self._gravity / speed
+        most = self._gravity / speed
+        rate = most * math.tan(math.radians(condition.bank))
         unknowns["rate"] = Unknown(rate, rate - most, rate + most, 0.1 * most, 1e-5)
         names = ["alpha", "pitch_trim"]
         if condition.mode == "turn":
@@ -159,9 +160,6 @@ class SteadyFlight:
         if condition.balance == "throttle" or condition.thrust is not None:
             names.append("throttle")
         return {name: unknowns[name] for name in names}
-
-    def _coordinated(self, phi: float, speed: float) -> float:
-        return self._gravity * math.tan(phi) / speed
 
     def _set_unknowns(self, unknowns: dict[str, Unknown]) -> None:
         self.unknowns = unknowns
@@ -295,7 +293,13 @@ class SteadyFlight:
         theta = _theta(alpha, beta, phi, gamma)
         p = q = r = 0.0
         if condition.mode == "turn":
-            rate = values["rate"] if "rate" in values else self._coordinated(phi, v)
+            if "rate" in values:
+                rate = values["rate"]
+            else:  # r u - p w = g sin(phi) cos(theta): no side force
+                along = math.cos(theta) * math.cos(phi) * math.cos(alpha)
+                along += math.sin(theta) * math.sin(alpha)
+                rate = self._gravity * math.sin(phi) * math.cos(theta)
+                rate /= v * math.cos(beta) * along
             p = -rate * math.sin(theta)
             q = rate * math.cos(theta) * math.sin(phi)
             r = rate * math.cos(theta) * math.cos(phi)
