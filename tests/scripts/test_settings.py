@@ -19,7 +19,7 @@ from pathsim.blocks import Amplifier, Integrator, Scope
 
 GAIN, START = 2.0, 1.0
 RATE: float = 2 * GAIN
-UNUSED = 1
+UNUSED, LOCAL = 1, 2
 ONE = TWO = 1
 COUNT = 0
 COUNT += 1
@@ -28,7 +28,8 @@ first = second = Amplifier(-RATE)
 gains = [Amplifier(k) for k in (1, 2)]
 scope = Scope()
 
-def make(gain, *, sign=ONE):
+def make(gain, *, sign=ONE, LOCAL=TWO):
+    LOCAL += LOCAL
     inner = Amplifier(sign * gain)
     return inner
 
@@ -92,10 +93,11 @@ def test_arguments_of_functions_that_build(tmp_path):
         ("lag", r"it is of class Integrator: set a parameter of it, such as lag.initial_value"),
         ("gains.gain", r"assigns no block to 'gains'; there is lag, first, second, scope"),
         ("UNUSED", "lag.py never uses it"),
+        ("LOCAL", "lag.py never uses it"),
         ("ONE", "no constant 'ONE' that it assigns once"),
         ("COUNT", "no constant 'COUNT' that it assigns once"),
         ("never.gain", "has not come to the line that has it"),
-        ("changed.gain", "lag.py sets it itself, in line 32"),
+        ("changed.gain", "lag.py sets it itself, in line 33"),
         ("a-b", "a name is NAME or BLOCK.PARAMETER"),
         ("first.gain.x", "a name is NAME or BLOCK.PARAMETER"),
         (3, "a name is NAME or BLOCK.PARAMETER"),

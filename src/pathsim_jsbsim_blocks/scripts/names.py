@@ -44,9 +44,12 @@ def _all(nodes: Iterable[ast.AST], local: frozenset[str]) -> Iterator[ast.Name]:
 
 
 def used(node: ast.AST) -> set[str]:
-    """Names that ``node`` reads, now or when a function in it is called."""
-    names = (n for n in ast.walk(node) if isinstance(n, ast.Name))
-    return {n.id for n in names if isinstance(n.ctx, ast.Load)}
+    """Names of the module that ``node`` reads, now or when a function in it is called."""
+    # x += 1 and del x also need an x, although the syntax tree does not mark it as a Load
+    augmented = {id(n.target) for n in ast.walk(node) if isinstance(n, ast.AugAssign)}
+    return {
+        n.id for n in references(node) if not isinstance(n.ctx, ast.Store) or id(n) in augmented
+    }
 
 
 def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:

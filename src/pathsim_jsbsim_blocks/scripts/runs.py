@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
-from unittest.mock import patch
 
 from pathsim import Simulation
 
@@ -33,52 +32,84 @@ Around = Callable[[Callable[..., Any], Simulation, str, dict[str, Any]], Any]
 _TICKS = 30
 
 
+@dataclass
+class _Layer:
+    """A context of one thread."""
+
+    around: Around
+    methods: tuple[str, ...]
+
+
+_layers: dict[int, list[_Layer]] = {}  # by thread, outermost first
+_usual: dict[str, Callable[..., Any]] = {}  # the methods that are replaced
+_running = threading.local()
+_lock = threading.Lock()
+
+
 @contextlib.contextmanager
 def replaced_runs(around: Around, *methods: str) -> Iterator[None]:
     """Context in which ``around`` is called for each ``Simulation.run`` and `fly`.
 
-    ``methods`` are further ones of ``Simulation``; calls of one by another do not count. A context
-    in another one is asked first.
+    ``methods`` are further ones of ``Simulation``; calls of one by another do not count.
     """
-    thread, running = threading.get_ident(), list[Simulation]()
+    thread, layer = threading.get_ident(), _Layer(around, ("fly", "run", *methods))
+    outer = getattr(in_place, "fly", None)
+    with _lock:
+        _layers.setdefault(thread, []).append(layer)
+        _put_in_place()
+    in_place.fly = _flight
+    try:
+        yield
+    finally:
+        in_place.fly = outer
+        with _lock:
+            _layers[thread].remove(layer)
+            _put_in_place()
 
-    def through(
-        name: str, usual: Callable[..., Any], sim: Simulation, given: dict[str, Any]
-    ) -> Any:
-        if sim in running:
-            return usual(sim, **given)
+
+def _put_in_place() -> None:
+    """Replace the methods that a context of any thread needs, and put back the others."""
+    needed = {m for layers in _layers.values() for layer in layers for m in layer.methods}
+    for name in needed - {"fly"} - _usual.keys():
+        _usual[name] = getattr(Simulation, name)
+        setattr(Simulation, name, _replacing(name, _usual[name]))
+    for name in _usual.keys() - needed:
+        setattr(Simulation, name, _usual.pop(name))
+
+
+def _replacing(name: str, usual: Callable[..., Any]) -> Callable[..., Any]:
+    signature = inspect.signature(usual)
+
+    @functools.wraps(usual)
+    def replaced(sim: Simulation, *args: Any, **kwargs: Any) -> Any:
+        call = signature.bind(sim, *args, **kwargs)
+        call.apply_defaults()
+        return _through(name, usual, sim, dict([*call.arguments.items()][1:]))
+
+    return replaced
+
+
+def _flight(fly: Callable[..., Any], sim: Simulation, **given: Any) -> Any:
+    return _through("fly", fly, sim, given)
+
+
+def _through(
+    name: str, usual: Callable[..., Any], sim: Simulation, given: dict[str, Any], depth: int = 0
+) -> Any:
+    """Call what the contexts of this thread put around a method, the innermost first."""
+    running = vars(_running).setdefault("simulations", [])
+    layers = [x for x in _layers.get(threading.get_ident(), ())[::-1] if name in x.methods]
+    if sim in running or depth == len(layers):
         running.append(sim)
         try:
-            return around(usual, sim, name, given)
+            return usual(sim, **given)
         finally:
             running.remove(sim)
 
-    def replacing(name: str) -> Callable[..., Any]:
-        usual = getattr(Simulation, name)
-        signature = inspect.signature(usual)
+    def further(sim: Simulation, **arguments: Any) -> Any:
+        return _through(name, usual, sim, arguments, depth + 1)
 
-        @functools.wraps(usual)
-        def replaced(sim: Simulation, *args: Any, **kwargs: Any) -> Any:
-            if threading.get_ident() != thread:
-                return usual(sim, *args, **kwargs)
-            call = signature.bind(sim, *args, **kwargs)
-            call.apply_defaults()
-            return through(name, usual, sim, dict([*call.arguments.items()][1:]))
-
-        return replaced
-
-    outer = getattr(in_place, "fly", None)
-
-    def flight(fly: Callable[..., Any], sim: Simulation, **given: Any) -> Any:
-        further = functools.partial(outer, fly) if outer else fly
-        return through("fly", further, sim, given)
-
-    with contextlib.ExitStack() as stack:
-        for name in ("run", *methods):
-            stack.enter_context(patch.object(Simulation, name, replacing(name)))
-        stack.callback(setattr, in_place, "fly", outer)
-        in_place.fly = flight
-        yield
+    return layers[depth].around(further, sim, name, given)
 
 
 @dataclass

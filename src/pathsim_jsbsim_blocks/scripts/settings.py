@@ -85,7 +85,7 @@ class Settings:
         self.seeding = {c for c, block in self.calls.items() if "seed" in self._parameters[block]}
         following = _following(self.constants.values(), tree)
         for call in (n for n in ast.walk(tree) if isinstance(n, ast.Call)):
-            if any(k.arg == "seed" and used(k.value) & following for k in call.keywords):
+            if any(k.arg == "seed" and _names(k.value) & following for k in call.keywords):
                 self.seeding.add(call)
 
     def _refuse(self, name: Any, reason: str) -> NoReturn:
@@ -217,8 +217,14 @@ def _following(names: Iterable[str], tree: ast.AST) -> set[str]:
         before = set(found)
         for node in ast.walk(tree):
             value = getattr(node, "value", None) or getattr(node, "iter", None)
-            if isinstance(value, ast.AST) and used(value) & before:
+            if isinstance(value, ast.AST) and _names(value) & before:
                 targets = getattr(node, "targets", None) or [getattr(node, "target", None)]
                 inner = (n for t in targets if t for n in ast.walk(t))
                 found |= {n.id for n in inner if isinstance(n, ast.Name)}
     return found
+
+
+def _names(expression: ast.AST) -> set[str]:
+    """The names that an expression reads."""
+    nodes = (n for n in ast.walk(expression) if isinstance(n, ast.Name))
+    return {n.id for n in nodes if not _is_stored(n)}
