@@ -16,6 +16,8 @@ from collections import Counter
 from importlib.util import find_spec
 from pathlib import Path
 
+from models import wire
+
 from pathsim_jsbsim_blocks.catalogue import diagram_folder
 from pathsim_jsbsim_blocks.errors import BlocksError
 from pathsim_jsbsim_blocks.pathview import convert_model
@@ -98,16 +100,6 @@ def block(name, kind, inputs=0, outputs=1, **params):
     return {"id": name, "type": kind, "name": name, "params": params, **ports}
 
 
-def _wire(source, target, out=0, into=0):
-    return {
-        "id": f"{source}-{target}",
-        "sourceNodeId": source,
-        "sourcePortIndex": out,
-        "targetNodeId": target,
-        "targetPortIndex": into,
-    }
-
-
 def _subsystem(name, *nodes, wires=(), events=()):
     return {
         **block(name, "Subsystem", 1, 1),
@@ -139,20 +131,20 @@ NESTED = {
                 _subsystem(
                     "inner",
                     block("k", "Amplifier", 1, 1, gain="max(1, 2)"),
-                    wires=[_wire("inner.io", "k"), _wire("k", "inner.io")],
+                    wires=[wire("inner.io", "k"), wire("k", "inner.io")],
                 ),
                 wires=[
-                    _wire("plant.io", "gain"),
-                    _wire("gain", "inner"),
-                    _wire("inner", "plant.io"),
+                    wire("plant.io", "gain"),
+                    wire("gain", "inner"),
+                    wire("inner", "plant.io"),
                 ],
                 events=[_schedule("inside")],
             ),
         ],
         "connections": [
-            _wire("step", "plant"),
-            _wire("plant", "scope"),
-            {**_wire("step", "scope", 0, 1), "id": "other"},
+            wire("step", "plant"),
+            wire("plant", "scope"),
+            {**wire("step", "scope", 0, 1), "id": "other"},
         ],
     },
     "events": [_schedule("tick tock")],
