@@ -426,11 +426,15 @@ def test_parts_that_may_be_missing_or_null(convert):
     assert "Scope()" in code
 
 
-def test_subsystems_a_hundred_deep(convert):
+def nested(levels):
     inside = block("k", "Constant")
-    for i in range(100):
+    for i in range(levels):
         inside = subsystem(f"s{i}", inside)
-    assert convert(model(inside)).count("Subsystem(") == 100
+    return model(inside)
+
+
+def test_subsystems_thirty_deep(convert):
+    assert convert(nested(30)).count("Subsystem(") == 30
 
 
 BAD = {
@@ -511,6 +515,11 @@ BAD = {
         "block 'Step': parameter 'amplitude' is nested too deep",
     ),
     "deep code": (changed("codeContext", code="x = " + "-" * 100_000 + "1"), "the code is nested"),
+    "deep subsystems": (nested(40), "damaged: graph.nodes.*nested deeper than 100"),
+    "deep value": (
+        json.dumps({**MODEL, "extra": json.loads("[" * 300 + "]" * 300)}),
+        "damaged: extra.*nested deeper than 100 levels",
+    ),
     "embedded toolbox": (
         {**MODEL, "requiredToolboxes": [{"source": {"type": "inline"}}]},
         "a toolbox that is not a package",

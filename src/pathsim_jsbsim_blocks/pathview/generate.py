@@ -19,21 +19,13 @@ from .variables import printable, without_clashes
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
     """The script of a model from `pvm`, after a full check: the converter drops unknown parts."""
-    try:
-        content = complete(content)
-        check = Check(content, registry, path)
-        check.all()
-        shadowed = check.used & set(dir(builtins))
-        content = without_clashes(content, check.assigned | shadowed, check.called_later, path)
-        code = _generated(content, registry, path)
-        return _with_names_of_ports(_finished(code, content, path), registry)
-    except (RecursionError, MemoryError) as error:
-        raise DiagramError("too deep or too large for a script", path=path) from error
-
-
-def _generated(content: Json, registry: Json, path: Path) -> str:
     from pathview.converter import generate_python
 
+    content = complete(content)
+    check = Check(content, registry, path)
+    check.all()
+    shadowed = check.used & set(dir(builtins))
+    content = without_clashes(content, check.assigned | shadowed, check.called_later, path)
     try:
         code = generate_python(_spliceable(content), registry, source_name=_in_docstring(path.name))
         with compiling():
@@ -42,7 +34,9 @@ def _generated(content: Json, registry: Json, path: Path) -> str:
         # parameters and code have been parsed one by one, so only a name can be wrong
         line = (getattr(error, "text", None) or str(error)).strip()
         raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
-    return code
+    except (RecursionError, MemoryError) as error:
+        raise DiagramError("too deep or too large for a script", path=path) from error
+    return _with_names_of_ports(_finished(code, content, path), registry)
 
 
 def _with_names_of_ports(code: str, registry: Json) -> str:

@@ -68,11 +68,11 @@ def read(path: Path) -> dict[str, Any]:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
     if reason := _no_model(content):
         raise DiagramError(reason, path=path)
+    check_shape(content, path)
     try:
-        check_shape(content, path)
         # the page cannot read what only Python's JSON has: NaN, half of a surrogate pair
         json.dumps(content, allow_nan=False, ensure_ascii=False).encode()
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
     return content
 

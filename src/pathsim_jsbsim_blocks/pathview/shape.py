@@ -51,6 +51,7 @@ _MODEL = {
 
 _KINDS = {str: "text", int: "a whole number", float: "a coordinate", list: "a list"}
 _FAR = 1e9  # px
+_DEEP = 100  # levels of lists and objects: 30 nested subsystems
 
 
 def with_parts(content: Json, part: Callable[[Json], Json]) -> Json:
@@ -86,7 +87,21 @@ def graphs(content: Json) -> Iterator[Json]:
 
 def check_shape(content: Any, path: Path) -> None:
     """Refuse a model without PathView's structure: the error names ``graph.nodes[2].params``."""
+    _check_depth(content, path)
     _check(content, _MODEL, "", path)
+
+
+def _check_depth(content: Any, path: Path) -> None:
+    """Refuse deep nesting: the checks are recursive, and Python limits recursion."""
+    todo: list[tuple[Any, tuple[str, ...]]] = [(content, ())]
+    for value, place in todo:
+        if len(place) > _DEEP:
+            where = "".join(place).lstrip(".")[:60]
+            _refuse(f"{where}... is nested deeper than {_DEEP} levels", path)
+        if isinstance(value, dict):
+            todo += [(v, (*place, f".{k}")) for k, v in value.items()]
+        elif isinstance(value, list):
+            todo += [(v, (*place, f"[{i}]")) for i, v in enumerate(value)]
 
 
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:
