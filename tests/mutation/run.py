@@ -42,7 +42,7 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = Path("src/pathsim_jsbsim_blocks")
 WANTED = 0.92
-WAITING = 20  # times the limit of processor time: a mutant that still runs then waits for ever
+WAITING = 20  # times the limit of processor time, after which a mutant is taken to wait for ever
 # plugins are imported already, which pytest would warn of
 PYTEST = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
 PYTEST += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
