@@ -6,10 +6,7 @@ from dataclasses import dataclass
 
 from pathsim_jsbsim_blocks.errors import BlocksError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, LevelFlight, aircraft_names, trim
-from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim
-
-# the same for a glide: the last for bodies with little lift (Shuttle, x24b)
-GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2), (2000.0, 0.3), (2000.0, 0.1))
+from pathsim_jsbsim_blocks.flight.fleet import GLIDES, TRIES, first_trim
 
 # s of flight that every aircraft should have fuel for
 _FUEL_FOR = 60.0

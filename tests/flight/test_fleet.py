@@ -17,7 +17,7 @@ from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
-from pathsim_jsbsim_blocks.flight.fleet import level_flight
+from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim, level_flight
 
 DOCS = Path(__file__).parents[2] / "docs"
 T = 1 / 120
@@ -133,13 +133,20 @@ def test_level_flight_is_a_plain_loop(aircraft):
 )
 def test_the_others_say_why_not(aircraft, reason):
     with pytest.raises((TrimError, AircraftError), match=re.escape(repr(aircraft))) as error:
-        level_flight(aircraft, tries=1)
+        first_trim(aircraft, None, TRIES[:1], mode="full")
     assert getattr(error.value, "reason", "AircraftError") == reason
 
 
 def test_the_error_tells_of_all_tries():
     with pytest.raises(TrimError, match="and at 2 other conditions"):
-        level_flight("SGS")
+        level_flight("Pterosaur")
+
+
+@pytest.mark.parametrize("aircraft", ["SGS", "sgs126", "sgs233", "Shuttle"])
+def test_what_has_no_engine_glides(aircraft):
+    glide = level_flight(aircraft)
+    assert (glide.condition.mode, glide.condition.speed) == BY_NEWTON[aircraft]
+    assert glide.trim.gamma < -2.0
 
 
 def test_an_aircraft_that_does_not_stay_level_is_no_success(table):

@@ -18,10 +18,13 @@ from .trimming.nearest import level_speed
 # too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
+# the same for a glide; bodies with little lift (Shuttle, x24b) need the low coefficients
+GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2), (2000.0, 0.3), (2000.0, 0.1))
+
 
 @dataclass(frozen=True)
 class LevelFlight:
-    """A condition at which an aircraft flies level, and the trim found there.
+    """A condition at which an aircraft flies level, or a glider glides, and the trim found there.
 
     Attributes
     ----------
@@ -44,10 +47,10 @@ class LevelFlight:
 def level_flight(
     aircraft: str, root: str | None = None, tries: int = len(TRIES), solver: str | None = None
 ) -> LevelFlight:
-    """Find a sensible condition of straight and level flight for an aircraft.
+    """Find a sensible condition of straight and level flight, or of the glide of a glider.
 
     The speed follows from the weight and the wing area. Properties that the model expects from its
-    environment are created.
+    environment are created. A model without an engine glides (mode "glide").
 
     .. math::
         V = \\sqrt{\\frac{2 W}{\\rho_0 S C_L}}
@@ -71,7 +74,9 @@ def level_flight(
         if it trims at none of these; the residuals are those of the first
     """
     tries = whole("tries", tries, low=1)
-    return first_trim(aircraft, root, TRIES[:tries], mode="full", solver=solver)
+    airframe, *_ = prepared(aircraft, root)
+    mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
+    return first_trim(aircraft, root, conditions[:tries], mode=mode, solver=solver)
 
 
 def first_trim(
