@@ -23,7 +23,7 @@ from .._core.checks import did_you_mean, flag, mapping, number, positive, refuse
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .flightgear import address, directive
-from .integrators import integrator_properties
+from .integrators import INTEGRATORS, integrator_properties
 from .model_files import ModelFile
 from .planet import gravity_properties, planet_xml
 from .property_tree import PropertyTree
@@ -33,6 +33,8 @@ ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
 _MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
+# s, in which nothing moves
+_INSTANT = 1e-12
 
 
 class Airframe(PropertyTree):
@@ -322,6 +324,37 @@ class Airframe(PropertyTree):
         finally:
             for name in on:
                 self.fdm[name] = 1.0
+
+    def run_no_time(self) -> None:
+        """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
+        self.fdm.set_dt(_INSTANT)
+        self.fdm.run()
+        self.fdm.set_dt(self.dt)
+
+    def start_turbines(self) -> None:
+        """Take the step with which JSBSim starts turbines at idle, and keep their speeds."""
+        speeds = {name: self.fdm[name] for name in self.of_engines("n1")}
+        self.run_no_time()
+        for name, speed in speeds.items():
+            self.fdm[name] = speed
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """Let the aircraft stand in its state of flight while engines and systems run on.
+
+        No fuel is burnt, and actuators are at their commands.
+        """
+        fdm = self.fdm
+        methods = {name: fdm[name] for name in INTEGRATORS}
+        fdm.set_trim_status(True)
+        try:
+            for name in methods:
+                fdm[name] = 0.0
+            yield
+        finally:
+            for name, method in methods.items():
+                fdm[name] = method
+            fdm.set_trim_status(False)
 
     @contextlib.contextmanager
     def engines_stopped(self) -> Iterator[None]:

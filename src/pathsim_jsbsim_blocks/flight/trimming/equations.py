@@ -71,8 +71,7 @@ _EFFORT = 100_000
 _READING = 4
 _STEADY_STATE = 150
 
-# s, in which nothing moves, and the steps that JSBSim's integrators remember at most
-_INSTANT = 1e-12
+# steps that JSBSim's integrators remember at most
 _HISTORY = 5
 
 # rows of steps in which an engine with propeller settles, and how often
@@ -104,8 +103,8 @@ class SteadyFlight:
     """Equations of steady flight of an airframe initialised at a condition.
 
     One evaluation writes a state and controls, and reads the accelerations of JSBSim without a step
-    in time. Propellers turn at the speed at which they settle: JSBSim holds the aircraft and blows
-    its airspeed at it. The airframe is left in the state evaluated last.
+    in time. Propellers turn at the speed at which they settle in held flight. The airframe is left
+    in the state evaluated last.
 
     With ``in_time`` each reading ends with a step of no length, which takes longer: only in steps
     of time have turboprops power, and only there do actuators move at their own rates (those of the
@@ -202,9 +201,6 @@ class SteadyFlight:
         self._has_governor = any(
             self._fdm[name] for name in airframe.of_engines("constant-speed-mode")
         )
-        spools = airframe.of_engines("n1")
-        self._read_spools = [airframe.reader(name) for name in spools]
-        self._write_spools = [airframe.writer(name) for name in spools]
         # the throttle at which the propellers have settled
         self._settled_at: float | None = None
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
@@ -282,7 +278,7 @@ class SteadyFlight:
     def _forget(self) -> None:
         """Let the integrators forget the accelerations before the step of no length."""
         for _ in range(_HISTORY if self.in_time else 0):
-            self._run_no_time()
+            self._airframe.run_no_time()
 
     def _put(self, x: Sequence[float] | np.ndarray) -> float:
         """Write state and controls; returns the throttle."""
@@ -327,37 +323,18 @@ class SteadyFlight:
         try:
             fdm.run_ic()
             if self.in_time:
-                self._start_turbines()
+                self._airframe.start_turbines()
         finally:
             fdm.set_trim_status(False)
         if self.in_time:
-            self._run_no_time()
+            self._airframe.run_no_time()
         self.effort.steps += _READING
         return (np.array([read() for read in self._read]) - self._target) / self._tolerances
 
-    def _start_turbines(self) -> None:
-        """Take the step with which JSBSim starts turbines at idle, and keep their speeds."""
-        speeds = [read() for read in self._read_spools]
-        self._run_no_time()
-        for write, speed in zip(self._write_spools, speeds, strict=True):
-            write(speed)
-
-    def _run_no_time(self) -> None:
-        """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
-        self._fdm.set_dt(_INSTANT)
-        self._fdm.run()
-        self._fdm.set_dt(self._airframe.dt)
-
     def _spin(self, residual: float) -> None:
-        """Let the propellers settle in a wind tunnel: held in place, in the wind of the flight."""
-        fdm = self._fdm
+        """Let the propellers settle in held flight."""
         tolerance = min(max(1e-10 * residual, 1e-10), 1e-8)
-        for axis in ("north", "east", "down"):
-            still = fdm[f"atmosphere/total-wind-{axis}-fps"]
-            fdm[f"atmosphere/wind-{axis}-fps"] = still - fdm[f"velocities/v-{axis}-fps"]
-        fdm["forces/hold-down"] = 1.0
-        fdm.set_trim_status(True)
-        try:
+        with self._airframe.held():
             if self._airframe.not_running():
                 # at a low throttle of an earlier guess they may have stopped
                 with self._airframe.governors_off():
@@ -370,7 +347,7 @@ class SteadyFlight:
                     break
                 pitch = [read() for read in self._pitches]
                 for _ in range(_ROW):
-                    fdm.run()
+                    self._fdm.run()
                 self.effort.steps += _ROW
                 now = [read() for read in self._propellers]
                 pairs = zip(now, before, strict=True)
@@ -382,9 +359,6 @@ class SteadyFlight:
                     self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
                     now = again
                 before = now
-        finally:
-            fdm["forces/hold-down"] = 0.0
-            fdm.set_trim_status(False)
 
     def _spin_at_fixed_pitch(self) -> None:
         """Settle the speeds at the present blade angles, many times faster than real time."""
