@@ -53,13 +53,13 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.plots import show, signal
+    from pathsim_jsbsim_blocks.plots import settling, show, signal
 
     sim.run(DURATION)
     time, airspeed = signal(speed, "calibrated airspeed")
     _, h = signal(flight, "altitude")
     print(
-        f"airspeed within 0.5 kt of 100 KCAS {time[abs(airspeed - 100.0) > 0.5][-1] - 5.0:.1f} s "
-        f"after the step; altitude {h.min():.1f} to {h.max():.1f} ft"
+        f"calibrated airspeed {settling(time, airspeed, 100.0, 0.5, 'kt', after=faster.tau[0])}; "
+        f"altitude {h.min():.1f} to {h.max():.1f} ft"
     )
     show(figure(), "airspeed_hold")

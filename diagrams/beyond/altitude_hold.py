@@ -65,14 +65,13 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.plots import show, signal
+    from pathsim_jsbsim_blocks.plots import settling, show, signal
 
     sim.run(DURATION)
     time, h = signal(climb, "altitude")
     _, airspeed = signal(climb, "calibrated airspeed")
     print(
-        f"altitude within 10 ft of 5500 ft {time[abs(h - 5500.0) > 10.0][-1] - 5.0:.1f} s after "
-        f"the step, at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to "
-        f"{airspeed.max():.1f} KCAS"
+        f"altitude {settling(time, h, 5500.0, 10.0, 'ft', after=higher.tau[0])}, "
+        f"at most {h.max():.1f} ft; airspeed {airspeed.min():.1f} to {airspeed.max():.1f} KCAS"
     )
     show(figure(), "altitude_hold")

@@ -117,12 +117,16 @@ if __name__ == "__main__":
     time, (across, above) = deviation.read()
     _, (vc, psi, chi) = flight.read()
     final = distance < 5 * 6076.12
+    print(f"passed the line by {max(-across.min(), 0.0):.0f} ft")
+    if final.any():
+        print(
+            f"from 5 nmi on within {abs(across[final]).max():.1f} ft of it and "
+            f"{abs(above[final]).max():.1f} ft of the path"
+        )
+    reached = altitude[-1] <= ELEVATION + DECISION_HEIGHT
     print(
-        f"passed the line by {max(-across.min(), 0.0):.0f} ft; from 5 nmi on within "
-        f"{abs(across[final]).max():.1f} ft of it and {abs(above[final]).max():.1f} ft of the path"
-    )
-    print(
-        f"decision height at {time[-1]:.0f} s, {distance[-1]:.0f} ft before the threshold: "
+        f"{'at' if reached else 'above'} the decision height after {time[-1]:.4g} s, "
+        f"{distance[-1]:.0f} ft before the threshold: "
         f"{across[-1]:.0f} ft beside the line, {above[-1]:.1f} ft above the glide path, "
         f"{vc[-1]:.1f} KCAS, heading {psi[-1]:.1f} deg, course {chi[-1]:.1f} deg"
     )

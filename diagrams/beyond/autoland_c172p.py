@@ -197,15 +197,18 @@ if __name__ == "__main__":
     _, (climb, vc) = rates.read()
     _, (theta, phi, psi) = attitude.read()
     _, (across, distance) = ground.read()
-    touch = int(wheels.argmax())
+    if wheels.any():
+        touch = int(wheels.argmax())
+        print(
+            f"touchdown after {time[touch]:.1f} s, {8000.0 - distance[touch]:.0f} ft past the "
+            f"aiming point and {across[touch]:.1f} ft right of the centre line, sinking at "
+            f"{-climb[touch - 1]:.1f} ft/s, at {vc[touch]:.0f} KCAS; pitch {theta[touch]:.1f} deg, "
+            f"bank {phi[touch]:.1f} deg, heading {psi[touch]:.1f} deg"
+        )
+    else:
+        print("no touchdown by the end")
     print(
-        f"touchdown after {time[touch]:.1f} s, {8000.0 - distance[touch]:.0f} ft past the aiming "
-        f"point and {across[touch]:.1f} ft right of the centre line, sinking at "
-        f"{-climb[touch - 1]:.1f} ft/s, at {vc[touch]:.0f} KCAS; pitch {theta[touch]:.1f} deg, "
-        f"bank {phi[touch]:.1f} deg, heading {psi[touch]:.1f} deg"
-    )
-    print(
-        f"at the end {8000.0 - distance[-1]:.0f} ft past it and {across[-1]:.1f} ft right, at "
-        f"{vc[-1]:.0f} KCAS"
+        f"at the end {8000.0 - distance[-1]:.0f} ft past the aiming point and "
+        f"{across[-1]:.1f} ft right, at {vc[-1]:.0f} KCAS"
     )
     show(figure(), "autoland_c172p")

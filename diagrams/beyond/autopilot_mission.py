@@ -95,10 +95,12 @@ if __name__ == "__main__":
     time, h = signal(flight, "altitude")
     _, psi = signal(flight, "heading")
     _, airspeed = signal(flight, "calibrated airspeed")
-    last = time > DURATION - 20.0
+    last = time > time[-1] - 20.0
     print(
-        f"the last 20 s: altitude {h[last].min():.0f} to {h[last].max():.0f} ft (11,000), "
-        f"heading {psi[last].min():.1f} to {psi[last].max():.1f} deg (150), "
-        f"airspeed {airspeed[last].min():.1f} to {airspeed[last].max():.1f} KCAS (295)"
+        f"from {time[last][0]:.0f} s on, with the commands of the end in brackets: altitude "
+        f"{h[last].min():.0f} to {h[last].max():.0f} ft ({h[0] + climb.outputs[0]:.0f}), heading "
+        f"{psi[last].min():.1f} to {psi[last].max():.1f} deg ({psi[0] + turn.outputs[0]:.0f}), "
+        f"airspeed {airspeed[last].min():.1f} to {airspeed[last].max():.1f} KCAS "
+        f"({airspeed[0] + accelerate.outputs[0]:.0f})"
     )
     show(figure(), "autopilot_mission")

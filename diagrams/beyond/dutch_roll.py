@@ -77,9 +77,10 @@ if __name__ == "__main__":
     sim.run(DURATION)
     for gain in (0, 1, 2):
         time, beta = signal(slip, f"sideslip angle, gain {gain}")
-        late = time > 5.0
+        start = min(5.0, time[-1] / 2)
+        late = time > start
         print(
-            f"gain {gain}: sideslip up to {abs(beta).max():.2f} deg, after 5 s up to "
-            f"{abs(beta[late] - beta[-1]).max():.3f} deg"
+            f"gain {gain}: sideslip up to {abs(beta).max():.2f} deg, after {start:.4g} s "
+            f"{abs(beta[late] - beta[-1]).max():.3f} deg from its last value at most"
         )
     show(figure(), "dutch_roll")

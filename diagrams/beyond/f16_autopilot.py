@@ -220,6 +220,6 @@ if __name__ == "__main__":
     from pathsim_jsbsim_blocks.plots import show
 
     sim.run(DURATION)
-    time, (phi, _, psi) = angles.read()
-    print(f"largest bank {phi.max():.2f} deg, heading at the end {psi[-1]:.2f} deg")
+    _, (phi, _, psi) = angles.read()
+    print(f"bank up to {phi.max():.2f} deg, heading at the end {psi[-1]:.2f} deg")
     show(figure(), "f16_autopilot")

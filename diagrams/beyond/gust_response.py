@@ -110,6 +110,6 @@ if __name__ == "__main__":
     for gust, n in zip((gust_30, gust_90, gust_150, gust_200, gust_350), nz, strict=True):
         print(
             f"{gust.gradient:3.0f} ft, {-gust.peak:.1f} ft/s: "
-            f"nz from {n.min():.2f} to {n.max():.2f}"
+            f"nz from {n.min():.2f} to {n.max():.2f} in {sim.time:.4g} s"
         )
     show(figure(), "gust_response")

@@ -76,15 +76,14 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.plots import show, signal
+    from pathsim_jsbsim_blocks.plots import settling, show, signal
 
     sim.run(DURATION)
     time, psi = signal(heading, "heading")
     _, h = signal(flight, "altitude")
-    error = psi - 10.0
     print(
-        f"heading {psi[-1]:.2f} deg, within 0.5 deg of 10 deg from "
-        f"{time[abs(error) > 0.5][-1]:.1f} s on, overshoot {max(error.max(), 0.0):.2f} deg; "
+        f"heading {psi[-1]:.2f} deg, {settling(time, psi, 10.0, 0.5, 'deg')}, "
+        f"overshoot {max(psi.max() - 10.0, 0.0):.2f} deg; "
         f"altitude {h.min():.1f} to {h.max():.1f} ft"
     )
     show(figure(), "heading_hold")

@@ -100,9 +100,9 @@ if __name__ == "__main__":
     _, (tailwind, downdraft, _) = wind.read()
     _, (h_still,) = still.read()
     lost, f = h_still - h, f_factor()
-    print(f"headwind {-tailwind.min():.1f} ft/s at {time[tailwind.argmin()]:.1f} s")
-    print(f"downdraft {downdraft.max():.1f} ft/s at {time[downdraft.argmax()]:.1f} s")
-    print(f"tailwind {tailwind.max():.1f} ft/s at {time[tailwind.argmax()]:.1f} s")
+    print(f"headwind up to {-tailwind.min():.1f} ft/s, at {time[tailwind.argmin()]:.1f} s")
+    print(f"downdraft up to {downdraft.max():.1f} ft/s, at {time[downdraft.argmax()]:.1f} s")
+    print(f"tailwind up to {tailwind.max():.1f} ft/s, at {time[tailwind.argmax()]:.1f} s")
     print(f"F-factor up to {f.max():.3f}, at {time[f.argmax()]:.1f} s")
     print(
         f"airspeed {vc.min():.1f} to {vc.max():.1f} KCAS, throttle up to +{throttle.max():.2f}; "

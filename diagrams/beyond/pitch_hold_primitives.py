@@ -60,12 +60,12 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.plots import show, signal
+    from pathsim_jsbsim_blocks.plots import settling, show, signal
 
     sim.run(DURATION)
     time, theta = signal(pitch, "pitch angle")
     print(
-        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of 3 deg from "
-        f"{time[abs(theta - 3.0) > 0.05][-1]:.1f} s on, at most {theta.max():.3f} deg"
+        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.4g} s, "
+        f"{settling(time, theta, 3.0, 0.05, 'deg')}, at most {theta.max():.3f} deg"
     )
     show(figure(), "pitch_hold_primitives")

@@ -71,8 +71,9 @@ def spectra():
     from scipy.signal import welch
 
     time, nz = load_factor.read()
-    settled = nz[:, time > 5.0]  # trimmed in still air, they meet the turbulence as a step
-    return welch(settled, fs=1 / sim.dt, nperseg=2400)
+    # trimmed in still air, they meet the turbulence as a step
+    settled = nz[:, time > min(5.0, time[-1] / 2)]
+    return welch(settled, fs=1 / sim.dt, nperseg=min(2400, settled.shape[1]))
 
 
 def figure():
@@ -115,11 +116,12 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, nz = load_factor.read()
     _, h = altitude.read()
-    settled = time > 5.0
+    start = min(5.0, time[-1] / 2)
+    settled = time > start
     for label, x, n in zip(("controls fixed", "autopilot"), h, nz, strict=True):
         print(
             f"{label}: altitude from {x.min():.0f} to {x.max():.0f} ft, "
-            f"nz {n[settled].std():.3f} g rms, "
+            f"nz after {start:.4g} s {n[settled].std():.3f} g rms, "
             f"from {n[settled].min():.2f} to {n[settled].max():.2f}"
         )
     _, w = signal(gust, "downward velocity")

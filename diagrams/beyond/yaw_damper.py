@@ -49,14 +49,17 @@ def figure():
 
 
 def damping_ratio(name):
-    """Of the Dutch roll, from the first three extremes of the sideslip after the pulse."""
+    """Of the Dutch roll, from the first three extremes of the sideslip after the pulse, or nan."""
     import numpy as np
 
     from pathsim_jsbsim_blocks.plots import signal
 
     time, beta = signal(slip, f"sideslip angle, {name}")
-    beta = beta[time > 1.5]
-    first, second, third = beta[1:-1][np.diff(beta[1:]) * np.diff(beta[:-1]) < 0.0][:3]
+    beta = beta[time > np.max(pulse.tau)]
+    extremes = beta[1:-1][np.diff(beta[1:]) * np.diff(beta[:-1]) < 0.0]
+    if len(extremes) < 3:
+        return np.nan
+    first, second, third = extremes[:3]
     decrement = np.log(abs((first - second) / (second - third)))  # of half a period
     return decrement / np.hypot(np.pi, decrement)
 
@@ -67,10 +70,15 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, without = signal(yaw, "yaw rate, bare")
     _, with_damper = signal(yaw, "yaw rate, damped")
-    late = time > 4.0
+    start = min(4.0, time[-1] / 2)
+    late = time > start
     print(
-        f"yaw rate left after 4 s: at most {abs(without[late]).max():.2f} deg/s bare, "
-        f"{abs(with_damper[late]).max():.2f} deg/s damped; damping ratio of the Dutch roll "
-        f"{damping_ratio('bare'):.2f} and {damping_ratio('damped'):.2f}"
+        f"yaw rate after {start:.4g} s: at most {abs(without[late]).max():.2f} deg/s bare, "
+        f"{abs(with_damper[late]).max():.2f} deg/s damped"
     )
+    ratios = damping_ratio("bare"), damping_ratio("damped")
+    if min(ratios) > 0.0:
+        print(f"damping ratio of the Dutch roll {ratios[0]:.2f} and {ratios[1]:.2f}")
+    else:
+        print("no Dutch roll to measure by the end")
     show(figure(), "yaw_damper")

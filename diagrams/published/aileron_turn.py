@@ -75,9 +75,10 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, phi = signal(scope, "roll angle")
     _, altitude = signal(scope, "altitude")
+    i = abs(time - 5.0).argmin()
     print(
-        f"roll angle {phi[abs(time - 5.0).argmin()]:.1f} deg after 5 s (no 10-degree turn), "
-        f"{phi[-1]:.1f} deg after {sim.time:.0f} s; altitude lost {5000 - altitude[-1]:.0f} ft"
+        f"roll angle {phi[i]:.1f} deg after {time[i]:.4g} s, {phi[-1]:.1f} deg after "
+        f"{sim.time:.4g} s; altitude lost {altitude[0] - altitude[-1]:.0f} ft"
     )
     show(figure(), "aileron_turn")
     show(figure_track(), "aileron_turn_track")

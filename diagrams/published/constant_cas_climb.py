@@ -118,8 +118,8 @@ if __name__ == "__main__":
     _, (m,) = machs.read()
     i = abs(h - 10_000).argmin()
     print(
-        f"crossover altitude {crossover_altitude(climb_cas, climb_mach) / foot:.0f} ft; "
-        f"{v[i]:.1f} KTAS, Mach {m[i]:.3f} at 10,000 ft; "
+        f"crossover altitude {crossover_altitude(cas.value, mach.value) / foot:.0f} ft; "
+        f"{v[i]:.1f} KTAS, Mach {m[i]:.3f} at {h[i]:,.0f} ft; "
         f"{v[-1]:.1f} KTAS, Mach {m[-1]:.3f} at {h[-1]:,.0f} ft"
     )
     print("altitude [ft]  CAS [kt]  TAS [kt]  TAS/CAS")

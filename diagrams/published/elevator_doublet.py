@@ -71,7 +71,7 @@ if __name__ == "__main__":
         f"throttle {aircraft.trim.throttle[0]:.6f}"
     )
     print(
-        f"doublet: alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
-        f"{alpha[-1]:.2f} deg at {sim.time:.0f} s"
+        f"alpha from {alpha.min():.2f} to {alpha.max():.2f} deg, "
+        f"{alpha[-1]:.2f} deg after {sim.time:.4g} s"
     )
     show(figure(), "elevator_doublet")

@@ -64,7 +64,7 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     print(
-        f"{aircraft.outputs['h']:.1f} ft after {sim.time:.0f} s, "
+        f"{aircraft.outputs['h']:.1f} ft after {sim.time:.4g} s, "
         f"at {aircraft.outputs['vc']:.1f} KCAS, "
         f"flight path angle {aircraft.outputs['gamma']:.2f} deg"
     )

@@ -84,10 +84,9 @@ if __name__ == "__main__":
     sim.run(DURATION)
     _, (h,) = height.read()
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
-    for km in (0, 11, 20, 50, 80):
-        i = abs(h - 1000 * km).argmin()
+    for i in sorted({abs(h - 1000.0 * km).argmin() for km in (0, 11, 20, 50, 80)}):
         print(
-            f"{km:3d} km: {pressure[i]:10.2f} Pa  {density[i]:9.3g} kg/m3  "
+            f"{h[i] / 1000:5.2f} km: {pressure[i]:10.2f} Pa  {density[i]:9.3g} kg/m3  "
             f"{temperature[i] - 273.15:7.2f} degC  {speed_of_sound[i]:7.3f} m/s"
         )
     show(figure(), "isa_profile")

@@ -60,16 +60,15 @@ def figure():
 
 
 if __name__ == "__main__":
-    from pathsim_jsbsim_blocks.plots import show, signal
+    from pathsim_jsbsim_blocks.plots import settling, show, signal
 
     sim.run(DURATION)
     time, theta = signal(pitch, "pitch angle")
-    outside = time[abs(theta - hold.theta_ref) > 0.05]
     _, h = signal(flight, "altitude")
     _, airspeed = signal(flight, "calibrated airspeed")
     print(
-        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.0f} s, within 0.05 deg of "
-        f"{hold.theta_ref:g} deg from {outside[-1]:.1f} s on, at most {theta.max():.3f} deg; "
+        f"pitch angle {theta[-1]:.3f} deg after {sim.time:.4g} s, "
+        f"{settling(time, theta, hold.theta_ref, 0.05, 'deg')}, at most {theta.max():.3f} deg; "
         f"climbed {h[-1] - h[0]:.0f} ft, {airspeed[-1]:.1f} KCAS"
     )
     show(figure(), "pitch_hold")

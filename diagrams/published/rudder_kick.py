@@ -63,7 +63,7 @@ if __name__ == "__main__":
     time, beta = signal(response, "sideslip angle")
     print(
         f"sideslip angle at most {beta.max():.2f} deg, at {time[beta.argmax()]:.2f} s; "
-        f"{beta[-1]:.2f} deg after {sim.time:.0f} s"
+        f"{beta[-1]:.2f} deg after {sim.time:.4g} s"
     )
     print(
         f"roll angle {aircraft.outputs['phi']:.1f} deg, heading {aircraft.outputs['psi']:.1f} deg"

@@ -54,8 +54,9 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, y = signal(scope, "response y")
     _, exact = signal(scope, "analytic")
+    i = abs(time - tau).argmin()
     print(
-        f"y = {y[abs(time - tau).argmin()]:.4f} after one time constant; "
+        f"y = {y[i]:.4f} after {time[i]:.4g} s; "
         f"largest difference to the analytic curve {abs(y - exact).max():.1e}"
     )
     show(figure(), "step_response")

@@ -64,7 +64,7 @@ if __name__ == "__main__":
     print(
         f"altitude {altitude.min():.2f} to {altitude.max():.2f} ft, "
         f"airspeed {airspeed.min():.3f} to {airspeed.max():.3f} KCAS, "
-        f"heading {aircraft.outputs['psi']:.3f} deg after {sim.time:.0f} s"
+        f"heading {aircraft.outputs['psi']:.3f} deg after {sim.time:.4g} s"
     )
     show(figure(), "trimmed_flight")
     show(figure_track(), "trimmed_flight_track")

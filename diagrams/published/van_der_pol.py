@@ -62,6 +62,10 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, x = signal(scope, "position x")
     upward = time[1:][(x[:-1] < 0.0) & (x[1:] >= 0.0)]
-    period = (upward[-1] - upward[-4]) / 3
-    print(f"amplitude {abs(x[time > 15.0]).max():.3f}, period {period:.2f} s")
+    if len(upward) > 3:
+        cycles = x[time > upward[-4]]
+        period = (upward[-1] - upward[-4]) / 3
+        print(f"amplitude {abs(cycles).max():.3f}, period {period:.2f} s")
+    else:
+        print(f"too few cycles for a period: {len(upward)} in {sim.time:.4g} s")
     show(figure(), "van_der_pol")

@@ -35,6 +35,7 @@ __all__ = [
     "ground_track",
     "phase_portrait",
     "saving_to",
+    "settling",
     "show",
     "signal",
     "subplots",
@@ -205,6 +206,43 @@ def signal(scope: Scope, label: str) -> tuple[np.ndarray, np.ndarray]:
     time, data = recording(scope)
     names = [_label(scope, i)[0] for i in range(len(data))]
     return time, data[_index(names, label)]
+
+
+def settling(
+    time: np.ndarray,
+    y: np.ndarray,
+    target: float,
+    tolerance: float,
+    unit: str,
+    after: float | None = None,
+) -> str:
+    """When a recorded signal comes within a tolerance of a value for good, in words.
+
+    Parameters
+    ----------
+    time, y : arrays, shape (n,)
+        s, and the signal, as `signal` returns them
+    target, tolerance : float
+        the value and the half width of the band around it, in the unit of the signal
+    unit : str
+        the signal's unit
+    after : float, optional
+        s; count the time from there on, such as from a step
+
+    Returns
+    -------
+    str
+        such as ``"within 0.5 deg of 10 deg from 12.6 s on"``, with ``after`` ``"within 10 ft of
+        5500 ft 51.4 s after t = 5 s"``, or ``"not within 10 ft of 5500 ft by the end"``
+    """
+    band = f"within {tolerance:g} {unit} of {target:g} {unit}"
+    outside = np.flatnonzero(~(np.abs(y - target) <= tolerance))  # nan is outside
+    first = int(outside[-1]) + 1 if outside.size else 0
+    if first == len(time):
+        return f"not {band} by the end"
+    if after is None or time[first] < after:
+        return f"{band} from {time[first]:.1f} s on"
+    return f"{band} {time[first] - after:.1f} s after t = {after:g} s"
 
 
 def aircraft_points(

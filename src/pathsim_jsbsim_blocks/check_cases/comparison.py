@@ -97,7 +97,7 @@ class Deviation:
     quantity, unit : str
         what is compared, and the unit of all numbers
     worst : float
-        largest distance from the median of the simulators
+        largest distance from the median of the simulators, up to ``until``
     band : float
         largest distance of the simulators from their median: of all in the F-16's cases, which
         three flew, and without the worst in the others
@@ -108,6 +108,8 @@ class Deviation:
     passes : bool
         whether the flight is within the band and the limit; the airspeed of the F-16 need not be
         in the band, because two simulators give one, and differ
+    until : float
+        last time that is compared, s
     """
 
     quantity: str
@@ -117,6 +119,7 @@ class Deviation:
     from_05: float | None
     limit_05: float | None
     passes: bool
+    until: float = math.inf
 
 
 def fly_case(case: float, rate: int | None = None, integrators: Any = "precise") -> list[Scope]:
@@ -164,7 +167,8 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     case : float
         as in `fly_case`
     *scopes : pathsim.blocks.Scope
-        with the diagram's signals over its whole duration
+        with the diagram's signals; a flight that ended early is compared as far as it went, with
+        the band and limits of the whole
 
     Returns
     -------
@@ -177,19 +181,21 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
         for a case that does not exist, a signal that is missing, or times that are not recorded
     """
     reference, single = _reference(_known(case)), _simulator_05(case)
+    flown, flown_single = _flown(reference, scopes), _flown(single, scopes)
+    until = float(flown["time_s"][-1])
     found = []
     for name, quantity in _quantities(case).items():
         median = reference[quantity.column]
-        worst = abs(_distance(case, name, scopes, reference)).max()
+        worst = abs(_distance(case, name, scopes, flown)).max()
         band = _band(case, quantity, reference).max()
         passes = worst <= band * (1 + _ROUNDING_OF_SPREADS) + _ROUNDING * max(1, abs(median).max())
         passes = passes or not quantity.banded
         from_05 = None
         if quantity.limit is not None:
-            from_05 = float(abs(_distance(case, name, scopes, single)).max())
+            from_05 = float(abs(_distance(case, name, scopes, flown_single)).max())
             passes = passes and from_05 <= quantity.limit
         numbers = float(worst), float(band), from_05, quantity.limit
-        found.append(Deviation(name, quantity.unit, *numbers, bool(passes)))
+        found.append(Deviation(name, quantity.unit, *numbers, bool(passes), until))
     return found
 
 
@@ -233,8 +239,10 @@ def comparison_table(case: float, deviations: Sequence[Deviation]) -> str:
         numbers = map(_short, (d.worst, d.band, d.from_05, d.limit_05))
         rows.append((d.quantity, d.unit, *numbers, "pass" if d.passes else "FAIL"))
     line = "  {:<15}{:<6}{:>10}{:>10}{:>10}{:>10}  {}"
-    lines = [f"check case {case:g}: {CASES[case]}", *(line.format(*row).rstrip() for row in rows)]
-    return "\n".join(lines)
+    until, end = max(d.until for d in deviations), _reference(case)["time_s"][-1]
+    part = f", until {until:g} s of {end:g} s" if until < end else ""
+    headline = f"check case {case:g}: {CASES[case]}{part}"
+    return "\n".join([headline, *(line.format(*row).rstrip() for row in rows)])
 
 
 def comparison_figure(case: float, *scopes: Scope) -> Figure:
@@ -245,7 +253,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     case : float
         as in `fly_case`
     *scopes : pathsim.blocks.Scope
-        with the diagram's signals over its whole duration
+        with the diagram's signals, as in `compare`
 
     Returns
     -------
@@ -255,6 +263,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     from ..plots import subplots
 
     reference, single = _reference(_known(case)), _simulator_05(case)
+    flown = _flown(reference, scopes)
     time = reference["time_s"]
     shown = {}
     for name, quantity in _quantities(case).items():
@@ -269,7 +278,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
         band = _band(case, quantity, reference)
         ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
-        ax.plot(time, _distance(case, name, scopes, reference), label="this diagram")
+        ax.plot(flown["time_s"], _distance(case, name, scopes, flown), label="this diagram")
         if quantity.limit is not None:
             at = np.searchsorted(time, single["time_s"])
             apart = single[quantity.column] - reference[quantity.column][at]
@@ -315,6 +324,12 @@ def _reference(case: float) -> np.ndarray:
 def _simulator_05(case: float) -> np.ndarray:
     table = np.genfromtxt(_DATA / "nesc_sim05.csv", delimiter=",", names=True)
     return table[table["case"] == case]
+
+
+def _flown(table: np.ndarray, scopes: Sequence[Scope]) -> np.ndarray:
+    """The part of a table up to the end of the recording."""
+    end = max((s.recording_time[-1] for s in scopes if s.recording_time), default=0.0)
+    return table[table["time_s"] <= end + 1e-6]
 
 
 def _distance(case: float, name: str, scopes: Sequence[Scope], expected: np.ndarray) -> np.ndarray:
