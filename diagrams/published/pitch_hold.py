@@ -42,10 +42,11 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import time_histories
+    from pathsim_jsbsim_blocks.plots import signal, time_histories
 
+    _, reference = signal(pitch, "reference")
     drawing = time_histories(
-        pitch, flight, title=f"{aircraft.aircraft}: pitch hold at {hold.theta_ref:g} deg"
+        pitch, flight, title=f"{aircraft.aircraft}: pitch hold at {reference[-1]:g} deg"
     )
     # the trimmed state, from which the hold departs
     for ax, value, place in zip(
@@ -64,11 +65,12 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     time, theta = signal(pitch, "pitch angle")
+    target = theta[0] if hold.theta_ref is None else hold.theta_ref
     _, h = signal(flight, "altitude")
     _, airspeed = signal(flight, "calibrated airspeed")
     print(
         f"pitch angle {theta[-1]:.3f} deg after {sim.time:.4g} s, "
-        f"{settling(time, theta, hold.theta_ref, 0.05, 'deg')}, at most {theta.max():.3f} deg; "
+        f"{settling(time, theta, target, 0.05, 'deg')}, at most {theta.max():.3f} deg; "
         f"climbed {h[-1] - h[0]:.0f} ft, {airspeed[-1]:.1f} KCAS"
     )
     show(figure(), "pitch_hold")
