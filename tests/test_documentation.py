@@ -55,10 +55,12 @@ def marks(pages, command=""):
     "page",
     [pytest.param(p, id=p.name, marks=marks([p.name])) for p in PAGES if blocks(p, "python")],
 )
-def test_python_blocks_run_in_their_order(page):
-    namespace = {"__name__": page.stem}
-    for block in blocks(page, "python"):
-        exec(compile(block, str(page), "exec"), namespace)
+def test_python_blocks_run_in_their_order(page, tmp_path):
+    # as a script, because resume is for functions of a file
+    script = tmp_path / f"{page.stem}.py"
+    script.write_text("\n".join(blocks(page, "python")), encoding="utf-8")
+    namespace = {"__name__": page.stem, "__file__": str(script)}
+    exec(compile(script.read_text(encoding="utf-8"), str(script), "exec"), namespace)
 
 
 def sessions():

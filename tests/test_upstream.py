@@ -91,7 +91,7 @@ def test_joblib_raises_where_a_worker_is_killed():
 
 
 def test_joblib_gives_equal_values_equal_sums():
-    # studies/kept.py tells kept results by them
+    # of arguments of a resumed study
     joblib = pytest.importorskip("joblib")
     one, other = {"a": [1.0, "x"], "b": None}, {"b": None, "a": [1.0, "x"]}
     assert joblib.hash(one) == joblib.hash(other)

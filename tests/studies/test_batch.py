@@ -12,7 +12,7 @@ import plain_jsbsim
 import pytest
 
 from pathsim_jsbsim_blocks import Aircraft, FlightError, ParameterError, TrimCondition
-from pathsim_jsbsim_blocks.studies import batch, kept, run_batch
+from pathsim_jsbsim_blocks.studies import batch, run_batch
 
 
 def quiet(*args, **options):
@@ -109,7 +109,7 @@ def test_a_batch_resumes_from_its_file(tmp_path):
     pd.testing.assert_frame_equal(
         quiet(noise, {"gain": [1.0, 2.0]}, resume=path), table, check_exact=True
     )
-    with pytest.raises(ParameterError, match="holds another study"):
+    with pytest.raises(ParameterError, match="is of another study: cases is changed"):
         quiet(noise, {"gain": [1.0, 3.0]}, resume=path)
 
 
@@ -186,6 +186,10 @@ def test_a_script_that_cannot_be_flown_is_refused(text, said, tmp_path):
         quiet(str(tmp_path / "own.py"), {"X": [1.0]}, measure=level)
 
 
+def doubled(m, sign=1.0):
+    return {"y": sign * m.Y}
+
+
 def test_a_batch_of_a_script_is_resumed_for_the_same_script_only(tmp_path):
     script = tmp_path / "own.py"
     text = (
@@ -193,41 +197,39 @@ def test_a_batch_of_a_script_is_resumed_for_the_same_script_only(tmp_path):
         "sim = Simulation([], [], dt=0.1, log=False)\nY = 2 * X\n"
     )
     script.write_text(text)
-
-    def measure(m, sign=1.0):
-        return {"y": sign * m.Y}
-
-    options = {"measure": measure, "resume": tmp_path / "kept"}
+    options = {"measure": doubled, "resume": tmp_path / "kept"}
     assert quiet(script, {"X": [1.0, 2.0]}, **options).y.tolist() == [2.0, 4.0]
     script.write_text(text.replace("2 * X", "3 * X"))
-    with pytest.raises(ParameterError, match=r"What differs: text of own.py;"):
+    with pytest.raises(ParameterError, match=rf"study: {tmp_path.name}/own.py is changed;"):
         quiet(script, {"X": [1.0, 2.0]}, **options)
     script.write_text(text)
-    said = r"differs: duration \(kept null, now 0.2\), measure: sign \(kept nothing, now -1.0\)"
-    other = functools.partial(measure, sign=-1.0)
-    with pytest.raises(ParameterError, match=said):
+    other = functools.partial(doubled, sign=-1.0)
+    with pytest.raises(ParameterError, match=r"argument sign is new, duration is changed;"):
         quiet(script, {"X": [1.0, 2.0]}, **options | {"measure": other}, duration=0.2)
     assert quiet(script, {"X": [1.0, 2.0]}, **options).y.tolist() == [2.0, 4.0]
 
 
-def test_a_batch_is_resumed_for_the_same_cases_and_versions_only(tmp_path, monkeypatch):
-    path = tmp_path / "kept"
-    quiet(noise, ONE, resume=path)
-    with pytest.raises(ParameterError, match=r"What differs: cases;"):
-        quiet(noise, ONE, resume=path, seed=1)
-    monkeypatch.setattr(kept, "version", lambda name: "0.9")
-    with pytest.raises(ParameterError, match=r"differs: jsbsim \(kept .*, now 0.9\), pathsim \("):
-        quiet(noise, ONE, resume=path)
+def test_a_product_of_cases_is_told(capsys):
+    def build(a, b=0.0, c=0.0):
+        return {"y": a + b + c}
+
+    def said(cases):
+        run_batch(build, cases, jobs=1)
+        return capsys.readouterr().err
+
+    assert "run_batch build, 3 x 4 = 12 cases" in said({"a": [1, 2, 3], "b": range(4), "c": [1]})
+    pairs = pd.DataFrame({"a": [1.0, 2.0], "b": [3.0, 4.0]})
+    assert "run_batch build, 2 cases" in said(pairs.to_dict("records"))
+
+
+def halved(fuel, name, load):
+    return {"half": [load[0] / 2, None]}
 
 
 def test_lists_stay_lists_in_parquet_and_are_json_in_csv(tmp_path):
     cases = [{"fuel": [1.0, 2.5], "name": ["a"], "load": {0: 1.0}}] * 2
-
-    def build(fuel, name, load):
-        return {"half": [load[0] / 2, None]}
-
-    table = quiet(build, cases, resume=tmp_path / "kept")
-    pd.testing.assert_frame_equal(quiet(build, cases, resume=tmp_path / "kept"), table)
+    table = quiet(halved, cases, resume=tmp_path / "kept")
+    pd.testing.assert_frame_equal(quiet(halved, cases, resume=tmp_path / "kept"), table)
     table.to_csv(tmp_path / "table.csv")
     table.to_parquet(tmp_path / "table.parquet")
     text, kept = pd.read_csv(tmp_path / "table.csv"), pd.read_parquet(tmp_path / "table.parquet")

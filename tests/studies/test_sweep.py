@@ -132,7 +132,7 @@ def test_a_file_of_other_outputs_or_another_mode_is_another_study(tmp_path):
     first = sweep(["aero/alpha-rad"])
     pd.testing.assert_frame_equal(sweep(["aero/alpha-rad"]), first, check_exact=True)
     for other in ({}, {"outputs": ["aero/alpha-rad"], "mode": "longitudinal"}):
-        with pytest.raises(ParameterError, match="holds another study"):
+        with pytest.raises(ParameterError, match="is of another study"):
             sweep(**other)
 
 

@@ -17,7 +17,7 @@ from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, who
 from .._core.extras import required
 from ..catalogue import find_diagram
 from .grid import cell, expand, plain, product
-from .kept import of_function, of_models, texts
+from .journal import of_function
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -74,11 +74,10 @@ def run_batch(
         workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
-        refused, naming what changed, for other cases, another ``duration``, other values that come
-        with the functions, another version of this package, PathSim, JSBSim or Python, and other
-        texts: of the script or the files of the functions (in a notebook: of the functions), of
-        modules beside these that their import lines name, and of models below a JSBSim ``root``
-        that these have as a value. Other data files and modules are not compared
+        refused, naming what differs, for other cases, arguments of a `functools.partial`, versions
+        of this package, PathSim, JSBSim and Python, ``.py`` files below the top package of the
+        function or the folder of the script, and XML files below a JSBSim root among the arguments.
+        Functions must be those of a module or script. Nothing else is compared
     progress : bool
         show a progress bar on stderr
 
@@ -98,7 +97,8 @@ def run_batch(
     ParameterError
         before the work begins: no cases, a case that ``build`` does not take (of a script: a block,
         parameter or constant that it does not have, naming the nearest), NaN, a ``build`` that
-        cannot be sent to other processes, a file that cannot be written or belongs to another batch
+        cannot be sent to other processes, a file that cannot be written or belongs to another
+        batch; with ``resume`` a function that no file defines, and more than 2,000 files
     """
     pd = required("pandas", "studies")
 
@@ -113,16 +113,15 @@ def run_batch(
             if value is not None:
                 why = f"{option} goes with a script: the function build does it all"
                 refuse(option, value, why)
-        name = getattr(build, "__name__", type(build).__name__)
+        name = getattr(getattr(build, "func", build), "__name__", type(build).__name__)
         run = partial(_call, build, _check(build, rows))
 
     def job() -> dict[str, Any]:
+        values = dict.fromkeys(x for row in rows for x in row.values() if isinstance(x, str))
         if measure is None:
-            return {"cases": rows, **of_function("build", build)}
-        own = {**texts(script, script.parent), **of_function("measure", measure)}
-        for root in roots:
-            own |= of_models(root)
-        return {"cases": rows, "duration": duration, **own}
+            return {"cases": rows, **of_function("build", build, (), values)}
+        own = of_function("measure", measure, [script.parent], [*values, *roots])
+        return {"cases": rows, "build": script.name, "duration": duration, **own}
 
     found = run_parts(
         partial(_run_cases, run),

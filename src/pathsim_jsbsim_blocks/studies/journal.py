@@ -1,142 +1,170 @@
-"""A file that keeps the finished parts of a study, so that a killed one can resume."""
+"""A file that keeps the finished parts of a study, and the key of what they belong to."""
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
+import inspect
 import json
 import os
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .._core.checks import as_path, refuse
+from .. import __version__
+from .._core.checks import refuse, writable
 from .._core.extras import required
 from ..errors import FileError
-from .kept import differences
 
-_FORMAT = "pathsim-jsbsim study"
-_VERSION = 4
-
-# what reading a line raises that is not as it was written
-_DAMAGED = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+_TITLE = "pathsim-jsbsim study, file format 5"
+_MOST_FILES = 2000  # a home folder or an installation has more
 
 
 class Journal:
-    """Finished parts, one JSON line each; the first line says which study they belong to.
+    """Finished parts, a line each with its checksum; the first line has the key of their study.
 
-    Every line carries a checksum. A line that a kill cut off is dropped. Floats are written so that
-    they are read back bit for bit. The file is locked while it is open. ``title`` is the study in
-    words, ``key`` everything that the results depend on (`study_key`), ``finished`` the rows of
-    each finished part.
-
-    Raises
-    ------
-    ParameterError
-        if the file cannot be opened, is damaged, holds something else, or is in use by another
-        process
-    FileError
-        if reading or writing fails, here and in `add`, such as on a full disk
+    Floats are read back bit for bit. The file is locked while it is open. A ParameterError refuses
+    one that cannot be opened, is damaged or in use, or has another key.
     """
 
-    def __init__(self, path: str | Path, title: str, key: Mapping[str, str]):
-        self.path = as_path("resume", path)
-        header = {"format": _FORMAT, "version": _VERSION, "study": title, "key": dict(key)}
-        self.finished: dict[int, list] = {}
+    def __init__(self, path: str | Path, key: Mapping[str, str]):
         lock = required("filelock", "studies").lock_descriptor
-        if os.path.exists(self.path) and not os.path.isfile(self.path):
-            self._refuse(f"cannot write {str(path)!r}: it is not a file")
+        self.path = writable("resume", path)
+        if self.path.exists() and not self.path.is_file():  # reading a device may never end
+            self._refuse("is not a file")
+        # unbuffered, so that finished lines survive a kill of this process
+        self.file = self.path.open("a+b", buffering=0)
         try:
-            # unbuffered, so that finished lines survive a kill of this process
-            self._file = self.path.open("a+b", buffering=0)
-        except OSError as error:
-            self._refuse(f"cannot write {str(path)!r}: {error.strerror}")
-        try:
-            self._lock(lock)
-            self._file.seek(0)
-            self._read(self._file.read(), header)
-        except BaseException as error:
-            self._file.close()
-            if isinstance(error, OSError) and not isinstance(error, FileError):
-                raise FileError("read", path, error) from None
+            with contextlib.suppress(OSError):  # a file system without locks
+                if not lock(self.file.fileno(), blocking=False):
+                    self._refuse("is in use: another process runs this study")
+            self.file.seek(0)
+            self.finished = self._parts(self.file.read(), {_TITLE: dict(key)})
+        except BaseException:
+            self.file.close()
             raise
 
-    def _lock(self, lock: Callable[..., bool]) -> None:
-        free = True
-        with contextlib.suppress(OSError):  # a file system without locks
-            free = lock(self._file.fileno(), blocking=False)
-        if not free:
-            why = "is in use: another process runs this study. Wait for it or name another file"
-            self._refuse(f"{str(self.path)!r} {why}")
-
     def _refuse(self, why: str) -> NoReturn:
-        refuse("resume", str(self.path), why)
+        refuse("resume", str(self.path), f"{str(self.path)!r} {why}")
 
-    def _read(self, content: bytes, header: dict[str, Any]) -> None:
+    def _parts(self, content: bytes, header: dict[str, Any]) -> dict[int, list]:
         if _line(header).startswith(content):  # new, or killed before the first line was complete
-            self._file.truncate(0)
-            self._write(_line(header))
-            return
-        # text after the last newline was cut off by a kill
-        first, *lines = content.split(b"\n")[:-1] or [content]
-        if first + b"\n" != _line(header):
-            holds = _holds(first, header)
-            self._refuse(f"{str(self.path)!r} holds {holds}; name another file or delete it")
-        for number, line in enumerate(lines, 2):
+            self.file.truncate(0)
+            self.write(header)
+            return {}
+        first, *lines = content.split(b"\n")
+        if not content.startswith(_line(header)):
+            why = "was not written by this version of this package"
+            with contextlib.suppress(ValueError, KeyError):
+                why = f"is of another study: {_differences(_data(first)[_TITLE], header[_TITLE])}"
+            self._refuse(f"{why}; name another file or delete it")
+        parts = []
+        for number, line in enumerate(lines[:-1], 2):  # a kill cut the last one off
             try:
-                part = _checked(line)
-                self.finished[part["part"]] = part["rows"]
-            except _DAMAGED:
-                why = "is damaged: delete the line and it is computed again"
-                self._refuse(f"line {number} of {str(self.path)!r} {why}")
-        self._file.truncate(content.rindex(b"\n") + 1)
+                parts.append(_data(line))
+            except ValueError:
+                self._refuse(f"is damaged: delete line {number} and it is computed again")
+        self.file.truncate(content.rindex(b"\n") + 1)
+        return dict(parts)
 
-    def add(self, part: int, rows: list) -> None:
-        """Keep the rows of a finished part."""
-        self._write(_line({"part": part, "rows": rows}))
-
-    def close(self) -> None:
-        """Close the file and keep it."""
-        self._file.close()
-
-    def _write(self, line: bytes) -> None:
+    def write(self, data: Any) -> None:
+        """Write a line; of a finished part these are its number and its rows."""
+        line = _line(data)
         try:
             # a full disk may accept part of the line before it refuses the rest
             while line:
-                line = line[self._file.write(line) :]
+                line = line[self.file.write(line) :]
         except OSError as error:
-            kept = "; the parts finished before are kept in it"
-            raise FileError("write", self.path, error, kept) from None
+            raise FileError("write", self.path, error, "; it keeps the finished parts") from None
 
 
-def _line(data: dict[str, Any]) -> bytes:
-    return (json.dumps({**data, "check": _check(data)}) + "\n").encode()
+def _line(data: Any) -> bytes:
+    text = json.dumps(data).encode()
+    return _checksum(text).encode() + b" " + text + b"\n"
 
 
-def _check(data: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
-
-
-def _checked(line: bytes) -> dict[str, Any]:
+def _data(line: bytes) -> Any:
     """Data of a line; ValueError if it is not what was written."""
-    data = json.loads(line)
-    if data.pop("check") != _check(data):
+    known, _, text = line.partition(b" ")
+    if known.decode() != _checksum(text):
         raise ValueError
-    return data
+    return json.loads(text)
 
 
-def _holds(first: bytes, wanted: dict[str, Any]) -> str:
-    """What a file holds whose first line is not the wanted one."""
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> str:
+    names = sorted(x for x in {*before, *now} if before.get(x) != now.get(x))
+    kinds = ("new" if x not in before else "missing" if x not in now else "changed" for x in names)
+    return ", ".join(f"{name} is {kind}" for name, kind in zip(names[:10], kinds, strict=False))
+
+
+def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
+    """What rows belong to: checksums of the parts of their study, plain data, and versions."""
+    versions = {"Python": sys.version, "pathsim-jsbsim-blocks": __version__}
+    versions |= {name: version(name) for name in ("jsbsim", "pathsim")}
+    sums = {name: _checksum(json.dumps(value).encode()) for name, value in parts.items()}
+    return sums | {f"version of {name}": text for name, text in versions.items()}
+
+
+def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
+    """Checksums of all files below folders by their names, also of those that nothing imports."""
+    sums: dict[str, str] = {}
+    for folder in folders:
+        for count, file in enumerate(_files(ending, folder)):
+            if count == _MOST_FILES:
+                why = f"{folder} has more than {count:,} {ending} files to compare"
+                refuse("resume", str(folder), f"{why}: move the study to a folder of its own")
+            name = file.relative_to(folder.parent).as_posix()  # two folders may have it
+            sums[name] = sums.get(name, "") + _checksum(file.read_bytes())
+    return sums
+
+
+def _files(ending: str, folder: Path, above: tuple[Path, ...] = ()) -> Iterator[Path]:
+    """Files below a folder, in order, without hidden folders and virtual environments."""
+    above = (*above, folder.resolve())  # where a link may lead back to
+    for path in sorted(folder.iterdir()):
+        if path.name.endswith(ending) and path.is_file():
+            yield path
+        elif path.is_dir() and path.name[0] != "." and path.resolve() not in above:
+            yield from () if (path / "pyvenv.cfg").exists() else _files(ending, path, above)
+
+
+def of_models(values: Iterable[Any]) -> dict[str, str]:
+    """Checksums of the XML files below those values that are JSBSim roots."""
+    texts = (x for x in values if isinstance(x, (str, Path)))
+    roots = {Path(x).absolute() for x in texts if os.path.isdir(f"{x}/aircraft")}
+    return of_files(".xml", sorted(roots))
+
+
+def of_function(label: str, function: Any, folders: Any = (), values: Any = ()) -> dict[str, Any]:
+    """Parts of a key for a function of a file, with further folders of code and arguments."""
+    partial = function if isinstance(function, functools.partial) else functools.partial(function)
+    own: Any = partial.func
+    scope, name = getattr(own, "__globals__", {}), getattr(own, "__qualname__", "")
+    plain = inspect.isfunction(own) and not own.__closure__ and scope.get(name) is own
+    if not plain or own.__code__.co_filename != scope.get("__file__"):
+        why = "no lambda, method, closure, or function of a notebook"
+        refuse("resume", function, f"with resume, {label} must be a function of a file: {why}")
+    bound = inspect.signature(own).bind_partial(*partial.args, **partial.keywords)
+    joblib = required("joblib", "studies")
     try:
-        found = json.loads(first)
-        if not found["format"].startswith(_FORMAT):
-            return "other data"
-        if found.get("version") != _VERSION:
-            return "a study written by another version"
-        found = _checked(first)
-        alike = found["study"].split()[:1] == wanted["study"].split()[:1]
-        parts = differences(found["key"], wanted["key"]) if alike else ""
-        differs = f". What differs: {parts}" if parts else ""
-        return f"another study ({found['study']}), not this one ({wanted['study']}){differs}"
-    except _DAMAGED:
-        return "other data"
+        parts = {f"argument {n}": joblib.hash(x) for n, x in bound.arguments.items()}
+    except Exception as error:
+        refuse("resume", function, f"an argument of {label} cannot be compared: {error}")
+    bound.apply_defaults()
+    code = of_files(".py", sorted({*folders, _folder(scope)}))
+    return {label: name, **parts, **code, **of_models([*values, *bound.arguments.values()])}
+
+
+def _folder(scope: Mapping[str, Any]) -> Path:
+    """The folder of a module's top package, also if it is run by -m; of a script its own."""
+    file, spec = Path(scope["__file__"]).absolute(), scope.get("__spec__")
+    top = (spec.name if spec else scope["__name__"]).partition(".")[0]
+    packages = map(Path, getattr(sys.modules.get(top), "__path__", ()))
+    return next((x for x in packages if file.is_relative_to(x)), file.parent)

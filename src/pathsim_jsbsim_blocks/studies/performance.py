@@ -32,7 +32,7 @@ from .flight_tests import (
     last,
     reason_of,
 )
-from .kept import of_models
+from .journal import of_models
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -481,7 +481,7 @@ def performance_table(
         died={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
         describe=lambda part: f"{aircraft}: {part['part']} at {part['altitude']:g} ft",
         title=f"charts of {aircraft}",
-        job=lambda: {"aircraft": aircraft, "parts": parts, **of_models(root, aircraft)},
+        job=lambda: {"aircraft": aircraft, "parts": parts, **of_models([root])},
         jobs=jobs,
         resume=resume,
         progress=progress,

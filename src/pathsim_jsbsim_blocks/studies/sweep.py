@@ -18,7 +18,7 @@ from ..flight.trimming import TrimState, trim
 from ..flight.trimming.condition import TrimCondition
 from ..flight.trimming.state import UNITS
 from .grid import column, expand, requested, structure, trim_condition
-from .kept import of_models
+from .journal import of_models
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def trim_sweep(
         workers are used instead
     resume : Path, optional
         file that keeps finished chunks: repeating a killed call with the same file resumes it
-        with the same points, versions and texts of the aircraft below ``root``
+        with the same points, versions and XML files below ``root``
     progress : bool
         show a progress bar on stderr
 
@@ -114,7 +114,7 @@ def trim_sweep(
             "chunk": chunk,
             "chain": _CHAIN,
             "conditions": [dataclasses.asdict(c) for c in ordered],
-            **of_models(root, aircraft),
+            **of_models([root]),
         },
         jobs=jobs,
         resume=resume,

@@ -21,8 +21,7 @@ from .._core.callers import warn_user
 from .._core.checks import flag, refuse, whole
 from .._core.extras import required
 from ..errors import ParameterError
-from .journal import Journal
-from .kept import study_key
+from .journal import Journal, study_key
 
 Row = dict[str, Any]
 Part = list[Any]
@@ -56,7 +55,9 @@ def run_parts(
             jobs = whole("jobs", jobs, low=1)
         except ParameterError as error:
             refuse("jobs", jobs, f"{error} (-1: all cores)")
-    journal = Journal(resume, title, study_key(job())) if resume is not None else None
+    journal = None
+    if resume is not None:
+        journal = Journal(resume, study_key({"study": title, **job()}))
     rows = dict(journal.finished) if journal else {}
     points, done = _points(parts), _points(rows.values())
     try:
@@ -67,7 +68,7 @@ def run_parts(
                 rows[index] = result
                 # a resumed study tries the points again that killed a worker
                 if journal and died not in result:
-                    journal.add(index, result)
+                    journal.write([index, result])
                 bar.update(len(result))
     except KeyboardInterrupt:
         kept = "lost: name a file to resume from and they are kept"
@@ -76,7 +77,7 @@ def run_parts(
         raise KeyboardInterrupt(f"{done} of {points} points done, {kept}") from None
     finally:
         if journal:
-            journal.close()
+            journal.file.close()
     return [row for index in range(len(parts)) for row in rows[index]]
 
 
