@@ -58,9 +58,9 @@ def marks(pages, command=""):
 def test_python_blocks_run_in_their_order(page, tmp_path):
     # as a script, because resume is for functions of a file
     script = tmp_path / f"{page.stem}.py"
-    script.write_text("\n".join(blocks(page, "python")), encoding="utf-8")
-    namespace = {"__name__": page.stem, "__file__": str(script)}
-    exec(compile(script.read_text(encoding="utf-8"), str(script), "exec"), namespace)
+    code = "\n".join(blocks(page, "python"))
+    script.write_text(code, encoding="utf-8")
+    exec(compile(code, str(script), "exec"), {"__name__": page.stem, "__file__": str(script)})
 
 
 def sessions():
