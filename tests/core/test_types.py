@@ -28,6 +28,9 @@ from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, LinearAirc
 PitchHold("737", theta_ref=3.0, T=0.02)
 PitchHold(theta_rf=3.0)  # unexpected
 PitchHold(theta_ref="up")  # incompatible
+PitchHold().theta_rf = 3.0  # has no attribute
+PitchHold().theta_ref = "up"  # incompatible
+PitchHold().theta_ref = 3.0
 Aircraft("c172p", altitude=5000, speed=90, output_properties=["h_agl"])
 Aircraft("c172p", altitud=5000)  # unexpected
 DoubletSource(0.2, width=2.0)
@@ -66,10 +69,10 @@ def test_mypy_reports_a_misspelt_keyword_and_none_in_the_diagrams(tmp_path):
     )
     found = {
         int(number): kind
-        for number, kind in re.findall(r"script\.py:(\d+): error: .*?(nexpected|ncompatible)", said)
+        for number, kind in re.findall(r"script\.py:(\d+): error: .*?(nexpected|ncompatible|no attribute)", said)
     }
     meant = {
-        number: re.search("nexpected|ncompatible", line)[0]
+        number: re.search("nexpected|ncompatible|no attribute", line)[0]
         for number, line in enumerate(SCRIPT.splitlines(), 1)
         if "#" in line
     }

@@ -16,7 +16,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Integrator, Scope
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold, TrimCondition
-from pathsim_jsbsim_blocks.errors import BlocksError, FlightError
+from pathsim_jsbsim_blocks.errors import FlightError
 from pathsim_jsbsim_blocks.flight import has_retractable_gear
 
 VARIED = ["c172p", "737", "f16", "Concorde"]
@@ -283,21 +283,6 @@ def test_overridden_air_is_that_of_the_model_again():
         block.fdm[f"atmosphere/override/{name}"] = block.fdm[f"atmosphere/{now}"]
         block.reset()
         assert dived() == first
-
-
-@pytest.mark.filterwarnings("ignore:.*next reset:RuntimeWarning")
-def test_what_is_refused_at_a_reset_is_refused_at_the_next():
-    block = Aircraft("c172p", altitude=5000, speed=90)
-    first = [block.advance(k, 7 * [0.1]) for k in range(1, 100)]
-    for name, wrong in (("aircraft", "c172"), ("integrators", "exact")):
-        right = getattr(block, name)
-        setattr(block, name, wrong)
-        for _ in range(2):
-            with pytest.raises(BlocksError):
-                block.reset()
-        setattr(block, name, right)
-        block.reset()
-        assert [block.advance(k, 7 * [0.1]) for k in range(1, 100)] == first
 
 
 def test_an_edited_model_is_loaded_at_a_reset(tmp_path):

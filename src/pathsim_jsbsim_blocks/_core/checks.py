@@ -155,9 +155,15 @@ def positive(parameter: str, value: Any) -> float:
     return number(parameter, value, above=0.0)
 
 
-def optional(parameter: str, value: Any, **bounds: Any) -> float | None:
-    """``value`` as a number within bounds, or None."""
-    return None if value is None else number(parameter, value, **bounds)
+def optional(parameter: str, value: Any, of: Any = number, **bounds: Any) -> Any:
+    """``value`` as another check has it, by default a number within bounds, or None."""
+    return None if value is None else of(parameter, value, **bounds)
+
+
+def heading(parameter: str, value: Any) -> float:
+    """``value`` as a finite angle in deg, reduced to [0, 360)."""
+    # twice: -1e-20 deg are 360 after the first
+    return number(parameter, value) % 360.0 % 360.0
 
 
 def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:

@@ -17,7 +17,7 @@ import reprlib
 from collections.abc import Callable
 from functools import partial
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pathsim.blocks import Block
 
@@ -100,11 +100,13 @@ class Parametric(Block):
         keep_warnings_visible()
         super().set_solver(Solver, parent, **solver_args)
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name in self.__dataclass_fields__ and self._built:
-            self.change({name: value})
-        else:
-            object.__setattr__(self, name, value)
+    if not TYPE_CHECKING:  # checkers that see it take any attribute
+
+        def __setattr__(self, name, value):
+            if name in self.__dataclass_fields__ and self._built:
+                self.change({name: value})
+            else:
+                object.__setattr__(self, name, value)
 
     def set(self, **values: Any) -> None:
         """Set several parameters at once, as PathSim's ``@mutable`` blocks do.

@@ -434,6 +434,18 @@ class SampledLaw(Parametric, SampledBlock):
                 f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
             )
 
+    def configure(self) -> None:
+        super().configure()
+        present = self.clock.period
+        if self.events and (asked := _period(self.T)) != present:
+            # it acts at the next reset, and is tried now
+            try:
+                self.clock.period = asked
+                self.build()
+            finally:
+                self.clock.period = present
+                self.build()
+
     def reset(self) -> None:
         period = self.clock.period
         super().reset()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .._core.checks import number, optional, positive
+from .._core.checks import heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
 from .channels import ClimbState, LateralState, Motion, Vertical, VerticalState
@@ -161,22 +161,22 @@ class Autopilot(Hold):
     """
 
     gains: Gains = "c172p"
-    theta_ref: float | None = parameter(None, optional)
+    theta_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     h_ref: float | None = parameter(None, optional)
-    phi_ref: float | None = parameter(None, optional)
-    psi_ref: float | None = parameter(None, optional)
-    vc_ref: float | None = parameter(None, optional)
-    bank_max: float = parameter(25.0, positive)
+    phi_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
+    psi_ref: float | None = parameter(None, optional, of=heading)
+    vc_ref: float | None = parameter(None, optional, above=0.0)
+    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
     hdot_max: float | None = parameter(None, optional, above=0.0)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
+    theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     elevator_authority: Authority = parameter(1.0, authority_limits)
     aileron_authority: Authority = parameter(1.0, authority_limits)
     rudder_authority: Authority = parameter(1.0, authority_limits)
     throttle_authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
-    alpha_max: float | None = parameter(None, optional)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
     hdot_ref: float | None = parameter(None, optional)
     thr_ref: float | None = parameter(None, optional)
 

@@ -17,6 +17,8 @@ from .protection import Allowed, Protection
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
 
+_TRAVEL = 2.0  # from stop to stop, of a command in -1 to 1
+
 FLYING = 30.0  # kt, the least airspeed of a flight
 
 # increments that must be meant absolute: from this share of the measured value on, which is at
@@ -115,8 +117,12 @@ def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
     if isinstance(value, (list, tuple)):
         if len(value) != 2:
             must_be(parameter, value, "one number or a lower and an upper limit")
-        return number(parameter, value[0], high=0.0), number(parameter, value[1], low=0.0)
-    most = number(parameter, value, low=0.0)
+        low = number(parameter, value[0], low=-_TRAVEL, high=0.0)
+        high = number(parameter, value[1], low=0.0, high=_TRAVEL)
+        if low == high:
+            must_be(parameter, value, "limits of which one is not 0")
+        return low, high
+    most = number(parameter, value, above=0.0, high=_TRAVEL)
     return -most, most
 
 

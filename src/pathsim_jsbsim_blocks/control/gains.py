@@ -5,7 +5,6 @@ from __future__ import annotations
 import bisect
 import dataclasses
 import functools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,19 +17,17 @@ from .._core.checks import known_keywords, number, positive, refuse, whole
 class _Gains:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if field.name in _POSITIVE:
-                value = positive(field.name, value)
-            else:
-                low = 0.0 if field.name in _NOT_NEGATIVE else -math.inf
-                value = number(field.name, value, low=low)
+            value = number(field.name, getattr(self, field.name), **_BOUNDS.get(field.name, {}))
             # a plain float: a numpy.float32 would fly in single precision, and JSON lacks it
             object.__setattr__(self, field.name, value)
 
 
-_POSITIVE = {"ramp", "band", "hdot_max", "tau"}
-_POSITIVE |= {"alpha_max", "vc_min", "descent_max", "vmo", "mmo", "lift_max"}
-_NOT_NEGATIVE = {"b", "Tf", "climb_max"}
+_POSITIVE = "ramp band hdot_max tau vc_min descent_max vmo mmo lift_max"
+# bounds as `number` has them
+_BOUNDS: dict[str, Any] = {name: {"above": 0.0} for name in _POSITIVE.split()}
+_BOUNDS |= {name: {"low": 0.0} for name in ("b", "Tf", "climb_max")}
+_BOUNDS |= {name: {"low": -90.0, "high": 90.0} for name in ("theta_max", "bank", "alpha_zero")}
+_BOUNDS["alpha_max"] = {"above": 0.0, "high": 90.0}
 
 
 @known_keywords
@@ -210,6 +207,13 @@ class EnvelopeLimits(_Gains):
     mmo: float = 10.0
     alpha_zero: float = 0.0
     lift_max: float = 0.8264
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for low, high in (("vc_min", "vmo"), ("alpha_zero", "alpha_max")):
+            least, most = getattr(self, low), getattr(self, high)
+            if least >= most:
+                refuse(low, least, f"{low}, {least:g}, must be below {high}, {most:g}")
 
 
 @known_keywords

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from .._core.checks import number, positive, whole
+from .._core.checks import heading, number, positive, whole
 from .._core.docstrings import filler
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
@@ -101,7 +101,7 @@ class Localizer(_Receiver):
     """
 
     station: tuple[float, float] = parameter((0.0, 0.0), point)
-    course: float = parameter(0.0, number)
+    course: float = parameter(0.0, heading)
     width: float = parameter(math.inf, number, above=0.0, infinite=True)
     noise: float = parameter(0.0, number, low=0.0)
     seed: int = parameter(0, whole, low=0)

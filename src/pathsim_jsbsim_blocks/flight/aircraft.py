@@ -17,12 +17,15 @@ from .._core.aircraft_ports import (
     throttles,
 )
 from .._core.callers import warn_user
+from .._core.checks import flag, number, optional, positive, whole
+from .._core.parameters import parameter
 from .._core.ports import numbered
 from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
 from .docstrings import fill
+from .flightgear import address
 from .property_ports import behind
 from .trimming.condition import TrimCondition
 
@@ -38,7 +41,8 @@ class Aircraft(FlightBlock):
     The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
     trimmed". The sum of trimmed command and increment is limited to the command's range. At t = 0
     the outputs are the trimmed state; at t_k = k T they are the state at exactly t_k; inputs are
-    read at t_k and held over [t_k, t_k+1).
+    read at t_k and held over [t_k, t_k+1). Parameters that are set later are checked at once, with
+    a trim on another aircraft, and act at the next reset.
 
     Parameters
     ----------
@@ -126,26 +130,26 @@ class Aircraft(FlightBlock):
     mode: str = "full"
     gear: float | None = None
     flaps: float | None = None
-    T: float = 1 / 120
-    substeps: int = 1
+    T: float = parameter(1 / 120, positive)
+    substeps: int = parameter(1, whole, low=1)
     condition: TrimCondition | None = None
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
     root: str | None = None
     create: Mapping[str, float] | None = None
-    record_inputs: bool = False
-    allow_network: bool = False
-    allow_files: bool = False
+    record_inputs: bool = parameter(False, flag)
+    allow_network: bool = parameter(False, flag)
+    allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"
     planet: str | Mapping[str, float] | None = None
     gravity: str | None = None
-    flightgear: str | None = None
+    flightgear: str | None = parameter(None, optional, of=address)
     latitude: float | None = None
     longitude: float | None = None
     input_properties: Sequence[str] | None = None
     output_properties: Sequence[str] | None = None
-    sink_max: float = 15.0
-    scrape_max: float = 0.0
+    sink_max: float = parameter(15.0, number, low=0.0, infinite=True)
+    scrape_max: float = parameter(0.0, number, low=0.0, infinite=True)
     solver: str | None = None
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")

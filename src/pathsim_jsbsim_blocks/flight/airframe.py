@@ -19,7 +19,7 @@ from pathlib import Path
 
 import jsbsim
 
-from .._core.checks import did_you_mean, flag, mapping, number, positive, refuse
+from .._core.checks import did_you_mean, flag, mapping, number, optional, positive, refuse
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .flightgear import address, directive
@@ -113,7 +113,7 @@ class Airframe(PropertyTree):
         self._file = ModelFile(aircraft, root)
         self._network = flag("allow_network", allow_network)
         self._files = flag("allow_files", allow_files)
-        self._flightgear = None if flightgear is None else address("flightgear", flightgear)
+        self._flightgear = optional("flightgear", flightgear, of=address)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
         self._given = dict(mapping("create", create))
         self._planet = None if planet is None else planet_xml(planet)

@@ -17,7 +17,7 @@ from pathsim.utils.register import Register
 
 from .._core.aircraft_ports import property_of
 from .._core.callers import warn_user
-from .._core.checks import flag, number, positive, refuse, whole
+from .._core.checks import flag, number, refuse
 from .._core.continuous import Matrices
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister, port_names, values
@@ -62,9 +62,6 @@ _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", 
 
 # parameters that are those of its trim condition: a block's own setup is written after its
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
-
-# parameters that act at once, and those that a reset refuses to change
-_NOT_AT_RESET = ("record_inputs", "input_properties", "output_properties")
 
 Write = Callable[[list[float]], None]
 Read = Callable[[], list[float]]
@@ -120,19 +117,20 @@ class FlightBlock(Parametric, SampledPlant):
         self.output_port_labels = dict(port_names(self.outputs))
 
     def build(self) -> None:
-        self.take_off()
+        if not self._built:
+            self.take_off(self.load())
+            return
+        self.check_properties()
+        if self._flight_key() != self._flying:
+            # this aircraft flies on; another one tries what acts at the next reset
+            from_trim.twin(self)
 
     def change(self, values: dict[str, Any]) -> None:
-        for name, value in values.items():
-            # by its text, because arrays do not compare to one value
-            changed = name not in _NOT_AT_RESET and repr(value) != repr(getattr(self, name))
-            self.__dict__[name] = value
-            if changed and not self._warned_of_reset:
-                self._warned_of_reset = True
-                warn_user(
-                    f"{name_of(self)}.{name} = {value!r} acts at the next reset: sim.reset() or "
-                    "sim.run(..., reset=True)"
-                )
+        super().change(values)
+        if not self._warned_of_reset and self._flight_key() != self._flying:
+            self._warned_of_reset = True
+            asked = ", ".join(f"{name_of(self)}.{n} = {x!r}" for n, x in values.items())
+            warn_user(f"{asked} acts at the next reset: sim.reset() or sim.run(..., reset=True)")
 
     def further(self, ports: Register) -> list[str]:
         """Names of the inputs or outputs after the fixed ones."""
@@ -299,10 +297,10 @@ class FlightBlock(Parametric, SampledPlant):
         """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""
         raise NotImplementedError
 
-    def take_off(self) -> None:
-        """Load, initialise and trim an aircraft, and show the start of its flight."""
-        self._substeps = whole("substeps", self.substeps, low=1)
-        dt = positive("T", self.T) / self._substeps
+    def load(self) -> list[float]:
+        """Load, initialise and trim an aircraft: its outputs at the start of its flight."""
+        self._substeps = self.checked.substeps
+        dt = self.checked.T / self._substeps
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
@@ -330,10 +328,7 @@ class FlightBlock(Parametric, SampledPlant):
         self._step, self._time_zero = dt, fdm.get_sim_time()
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
-        limits = (
-            number(name, getattr(self, name), low=0.0, infinite=True)
-            for name in ("sink_max", "scrape_max")
-        )
+        limits = (getattr(self.checked, name, inf) for name in ("sink_max", "scrape_max"))
         contact = GroundContact(self.airframe, *limits)
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
@@ -341,6 +336,10 @@ class FlightBlock(Parametric, SampledPlant):
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
         self._check(y, 0.0)
+        return y
+
+    def take_off(self, y: list[float]) -> None:
+        """Show the start of a flight, with these outputs."""
         self.start_from(y)
         for observe in from_trim.at_take_off:
             observe(self)
@@ -382,9 +381,19 @@ class FlightBlock(Parametric, SampledPlant):
         raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
-        """Fly the same flight again, with an aircraft that is loaded anew."""
+        """Fly the same flight again, with an aircraft that is loaded anew.
+
+        Parameters that were set act from here on. If the model can no longer be loaded or trimmed,
+        because its files have changed, this raises and the aircraft flies on where it was.
+        """
+        before = dict(self.__dict__)
+        try:
+            y = self.load()
+        except BaseException:
+            self.__dict__.update(before)
+            raise
         super().reset()
-        self.take_off()
+        self.take_off(y)
 
     def latch(self, t: float) -> list[float]:
         u = values(self.inputs)
@@ -484,14 +493,8 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
-        world = [f"{name}={getattr(self, name)!r}" for name in ("integrators", "planet", "gravity")]
-        return (
-            f"{self._model()} at {self._condition()}, T={positive('T', self.T)!r}, "
-            f"substeps={self.substeps}, setup={self.setup}, properties={self.properties}, "
-            f"create={self.create}, root={self.root}, "
-            f"inputs={list(port_names(self.inputs))}, outputs={list(port_names(self.outputs))}, "
-            + ", ".join(world)
-        )
+        # as a text, because arrays do not compare to one value
+        return repr([getattr(self, f.name) for f in fields(self) if f.name != "record_inputs"])
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Refused: JSBSim cannot save its state."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from .._core.checks import flag, optional, positive, whole
+from .._core.parameters import parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
 from .docstrings import fill
+from .flightgear import address
 from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
@@ -23,6 +26,7 @@ class JSBSimFDM(FlightBlock):
     search where the trim parameters ask for it. At t = 0 the outputs are the trimmed state; at
     t_k = k T they are the state at exactly t_k; inputs are read at t_k and held over [t_k, t_k+1).
     Input values replace the property's value (absolute): an input that is not wired writes 0.
+    Parameters that are set later are checked at once and act at the next reset, as in `Aircraft`.
 
     The first eight parameters of the signature are those of pathsim-flight's ``JSBSimWrapper``,
     which this block replaces: that one runs a step ahead of the clock and does not reset.
@@ -74,7 +78,7 @@ class JSBSimFDM(FlightBlock):
     1.29
     """
 
-    T: float = 1 / 120
+    T: float = parameter(1 / 120, positive)
     input_properties: Sequence[str] | None = None
     output_properties: Sequence[str] | None = None
     JSBSim_path: str | None = None
@@ -89,15 +93,15 @@ class JSBSimFDM(FlightBlock):
     condition: TrimCondition | None = None
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
-    substeps: int = 1
+    substeps: int = parameter(1, whole, low=1)
     create: Mapping[str, float] | None = None
-    record_inputs: bool = False
-    allow_network: bool = False
-    allow_files: bool = False
+    record_inputs: bool = parameter(False, flag)
+    allow_network: bool = parameter(False, flag)
+    allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"
     planet: str | Mapping[str, float] | None = None
     gravity: str | None = None
-    flightgear: str | None = None
+    flightgear: str | None = parameter(None, optional, of=address)
 
     input_port_labels = None
     output_port_labels = None

@@ -56,8 +56,8 @@ class Recording:
         self._labels: list[str] = []
         fly, take_off = flown.advance, flown.take_off
 
-        def take_off_and_begin() -> None:
-            take_off()
+        def take_off_and_begin(y: list[float]) -> None:
+            take_off(y)
             self._begin()
 
         def advance(index: int, u: list[float]) -> list[float]:

@@ -110,7 +110,7 @@ class OneMinusCosineGust(_EdgeSource):
 
     gradient: float = parameter(350.0, positive)
     airspeed: float = parameter(300.0, positive)
-    altitude: float = 0.0
+    altitude: float = parameter(0.0, number)
     amplitude: float | None = parameter(None, optional)
     start: float = parameter(1.0, number, low=0.0)
     polarity: float = parameter(1, polarity_of)

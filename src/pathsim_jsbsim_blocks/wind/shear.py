@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.checks import finite, number
+from .._core.checks import finite, heading, number
 from .._core.function import NamedFunction
 from .._core.parameters import parameter
 from .._core.units import KNOT
@@ -95,7 +95,7 @@ class WindShear(NamedFunction):
     """
 
     wind_20ft: float = parameter(15.0, _speed)
-    direction: float = parameter(0.0, number)
+    direction: float = parameter(0.0, heading)
     roughness: float = parameter(0.15, _roughness)
     terrain: float = parameter(0.0, number)
 

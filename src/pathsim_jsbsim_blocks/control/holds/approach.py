@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.checks import flag, number, optional, positive
+from ..._core.checks import flag, heading, number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ...axes.navigation import distance, place_unchecked, point
@@ -112,7 +112,7 @@ class LocalizerHold(Hold):
     """
 
     gains: Gains = "c172p"
-    course: float = parameter(0.0, number)
+    course: float = parameter(0.0, heading)
     lookahead: float | None = parameter(None, optional, above=0.0)
     intercept: float = parameter(45.0, number, above=0.0, high=80.0)
     bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
@@ -255,11 +255,11 @@ class GlideslopeHold(Hold):
     angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)
     crossing_height: float = parameter(50.0, number, low=0.0, high=1e4)
     hdot_max: float | None = parameter(None, optional, above=0.0)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
+    theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    alpha_max: float | None = parameter(None, optional)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
     from_above: bool = parameter(False, flag)
 
     measured = ("h", "hdot", "lat", "lon", "theta", "q")

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..._core.callers import warn_user
-from ..._core.checks import must_be, number, one_of, optional, positive, refuse, whole
+from ..._core.checks import heading, must_be, number, one_of, optional, positive, refuse, whole
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
@@ -163,7 +163,7 @@ class CourseHold(Hold):
     """
 
     gains: Gains = "c172p"
-    chi_ref: float | None = parameter(None, optional)
+    chi_ref: float | None = parameter(None, optional, of=heading)
     waypoints: list[tuple[float, float]] | None = None
     leg: int = parameter(0, whole, low=0)
     lookahead: float | None = parameter(None, optional, above=0.0)
@@ -400,7 +400,7 @@ class _Route:
                 "holding takes waypoints and is (course in deg, side, radius in ft, length in ft), "
                 f"not {holding!r}",
             )
-        course, side = number("holding", holding[0]), _side("holding", holding[1])
+        course, side = heading("holding", holding[0]), _side("holding", holding[1])
         radius = number("holding", holding[2], above=0.0)
         length = number("holding", holding[3], above=0.0)
 

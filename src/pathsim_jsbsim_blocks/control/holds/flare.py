@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.checks import number, optional, positive, refuse
+from ..._core.checks import heading, number, optional, positive, refuse
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..._core.units import GRAVITY, KNOT
@@ -212,7 +212,7 @@ class FlareHold(Hold):
     """
 
     gains: Gains = "c172p"
-    course: float = parameter(0.0, number)
+    course: float = parameter(0.0, heading)
     gear_height: float = parameter(4.0, number, low=0.0)
     sink: float = parameter(2.0, number, above=0.0)
     tau: float = parameter(3.0, number, above=0.0)
@@ -225,8 +225,8 @@ class FlareHold(Hold):
     float_max: float = parameter(math.inf, number, above=0.0, infinite=True)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    alpha_max: float | None = parameter(None, optional)
-    theta_max: float = parameter(10.0, number)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
+    theta_max: float = parameter(10.0, number, low=-90.0, high=90.0)
 
     measured = (
         *("h_agl", "hdot", "theta", "q", "psi", "phi", "p", "r", "vc"),

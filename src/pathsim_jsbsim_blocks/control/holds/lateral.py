@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..._core.checks import optional, positive
+from ..._core.checks import heading, number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
 from ..channels import LateralState
@@ -59,7 +59,7 @@ class RollHold(Hold):
     """
 
     gains: Gains = "c172p"
-    phi_ref: float | None = parameter(None, optional)
+    phi_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
@@ -132,8 +132,8 @@ class HeadingHold(Hold):
     """
 
     gains: Gains = "c172p"
-    psi_ref: float | None = parameter(None, optional)
-    bank_max: float = parameter(25.0, positive)
+    psi_ref: float | None = parameter(None, optional, of=heading)
+    bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)

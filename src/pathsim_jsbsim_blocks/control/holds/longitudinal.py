@@ -73,7 +73,7 @@ class PitchHold(Hold):
     """
 
     gains: Gains = "c172p"
-    theta_ref: float | None = parameter(None, optional)
+    theta_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
@@ -158,12 +158,12 @@ class AltitudeHold(Hold):
     gains: Gains = "c172p"
     h_ref: float | None = parameter(None, optional)
     hdot_max: float | None = parameter(None, optional, above=0.0)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
+    theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
-    alpha_max: float | None = parameter(None, optional)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
@@ -242,12 +242,12 @@ class VerticalSpeedHold(Hold):
     gains: Gains = "c172p"
     hdot_ref: float | None = parameter(None, optional)
     h_ref: float | None = parameter(None, optional)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
+    theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
-    alpha_max: float | None = parameter(None, optional)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
@@ -323,14 +323,14 @@ class SpeedOnPitchHold(Hold):
     """
 
     gains: Gains = "c172p"
-    vc_ref: float | None = parameter(None, optional)
+    vc_ref: float | None = parameter(None, optional, above=0.0)
     h_ref: float | None = parameter(None, optional)
-    theta_min: float = parameter(-10.0, number)
-    theta_max: float | None = parameter(None, optional)
+    theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
+    theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
-    alpha_max: float | None = parameter(None, optional)
+    alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("vc", "h", "hdot", "theta", "q")
     commands = {"elevator": "off"}
@@ -420,7 +420,7 @@ class AirspeedHold(Hold):
     """
 
     gains: Gains = "c172p"
-    vc_ref: float | None = parameter(None, optional)
+    vc_ref: float | None = parameter(None, optional, above=0.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
     reference: str = parameter("increment", reference_kind)
