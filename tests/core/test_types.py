@@ -69,7 +69,9 @@ def test_mypy_reports_a_misspelt_keyword_and_none_in_the_diagrams(tmp_path):
     )
     found = {
         int(number): kind
-        for number, kind in re.findall(r"script\.py:(\d+): error: .*?(nexpected|ncompatible|no attribute)", said)
+        for number, kind in re.findall(
+            r"script\.py:(\d+): error: .*?(nexpected|ncompatible|no attribute)", said
+        )
     }
     meant = {
         number: re.search("nexpected|ncompatible|no attribute", line)[0]
