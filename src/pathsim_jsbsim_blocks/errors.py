@@ -145,7 +145,7 @@ class LinearisationError(BlocksError, RuntimeError):
         the model's name, empty for a block without one
     reason : str
         "no trim", "no response", "limit" (an input at the end of its range, or a step of the
-        control system) or "no fit"
+        control system), "no fit" or "engine" (it does not settle)
     name : str
         input or output that is concerned, empty if all are
     """

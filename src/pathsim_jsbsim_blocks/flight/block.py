@@ -216,7 +216,8 @@ class FlightBlock(Parametric, SampledPlant):
             "flown": identified from small opposite pulses on each input, 8 s each, so that the
             control system, actuators and engines are in it; a doublet on each input, another 8 s,
             shows how far the model holds. "algebraic": central differences of JSBSim's
-            accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms
+            accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms;
+            where propellers have governors, and for turboprops, in 0.2 to 0.4 s of held flight
         inputs, outputs : list of str, optional
             names of ports; default all that the aircraft has: one without engines has no throttle.
             The wind of an `Aircraft` and its ``input_properties`` are not among the inputs
@@ -238,7 +239,8 @@ class FlightBlock(Parametric, SampledPlant):
         LinearisationError
             without a steady trim in flight (modes "none", "ground" and "pull-up"), for an input
             at the end of its range or without response, and where no linear model fits; flown, for
-            a ``T`` above 0.25 s, which does not show the short period
+            a ``T`` above 0.25 s, which does not show the short period; algebraic, for an engine
+            that does not settle
         ParameterError
             for an unknown method or port, naming the nearest
         """

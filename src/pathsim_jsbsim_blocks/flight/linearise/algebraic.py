@@ -13,7 +13,7 @@ from ..._core.units import FOOT
 from ...linear.model import LinearModel
 from ..airframe import Airframe
 from ..channels import RIGID, Channel, as_shown, full_circle, ignorable
-from .flyable import Flyable, Linearised
+from .flyable import Flyable, Linearised, no_model
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit
@@ -30,6 +30,8 @@ _STATES = (
     ("ic/r-rad_sec", property_of("r"), "accelerations/rdot-rad_sec2", 1e-4),
 )
 
+_ACCELERATIONS = [rate for *_, rate, _ in _STATES if rate.startswith("accelerations/")]
+
 # perturbation of an input, in its unit
 _COMMAND = 1e-3
 
@@ -38,6 +40,12 @@ _NO_CIRCLE = 1e99
 
 # runs without integration until accelerations that depend on others (alphadot) have settled
 _RUNS = 6
+
+# ft/s2 and rad/s2 by which accelerations may still change in an interval of held flight, in which
+# an engine with a governor settles; the interval in s, and how many it may take
+_SETTLED = 1e-8
+_INTERVAL = 1 / 3
+_INTERVALS = 300
 
 # JSBSim's order of computation: a command acts on the rates one period late
 _LATENCY = 1
@@ -78,7 +86,7 @@ def algebraic_model(
         for c in (*RIGID, *shown)
     ]
     with airframe.engines_stopped():
-        by_state, by_input, even = _differences(airframe, subject.inputs, read)
+        by_state, by_input, even = _differences(plane, subject.inputs, read)
     n, k = len(_STATES), len(rates)
     # from JSBSim's states to those of the model
     change = by_state[k : k + n]
@@ -126,13 +134,43 @@ def _deg_per_ft(airframe: Airframe, position: str) -> float:
     return math.degrees(FOOT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
 
 
+def _settle_at_once(plane: Flyable) -> None:
+    """Let engines and accelerations settle without a step in time."""
+    fdm = plane.airframe.fdm
+    fdm.get_propulsion().get_steady_state()
+    fdm.suspend_integration()
+    for _ in range(_RUNS):
+        fdm.run()
+    fdm.resume_integration()
+
+
+def _settle_in_time(plane: Flyable) -> None:
+    """The same in steps of time: governors jump in JSBSim's own, turboprops have no power there."""
+    airframe = plane.airframe
+    airframe.start_turbines()
+    now = np.full(len(_ACCELERATIONS), np.inf)
+    steps = math.ceil(_INTERVAL / airframe.dt)
+    with airframe.held():
+        for _ in range(_INTERVALS):
+            for _ in range(steps):
+                airframe.fdm.run()
+            before, now = now, np.array([airframe.fdm[name] for name in _ACCELERATIONS])
+            if np.abs(now - before).max() <= _SETTLED:
+                return
+    why = f"its engine does not settle in {_INTERVALS * _INTERVAL:g} s of held flight; use "
+    raise no_model(plane, "engine", f"{why}method='flown'")
+
+
 def _differences(
-    airframe: Airframe,
+    plane: Flyable,
     moved: Sequence[Channel],
     shown: Sequence[tuple[Callable[[], float], Channel]],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Central differences by the states and by the inputs, and the even parts of the latter."""
+    airframe = plane.airframe
     fdm, write = airframe.fdm, airframe.writer
+    governed = any(fdm[name] for name in airframe.of_engines("constant-speed-mode"))
+    settle = _settle_in_time if governed or airframe.of_engines("itt-c") else _settle_at_once
     states = [(write(initial), fdm[present], step) for initial, present, _, step in _STATES]
     inputs = [[(write(name), fdm[name]) for name in c.properties] for c in moved]
     factors = np.array([channel.factor for _, channel in shown])
@@ -147,11 +185,7 @@ def _differences(
                 put(value + by * (j == port))
         fdm.set_trim_status(True)
         fdm.run_ic()
-        fdm.get_propulsion().get_steady_state()
-        fdm.suspend_integration()
-        for _ in range(_RUNS):
-            fdm.run()
-        fdm.resume_integration()
+        settle(plane)
         fdm.set_trim_status(False)
         return factors * [read() for read, _ in shown]
 
