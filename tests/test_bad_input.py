@@ -221,10 +221,10 @@ def test_other_spellings_of_a_property_are_the_property():
 
 def test_ports_that_do_not_exist():
     block = fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA, "aero/alpha-deg"))
-    with pytest.raises(PropertyError, match="has no port 'alpha'"):
+    with pytest.raises(ParameterError, match="has no port 'alpha'"):
         block[["aero/alpha-deg", "alpha"]]
     for key in (2, slice(0, 3), (0, 7)):
-        with pytest.raises(PropertyError, match="JSBSimFDM has 1 inputs and 2 outputs, no port"):
+        with pytest.raises(ParameterError, match="JSBSimFDM has 1 inputs and 2 outputs, no port"):
             block[key]
 
 

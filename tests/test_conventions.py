@@ -88,7 +88,7 @@ def test_dir_shows_the_public_names_and_no_others():
 @each(BLOCKS)
 def test_a_port_that_does_not_exist_is_refused(name):
     block = made(name)
-    with pytest.raises(BlocksError, match="no port 'no_such_port'"):
+    with pytest.raises(ParameterError, match="no port 'no_such_port'"):
         block["no_such_port"]
     for ports in (block.inputs, block.outputs):
         for known in [*ports._mapping][:5]:

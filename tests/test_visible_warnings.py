@@ -127,6 +127,22 @@ def test_a_warning_goes_to_stderr_or_to_who_listens(code, where):
     assert ("FINISHED" in said[STDOUT]) == ("log=True" in code)
 
 
+RECIPE = (Path(__file__).parents[1] / "docs" / "conventions.md").read_text("utf-8")
+RECIPE = RECIPE.partition("## Warnings")[2].partition("```python")[2].partition("```")[0]
+
+
+@pytest.mark.parametrize("first", [pytest.param("", marks=pytest.mark.long), "simulate()\n"])
+def test_an_application_that_captures_warnings_gets_all(first):
+    """By the recipe of the page: the handler gets ours and others', and nothing undoes it."""
+    mine = (
+        "handler = logging.getLogger('py.warnings').handlers[-1]\nhandler.setStream(sys.stdout)\n"
+    )
+    after = "simulate()\nwarnings.warn('of others', stacklevel=1)\n"
+    out, errors = python("-c", BUILD + first + RECIPE + mine + after, code=0)
+    assert [out.count(text) for text in (WARNING, "of others")] == [1, 1]
+    assert errors.count(WARNING) == bool(first)
+
+
 @pytest.mark.long
 def test_filters_still_count():
     assert WARNING not in "".join(python("-W", "ignore", "-c", BUILD + "simulate()", code=0))

@@ -184,11 +184,11 @@ def test_the_drop_in_block_refuses_states_as_inputs_too():
 
 @pytest.mark.parametrize("name", ["propulsion/engine/thrust-lbs", "velocities/p-rad_sec"])
 def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
-    with pytest.raises(PropertyError, match=r"no port .*output_properties=.*JSBSimFDM"):
+    with pytest.raises(ParameterError, match=r"no port .*output_properties=.*JSBSimFDM"):
         airliner()[name]
-    with pytest.raises(PropertyError, match=r"'h_agl' is one with output_properties=\['h_agl'\]"):
+    with pytest.raises(ParameterError, match=r"'h_agl' is one with output_properties=\['h_agl'\]"):
         airliner()["h_agl"]
-    with pytest.raises(PropertyError, match=r"with input_properties=.* or output_properties="):
+    with pytest.raises(ParameterError, match=r"with input_properties=.* or output_properties="):
         airliner()["flaps"]
 
 

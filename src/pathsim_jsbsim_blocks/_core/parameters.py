@@ -21,9 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from pathsim.blocks import Block
 
-from ..errors import BlocksError, ParameterError
 from .callers import keep_warnings_visible
-from .checks import did_you_mean, nearest_ports, refuse_unknown
+from .checks import did_you_mean, nearest_ports, refuse, refuse_unknown
 from .pathsim_internals import NamedRegister, port_names
 from .ports import label
 
@@ -156,13 +155,14 @@ class Parametric(Block):
         for port in key if isinstance(key, (list, tuple)) else [key]:
             if isinstance(port, str) and port not in names:
                 close = nearest_ports(port, names)
-                known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}"
+                known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}."
                 message = f"{type(self).__name__} has no port {port!r}{known}"
-                raise self._no_port(message, port, close)
+                refuse("port", port, f"{message} {self._further_ports(port)}".rstrip(". "))
         return super().__getitem__(key)
 
     def _ipython_key_completions_(self) -> list[str]:
         return [*port_names(self.inputs), *port_names(self.outputs)]
 
-    def _no_port(self, message: str, port: str, close: list[str]) -> BlocksError:
-        return ParameterError(message, parameter="port", value=port)
+    def _further_ports(self, port: str) -> str:
+        """How a block gets a port that it does not have, for the error that names it."""
+        return ""

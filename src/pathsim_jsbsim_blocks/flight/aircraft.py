@@ -20,7 +20,6 @@ from .._core.callers import warn_user
 from .._core.checks import flag, number, optional, positive, whole
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from ..errors import PropertyError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
@@ -170,17 +169,15 @@ class Aircraft(FlightBlock):
             outputs.append(Channel(port, names, 1.0, unit_of(names[0])))
         return [*inputs, Channel("throttle", engines, 1.0, "norm")], outputs
 
-    def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
+    def _further_ports(self, port: str) -> str:
         kinds = zip(("input_properties", "output_properties"), self._short, strict=True)
         ways = [f"{kind}=[{port!r}]" for kind, short in kinds if port in short]
-        further = (
-            f"{port!r} is one with {' or '.join(ways)}"
-            if ways
-            else "Other properties are ports with input_properties=[...] and "
-            "output_properties=[...], or of JSBSimFDM"
+        if ways:
+            return f"{port!r} is one with {' or '.join(ways)}"
+        return (
+            "Other properties are ports with input_properties=[...] and output_properties=[...], "
+            "or of JSBSimFDM"
         )
-        end = "" if message.endswith("?") else "."
-        return super()._no_port(f"{message}{end} {further}", port, close)
 
     def _warn_of_units(self, port: int, increment: float) -> None:
         """Warn once of an increment that must be in another unit: degrees, or percent."""

@@ -28,7 +28,6 @@ from ..errors import (
     CopyError,
     FlightError,
     ParameterError,
-    PropertyError,
 )
 from ..linear.model import LinearModel
 from . import from_trim
@@ -369,11 +368,8 @@ class FlightBlock(Parametric, SampledPlant):
             if isinstance(port, int) and port >= max(self._n_inputs, self._n_outputs):
                 message = f"{type(self).__name__} has {self._n_inputs} inputs and "
                 message += f"{self._n_outputs} outputs, no port {port}"
-                raise self.airframe.property_error(str(port), message)
+                refuse("port", port, message)
         return reference
-
-    def _no_port(self, message: str, port: str, close: Sequence[str]) -> PropertyError:
-        return PropertyError(message, aircraft=self.airframe.aircraft, name=port, nearest=close)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         # copy.copy and copy.deepcopy ask here too
