@@ -109,7 +109,6 @@ CASES = {
         ({"properties": "turbulence"}, "properties must be a dict"),
         ({"create": ["a"]}, "create must be a dict"),
         ({"allow_network": "no"}, "allow_network must be True or False"),
-        ({"record_inputs": 1}, "record_inputs must be True or False"),
     ],
     PropertyError: [
         (inputs("fcs/elevator-cmd-nrm"), "no property", "fcs/elevator-cmd-norm"),

@@ -308,7 +308,6 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"reward": 3.0}, "reward must be a function"),
         ({"normalise": True}, "normalise needs a range of 'plane.theta'"),
         ({"wired": "yes"}, "'refuse', 'replace'"),
-        ({"restart": "quick"}, "'trimmed', 'restored'"),
         ({"render_mode": "human"}, "rgb_array"),
     ],
 )
@@ -360,7 +359,6 @@ def test_a_refused_environment_leaves_the_simulation_as_it_was():
         {"action": {**ELEVATOR, "plane.rudder": (-1, 1)}},
         {"action": ELEVATOR, "step": 0.013},
         {"action": ELEVATOR, "normalise": True},
-        {"action": {"plane.rudder": (-1, 1)}, "wired": "replace", "restart": "quick"},
         {"action": {"plane.rudder": (-1, 1), "alias.rudder": (-1, 1)}, "wired": "replace"},
     ):
         with pytest.raises(ParameterError):

@@ -26,8 +26,8 @@ GONE = {
     "systems.py": "systems",
     "curves.py": "exact_curves",
     "own_aircraft.py": "write_aircraft",
-    "restored.py": "restored",
-    "checkpoint.py": "checkpoint",
+    "restored.py": "restart",
+    "checkpoint.py": "record_inputs",
     "thinned.py": "thinned",
 }
 

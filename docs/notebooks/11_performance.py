@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 11. Performance charts
 #
-# What can the Cessna 172P do, and is it what its handbook says? One function trims it at full throttle, with the throttle
+# What can the Cessna 172P do? One function trims it at full throttle, with the throttle
 # closed and in level flight, over all airspeeds, and flies a sample of what it finds.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
@@ -30,51 +30,18 @@ best[
 ].round(2)
 
 # %% [markdown]
-# ## Against the handbook
+# ## Where the values come from
 #
-# The specifications of the Pilot's Operating Handbook of 1982 (section 1) at 2400 lb, as a table. From a file,
-# `pathsim-jsbsim chart c172p --handbook FILE.csv` does the same.
+# A rate of climb is excess power over weight. That of the model, at sea level:
 
 # %%
-import pandas as pd
-
-handbook = pd.DataFrame(
-    [
-        ("stall speed", 0, 2400, 0, 51, "KCAS"),
-        ("stall speed", 0, 2400, 1, 46, "KCAS"),
-        ("highest level speed", 0, 2400, 0, 123, "KTAS"),
-        ("best rate of climb", 0, 2400, 0, 700, "ft/min"),
-    ],
-    columns=[
-        "quantity",
-        "altitude_ft",
-        "weight_lb",
-        "flaps_norm",
-        "value",
-        "unit",
-    ],
-).assign(source="section 1, specifications")
-compared, at_2400 = studies.against_handbook(
-    "c172p", handbook, progress=False
-)
-compared[
-    ["quantity", "flaps_norm", "value", "model", "difference_percent"]
-].round(1)
+sea = table[(table.altitude_ft == 0) & (table.flaps_norm == 0)]
+climb = sea[sea.quantity == "best rate of climb"].iloc[0]
+power = climb.weight_lb * climb.value / 33000
+print(f"{climb.value:.0f} ft/min take {power:.0f} hp of excess power")
 
 # %% [markdown]
-# ## Where the differences come from
-#
-# The terms of lift, drag and thrust stand in the same table. A rate of climb is excess power over weight:
-
-# %%
-for source, rate in (("handbook", 700), ("model", compared.model[3])):
-    print(f"{source}: {2400 * rate / 33000:.0f} hp of excess power")
-compared.loc[
-    3, ["lift slope", "drag at zero lift", "full thrust at Vy"]
-].astype(float).round(3)
-
-# %% [markdown]
-# The aircraft has 160 hp. The model's engine at sea level:
+# The aircraft has 160 hp; the model's engine gives more, so it climbs better than the aircraft:
 
 # %%
 from pathsim_jsbsim_blocks.flight import Airframe, TrimCondition, trim
@@ -85,19 +52,15 @@ trim(plane, condition, hint=False)
 print(f"{plane.fdm['propulsion/engine/power-hp']:.0f} hp")
 
 # %% [markdown]
-# That explains climb and level speed. The stall is faster because the model's wing, trimmed, has a smaller largest lift
-# coefficient $C_L = 2W / (\rho_0 V^2 S)$ than the handbook's speeds ask for; `reason` says what limits its glides:
+# A stall speed is the largest lift coefficient in trim, $C_L = 2W / (\rho_0 V^2 S)$; `reason` says what limits it:
 
 # %%
-stalls = compared[compared.quantity == "stall speed"]
+stalls = table[(table.quantity == "stall speed") & (table.altitude_ft == 0)]
 for row in stalls.itertuples():
-    for source, knots in (("handbook", row.value), ("model", row.model)):
-        pressure = 0.5 * 0.0023769 * (1.68781 * knots) ** 2
-        lift = 2400 / (pressure * 174)
-        print(f"flaps {row.flaps_norm:.0f}, {source}: CL {lift:.2f}")
-print(
-    f"the model's glides are limited by: {', '.join(sorted(set(stalls.reason)))}"
-)
+    pressure = 0.5 * 0.0023769 * (1.68781 * row.value) ** 2
+    lift = row.weight_lb / (pressure * 174)
+    case = f"{row.weight_lb:.0f} lb, flaps {row.flaps_norm:.0f}"
+    print(f"{case}: CL {lift:.2f}, {row.reason}")
 
 # %% [markdown]
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on

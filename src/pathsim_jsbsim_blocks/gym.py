@@ -17,7 +17,7 @@ import numpy as np
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 
-from ._core.callers import frames, warn_user
+from ._core.callers import frames
 from ._core.checks import (
     check_range,
     did_you_mean,
@@ -366,7 +366,6 @@ def make_env(
     wired: str = "refuse",
     normalise: bool = False,
     crash: float = 0.0,
-    restart: str = "trimmed",
     render_mode: str | None = None,
 ) -> DiagramEnv:
     """An environment of Gymnasium made of a diagram.
@@ -406,9 +405,6 @@ def make_env(
         observations and actions between -1 and 1 over their ranges
     crash : float
         reward of a step that ends in a `FlightError`
-    restart : str
-        has no effect but a warning where it is not "trimmed": each episode starts as a fresh
-        diagram does, bit for bit
     render_mode : str, optional
         "rgb_array"
 
@@ -419,9 +415,7 @@ def make_env(
         wired, an adaptive solver, a ``step`` that is not a multiple of ``dt``, and a simulation
         that is an environment already
     """
-    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings", "restart")}
-    if one_of("restart", restart, ("trimmed", "restored")) != "trimmed":
-        warn_user("restart='restored' is gone: each episode loads and trims its aircraft anew")
+    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
     if not action or not observation:
         refuse("action", action, "an environment needs at least one action and one observation")
     chosen = mapping("settings", settings)

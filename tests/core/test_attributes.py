@@ -68,7 +68,6 @@ REFUSED = [
     ("gravity", "none"),
     ("allow_network", "no"),
     ("allow_files", 1),
-    ("record_inputs", "no"),
     ("flightgear", 5550),
     ("input_properties", ["fcs/flap-cmd-norm"]),
     ("output_properties", "alpha"),
@@ -115,7 +114,6 @@ def test_nothing_is_said_where_the_flight_has_the_value_or_a_script_is_set():
         warnings.simplefilter("error")
         plane = Aircraft("c172p", **LEVEL)
         plane.speed = 90
-        plane.record_inputs = True  # does nothing
         sim = flying(plane)
         fly(sim, 0.1)
         sim.reset()

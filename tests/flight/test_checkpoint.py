@@ -29,11 +29,6 @@ def test_an_aircraft_refuses_and_leaves_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_record_inputs_keeps_its_place_and_says_that_it_is_gone():
-    with pytest.warns(RuntimeWarning, match="record_inputs is gone and does nothing"):
-        Aircraft("c172p", altitude=5000, speed=90, record_inputs=True)
-
-
 BLOCKS = [
     lambda: DiscretePID(Kp=0.5, Ki=0.3, T=0.03),
     lambda: PitchHold("c172p", theta_ref=3.0),

@@ -10,12 +10,10 @@ import pytest
 from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition
-from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.studies import against_handbook, performance_chart, performance_table
+from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.field import field
 from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate, extremes, loading
-from pathsim_jsbsim_blocks.studies.handbook import _compared, _rows
 from pathsim_jsbsim_blocks.studies.performance import (
     _PARTS,
     COLUMNS,
@@ -338,44 +336,6 @@ def test_the_page_of_a_table_without_values_shows_the_reasons():
         performance_chart(pandas.DataFrame({"a": [1]}))
 
 
-def test_handbook_without_a_column_is_refused(tmp_path, capsys):
-    file = tmp_path / "handbook.csv"
-    file.write_text("quantity,value\nstall speed,51\n", encoding="utf-8")
-    for options, said in (([], "no column 'altitude_ft'"), (["--flaps", "1"], "leave out --flaps")):
-        assert main(["chart", "c172p", "--handbook", str(file), *options]) == 1
-        assert said in capsys.readouterr().err
-
-
-def test_a_value_of_a_handbook_at_an_airspeed_is_read_off_the_curve():
-    rows = [
-        {"chart": "level", "quantity": "thrust required", "unit": "lbf", "altitude_ft": 0.0}
-        | {"weight_lb": 2400.0, "flaps_norm": 0.0, "speed_kcas": speed, "value": thrust}
-        for speed, thrust in ((80.0, 200.0), (100.0, 240.0))
-    ]
-    table = pandas.DataFrame(rows, columns=list(COLUMNS))
-    asked = {"quantity": "thrust required", "unit": "lbf", "altitude_ft": 0.0, "source": ""}
-    asked |= {"weight_lb": 2400.0, "flaps_norm": 0.0, "value": 200.0}
-    found = _compared({**asked, "speed_kcas": 90.0}, table)
-    assert (found["model"], found["difference_percent"]) == (220.0, pytest.approx(10.0))
-    beyond = _compared({**asked, "speed_kcas": 120.0}, table)
-    assert math.isnan(beyond["model"])
-    assert beyond["reason"] == "not at these conditions"
-    bare = {**asked, "quantity": "best glide ratio", "unit": math.nan, "value": 9.0}
-    assert list(_rows(pandas.DataFrame([bare])).value) == [9.0]
-    # before any trim
-    for wrong, message in (
-        ({"unit": "N"}, "thrust required is in lbf, not 'N'"),
-        ({"quantity": "thrust requird"}, "did you mean 'thrust required'"),
-        ({"quantity": math.nan}, "no chart has nan"),
-        ({"altitude_ft": "sea level"}, "altitude_ft"),
-        ({"weight_lb": "x"}, "weight_lb"),
-        ({"value": ""}, "value"),
-        ({"value": 0}, "value"),
-    ):
-        with pytest.raises(ParameterError, match=message):
-            against_handbook("c172p", pandas.DataFrame([{**asked, **wrong}]))
-
-
 def v_n_rows(*points):
     rows = [{"load_factor": n, "value": keas} for n, keas in points]
     rows = [{"chart": "V-n", "quantity": "speed at the lift limit", **row} for row in rows]
@@ -402,17 +362,6 @@ def test_a_c172p_has_a_negative_lift_limit():
     # at -5 deg, the model's limit, its table has CL = -0.206, and 0.43 per rad of elevator, 23 deg
     keas = [math.sqrt(940.0 / (c * 0.5 * 0.0023769 * 174.0)) / 1.68781 for c in (0.206, 0.033)]
     assert keas[0] < speed < keas[1]
-
-
-@pytest.mark.long
-def test_c172p_against_its_handbook(tmp_path):
-    file = tmp_path / "handbook.csv"
-    head = "quantity,altitude_ft,weight_lb,flaps_norm,value,unit,source\n"
-    rows = "stall speed,0,2400,0,51,KCAS,Specifications\nservice ceiling,,2400,,13000,ft,same\n"
-    file.write_text(head + rows, encoding="utf-8")
-    compared, table = against_handbook("c172p", file, progress=False)
-    assert compared.model.between([50.0, 12000.0], [60.0, 20000.0]).all()
-    assert (table.difference_percent.abs().dropna() < 1.0).all()
 
 
 @pytest.mark.long

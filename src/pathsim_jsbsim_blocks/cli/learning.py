@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import ast
 import inspect
 import re
 import textwrap
@@ -103,7 +102,7 @@ def help_(args: argparse.Namespace) -> None:
         refuse("block", args.block, f"no block {args.block!r}{names}")
     print((inspect.getdoc(found) or "").replace("``", "`").rstrip())
     if is_block(found):
-        _print_below(*_use(args.block, found))
+        _print_below("In a diagram", *_use(args.block, found))
     if not (inspect.isclass(found) and issubclass(found, Exception)):
         parameters = inspect.signature(found).parameters.values()
         shown = inspect.Signature([p.replace(annotation=p.empty) for p in parameters])
@@ -116,18 +115,7 @@ def _print_below(title: str, *lines: str) -> None:
 
 
 def _use(name: str, block: Any) -> list[str]:
-    """How the shortest diagram that has the block builds and connects it; else how one could."""
-    from ..catalogue import diagram_names, find_diagram
-
-    scripts = map(find_diagram, diagram_names())
-    for script in sorted(scripts, key=lambda file: file.stat().st_size):
-        tree = ast.parse(script.read_text(encoding="utf-8"))
-        for node in tree.body:
-            if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith(f"{name}("):
-                variable = re.compile(rf"\b{ast.unparse(node.targets[0])}\b")
-                calls = [ast.unparse(n) for n in ast.walk(tree) if isinstance(n, ast.Call)]
-                wires = [c for c in calls if c.startswith("Connection(") and variable.search(c)]
-                return [f"In the diagram {script.stem}", ast.unparse(node), *wires]
+    """How a diagram builds and connects a block."""
     inputs = [f"Connection(other, block[{port!r}])" for port in block.input_port_labels or ()]
     outputs = [f"Connection(block[{port!r}], other)" for port in block.output_port_labels or ()]
-    return ["In a diagram", f"block = {name}()", *inputs, *outputs]
+    return [f"block = {name}()", *inputs, *outputs]

@@ -74,39 +74,28 @@ def study(args: argparse.Namespace) -> None:
     number("--weight", "lb, one or several", nargs="+"),
     number("--flaps", "0 to 1, one or several", nargs="+"),
     repeatable("--save", "write page (.pdf, .png, .svg) or table (.csv)", "FILE", type=Path),
-    file("--handbook", "compare with these values of a handbook, at their conditions"),
     JOBS,
     RESUME,
     ROOT,
 )
 def chart(args: argparse.Namespace) -> None:
-    from .._core.checks import refuse
     from ..plots import show
-    from ..studies import against_handbook, performance_chart, performance_table
+    from ..studies import performance_chart, performance_table
 
     for path in args.save:
         check_file("save", path, ".pdf", ".png", ".svg", ".csv")
     options = {"root": args.root, "jobs": args.jobs, "resume": args.resume}
+    axes = {"altitudes": args.altitude, "weights": args.weight, "flaps": args.flaps}
+    table = performance_table(args.aircraft, **axes, **options)
     at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]
-    found = ["unit", "difference_percent", "reason"]
-    if args.handbook is not None:
-        for name in ("altitude", "weight", "flaps"):
-            if getattr(args, name) is not None:
-                refuse(name, getattr(args, name), f"--handbook has its own: leave out --{name}")
-        written, table = against_handbook(args.aircraft, args.handbook, **options)
-        _print_table(written[[*at, "speed_kcas", "value", "model", *found]])
-        terms = written.columns[written.columns.get_loc("reason") + 1 : -1]
-        _print_table(written[["altitude_ft", "weight_lb", *terms]].drop_duplicates())
-    else:
-        axes = {"altitudes": args.altitude, "weights": args.weight, "flaps": args.flaps}
-        written = table = performance_table(args.aircraft, **axes, **options)
-        # a curve is drawn, its best value is printed
-        single = ~table.duplicated(["chart", *at[:3]], keep=False)
-        kept = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
-        _print_table(table[kept][[*at, "load_factor", "speed_kcas", "value", *found]])
+    result = ["load_factor", "speed_kcas", "value", "unit", "difference_percent", "reason"]
+    # a curve is drawn, its best value is printed
+    single = ~table.duplicated(["chart", *at[:3]], keep=False)
+    printed = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
+    _print_table(table[printed][[*at, *result]])
     for path in args.save:
         if path.suffix.lower() == ".csv":
-            _save_table(written, path)
+            _save_table(table, path)
         else:
             with saving_figures(path):
                 show(performance_chart(table), "")

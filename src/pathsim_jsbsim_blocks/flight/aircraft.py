@@ -136,7 +136,6 @@ class Aircraft(FlightBlock):
     properties: Mapping[str, float] | None = None
     root: str | None = None
     create: Mapping[str, float] | None = None
-    record_inputs: bool = parameter(False, flag)
     allow_network: bool = parameter(False, flag)
     allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"

@@ -17,7 +17,7 @@ from pathsim.utils.register import Register
 
 from .._core.aircraft_ports import property_of
 from .._core.callers import warn_user
-from .._core.checks import flag, number, refuse
+from .._core.checks import number, refuse
 from .._core.continuous import Matrices
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister, port_names, values
@@ -78,7 +78,6 @@ class FlightBlock(Parametric, SampledPlant):
     properties: Mapping[str, float] | None
     root: str | None
     create: Mapping[str, float] | None
-    record_inputs: bool
     flightgear: str | None
     input_properties: Sequence[str] | None
     output_properties: Sequence[str] | None
@@ -104,8 +103,6 @@ class FlightBlock(Parametric, SampledPlant):
 
     def begin(self) -> None:
         SampledPlant.__init__(self, self.T)
-        if flag("record_inputs", self.record_inputs):
-            warn_user("record_inputs is gone and does nothing: JSBSim cannot save its state")
         if self.flightgear is None:
             self.flightgear = next_address()
         self.input_properties = listed("input_properties", self.input_properties)
@@ -492,7 +489,7 @@ class FlightBlock(Parametric, SampledPlant):
     def _flight_key(self) -> str:
         """What the parameters ask for: the same for a flight to be flown again."""
         # as a text, because arrays do not compare to one value
-        return repr([getattr(self, f.name) for f in fields(self) if f.name != "record_inputs"])
+        return repr([getattr(self, f.name) for f in fields(self)])
 
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Refused: JSBSim cannot save its state."""

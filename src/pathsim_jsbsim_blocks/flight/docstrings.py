@@ -31,8 +31,6 @@ fill = filler(
         properties written after the trim (turbulence)
     """,
     surroundings=_same(Airframe, "create")
-    + "record_inputs : bool\n"
-    + "    does nothing, True warns: an aircraft has no checkpoints\n"
     + _same(Airframe, "allow_network allow_files integrators planet gravity flightgear"),
     motion="""
     theta, phi, psi

@@ -95,7 +95,6 @@ class JSBSimFDM(FlightBlock):
     properties: Mapping[str, float] | None = None
     substeps: int = parameter(1, whole, low=1)
     create: Mapping[str, float] | None = None
-    record_inputs: bool = parameter(False, flag)
     allow_network: bool = parameter(False, flag)
     allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"

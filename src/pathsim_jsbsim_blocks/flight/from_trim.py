@@ -38,7 +38,7 @@ def twin(flown: Flyable) -> Any:
     # the constructor of a user's subclass may have other parameters
     block: Any = next(c for c in type(flown).__mro__ if "__dataclass_fields__" in vars(c))
     parameters = {f.name: getattr(flown, f.name) for f in fields(block)}
-    sealed = dict.fromkeys(("record_inputs", "allow_network", "allow_files"), False)
+    sealed = dict.fromkeys(("allow_network", "allow_files"), False)
     other = block.__new__(block)
     other.__dict__["_before"] = flown._before
     with _unobserved(), sending_to(None):

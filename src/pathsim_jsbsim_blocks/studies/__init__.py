@@ -12,7 +12,6 @@ from .figures import (
     performance_chart,
     thrust_chart,
 )
-from .handbook import against_handbook
 from .modes import modes_over_speed
 from .performance import performance_table
 from .published import (
@@ -29,7 +28,6 @@ from .sweep import trim_sweep
 __all__ = [
     "STUDIES",
     "Study",
-    "against_handbook",
     "alpha_elevator_chart",
     "aoa_vs_cas",
     "aoa_vs_cas_loading",
